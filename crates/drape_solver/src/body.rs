@@ -1,0 +1,98 @@
+//! A body: topology, particles and settings, with what one step needs.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::columns::Columns;
+use crate::contact_particle_obstacle::ObstacleContacts;
+use crate::integrate::Drag;
+use crate::particles::Particles;
+use crate::settings::SolverSettings;
+use crate::stick::{iteration_stiffness, substep_damping};
+use crate::topology::Topology;
+
+/// A cloth, a rope or a rig, ready to be stepped.
+#[derive(Clone, Debug, Default)]
+pub struct Body {
+    /// Where the particles are and how they move.
+    pub particles: Particles,
+    /// How they are joined; shared between equal bodies.
+    pub topology: Arc<Topology>,
+    /// How the body is stepped.
+    pub settings: SolverSettings,
+    /// Scratch of the step, kept so that a step allocates nothing once warm.
+    pub context: BodyContext,
+}
+
+impl Body {
+    /// A body of these particles, joined by this topology.
+    pub fn new(particles: Particles, topology: Arc<Topology>, settings: SolverSettings) -> Self {
+        Self {
+            particles,
+            topology,
+            settings,
+            context: BodyContext::default(),
+        }
+    }
+
+    /// How long the body has been slower than the threshold of rest, in seconds.
+    pub fn still_for(&self) -> f32 {
+        self.context.still_for
+    }
+}
+
+/// What one body needs during a step. Holds nothing that outlives the step but its own memory and the time
+/// that the body has been still.
+#[derive(Clone, Debug, Default)]
+pub struct BodyContext {
+    /// Gravity: the same for all particles.
+    pub(crate) uniform_acceleration: Vec3,
+    /// Accelerations by wind and forces; empty where there are none.
+    pub(crate) acceleration: Columns,
+    /// Positions after integration: what projections are measured against.
+    pub(crate) integrated: Columns,
+    pub(crate) contacts: ObstacleContacts,
+    pub(crate) drag: Drag,
+    /// Factors of stiffness and damping, one for each batch of sticks.
+    pub(crate) stiffness: Vec<f32>,
+    pub(crate) damping: Vec<f32>,
+    /// How far each kinematic pin moves in a substep.
+    pub(crate) pin_shifts: Vec<(u32, Vec3)>,
+    pub(crate) still_for: f32,
+}
+
+impl Body {
+    /// Sets everything that stays the same through the substeps of one step.
+    pub(crate) fn begin_step(&mut self, substep: f32, substeps: u32) {
+        let Self { particles, topology, settings, context } = self;
+        particles.set_substep(substep);
+        context.drag = Drag::new(settings.drag, substep);
+        let materials = topology.batches.iter().map(|batch| &batch.material);
+        context.stiffness.clear();
+        context.stiffness.extend(
+            materials.clone().map(|m| iteration_stiffness(m.stiffness, substep, settings.iterations)),
+        );
+        context.damping.clear();
+        context.damping.extend(materials.map(|m| substep_damping(m, substep)));
+        context.integrated.reset(particles.len());
+        context.pin_shifts.clear();
+        for &(i, target) in &particles.pin_targets {
+            let way = target - particles.origin - particles.position.get(i as usize);
+            context.pin_shifts.push((i, way / substeps as f32));
+        }
+    }
+
+    /// Displacement of particle `i` in this substep so far: integration and projections.
+    pub(crate) fn travel(&self, i: usize) -> Vec3 {
+        let projected = self.particles.position.get(i) - self.context.integrated.get(i);
+        self.particles.displacement.get(i) + projected
+    }
+
+    /// Greatest speed of a particle in m/s.
+    pub(crate) fn greatest_speed(&self) -> f32 {
+        let d = &self.particles.displacement;
+        let squared = d.iter().map(|d| d.length_squared()).fold(0.0, f32::max);
+        squared.sqrt() / self.particles.substep
+    }
+}

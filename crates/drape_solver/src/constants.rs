@@ -1,0 +1,46 @@
+//! Every tolerance of the solver, with its unit and the reason for its value.
+
+/// Time that stiffness values refer to, in seconds: a stick of stiffness `s` loses the fraction `s` of
+/// its strain in one reference step. One frame of a 60 Hz game, the step that artists tune by.
+pub const REFERENCE_STEP: f32 = 1.0 / 60.0;
+
+/// Substep assumed until a body is first stepped, in seconds. Any value does: displacements are rescaled
+/// when the real substep is known. A power of two keeps that rescaling free of rounding.
+pub const INITIAL_SUBSTEP: f32 = 1.0 / 1024.0;
+
+/// Slack of the contact search, in metres: a particle this far beyond its reach is still looked at, as
+/// sticks and balls can push a particle faster within a step than it moved before.
+pub const CONTACT_MARGIN: f32 = 0.05;
+
+/// A ball may cross at most this fraction of its radius in one substep; faster balls get more substeps.
+/// At one half, a ball's centre cannot pass a face between two projections.
+pub const BALL_TRAVEL_PER_SUBSTEP: f32 = 0.5;
+
+/// Upper bound on substeps per step that a fast ball can ask for: bounds the work of a step.
+pub const MAX_SUBSTEPS: u32 = 256;
+
+/// Upper bound on relaxation iterations per substep: bounds the work of a step.
+pub const MAX_ITERATIONS: u32 = 1024;
+
+/// Tethers kept for each particle: the nearest pins. More buy nothing that can be seen.
+pub const MAX_TETHERS: usize = 4;
+
+/// A body whose centre is farther than this from its local origin is given a nearer one, in metres.
+/// Single precision resolves 4 micrometres there.
+pub const RECENTRE_DISTANCE: f32 = 64.0;
+
+/// Speed above which an obstacle's move counts as a teleport, which carries no velocity into contacts,
+/// in metres per second. Faster than anything a game swings; slower than any cut or respawn.
+pub const TELEPORT_SPEED: f32 = 300.0;
+
+/// Largest size, position or speed that a builder accepts (metres, metres per second): squares stay far
+/// from the end of single precision.
+pub const MAX_MAGNITUDE: f32 = 1.0e6;
+
+/// Colours used to make batches of sticks that share no particle. A particle with more sticks than this in
+/// one family puts the rest into a last batch that is relaxed in order.
+pub const MAX_COLOURS: usize = 64;
+
+/// Root mean square speed below which a body counts as still, in metres per second. A curtain of three metres
+/// that swings slower than this for a second moves less than two centimetres to either side.
+pub const REST_SPEED: f32 = 0.02;

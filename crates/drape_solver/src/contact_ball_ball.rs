@@ -1,0 +1,98 @@
+//! Balls against balls.
+
+use glam::Vec3;
+
+use crate::ball::SURFACE_INVERSE_MASS;
+use crate::friction::{combined, slip_taken};
+use crate::island::Island;
+use crate::touch::{Other, Projection, record};
+
+/// Two balls that may touch in this step; `a < b`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BallPair {
+    a: usize,
+    b: usize,
+    depth: f32,
+    /// From `b` to `a`.
+    normal: Vec3,
+}
+
+/// Lists the pairs that can meet within `dt` seconds.
+pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
+    let pairs = &mut island.context.ball_pairs;
+    pairs.clear();
+    for (b, second) in island.balls.iter().enumerate() {
+        for (a, first) in island.balls[..b].iter().enumerate() {
+            let reach = first.reach(dt, gravity) + second.reach(dt, gravity);
+            if first.position.distance_squared(second.position) < reach * reach {
+                pairs.push(BallPair { a, b, depth: 0.0, normal: Vec3::ZERO });
+            }
+        }
+    }
+}
+
+/// Forgets the last substep's depths.
+pub(crate) fn begin_substep(island: &mut Island) {
+    for pair in &mut island.context.ball_pairs {
+        pair.depth = 0.0;
+    }
+}
+
+/// Moves overlapping balls apart, each by its share of inverse mass.
+pub(crate) fn project(island: &mut Island) {
+    let Island { balls, touches, context, .. } = island;
+    for pair in &mut context.ball_pairs {
+        let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
+            continue;
+        };
+        let apart = a.position - b.position;
+        let distance = apart.length();
+        let depth = a.material.radius + b.material.radius - distance;
+        if depth <= 0.0 {
+            continue;
+        }
+        // Coincident centres have no direction of their own: one ball goes up.
+        pair.normal = if distance > 0.0 { apart / distance } else { Vec3::Y };
+        pair.depth += depth;
+        let push = depth / (a.inverse_mass + b.inverse_mass);
+        let gap_change = (a.travel() - b.travel()).dot(pair.normal);
+        let sides = [(pair.a, pair.b, &*a, 1.0), (pair.b, pair.a, &*b, -1.0)];
+        for (ball_index, other, ball, sign) in sides {
+            let normal = pair.normal * sign;
+            let projection = Projection {
+                ball: ball_index,
+                other: Other::Ball(other),
+                gap: -depth,
+                gap_change,
+                ball_position: ball.position,
+                ball_travel: ball.travel(),
+                point: ball.position - normal * ball.material.radius,
+                normal,
+                impulse: push / context.substep,
+            };
+            record(touches, &projection, context.substep_index, context.substep);
+        }
+        a.position += pair.normal * (push * a.inverse_mass);
+        b.position -= pair.normal * (push * b.inverse_mass);
+    }
+}
+
+/// Friction between the surfaces, which also turns the balls.
+pub(crate) fn apply_friction(island: &mut Island) {
+    let Island { balls, context, .. } = island;
+    for pair in &context.ball_pairs {
+        let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
+            continue;
+        };
+        if pair.depth == 0.0 {
+            continue;
+        }
+        let (arm_a, arm_b) = (pair.normal * -a.material.radius, pair.normal * b.material.radius);
+        let slip = a.surface_travel(arm_a) - b.surface_travel(arm_b);
+        let coefficient = combined(a.material.friction, b.material.friction);
+        let taken = slip_taken(slip, pair.normal, coefficient * SURFACE_INVERSE_MASS, pair.depth);
+        let push = taken / (SURFACE_INVERSE_MASS * (a.inverse_mass + b.inverse_mass));
+        a.push_surface(arm_a, -push);
+        b.push_surface(arm_b, push);
+    }
+}

@@ -1,0 +1,134 @@
+//! Balls against obstacles: projection, friction with spin, rolling resistance.
+
+use glam::Vec3;
+
+use crate::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
+use crate::friction::{combined, slip_taken};
+use crate::island::Island;
+use crate::obstacle::Obstacle;
+use crate::pose::Pose;
+use crate::shape::{Plane, Shape, container_walls};
+use crate::touch::{Other, Projection, record};
+
+/// A ball and an obstacle that may touch in this step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BallObstacle {
+    ball: usize,
+    obstacle: usize,
+    plane: Option<Plane>,
+    depth: f32,
+    normal: Vec3,
+    before: Pose,
+    now: Pose,
+}
+
+/// Lists the pairs whose boxes come within `dt` seconds of each other.
+pub(crate) fn detect(island: &mut Island, obstacles: &[Obstacle], dt: f32, gravity: f32) {
+    let pairs = &mut island.context.ball_obstacle;
+    pairs.clear();
+    for (ball_index, ball) in island.balls.iter().enumerate() {
+        let reach = ball.reach(dt, gravity);
+        for (obstacle_index, obstacle) in obstacles.iter().enumerate() {
+            let (low, high) = obstacle.swept_bounds();
+            if !(ball.position - reach).cmple(high).all()
+                || !(ball.position + reach).cmpge(low).all()
+            {
+                continue;
+            }
+            let pose = obstacle.pose_at(0.0, Vec3::ZERO);
+            let mut add = |plane| {
+                pairs.push(BallObstacle {
+                    ball: ball_index,
+                    obstacle: obstacle_index,
+                    plane,
+                    depth: 0.0,
+                    normal: Vec3::ZERO,
+                    before: pose,
+                    now: pose,
+                });
+            };
+            if let Shape::Container { half_extents } = obstacle.shape() {
+                container_walls(*half_extents).into_iter().for_each(|wall| add(Some(wall)));
+            } else {
+                add(None);
+            }
+        }
+    }
+}
+
+/// Brings the obstacles to the end of the current substep and forgets the last one's depths.
+pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
+    let context = &mut island.context;
+    let (index, count) = (context.substep_index, context.substeps);
+    for pair in &mut context.ball_obstacle {
+        let pose_at =
+            |k: u32| obstacles[pair.obstacle].pose_at(k as f32 / count as f32, Vec3::ZERO);
+        pair.before = pose_at(index);
+        pair.now = pose_at(index + 1);
+        pair.depth = 0.0;
+    }
+}
+
+/// Moves every ball that lies inside an obstacle out to its surface.
+pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
+    let Island { balls, touches, context, .. } = island;
+    for pair in &mut context.ball_obstacle {
+        let ball = &mut balls[pair.ball];
+        let local = pair.now.to_local(ball.position);
+        let surface = match pair.plane {
+            Some(plane) => plane.surface(local),
+            None => obstacles[pair.obstacle].shape().surface(local),
+        };
+        let depth = ball.material.radius - surface.distance;
+        if depth > 0.0 {
+            pair.normal = pair.now.direction_to_world(surface.normal);
+            pair.depth += depth;
+            let travel = ball.travel();
+            let carried = pair.now.point_to_world(local) - pair.before.point_to_world(local);
+            let projection = Projection {
+                ball: pair.ball,
+                other: Other::Obstacle(pair.obstacle),
+                gap: -depth,
+                gap_change: (travel - carried).dot(pair.normal),
+                ball_position: ball.position,
+                ball_travel: travel,
+                point: ball.position - pair.normal * surface.distance,
+                normal: pair.normal,
+                impulse: depth * ball.material.mass / context.substep,
+            };
+            record(touches, &projection, context.substep_index, context.substep);
+            ball.position += pair.normal * depth;
+        }
+    }
+}
+
+/// Friction at the point of contact, which turns sliding into rolling, and the resistance that ends rolling.
+pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
+    for pair in &island.context.ball_obstacle {
+        if pair.depth == 0.0 {
+            continue;
+        }
+        let ball = &mut island.balls[pair.ball];
+        let coefficient = combined(ball.material.friction, obstacles[pair.obstacle].friction());
+        let arm = pair.normal * -ball.material.radius;
+        let point = ball.position + arm;
+        let carried = point - pair.before.point_to_world(pair.now.to_local(point));
+        // The whole slip of a sphere's surface takes a push of slip / (3.5 w); Coulomb's limit is in terms of
+        // the push on a mass point, mu * depth / w. In units of slip that limit is 3.5 times as long.
+        let slip = ball.surface_travel(arm) - carried;
+        let limit = coefficient * SURFACE_INVERSE_MASS;
+        let taken = slip_taken(slip, pair.normal, limit, pair.depth);
+        ball.push_surface(arm, -taken / (SURFACE_INVERSE_MASS * ball.inverse_mass));
+        resist_rolling(ball, pair.depth);
+    }
+}
+
+/// The ground's reaction acts ahead of the centre by `rolling_resistance` radii and so brakes the spin by the
+/// moment `resistance r N`, with `N h^2 = m depth`; it never reverses it. Spin about the normal is braked
+/// alike: a ball must not stand and whirl for ever.
+fn resist_rolling(ball: &mut Ball, depth: f32) {
+    let spin = ball.spin.length();
+    let BallMaterial { radius, rolling_resistance, .. } = ball.material;
+    let most = 2.5 * rolling_resistance * depth / (radius * ball.substep);
+    ball.spin = if spin <= most { Vec3::ZERO } else { ball.spin * (1.0 - most / spin) };
+}

@@ -1,0 +1,168 @@
+//! What can be wrong with what the caller asks for.
+
+use thiserror::Error;
+
+/// Why a body, an obstacle or a ball cannot be built.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A number is NaN, infinite, or too large to compute with.
+    #[error("{field} must be finite and below 1e6, but is {value}")]
+    NotFinite {
+        /// The field at fault.
+        field: &'static str,
+        /// Its value.
+        value: f32,
+    },
+    /// A number that must be above zero is zero or negative.
+    #[error("{field} must be above zero, but is {value}")]
+    NotPositive {
+        /// The field at fault.
+        field: &'static str,
+        /// Its value.
+        value: f32,
+    },
+    /// A number lies outside its range.
+    #[error("{field} must be from {min} to {max}, but is {value}")]
+    OutOfRange {
+        /// The field at fault.
+        field: &'static str,
+        /// Its value.
+        value: f32,
+        /// The least value allowed.
+        min: f32,
+        /// The greatest value allowed.
+        max: f32,
+    },
+    /// A body needs more particles than it was given.
+    #[error("{body} needs at least {needed} particles, but has {found}")]
+    TooFewParticles {
+        /// The kind of body.
+        body: &'static str,
+        /// The least number of particles.
+        needed: u32,
+        /// The number asked for.
+        found: u32,
+    },
+    /// A body would have more particles than 32-bit indices and memory allow.
+    #[error("{found} particles are too many for one body; the limit is {limit}")]
+    TooManyParticles {
+        /// The number asked for.
+        found: u64,
+        /// The greatest number allowed.
+        limit: u64,
+    },
+    /// The two axes of a cloth do not span a plane, or are not of length one.
+    #[error("the axes of a cloth must be of unit length and at right angles to each other")]
+    BadAxes,
+    /// A particle index points past the end.
+    #[error("{what} names particle {index}, but the body has {count}")]
+    NoSuchParticle {
+        /// What holds the index.
+        what: &'static str,
+        /// The index at fault.
+        index: u32,
+        /// The number of particles.
+        count: u32,
+    },
+    /// A stick joins a particle to itself.
+    #[error("a stick joins particle {particle} to itself")]
+    SameEnds {
+        /// The particle at both ends.
+        particle: u32,
+    },
+    /// Two sticks join the same two particles.
+    #[error("two sticks join particles {a} and {b}")]
+    DuplicateStick {
+        /// One end.
+        a: u32,
+        /// The other end.
+        b: u32,
+    },
+    /// Two particles that a stick joins lie in the same place, so that its rest length is zero.
+    #[error("particles {a} and {b} coincide: the stick between them would have rest length zero")]
+    ZeroRestLength {
+        /// One end.
+        a: u32,
+        /// The other end.
+        b: u32,
+    },
+    /// An obstacle's shape is one that point queries cannot handle.
+    #[error("the shape cannot be used as an obstacle: {reason}")]
+    BadShape {
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+}
+
+/// Why a step cannot be taken, or what it found.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The time step is zero, negative, NaN or infinite.
+    #[error("the time step must be finite and above zero, but is {0} s")]
+    BadTimestep(f32),
+    /// Gravity or wind is NaN or infinite.
+    #[error("{0} must be finite")]
+    BadEnvironment(&'static str),
+    /// A setting is outside its range.
+    #[error(transparent)]
+    BadSettings(#[from] BuildError),
+    /// The state of a body became NaN or infinite, by what was put into it.
+    #[error("body {0} holds a position or velocity that is not finite")]
+    NonFiniteBody(usize),
+    /// The state of a ball became NaN or infinite, by what was put into it.
+    #[error("ball {0} holds a position or velocity that is not finite")]
+    NonFiniteBall(usize),
+}
+
+/// Returns `value` if it is finite and of a magnitude that can be computed with.
+pub(crate) fn finite(field: &'static str, value: f32) -> Result<f32, BuildError> {
+    // `abs() <= MAX` is false for NaN.
+    if value.abs() <= crate::constants::MAX_MAGNITUDE {
+        Ok(value)
+    } else {
+        Err(BuildError::NotFinite { field, value })
+    }
+}
+
+/// Returns `value` if it is finite and above zero.
+pub(crate) fn positive(field: &'static str, value: f32) -> Result<f32, BuildError> {
+    if finite(field, value)? > 0.0 {
+        Ok(value)
+    } else {
+        Err(BuildError::NotPositive { field, value })
+    }
+}
+
+/// Returns `value` if it lies in `min..=max`.
+pub(crate) fn in_range(
+    field: &'static str,
+    value: f32,
+    min: f32,
+    max: f32,
+) -> Result<f32, BuildError> {
+    if value.is_nan() {
+        Err(BuildError::NotFinite { field, value })
+    } else if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        Err(BuildError::OutOfRange {
+            field,
+            value,
+            min,
+            max,
+        })
+    }
+}
+
+/// Returns `value` if all its components are finite.
+pub(crate) fn finite_vector(
+    field: &'static str,
+    value: glam::Vec3,
+) -> Result<glam::Vec3, BuildError> {
+    for component in value.to_array() {
+        finite(field, component)?;
+    }
+    Ok(value)
+}

@@ -1,0 +1,49 @@
+//! A fingerprint of states: equal bits give equal hashes on every machine.
+
+use core::hash::Hasher;
+
+use twox_hash::XxHash3_64;
+
+use crate::ball::Ball;
+use crate::particles::Particles;
+
+/// Collects states, in the order given, into one 64-bit hash.
+#[derive(Default)]
+pub struct StateHasher(XxHash3_64);
+
+impl StateHasher {
+    /// An empty one.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds positions, displacements and inverse masses of a body.
+    pub fn particles(&mut self, particles: &Particles) -> &mut Self {
+        self.values(&particles.origin.to_array());
+        let columns = particles.position.each().into_iter().chain(particles.displacement.each());
+        for column in columns {
+            self.values(column);
+        }
+        self.values(&particles.inverse_mass)
+    }
+
+    /// Adds position, displacement, rotation and spin of a ball.
+    pub fn ball(&mut self, ball: &Ball) -> &mut Self {
+        self.values(&ball.position.to_array())
+            .values(&ball.displacement.to_array())
+            .values(&ball.rotation.to_array())
+            .values(&ball.spin.to_array())
+    }
+
+    /// The hash of all that was added.
+    pub fn finish(&self) -> u64 {
+        self.0.finish()
+    }
+
+    fn values(&mut self, values: &[f32]) -> &mut Self {
+        for value in values {
+            self.0.write(&value.to_bits().to_le_bytes());
+        }
+        self
+    }
+}

@@ -1,0 +1,94 @@
+//! Islands: bodies and balls that can touch each other, stepped together and independent of all others.
+
+use glam::Vec3;
+
+use crate::ball::Ball;
+use crate::body::Body;
+use crate::contact_ball_ball::BallPair;
+use crate::contact_ball_cloth::BallCloth;
+use crate::contact_ball_obstacle::BallObstacle;
+use crate::force::Wind;
+use crate::obstacle::Obstacle;
+use crate::touch::Touch;
+
+/// What is the same for all islands in one step.
+#[derive(Clone, Debug)]
+pub struct Environment {
+    /// Length of the step in seconds.
+    pub dt: f32,
+    /// Acceleration of gravity in m/s^2.
+    pub gravity: Vec3,
+    /// The wind.
+    pub wind: Wind,
+    /// The obstacles.
+    pub obstacles: Vec<Obstacle>,
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Self {
+            dt: 1.0 / 60.0,
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            wind: Wind::default(),
+            obstacles: Vec::new(),
+        }
+    }
+}
+
+/// Bodies and balls that are stepped together.
+#[derive(Clone, Debug, Default)]
+pub struct Island {
+    /// Cloths, ropes and rigs.
+    pub bodies: Vec<Body>,
+    /// Cannon balls.
+    pub balls: Vec<Ball>,
+    /// What touched what in the last step, balls first by index.
+    pub touches: Vec<Touch>,
+    /// Scratch of the step.
+    pub context: IslandContext,
+}
+
+/// What an island needs during a step, kept so that a step allocates nothing once warm.
+#[derive(Clone, Debug, Default)]
+pub struct IslandContext {
+    /// Substeps of this step.
+    pub(crate) substeps: u32,
+    /// The substep that runs now, from 0.
+    pub(crate) substep_index: u32,
+    /// Length of a substep in seconds.
+    pub(crate) substep: f32,
+    pub(crate) ball_obstacle: Vec<BallObstacle>,
+    pub(crate) ball_cloth: Vec<BallCloth>,
+    pub(crate) ball_pairs: Vec<BallPair>,
+    pub(crate) marks: Vec<bool>,
+}
+
+impl Island {
+    /// An island of one body.
+    pub fn of_body(body: Body) -> Self {
+        Self {
+            bodies: vec![body],
+            ..Self::default()
+        }
+    }
+
+    /// An island of one ball.
+    pub fn of_ball(ball: Ball) -> Self {
+        Self {
+            balls: vec![ball],
+            ..Self::default()
+        }
+    }
+
+    /// Takes everything out, keeping the memory.
+    pub fn clear(&mut self) {
+        self.bodies.clear();
+        self.balls.clear();
+        self.touches.clear();
+    }
+
+    /// Substeps of the step that was [begun](crate::step::begin).
+    pub fn substeps(&self) -> u32 {
+        self.context.substeps
+    }
+}

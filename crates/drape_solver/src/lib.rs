@@ -1,0 +1,53 @@
+#![doc = include_str!("../README.md")]
+
+pub mod ball;
+pub mod ballistics;
+pub mod body;
+pub mod cloth;
+mod columns;
+pub mod constants;
+mod contact_ball_ball;
+mod contact_ball_cloth;
+mod contact_ball_obstacle;
+mod contact_particle_obstacle;
+pub mod error;
+pub mod force;
+mod friction;
+pub mod hash;
+mod integrate;
+pub mod island;
+pub mod measure;
+mod nearest;
+pub mod obstacle;
+pub mod particles;
+mod pose;
+mod rest;
+pub mod rope;
+pub mod settings;
+pub mod shape;
+pub mod step;
+pub mod stick;
+pub mod tether;
+pub mod topology;
+pub mod touch;
+
+pub use ball::{Ball, BallMaterial};
+pub use body::{Body, BodyContext};
+pub use cloth::{ClothBuilder, ClothMaterial, Edge};
+pub use error::{BuildError, StepError};
+pub use force::Wind;
+pub use hash::StateHasher;
+pub use island::{Environment, Island};
+pub use obstacle::Obstacle;
+pub use particles::Particles;
+pub use pose::Placement;
+pub use rope::RopeBuilder;
+pub use settings::{SolverSettings, StickProjection};
+pub use shape::Shape;
+pub use step::step;
+pub use tether::Tethers;
+pub use topology::{StickBatch, StickKind, StickMaterial, Topology, TopologyBuilder};
+pub use touch::{Other, Touch};
+
+pub use glam;
+pub use parry3d;

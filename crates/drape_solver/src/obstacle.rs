@@ -1,0 +1,180 @@
+//! Obstacles: what bodies and balls collide with, and what nothing pushes back.
+
+use glam::Vec3;
+
+use crate::constants::TELEPORT_SPEED;
+use crate::error::{BuildError, in_range};
+use crate::pose::{Placement, Pose};
+use crate::shape::Shape;
+
+/// A shape at a place, still or moving.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    shape: Shape,
+    placement: Placement,
+    /// Where it was one step ago: the difference is the velocity that enters contact and friction.
+    before: Placement,
+    friction: f32,
+}
+
+impl Obstacle {
+    /// An obstacle at rest, with a Coulomb friction coefficient (0 or more).
+    ///
+    /// # Errors
+    /// [`BuildError`] if the shape, the placement or the coefficient cannot be used.
+    pub fn new(shape: Shape, placement: Placement, friction: f32) -> Result<Self, BuildError> {
+        shape.validate()?;
+        in_range("friction", friction, 0.0, 1e3)?;
+        if !placement.is_valid() {
+            return Err(BuildError::BadShape { reason: "its placement is not finite" });
+        }
+        Ok(Self {
+            shape,
+            placement,
+            before: placement,
+            friction,
+        })
+    }
+
+    /// The horizontal ground at height 0, with friction 0.5.
+    pub fn ground() -> Self {
+        Self {
+            shape: Shape::HalfSpace { normal: Vec3::Y },
+            placement: Placement::default(),
+            before: Placement::default(),
+            friction: 0.5,
+        }
+    }
+
+    /// The shape.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// Where it is at the end of the coming step.
+    pub fn placement(&self) -> Placement {
+        self.placement
+    }
+
+    /// The friction coefficient.
+    pub fn friction(&self) -> f32 {
+        self.friction
+    }
+
+    /// Whether it moves in the coming step.
+    pub fn is_moving(&self) -> bool {
+        self.before != self.placement
+    }
+
+    /// Moves it to `placement` in the coming step of `dt` seconds. It travels there through the substeps and
+    /// takes with it what it touches, unless that would be faster than 300 m/s: then it is a
+    /// [teleport](Self::teleport). An invalid placement is ignored.
+    pub fn move_to(&mut self, placement: Placement, dt: f32) {
+        if !placement.is_valid() {
+            return;
+        }
+        self.before = self.placement;
+        self.placement = placement;
+        let moved = self.placement.translation.distance(self.before.translation);
+        if moved > TELEPORT_SPEED * dt {
+            self.before = placement;
+        }
+    }
+
+    /// Puts it at `placement` without any velocity. An invalid placement is ignored.
+    pub fn teleport(&mut self, placement: Placement) {
+        if placement.is_valid() {
+            self.placement = placement;
+            self.before = placement;
+        }
+    }
+
+    /// The pose at `fraction` of the step, relative to `origin`.
+    pub(crate) fn pose_at(&self, fraction: f32, origin: Vec3) -> Pose {
+        if self.is_moving() {
+            Pose::between(&self.before, &self.placement, fraction, origin)
+        } else {
+            Pose::between(&self.placement, &self.placement, 1.0, origin)
+        }
+    }
+
+    /// How far any point of it moves in the step, at most, in metres; a bound for the search.
+    pub(crate) fn travel(&self) -> f32 {
+        if !self.is_moving() {
+            return 0.0;
+        }
+        let moved = self.placement.translation.distance(self.before.translation);
+        let (low, high) = self.shape.local_bounds();
+        let arm = low.abs().max(high.abs()).length();
+        let (p, q) = (self.before.rotation, self.placement.rotation);
+        // The chord of the half angle, twice: at least the arc for turns below half a circle.
+        let turn = if p == q { 0.0 } else { 4.0 * (p - q).length().min((p + q).length()) };
+        if arm.is_finite() { moved + arm * turn } else { moved + turn }
+    }
+
+    /// A box around the obstacle through the whole step, as (least, greatest) corner in the world.
+    pub fn swept_bounds(&self) -> (Vec3, Vec3) {
+        let (low, high) = self.shape.local_bounds();
+        let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        if !half.is_finite() {
+            return (Vec3::splat(f32::NEG_INFINITY), Vec3::splat(f32::INFINITY));
+        }
+        let mut bounds = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
+        for fraction in [0.0, 1.0] {
+            let pose = self.pose_at(fraction, Vec3::ZERO);
+            let centre = pose.point_to_world(middle);
+            let axis = |unit: Vec3, half: f32| (pose.direction_to_world(unit) * half).abs();
+            let reach = axis(Vec3::X, half.x) + axis(Vec3::Y, half.y) + axis(Vec3::Z, half.z);
+            bounds.0 = bounds.0.min(centre - reach);
+            bounds.1 = bounds.1.max(centre + reach);
+        }
+        // A turning box bulges out between the two ends by less than its travel.
+        let slack = if self.before.rotation == self.placement.rotation { 0.0 } else { self.travel() };
+        (bounds.0 - slack, bounds.1 + slack)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    #[test]
+    fn a_jump_faster_than_anything_real_carries_no_velocity() {
+        let mut obstacle = Obstacle::ground();
+        obstacle.move_to(Placement::at(Vec3::X * 2.0), 1.0 / 60.0);
+        assert!(obstacle.is_moving());
+        obstacle.move_to(Placement::at(Vec3::X * 1000.0), 1.0 / 60.0);
+        assert!(!obstacle.is_moving());
+        obstacle.move_to(Placement::at(Vec3::NAN), 1.0 / 60.0);
+        assert_eq!(obstacle.placement().translation, Vec3::X * 1000.0);
+    }
+
+    #[test]
+    fn swept_bounds_hold_every_corner_on_the_way() {
+        let half_extents = Vec3::new(2.0, 0.1, 0.1);
+        let shape = Shape::Cuboid { half_extents };
+        let mut obstacle = Obstacle::new(shape, Placement::default(), 0.5).expect("valid");
+        let turned = Placement {
+            translation: Vec3::X * 0.5,
+            rotation: Quat::from_rotation_z(1.5),
+        };
+        obstacle.move_to(turned, 1.0 / 60.0);
+        let (low, high) = obstacle.swept_bounds();
+        for step in 0..=20 {
+            let pose = obstacle.pose_at(step as f32 / 20.0, Vec3::ZERO);
+            for corner in [half_extents, -half_extents] {
+                let p = pose.point_to_world(corner);
+                assert!(p.cmpge(low - 1e-5).all() && p.cmple(high + 1e-5).all());
+            }
+        }
+    }
+
+    #[test]
+    fn invalid_obstacles_are_refused() {
+        let shape = || Shape::Sphere { radius: 1.0 };
+        assert!(Obstacle::new(shape(), Placement::at(Vec3::NAN), 0.5).is_err());
+        assert!(Obstacle::new(shape(), Placement::default(), -1.0).is_err());
+        assert!(Obstacle::new(Shape::Sphere { radius: 0.0 }, Placement::default(), 0.5).is_err());
+    }
+}

@@ -1,0 +1,307 @@
+//! The state of a body: where its particles are and how they move.
+
+use glam::Vec3;
+
+use crate::columns::Columns;
+use crate::constants::INITIAL_SUBSTEP;
+use crate::error::{BuildError, finite_vector};
+
+/// Positions, displacements and inverse masses of a body's particles, as columns.
+///
+/// Positions are kept relative to [`origin`](Self::origin), a point near the body, so that single precision
+/// is as fine a kilometre away as at the centre of the world. The accessors take and give world coordinates.
+///
+/// The textbook Verlet state is the position and the previous position. Here the *displacement*
+/// `d = x - x*` of the last substep takes the previous position's place: the step `d += a dt^2; x += d` is
+/// algebraically the same, but does not lose `a dt^2` in the rounding of `2x - x*` (after two seconds of free
+/// fall from 100 m at 960 Hz: 0.2 mm of error against 5.6 m). As there is no second copy of the positions,
+/// there is also nothing to swap at the end of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Particles {
+    pub(crate) origin: Vec3,
+    /// The substep, in seconds, that displacements refer to.
+    pub(crate) substep: f32,
+    pub(crate) position: Columns,
+    pub(crate) displacement: Columns,
+    pub(crate) inverse_mass: Vec<f32>,
+    /// Forces of this step in newtons; empty while nobody applies one.
+    pub(crate) force: Columns,
+    /// Where pinned particles are to be at the end of the next step (world coordinates).
+    pub(crate) pin_targets: Vec<(u32, Vec3)>,
+    /// Set by whatever should rouse a sleeping body.
+    pub(crate) disturbed: bool,
+}
+
+impl Default for Particles {
+    fn default() -> Self {
+        Self {
+            origin: Vec3::ZERO,
+            substep: INITIAL_SUBSTEP,
+            position: Columns::default(),
+            displacement: Columns::default(),
+            inverse_mass: Vec::new(),
+            force: Columns::default(),
+            pin_targets: Vec::new(),
+            disturbed: false,
+        }
+    }
+}
+
+impl Particles {
+    /// Particles at rest at `positions` (world, metres), with `inverse_masses` (1/kg; 0 pins a particle), kept
+    /// relative to `origin`.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a position is not finite, or an inverse mass is negative or not finite, or the two
+    /// slices differ in length.
+    pub fn new(
+        origin: Vec3,
+        positions: &[Vec3],
+        inverse_masses: &[f32],
+    ) -> Result<Self, BuildError> {
+        if positions.len() != inverse_masses.len() {
+            return Err(BuildError::NoSuchParticle {
+                what: "a mass",
+                index: inverse_masses.len() as u32,
+                count: positions.len() as u32,
+            });
+        }
+        finite_vector("origin", origin)?;
+        let mut particles = Self {
+            origin,
+            ..Self::default()
+        };
+        for (&position, &inverse_mass) in positions.iter().zip(inverse_masses) {
+            finite_vector("position", position)?;
+            if !(inverse_mass >= 0.0 && inverse_mass.is_finite()) {
+                return Err(BuildError::OutOfRange {
+                    field: "inverse mass",
+                    value: inverse_mass,
+                    min: 0.0,
+                    max: f32::MAX,
+                });
+            }
+            particles.position.push(position - origin);
+            particles.displacement.push(Vec3::ZERO);
+            particles.inverse_mass.push(inverse_mass);
+        }
+        Ok(particles)
+    }
+
+    /// The number of particles.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Whether there are no particles.
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// The world position that stored positions are relative to.
+    pub fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// Position of particle `i` in the world, in metres.
+    ///
+    /// # Panics
+    /// If `i` is out of range, as for a slice; so do all methods here that take an index.
+    pub fn position(&self, i: usize) -> Vec3 {
+        self.origin + self.position.get(i)
+    }
+
+    /// Positions of all particles in the world, in metres.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
+        self.position.iter().map(|p| self.origin + p)
+    }
+
+    /// Position relative to [`origin`](Self::origin) of particle `i`, in metres: exact where
+    /// [`position`](Self::position) rounds.
+    pub fn local_position(&self, i: usize) -> Vec3 {
+        self.position.get(i)
+    }
+
+    /// Where particle `i` was one substep ago: the `x*` of the textbook form, derived as `x - d`.
+    pub fn previous_position(&self, i: usize) -> Vec3 {
+        self.origin + (self.position.get(i) - self.displacement.get(i))
+    }
+
+    /// Velocity of particle `i` in m/s: its displacement over the substep.
+    pub fn velocity(&self, i: usize) -> Vec3 {
+        self.displacement.get(i) / self.substep
+    }
+
+    /// Velocities of all particles in m/s.
+    pub fn velocities(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
+        (0..self.len()).map(|i| self.velocity(i))
+    }
+
+    /// Inverse mass of particle `i` in 1/kg; 0 for a pinned particle.
+    pub fn inverse_mass(&self, i: usize) -> f32 {
+        self.inverse_mass[i]
+    }
+
+    /// Whether particle `i` is pinned: nothing moves it but its pin target.
+    pub fn is_pinned(&self, i: usize) -> bool {
+        self.inverse_mass[i] == 0.0
+    }
+
+    /// Sets the inverse mass of particle `i` in 1/kg; 0 pins it where it is, anything else frees it.
+    /// Values that are negative or not finite are taken as 0.
+    pub fn set_inverse_mass(&mut self, i: usize, inverse_mass: f32) {
+        self.inverse_mass[i] = if inverse_mass.is_finite() {
+            inverse_mass.max(0.0)
+        } else {
+            0.0
+        };
+        if self.is_pinned(i) {
+            self.displacement.set(i, Vec3::ZERO);
+        }
+        self.disturbed = true;
+    }
+
+    /// Puts particle `i` at `position` (world, metres), keeping its velocity.
+    pub fn set_position(&mut self, i: usize, position: Vec3) {
+        self.position.set(i, position - self.origin);
+        self.disturbed = true;
+    }
+
+    /// Sets the velocity of particle `i` in m/s.
+    pub fn set_velocity(&mut self, i: usize, velocity: Vec3) {
+        self.displacement.set(i, velocity * self.substep);
+        self.disturbed = true;
+    }
+
+    /// Changes the momentum of particle `i` by `impulse` (newton seconds). This is Jakobsen's impulse by moving
+    /// `x*`: the position stays, the velocity changes by `impulse / mass`. A pinned particle does not react.
+    pub fn apply_impulse(&mut self, i: usize, impulse: Vec3) {
+        self.displacement
+            .add(i, impulse * (self.inverse_mass[i] * self.substep));
+        self.disturbed = true;
+    }
+
+    /// Adds a force (newtons) on particle `i`, which acts through the whole of the next step and is then
+    /// forgotten.
+    pub fn add_force(&mut self, i: usize, force: Vec3) {
+        if self.force.is_empty() {
+            self.force.reset(self.len());
+        }
+        self.force.add(i, force);
+        self.disturbed = true;
+    }
+
+    /// Asks that the pinned particle `i` be at `target` (world, metres) at the end of the next step. It
+    /// travels there evenly over the substeps, so that the cloth is pulled and not yanked. For a particle that
+    /// is not pinned this does nothing.
+    pub fn set_pin_target(&mut self, i: usize, target: Vec3) {
+        if self.is_pinned(i) && target != self.position(i) {
+            self.pin_targets.push((i as u32, target));
+            self.disturbed = true;
+        }
+    }
+
+    /// Moves the whole body by `offset` (metres) without changing its velocity or shape.
+    pub fn translate(&mut self, offset: Vec3) {
+        self.origin += offset;
+        self.disturbed = true;
+    }
+
+    /// Whether a force, an impulse, a pin or an edit has touched the body since its last step: what wakes a
+    /// sleeping body.
+    pub fn is_disturbed(&self) -> bool {
+        self.disturbed
+    }
+
+    /// Whether every position and velocity is finite.
+    pub fn is_finite(&self) -> bool {
+        let columns = self.position.each().into_iter().chain(self.displacement.each());
+        columns.flatten().all(|value| value.is_finite())
+    }
+
+    /// The smallest box around all particles, as (least, greatest) corner in the world.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let range = |column: &Vec<f32>| {
+            column.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &value| {
+                (low.min(value), high.max(value))
+            })
+        };
+        let [(x0, x1), (y0, y1), (z0, z1)] = self.position.each().map(range);
+        (
+            self.origin + Vec3::new(x0, y0, z0),
+            self.origin + Vec3::new(x1, y1, z1),
+        )
+    }
+
+    /// Brings displacements to the substep `substep` (seconds), so that velocities stay what they are when
+    /// the time step or the number of substeps changes.
+    pub(crate) fn set_substep(&mut self, substep: f32) {
+        if substep == self.substep {
+            return;
+        }
+        let factor = substep / self.substep;
+        for column in self.displacement.each_mut() {
+            column.iter_mut().for_each(|d| *d *= factor);
+        }
+        self.substep = substep;
+    }
+
+    /// Moves the origin to `origin`, keeping world positions.
+    pub(crate) fn recentre(&mut self, origin: Vec3) {
+        let shift = self.origin - origin;
+        let columns = self.position.each_mut();
+        for (column, shift) in columns.into_iter().zip(shift.to_array()) {
+            column.iter_mut().for_each(|x| *x += shift);
+        }
+        self.origin = origin;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one() -> Particles {
+        Particles::new(Vec3::X, &[Vec3::new(1.0, 2.0, 3.0)], &[2.0]).expect("valid")
+    }
+
+    #[test]
+    fn previous_position_and_velocity_are_views_of_the_displacement() {
+        let mut particles = one();
+        particles.set_velocity(0, Vec3::new(0.0, 10.24, 0.0));
+        assert_eq!(particles.velocity(0), Vec3::new(0.0, 10.24, 0.0));
+        let moved = particles.position(0) - particles.previous_position(0);
+        assert!((moved.y - 0.01).abs() < 1e-6);
+    }
+
+    #[test]
+    fn velocity_survives_a_change_of_substep() {
+        let mut particles = one();
+        particles.set_velocity(0, Vec3::new(1.0, 2.0, 3.0));
+        particles.set_substep(1.0 / 60.0);
+        assert!((particles.velocity(0) - Vec3::new(1.0, 2.0, 3.0)).length() < 1e-6);
+    }
+
+    #[test]
+    fn impulse_changes_velocity_by_impulse_over_mass_and_leaves_the_position() {
+        let mut particles = one();
+        particles.apply_impulse(0, Vec3::X);
+        assert_eq!(particles.position(0), Vec3::new(1.0, 2.0, 3.0));
+        assert!((particles.velocity(0) - Vec3::new(2.0, 0.0, 0.0)).length() < 1e-6);
+    }
+
+    #[test]
+    fn recentring_keeps_world_positions() {
+        let mut particles = one();
+        particles.recentre(Vec3::new(64.0, 0.0, 0.0));
+        assert_eq!(particles.position(0), Vec3::new(1.0, 2.0, 3.0));
+    }
+
+    #[test]
+    fn non_finite_positions_and_negative_masses_are_refused() {
+        assert!(Particles::new(Vec3::ZERO, &[Vec3::NAN], &[1.0]).is_err());
+        assert!(Particles::new(Vec3::ZERO, &[Vec3::ZERO], &[-1.0]).is_err());
+        assert!(Particles::new(Vec3::ZERO, &[Vec3::ZERO], &[f32::NAN]).is_err());
+        assert!(Particles::new(Vec3::ZERO, &[Vec3::ZERO], &[]).is_err());
+    }
+}

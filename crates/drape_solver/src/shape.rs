@@ -1,0 +1,309 @@
+//! Shapes of obstacles, and how far a point is from them.
+//!
+//! The common shapes are worked out here, as they are asked for millions of times a second; every other
+//! parry shape answers through its point query.
+
+use glam::Vec3;
+use parry3d::bounding_volume::Aabb;
+use parry3d::math::Pose as ParryPose;
+use parry3d::query::PointQuery;
+use parry3d::shape::{Shape as _, SharedShape, TriMesh, TriMeshFlags};
+
+use crate::error::{BuildError, finite_vector, positive};
+
+/// The form of an obstacle, in its own coordinates.
+#[derive(Clone)]
+pub enum Shape {
+    /// All that lies below the plane through the origin with this outward normal (unit length).
+    HalfSpace {
+        /// Points out of the solid.
+        normal: Vec3,
+    },
+    /// A ball about the origin.
+    Sphere {
+        /// Radius in metres.
+        radius: f32,
+    },
+    /// All points within `radius` of a segment on the Y axis.
+    Capsule {
+        /// Half the length of the segment in metres.
+        half_length: f32,
+        /// Radius in metres.
+        radius: f32,
+    },
+    /// A box about the origin.
+    Cuboid {
+        /// Half the sides in metres.
+        half_extents: Vec3,
+    },
+    /// The inside of a box: everything is kept within it.
+    Container {
+        /// Half the sides in metres.
+        half_extents: Vec3,
+    },
+    /// Any other parry shape, by its point query.
+    Parry(SharedShape),
+}
+
+impl core::fmt::Debug for Shape {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::HalfSpace { normal } => write!(f, "HalfSpace({normal})"),
+            Self::Sphere { radius } => write!(f, "Sphere({radius})"),
+            Self::Capsule { half_length, radius } => write!(f, "Capsule({half_length}, {radius})"),
+            Self::Cuboid { half_extents } => write!(f, "Cuboid({half_extents})"),
+            Self::Container { half_extents } => write!(f, "Container({half_extents})"),
+            Self::Parry(shape) => write!(f, "Parry({:?})", shape.shape_type()),
+        }
+    }
+}
+
+/// The nearest point of a surface, as seen from a point: `distance` is negative inside, `normal` (unit) points
+/// out of the solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Surface {
+    pub distance: f32,
+    pub normal: Vec3,
+}
+
+impl Shape {
+    /// A parry shape, as one of the shapes worked out here where there is one.
+    ///
+    /// A triangle mesh is given the pseudo-normals that tell its inside from its outside.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a size is not above zero or not finite, or if the shape has no surface.
+    pub fn from_parry(shape: SharedShape) -> Result<Self, BuildError> {
+        let own = if let Some(ball) = shape.as_ball() {
+            Self::Sphere { radius: ball.radius }
+        } else if let Some(cuboid) = shape.as_cuboid() {
+            Self::Cuboid { half_extents: Vec3::from(cuboid.half_extents.to_array()) }
+        } else if let Some(half_space) = shape.as_halfspace() {
+            Self::HalfSpace { normal: half_space.normal }
+        } else if let Some(mesh) = shape.as_trimesh() {
+            Self::Parry(oriented(mesh)?)
+        } else {
+            Self::Parry(shape)
+        };
+        own.validate()?;
+        Ok(own)
+    }
+
+    /// Checks sizes and normals.
+    ///
+    /// # Errors
+    /// [`BuildError`] naming the field at fault.
+    pub fn validate(&self) -> Result<(), BuildError> {
+        match self {
+            Self::HalfSpace { normal } => {
+                finite_vector("normal", *normal)?;
+                if (normal.length_squared() - 1.0).abs() > 1e-3 {
+                    return Err(BuildError::BadShape { reason: "the normal is not of unit length" });
+                }
+            }
+            Self::Sphere { radius } => {
+                positive("radius", *radius)?;
+            }
+            Self::Capsule { half_length, radius } => {
+                positive("half_length", *half_length)?;
+                positive("radius", *radius)?;
+            }
+            Self::Cuboid { half_extents } | Self::Container { half_extents } => {
+                for side in half_extents.to_array() {
+                    positive("half_extents", side)?;
+                }
+            }
+            Self::Parry(shape) => {
+                let aabb = shape.compute_local_aabb();
+                if !(aabb.mins.is_finite() && aabb.maxs.is_finite()) {
+                    return Err(BuildError::BadShape { reason: "its bounds are not finite" });
+                }
+                if aabb.mins == aabb.maxs {
+                    return Err(BuildError::BadShape { reason: "it has no extent" });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The surface nearest to `point`, in the shape's own coordinates. [`Shape::Container`] has six: see
+    /// [`container_walls`].
+    pub(crate) fn surface(&self, point: Vec3) -> Surface {
+        match self {
+            Self::HalfSpace { normal } => Surface { distance: normal.dot(point), normal: *normal },
+            Self::Sphere { radius } => from_core(point, *radius),
+            Self::Capsule { half_length, radius } => {
+                let on_axis = Vec3::Y * point.y.clamp(-half_length, *half_length);
+                from_core(point - on_axis, *radius)
+            }
+            Self::Cuboid { half_extents } => cuboid_surface(point, *half_extents),
+            Self::Container { half_extents } => {
+                let walls = container_walls(*half_extents).map(|wall| wall.surface(point));
+                let nearest = walls.into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
+                nearest.unwrap_or(walls[0])
+            }
+            Self::Parry(shape) => parry_surface(shape, point),
+        }
+    }
+
+    /// A box that holds the shape, as (least, greatest) corner in its own coordinates; infinite where it has
+    /// no end.
+    pub(crate) fn local_bounds(&self) -> (Vec3, Vec3) {
+        match self {
+            Self::HalfSpace { .. } | Self::Container { .. } => {
+                (Vec3::splat(f32::NEG_INFINITY), Vec3::splat(f32::INFINITY))
+            }
+            Self::Sphere { radius } => (Vec3::splat(-radius), Vec3::splat(*radius)),
+            Self::Capsule { half_length, radius } => {
+                let half = Vec3::new(*radius, half_length + radius, *radius);
+                (-half, half)
+            }
+            Self::Cuboid { half_extents } => (-*half_extents, *half_extents),
+            Self::Parry(shape) => {
+                let Aabb { mins, maxs } = shape.compute_aabb(&ParryPose::IDENTITY);
+                (mins, maxs)
+            }
+        }
+    }
+}
+
+/// A plane in an obstacle's own coordinates: points with `normal . p < offset` are inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plane {
+    pub normal: Vec3,
+    pub offset: f32,
+}
+
+impl Plane {
+    pub fn surface(self, point: Vec3) -> Surface {
+        Surface {
+            distance: self.normal.dot(point) - self.offset,
+            normal: self.normal,
+        }
+    }
+}
+
+/// The six walls of a container, each a plane that faces inwards.
+pub(crate) fn container_walls(half_extents: Vec3) -> [Plane; 6] {
+    let wall = |normal: Vec3, half: f32| Plane { normal, offset: -half };
+    [
+        wall(Vec3::X, half_extents.x),
+        wall(Vec3::NEG_X, half_extents.x),
+        wall(Vec3::Y, half_extents.y),
+        wall(Vec3::NEG_Y, half_extents.y),
+        wall(Vec3::Z, half_extents.z),
+        wall(Vec3::NEG_Z, half_extents.z),
+    ]
+}
+
+/// The surface at `radius` from a core point, given the vector from that core. At the core itself every
+/// direction is as near as another: up is taken.
+fn from_core(from_core: Vec3, radius: f32) -> Surface {
+    let length = from_core.length();
+    Surface {
+        distance: length - radius,
+        normal: if length > 0.0 { from_core / length } else { Vec3::Y },
+    }
+}
+
+/// ```text
+///          outside: to the nearest point of the box
+///      x----->+-----------+
+///             |   inside: |
+///             |       x-->|  out of the nearest face
+///             +-----------+
+/// ```
+fn cuboid_surface(point: Vec3, half: Vec3) -> Surface {
+    let beyond = point.abs() - half;
+    let outside = beyond.max(Vec3::ZERO);
+    let side = |value: f32| if value < 0.0 { -1.0 } else { 1.0 };
+    let sign = Vec3::new(side(point.x), side(point.y), side(point.z));
+    if outside != Vec3::ZERO {
+        let distance = outside.length();
+        return Surface { distance, normal: outside * sign / distance };
+    }
+    if beyond.x >= beyond.y && beyond.x >= beyond.z {
+        Surface { distance: beyond.x, normal: Vec3::X * sign.x }
+    } else if beyond.y >= beyond.z {
+        Surface { distance: beyond.y, normal: Vec3::Y * sign.y }
+    } else {
+        Surface { distance: beyond.z, normal: Vec3::Z * sign.z }
+    }
+}
+
+fn parry_surface(shape: &SharedShape, point: Vec3) -> Surface {
+    let projection = match shape.as_trimesh() {
+        // The plain query of a mesh always answers "outside"; this one asks the pseudo-normals.
+        Some(mesh) => {
+            use parry3d::query::PointQueryWithLocation;
+            mesh.project_local_point_and_get_location(point, false).0
+        }
+        None => shape.project_local_point(point, false),
+    };
+    let out = if projection.is_inside { projection.point - point } else { point - projection.point };
+    let length = out.length();
+    let distance = if projection.is_inside { -length } else { length };
+    // On the surface itself the direction is lost; from the middle of the shape outwards is a fair guess.
+    let normal = if length > 0.0 {
+        out / length
+    } else {
+        (point - shape.compute_local_aabb().center()).try_normalize().unwrap_or(Vec3::Y)
+    };
+    Surface { distance, normal }
+}
+
+fn oriented(mesh: &TriMesh) -> Result<SharedShape, BuildError> {
+    let mut mesh = mesh.clone();
+    mesh.set_flags(mesh.flags() | TriMeshFlags::ORIENTED)
+        .map_err(|_| BuildError::BadShape { reason: "its triangles do not form a surface" })?;
+    Ok(SharedShape::new(mesh))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The shapes by hand must agree with parry's, inside and outside.
+    #[test]
+    fn hand_written_shapes_agree_with_parry() {
+        let half = Vec3::new(0.5, 1.0, 2.0);
+        let pairs = [
+            (Shape::Sphere { radius: 0.7 }, SharedShape::ball(0.7)),
+            (Shape::Cuboid { half_extents: half }, SharedShape::cuboid(half.x, half.y, half.z)),
+            (Shape::Capsule { half_length: 0.8, radius: 0.3 }, SharedShape::capsule_y(0.8, 0.3)),
+            (Shape::HalfSpace { normal: Vec3::Y }, SharedShape::halfspace(Vec3::Y)),
+        ];
+        for (ours, parrys) in pairs {
+            for step in 0..1000 {
+                let spread = |k: f32| libm::sinf(step as f32 * k) * 2.5;
+                let point = Vec3::new(spread(0.7), spread(1.3), spread(2.9));
+                let (a, b) = (ours.surface(point), parry_surface(&parrys, point));
+                assert!((a.distance - b.distance).abs() < 1e-4, "{ours:?} at {point}");
+                assert!(a.normal.dot(b.normal) > 0.999, "{ours:?} at {point}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_closed_mesh_tells_inside_from_outside() {
+        let (vertices, indices) = parry3d::shape::Cuboid::new(Vec3::ONE).to_trimesh();
+        let mesh = SharedShape::trimesh(vertices, indices).expect("a box");
+        let shape = Shape::from_parry(mesh).expect("valid");
+        let inside = shape.surface(Vec3::new(0.9, 0.1, 0.2));
+        assert!((inside.distance + 0.1).abs() < 1e-5);
+        assert!(inside.normal.dot(Vec3::X) > 0.999);
+        let outside = shape.surface(Vec3::new(1.5, 0.1, 0.2));
+        assert!((outside.distance - 0.5).abs() < 1e-5);
+        assert!(outside.normal.dot(Vec3::X) > 0.999);
+    }
+
+    #[test]
+    fn bad_sizes_are_refused() {
+        for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(Shape::Sphere { radius }.validate().is_err());
+            assert!(Shape::from_parry(SharedShape::ball(radius)).is_err());
+        }
+        assert!(Shape::HalfSpace { normal: Vec3::ZERO }.validate().is_err());
+        assert!(Shape::Cuboid { half_extents: Vec3::X }.validate().is_err());
+    }
+}
