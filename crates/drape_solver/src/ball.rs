@@ -25,13 +25,7 @@ pub struct BallMaterial {
 
 impl Default for BallMaterial {
     fn default() -> Self {
-        Self {
-            radius: 0.15,
-            mass: 2.0,
-            drag: 0.0,
-            friction: 0.5,
-            rolling_resistance: 0.05,
-        }
+        Self { radius: 0.15, mass: 2.0, drag: 0.0, friction: 0.5, rolling_resistance: 0.05 }
     }
 }
 
@@ -59,11 +53,7 @@ impl Ball {
     ///
     /// # Errors
     /// [`BuildError`] if anything is not finite or out of range.
-    pub fn new(
-        material: BallMaterial,
-        position: Vec3,
-        velocity: Vec3,
-    ) -> Result<Self, BuildError> {
+    pub fn new(material: BallMaterial, position: Vec3, velocity: Vec3) -> Result<Self, BuildError> {
         positive("radius", material.radius)?;
         positive("mass", material.mass)?;
         in_range("drag", material.drag, 0.0, 1e4)?;
@@ -185,8 +175,7 @@ impl Ball {
     /// Kinetic energy of flight and spin, in joules.
     pub fn kinetic_energy(&self) -> f32 {
         let inertia = 0.4 * self.material.mass * self.material.radius * self.material.radius;
-        0.5 * (self.material.mass * self.velocity().length_squared()
-            + inertia * self.spin.length_squared())
+        0.5 * (self.material.mass * self.velocity().length_squared() + inertia * self.spin.length_squared())
     }
 
     pub(crate) fn set_substep(&mut self, substep: f32) {
@@ -203,7 +192,8 @@ impl Ball {
 
     /// How far the ball's surface can get from its centre's place in `dt` seconds, in metres.
     pub(crate) fn reach(&self, dt: f32, gravity: f32) -> f32 {
-        let path = self.velocity().length() * dt + (gravity + self.force.length() * self.inverse_mass) * dt * dt;
+        let path =
+            self.velocity().length() * dt + (gravity + self.force.length() * self.inverse_mass) * dt * dt;
         self.material.radius + path + CONTACT_MARGIN
     }
 

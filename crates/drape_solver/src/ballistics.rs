@@ -24,11 +24,7 @@ pub fn elevation_for(distance: f64, height: f64, speed: f64, g: f64) -> Option<f
 /// along -Z, as Bevy's `forward` does, and grows to the left.
 pub fn direction(elevation: f64, azimuth: f64) -> DVec3 {
     let level = libm::cos(elevation);
-    DVec3::new(
-        -level * libm::sin(azimuth),
-        libm::sin(elevation),
-        -level * libm::cos(azimuth),
-    )
+    DVec3::new(-level * libm::sin(azimuth), libm::sin(elevation), -level * libm::cos(azimuth))
 }
 
 #[cfg(test)]

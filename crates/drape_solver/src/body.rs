@@ -28,12 +28,7 @@ pub struct Body {
 impl Body {
     /// A body of these particles, joined by this topology.
     pub fn new(particles: Particles, topology: Arc<Topology>, settings: SolverSettings) -> Self {
-        Self {
-            particles,
-            topology,
-            settings,
-            context: BodyContext::default(),
-        }
+        Self { particles, topology, settings, context: BodyContext::default() }
     }
 
     /// How long the body has been slower than the threshold of rest, in seconds.

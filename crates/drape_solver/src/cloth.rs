@@ -45,13 +45,7 @@ pub struct ClothMaterial {
 impl Default for ClothMaterial {
     /// A cotton of 0.25 kg/m^2 that does not stretch and folds easily.
     fn default() -> Self {
-        Self {
-            areal_density: 0.25,
-            structural: 1.0,
-            shear: 0.7,
-            bend: 0.1,
-            damping: 0.0,
-        }
+        Self { areal_density: 0.25, structural: 1.0, shear: 0.7, bend: 0.1, damping: 0.0 }
     }
 }
 
@@ -147,10 +141,8 @@ impl ClothBuilder {
         self.validate()?;
         self.pins.sort_unstable();
         self.pins.dedup();
-        let positions: Vec<Vec3> = self
-            .cells(self.columns, self.rows)
-            .map(|(column, row)| self.position(column, row))
-            .collect();
+        let positions: Vec<Vec3> =
+            self.cells(self.columns, self.rows).map(|(column, row)| self.position(column, row)).collect();
         let mut inverse_masses: Vec<f32> = self
             .cells(self.columns, self.rows)
             .map(|(column, row)| 1.0 / self.particle_mass(column, row))
@@ -203,11 +195,7 @@ impl ClothBuilder {
     /// Sticks family by family: the order in which relaxation does not gain energy.
     fn topology(&self, positions: &[Vec3]) -> Result<Topology, BuildError> {
         let (c, r) = (self.columns, self.rows);
-        let material = |kind, stiffness| StickMaterial {
-            kind,
-            stiffness,
-            damping: self.material.damping,
-        };
+        let material = |kind, stiffness| StickMaterial { kind, stiffness, damping: self.material.damping };
         let structural = material(StickKind::Structural, self.material.structural);
         let shear = material(StickKind::Shear, self.material.shear);
         let bend = material(StickKind::Bend, self.material.bend);
@@ -232,9 +220,8 @@ impl ClothBuilder {
         from: [u32; 2],
         to: [u32; 2],
     ) -> impl Iterator<Item = [u32; 2]> + '_ {
-        self.cells(columns, rows).map(move |(column, row)| {
-            [from, to].map(|[right, down]| self.index(column + right, row + down))
-        })
+        self.cells(columns, rows)
+            .map(move |(column, row)| [from, to].map(|[right, down]| self.index(column + right, row + down)))
     }
 
     /// Two triangles a square, counter-clockwise seen from the front (`right` x `-down`); the diagonal
@@ -245,11 +232,7 @@ impl ClothBuilder {
             let b = self.index(column + 1, row);
             let c = self.index(column, row + 1);
             let d = self.index(column + 1, row + 1);
-            if (column + row) % 2 == 0 {
-                [[a, c, d], [a, d, b]]
-            } else {
-                [[a, c, b], [b, c, d]]
-            }
+            if (column + row) % 2 == 0 { [[a, c, d], [a, d, b]] } else { [[a, c, b], [b, c, d]] }
         })
     }
 
@@ -266,10 +249,7 @@ impl ClothBuilder {
     }
 
     fn spacing(&self) -> [f32; 2] {
-        [
-            self.size[0] / (self.columns.max(2) - 1) as f32,
-            self.size[1] / (self.rows.max(2) - 1) as f32,
-        ]
+        [self.size[0] / (self.columns.max(2) - 1) as f32, self.size[1] / (self.rows.max(2) - 1) as f32]
     }
 
     fn position(&self, column: u32, row: u32) -> Vec3 {

@@ -69,12 +69,9 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
         let (low, high) = body.particles.bounds();
         for (ball_index, ball) in balls.iter().enumerate() {
             // The ball's own reach, the cloth's, and from any point of a face to its nearest corner.
-            let reach = ball.reach(dt, gravity)
-                + speed * dt
-                + body.settings.thickness
-                + topology.longest_edge;
-            if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all()
-            {
+            let reach =
+                ball.reach(dt, gravity) + speed * dt + body.settings.thickness + topology.longest_edge;
+            if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
                 continue;
             }
             let centre = ball.position - body.particles.origin;
@@ -84,8 +81,7 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
             let marked = |i: &u32| context.marks[*i as usize];
             let faces = topology.faces.iter().filter(|face| face.iter().any(marked));
             let segments = topology.segments.iter().filter(|ends| ends.iter().any(marked));
-            let elements =
-                faces.map(|&f| Element::Face(f)).chain(segments.map(|&s| Element::Segment(s)));
+            let elements = faces.map(|&f| Element::Face(f)).chain(segments.map(|&s| Element::Segment(s)));
             context.ball_cloth.extend(elements.map(|element| BallCloth {
                 ball: ball_index,
                 body: body_index,
@@ -129,9 +125,8 @@ pub(crate) fn project(island: &mut Island) {
         let normal = if distance > 0.0 { offset / distance } else { face_normal(positions) };
         let gap = distance - apart;
         let w = corners.map(|i| body.particles.inverse_mass[i]);
-        let felt = weights[0] * weights[0] * w[0]
-            + weights[1] * weights[1] * w[1]
-            + weights[2] * weights[2] * w[2];
+        let felt =
+            weights[0] * weights[0] * w[0] + weights[1] * weights[1] * w[1] + weights[2] * weights[2] * w[2];
         let push = -gap / (ball.inverse_mass + felt);
         let travel = ball.travel();
         let point_travel = weighted(weights, corners.map(|i| body.travel(i)));
@@ -166,8 +161,7 @@ pub(crate) fn apply_friction(island: &mut Island) {
         let (body, ball) = (&mut bodies[contact.body], &mut balls[contact.ball]);
         let corners = contact.element.corners();
         let arm = contact.normal * -ball.material.radius;
-        let cloth_travel =
-            weighted(contact.weights, corners.map(|i| body.particles.displacement.get(i)));
+        let cloth_travel = weighted(contact.weights, corners.map(|i| body.particles.displacement.get(i)));
         let slip = ball.surface_travel(arm) - cloth_travel;
         let mut felt = 0.0;
         for (corner, weight) in corners.into_iter().zip(contact.weights) {

@@ -30,9 +30,7 @@ pub(crate) fn detect(island: &mut Island, obstacles: &[Obstacle], dt: f32, gravi
         let reach = ball.reach(dt, gravity);
         for (obstacle_index, obstacle) in obstacles.iter().enumerate() {
             let (low, high) = obstacle.swept_bounds();
-            if !(ball.position - reach).cmple(high).all()
-                || !(ball.position + reach).cmpge(low).all()
-            {
+            if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
                 continue;
             }
             let pose = obstacle.pose_at(0.0, Vec3::ZERO);
@@ -61,8 +59,7 @@ pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
     let context = &mut island.context;
     let (index, count) = (context.substep_index, context.substeps);
     for pair in &mut context.ball_obstacle {
-        let pose_at =
-            |k: u32| obstacles[pair.obstacle].pose_at(k as f32 / count as f32, Vec3::ZERO);
+        let pose_at = |k: u32| obstacles[pair.obstacle].pose_at(k as f32 / count as f32, Vec3::ZERO);
         pair.before = pose_at(index);
         pair.now = pose_at(index + 1);
         pair.depth = 0.0;

@@ -76,12 +76,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32) {
             }
             let local = pose.to_local(position);
             let mut add = |plane: Option<Plane>| {
-                candidates.push(Candidate {
-                    particle: i as u32,
-                    depth: 0.0,
-                    normal: Vec3::ZERO,
-                    plane,
-                });
+                candidates.push(Candidate { particle: i as u32, depth: 0.0, normal: Vec3::ZERO, plane });
             };
             match obstacle.shape() {
                 Shape::Container { half_extents } => container_walls(*half_extents)

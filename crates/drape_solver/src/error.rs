@@ -128,39 +128,22 @@ pub(crate) fn finite(field: &'static str, value: f32) -> Result<f32, BuildError>
 
 /// Returns `value` if it is finite and above zero.
 pub(crate) fn positive(field: &'static str, value: f32) -> Result<f32, BuildError> {
-    if finite(field, value)? > 0.0 {
-        Ok(value)
-    } else {
-        Err(BuildError::NotPositive { field, value })
-    }
+    if finite(field, value)? > 0.0 { Ok(value) } else { Err(BuildError::NotPositive { field, value }) }
 }
 
 /// Returns `value` if it lies in `min..=max`.
-pub(crate) fn in_range(
-    field: &'static str,
-    value: f32,
-    min: f32,
-    max: f32,
-) -> Result<f32, BuildError> {
+pub(crate) fn in_range(field: &'static str, value: f32, min: f32, max: f32) -> Result<f32, BuildError> {
     if value.is_nan() {
         Err(BuildError::NotFinite { field, value })
     } else if (min..=max).contains(&value) {
         Ok(value)
     } else {
-        Err(BuildError::OutOfRange {
-            field,
-            value,
-            min,
-            max,
-        })
+        Err(BuildError::OutOfRange { field, value, min, max })
     }
 }
 
 /// Returns `value` if all its components are finite.
-pub(crate) fn finite_vector(
-    field: &'static str,
-    value: glam::Vec3,
-) -> Result<glam::Vec3, BuildError> {
+pub(crate) fn finite_vector(field: &'static str, value: glam::Vec3) -> Result<glam::Vec3, BuildError> {
     for component in value.to_array() {
         finite(field, component)?;
     }

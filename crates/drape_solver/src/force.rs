@@ -23,11 +23,7 @@ pub struct Wind {
 
 impl Default for Wind {
     fn default() -> Self {
-        Self {
-            velocity: Vec3::ZERO,
-            air_density: 1.2,
-            drag_coefficient: 1.2,
-        }
+        Self { velocity: Vec3::ZERO, air_density: 1.2, drag_coefficient: 1.2 }
     }
 }
 

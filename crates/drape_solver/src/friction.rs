@@ -17,9 +17,5 @@ pub(crate) fn slip_taken(slip: Vec3, normal: Vec3, coefficient: f32, depth: f32)
     let tangential = slip - normal * slip.dot(normal);
     let length = tangential.length();
     let most = coefficient * depth;
-    if length <= most {
-        tangential
-    } else {
-        tangential * (most / length)
-    }
+    if length <= most { tangential } else { tangential * (most / length) }
 }

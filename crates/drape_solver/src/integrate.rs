@@ -31,10 +31,7 @@ impl Drag {
             return Self::default();
         }
         let lost = -libm::expm1(-exponent);
-        Self {
-            decay: (1.0 - lost) as f32,
-            gain: (lost / exponent) as f32,
-        }
+        Self { decay: (1.0 - lost) as f32, gain: (lost / exponent) as f32 }
     }
 
     /// The displacement of the next substep.
@@ -53,9 +50,7 @@ pub(crate) fn integrate(body: &mut Body) {
     let columns = particles.position.each_mut().into_iter().zip(particles.displacement.each_mut());
     let varying = context.acceleration.each();
     let integrated = context.integrated.each_mut();
-    for ((((x, d), varying), integrated), uniform) in
-        columns.zip(varying).zip(integrated).zip(uniform)
-    {
+    for ((((x, d), varying), integrated), uniform) in columns.zip(varying).zip(integrated).zip(uniform) {
         let rows = x.iter_mut().zip(d.iter_mut()).zip(integrated.iter_mut());
         if varying.is_empty() {
             let shift = uniform * gain;
@@ -87,8 +82,7 @@ pub(crate) fn update_displacements(body: &mut Body) {
     let Body { particles, context, .. } = body;
     let position = particles.position.each();
     let displacement = particles.displacement.each_mut();
-    for ((x, d), start) in position.into_iter().zip(displacement).zip(context.integrated.each_mut())
-    {
+    for ((x, d), start) in position.into_iter().zip(displacement).zip(context.integrated.each_mut()) {
         for ((&x, d), start) in x.iter().zip(d.iter_mut()).zip(start.iter_mut()) {
             *d += x - *start;
             *start = x;

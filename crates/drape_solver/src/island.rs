@@ -66,18 +66,12 @@ pub struct IslandContext {
 impl Island {
     /// An island of one body.
     pub fn of_body(body: Body) -> Self {
-        Self {
-            bodies: vec![body],
-            ..Self::default()
-        }
+        Self { bodies: vec![body], ..Self::default() }
     }
 
     /// An island of one ball.
     pub fn of_ball(ball: Ball) -> Self {
-        Self {
-            balls: vec![ball],
-            ..Self::default()
-        }
+        Self { balls: vec![ball], ..Self::default() }
     }
 
     /// Takes everything out, keeping the memory.

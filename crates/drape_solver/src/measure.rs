@@ -29,10 +29,7 @@ pub fn stretch(particles: &Particles, topology: &Topology) -> Stretch {
             count += 1;
         }
     }
-    Stretch {
-        rms: (sum / f64::from(count.max(1))).sqrt(),
-        max,
-    }
+    Stretch { rms: (sum / f64::from(count.max(1))).sqrt(), max }
 }
 
 /// Kinetic energy of the free particles in joules.
@@ -58,9 +55,7 @@ pub fn momentum(particles: &Particles) -> DVec3 {
 
 /// Angular momentum of the free particles about the world's origin in kg m^2/s.
 pub fn angular_momentum(particles: &Particles) -> DVec3 {
-    free(particles)
-        .map(|(i, mass)| world(particles, i).cross(particles.velocity(i).as_dvec3()) * mass)
-        .sum()
+    free(particles).map(|(i, mass)| world(particles, i).cross(particles.velocity(i).as_dvec3()) * mass).sum()
 }
 
 /// Mean of the squared speeds of the free particles in (m/s)^2; 0 where all are pinned.

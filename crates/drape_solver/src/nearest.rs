@@ -7,11 +7,8 @@ pub(crate) fn on_segment([a, b]: [Vec3; 2], point: Vec3) -> [f32; 3] {
     let along = b - a;
     let length_squared = along.length_squared();
     // A segment without length is its first end.
-    let t = if length_squared > 0.0 {
-        ((point - a).dot(along) / length_squared).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    let t =
+        if length_squared > 0.0 { ((point - a).dot(along) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
     [1.0 - t, t, 0.0]
 }
 
@@ -70,8 +67,7 @@ pub(crate) fn on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
 mod tests {
     use super::*;
 
-    const TRIANGLE: [Vec3; 3] =
-        [Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.5)];
+    const TRIANGLE: [Vec3; 3] = [Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.5)];
 
     fn point_of(weights: [f32; 3]) -> Vec3 {
         TRIANGLE[0] * weights[0] + TRIANGLE[1] * weights[1] + TRIANGLE[2] * weights[2]

@@ -28,12 +28,7 @@ impl Obstacle {
         if !placement.is_valid() {
             return Err(BuildError::BadShape { reason: "its placement is not finite" });
         }
-        Ok(Self {
-            shape,
-            placement,
-            before: placement,
-            friction,
-        })
+        Ok(Self { shape, placement, before: placement, friction })
     }
 
     /// The horizontal ground at height 0, with friction 0.5.
@@ -155,10 +150,7 @@ mod tests {
         let half_extents = Vec3::new(2.0, 0.1, 0.1);
         let shape = Shape::Cuboid { half_extents };
         let mut obstacle = Obstacle::new(shape, Placement::default(), 0.5).expect("valid");
-        let turned = Placement {
-            translation: Vec3::X * 0.5,
-            rotation: Quat::from_rotation_z(1.5),
-        };
+        let turned = Placement { translation: Vec3::X * 0.5, rotation: Quat::from_rotation_z(1.5) };
         obstacle.move_to(turned, 1.0 / 60.0);
         let (low, high) = obstacle.swept_bounds();
         for step in 0..=20 {

@@ -54,11 +54,7 @@ impl Particles {
     /// # Errors
     /// [`BuildError`] if a position is not finite, or an inverse mass is negative or not finite, or the two
     /// slices differ in length.
-    pub fn new(
-        origin: Vec3,
-        positions: &[Vec3],
-        inverse_masses: &[f32],
-    ) -> Result<Self, BuildError> {
+    pub fn new(origin: Vec3, positions: &[Vec3], inverse_masses: &[f32]) -> Result<Self, BuildError> {
         if positions.len() != inverse_masses.len() {
             return Err(BuildError::NoSuchParticle {
                 what: "a mass",
@@ -67,10 +63,7 @@ impl Particles {
             });
         }
         finite_vector("origin", origin)?;
-        let mut particles = Self {
-            origin,
-            ..Self::default()
-        };
+        let mut particles = Self { origin, ..Self::default() };
         for (&position, &inverse_mass) in positions.iter().zip(inverse_masses) {
             finite_vector("position", position)?;
             if !(inverse_mass >= 0.0 && inverse_mass.is_finite()) {
@@ -150,11 +143,7 @@ impl Particles {
     /// Sets the inverse mass of particle `i` in 1/kg; 0 pins it where it is, anything else frees it.
     /// Values that are negative or not finite are taken as 0.
     pub fn set_inverse_mass(&mut self, i: usize, inverse_mass: f32) {
-        self.inverse_mass[i] = if inverse_mass.is_finite() {
-            inverse_mass.max(0.0)
-        } else {
-            0.0
-        };
+        self.inverse_mass[i] = if inverse_mass.is_finite() { inverse_mass.max(0.0) } else { 0.0 };
         if self.is_pinned(i) {
             self.displacement.set(i, Vec3::ZERO);
         }
@@ -176,8 +165,7 @@ impl Particles {
     /// Changes the momentum of particle `i` by `impulse` (newton seconds). This is Jakobsen's impulse by moving
     /// `x*`: the position stays, the velocity changes by `impulse / mass`. A pinned particle does not react.
     pub fn apply_impulse(&mut self, i: usize, impulse: Vec3) {
-        self.displacement
-            .add(i, impulse * (self.inverse_mass[i] * self.substep));
+        self.displacement.add(i, impulse * (self.inverse_mass[i] * self.substep));
         self.disturbed = true;
     }
 
@@ -227,10 +215,7 @@ impl Particles {
             })
         };
         let [(x0, x1), (y0, y1), (z0, z1)] = self.position.each().map(range);
-        (
-            self.origin + Vec3::new(x0, y0, z0),
-            self.origin + Vec3::new(x1, y1, z1),
-        )
+        (self.origin + Vec3::new(x0, y0, z0), self.origin + Vec3::new(x1, y1, z1))
     }
 
     /// Brings displacements to the substep `substep` (seconds), so that velocities stay what they are when

@@ -26,10 +26,7 @@ impl Pose {
             blend(from.translation.y, to.translation.y),
             blend(from.translation.z, to.translation.z),
         );
-        Self {
-            rotation: rotation_matrix(rotation),
-            translation: translation - origin,
-        }
+        Self { rotation: rotation_matrix(rotation), translation: translation - origin }
     }
 
     pub fn to_local(self, point: Vec3) -> Vec3 {
@@ -59,27 +56,19 @@ pub struct Placement {
 
 impl Default for Placement {
     fn default() -> Self {
-        Self {
-            translation: Vec3::ZERO,
-            rotation: Quat::IDENTITY,
-        }
+        Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY }
     }
 }
 
 impl Placement {
     /// At `translation` (metres), not rotated.
     pub fn at(translation: Vec3) -> Self {
-        Self {
-            translation,
-            ..Self::default()
-        }
+        Self { translation, ..Self::default() }
     }
 
     /// Whether all components are finite and the rotation is not zero.
     pub fn is_valid(&self) -> bool {
-        self.translation.is_finite()
-            && self.rotation.is_finite()
-            && self.rotation.to_array() != [0.0; 4]
+        self.translation.is_finite() && self.rotation.is_finite() && self.rotation.to_array() != [0.0; 4]
     }
 }
 
@@ -104,8 +93,7 @@ pub(crate) fn turned(rotation: Quat, turn: Vec3) -> Quat {
         z + tz * w + tx * y - ty * x,
         w - tx * x - ty * y - tz * z,
     ];
-    let length =
-        (next[0] * next[0] + next[1] * next[1] + next[2] * next[2] + next[3] * next[3]).sqrt();
+    let length = (next[0] * next[0] + next[1] * next[1] + next[2] * next[2] + next[3] * next[3]).sqrt();
     Quat::from_array(next.map(|component| component / length))
 }
 

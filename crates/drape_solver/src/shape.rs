@@ -176,10 +176,7 @@ pub(crate) struct Plane {
 
 impl Plane {
     pub fn surface(self, point: Vec3) -> Surface {
-        Surface {
-            distance: self.normal.dot(point) - self.offset,
-            normal: self.normal,
-        }
+        Surface { distance: self.normal.dot(point) - self.offset, normal: self.normal }
     }
 }
 
@@ -200,10 +197,7 @@ pub(crate) fn container_walls(half_extents: Vec3) -> [Plane; 6] {
 /// direction is as near as another: up is taken.
 fn from_core(from_core: Vec3, radius: f32) -> Surface {
     let length = from_core.length();
-    Surface {
-        distance: length - radius,
-        normal: if length > 0.0 { from_core / length } else { Vec3::Y },
-    }
+    Surface { distance: length - radius, normal: if length > 0.0 { from_core / length } else { Vec3::Y } }
 }
 
 /// ```text

@@ -190,8 +190,7 @@ mod tests {
         let straight = Tethers::straight(&rest, &pins);
         let edges = (0..19).map(|i| (i, i + 1, 1.0));
         assert_eq!(straight, Tethers::geodesic(20, edges, &pins));
-        let of_last: Vec<u32> =
-            straight.iter().filter(|t| t.0 == 19).map(|(_, pin, _)| pin).collect();
+        let of_last: Vec<u32> = straight.iter().filter(|t| t.0 == 19).map(|(_, pin, _)| pin).collect();
         assert_eq!(of_last, [5, 4, 3, 2]);
     }
 

@@ -33,11 +33,7 @@ pub struct StickMaterial {
 impl StickMaterial {
     /// A rigid, undamped stick of `kind`.
     pub fn rigid(kind: StickKind) -> Self {
-        Self {
-            kind,
-            stiffness: 1.0,
-            damping: 0.0,
-        }
+        Self { kind, stiffness: 1.0, damping: 0.0 }
     }
 
     fn validate(&self) -> Result<(), BuildError> {
@@ -138,10 +134,7 @@ impl TopologyBuilder {
     pub fn new(rest: &[Vec3]) -> Self {
         Self {
             rest: rest.to_vec(),
-            topology: Topology {
-                particle_count: rest.len(),
-                ..Topology::default()
-            },
+            topology: Topology { particle_count: rest.len(), ..Topology::default() },
             joined: Vec::new(),
         }
     }
@@ -217,10 +210,7 @@ impl TopologyBuilder {
     ///
     /// # Errors
     /// [`BuildError::NoSuchParticle`] if a corner does not exist.
-    pub fn faces(
-        &mut self,
-        faces: impl IntoIterator<Item = [u32; 3]>,
-    ) -> Result<&mut Self, BuildError> {
+    pub fn faces(&mut self, faces: impl IntoIterator<Item = [u32; 3]>) -> Result<&mut Self, BuildError> {
         for face in faces {
             for corner in face {
                 self.check_index("a face", corner)?;
@@ -290,11 +280,7 @@ impl TopologyBuilder {
         if (index as usize) < self.rest.len() {
             Ok(())
         } else {
-            Err(BuildError::NoSuchParticle {
-                what,
-                index,
-                count: self.rest.len() as u32,
-            })
+            Err(BuildError::NoSuchParticle { what, index, count: self.rest.len() as u32 })
         }
     }
 }
@@ -341,14 +327,8 @@ mod tests {
             Err(BuildError::NoSuchParticle { what: "a stick", index: 3, count: 3 })
         );
         assert_eq!(try_sticks(&rest, &[[1, 1]]), Err(BuildError::SameEnds { particle: 1 }));
-        assert_eq!(
-            try_sticks(&rest, &[[0, 1], [1, 0]]),
-            Err(BuildError::DuplicateStick { a: 0, b: 1 })
-        );
-        assert_eq!(
-            try_sticks(&[Vec3::ZERO; 2], &[[0, 1]]),
-            Err(BuildError::ZeroRestLength { a: 0, b: 1 })
-        );
+        assert_eq!(try_sticks(&rest, &[[0, 1], [1, 0]]), Err(BuildError::DuplicateStick { a: 0, b: 1 }));
+        assert_eq!(try_sticks(&[Vec3::ZERO; 2], &[[0, 1]]), Err(BuildError::ZeroRestLength { a: 0, b: 1 }));
     }
 
     #[test]

@@ -59,12 +59,7 @@ pub(crate) struct Projection {
 ///   ------\--------- 0      fraction = before / (before - now)
 ///          \
 /// ```
-pub(crate) fn record(
-    touches: &mut Vec<Touch>,
-    projection: &Projection,
-    substep_index: u32,
-    substep: f32,
-) {
+pub(crate) fn record(touches: &mut Vec<Touch>, projection: &Projection, substep_index: u32, substep: f32) {
     let p = projection;
     if let Some(touch) = touches.iter_mut().find(|t| t.ball == p.ball && t.other == p.other) {
         touch.impulse += p.impulse;
