@@ -1,1 +1,46 @@
-//! Plugin.
+#![doc = include_str!("../README.md")]
+
+pub mod activity;
+pub mod cannon;
+pub mod clock;
+pub mod cloth;
+pub mod environment;
+pub mod hit;
+mod islands;
+pub mod obstacle;
+pub mod particles;
+pub mod plugin;
+pub mod projectile;
+mod refusal;
+pub mod rope;
+pub mod scene_manager;
+pub mod schedule;
+pub mod settings;
+
+pub use drape_solver;
+pub use plugin::DrapePlugins;
+
+/// Everything that an app with cloth in it usually needs.
+///
+/// ```
+/// use bevy_drape::prelude::*;
+/// ```
+pub mod prelude {
+    #[doc(inline)]
+    pub use crate::{
+        activity::{Activity, ActivityCounts},
+        cannon::{Cannon, CannonFired, FireCannon},
+        clock::DrapeClock,
+        cloth::{Cloth, ClothPins},
+        environment::{DrapeGravity, Wind},
+        hit::{BallHit, HitTarget},
+        obstacle::{Obstacle, ObstacleShape},
+        particles::{Particles, Sticks},
+        plugin::DrapePlugins,
+        projectile::{Projectile, ProjectileState},
+        rope::Rope,
+        scene_manager::{SceneManager, Viewer},
+        schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
+        settings::{DefaultSolverSettings, SolverSettings, StickProjection},
+    };
+}

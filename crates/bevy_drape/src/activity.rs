@@ -1,0 +1,41 @@
+//! Whether a body is simulated.
+
+use bevy::prelude::*;
+
+/// Whether a body is simulated, at rest, or out of sight. The scene manager keeps it; setting it by hand puts a
+/// body to sleep or wakes it.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+pub enum Activity {
+    /// Simulated.
+    #[default]
+    Active,
+    /// Came to rest: costs nothing until something touches, pushes or edits it.
+    Resting,
+    /// Left the play area, or fell asleep far from every viewer: neither simulated nor drawn.
+    Culled,
+}
+
+/// How many bodies, balls included, are in each state of [`Activity`] after the last step.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Debug, Clone, PartialEq)]
+pub struct ActivityCounts {
+    /// Bodies that are simulated.
+    pub active: usize,
+    /// Bodies at rest.
+    pub resting: usize,
+    /// Bodies that are culled.
+    pub culled: usize,
+}
+
+pub(crate) fn count_activity(bodies: Query<&Activity>, mut counts: ResMut<ActivityCounts>) {
+    let mut new = ActivityCounts::default();
+    for activity in &bodies {
+        match activity {
+            Activity::Active => new.active += 1,
+            Activity::Resting => new.resting += 1,
+            Activity::Culled => new.culled += 1,
+        }
+    }
+    counts.set_if_neq(new);
+}

@@ -1,0 +1,73 @@
+//! The simulation's clock: pause, single steps, slow motion.
+
+use bevy::prelude::*;
+
+/// Controls and tells the simulation's time.
+#[derive(Resource, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Resource, Default, Debug, Clone, PartialEq)]
+pub struct DrapeClock {
+    /// Whether the simulation stands still.
+    pub paused: bool,
+    /// How fast it runs: 1 is real time, 0.25 slow motion. Zero or less, and what is not finite, stops it.
+    pub time_scale: f32,
+    pending_steps: u32,
+    delta: f32,
+    elapsed: f64,
+    steps: u64,
+}
+
+impl Default for DrapeClock {
+    fn default() -> Self {
+        Self {
+            paused: false,
+            time_scale: 1.0,
+            pending_steps: 0,
+            delta: 0.0,
+            elapsed: 0.0,
+            steps: 0,
+        }
+    }
+}
+
+impl DrapeClock {
+    /// Asks for one step although the simulation is paused.
+    pub fn step_once(&mut self) {
+        self.pending_steps += 1;
+    }
+
+    /// Length of the current or last step in seconds.
+    pub fn delta(&self) -> f32 {
+        self.delta
+    }
+
+    /// Simulated time in seconds, up to the end of the last step.
+    pub fn elapsed(&self) -> f64 {
+        self.elapsed
+    }
+
+    /// Number of steps taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Starts a step of `timestep` seconds of the schedule, if there is to be one.
+    pub(crate) fn begin_step(&mut self, timestep: f32) -> bool {
+        if self.paused {
+            if self.pending_steps == 0 {
+                return false;
+            }
+            self.pending_steps -= 1;
+        }
+        let delta = timestep * self.time_scale;
+        if !(delta > 0.0 && delta.is_finite()) {
+            return false;
+        }
+        self.delta = delta;
+        true
+    }
+
+    pub(crate) fn end_step(&mut self) {
+        self.elapsed += f64::from(self.delta);
+        self.steps += 1;
+    }
+}

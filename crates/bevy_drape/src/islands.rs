@@ -1,0 +1,429 @@
+//! Islands: which bodies and balls are stepped together, and their way into the solver and back.
+//!
+//! The solver owns what it steps. A body's columns are moved out of its component into an island (a few pointers,
+//! no copy of the particles), stepped, and moved back. Islands do not depend on each other, so they run on all
+//! threads of the compute pool and give the same bits on any number of them.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy::tasks::{ComputeTaskPool, TaskPool};
+use drape_solver::{Body, Environment, Other, StepError, step};
+
+use crate::activity::Activity;
+use crate::clock::DrapeClock;
+use crate::environment::SolverEnvironment;
+use crate::hit::{BallHit, HitTarget, Touching};
+use crate::particles::{BodyState, Particles, Sticks};
+use crate::projectile::{ProjectileRecord, ProjectileState};
+use crate::refusal::Refusals;
+use crate::scene_manager::SceneManager;
+
+/// One island: the solver's, and the entities behind its bodies and balls.
+#[derive(Default)]
+pub(crate) struct Island {
+    pub solver: drape_solver::Island,
+    pub bodies: Vec<Entity>,
+    pub balls: Vec<Entity>,
+    /// What the stages found: a body that cannot be stepped.
+    pub outcome: Option<StepError>,
+    /// Substeps taken of this step.
+    taken: u32,
+}
+
+impl Island {
+    /// Runs the next substep stage, if this island has substeps left.
+    fn substep_stage(&mut self, environment: &Environment, stage: SubstepStage) {
+        if self.outcome.is_some() || self.taken >= self.solver.substeps() {
+            return;
+        }
+        match stage {
+            SubstepStage::Integrate => step::integrate(&mut self.solver, environment),
+            SubstepStage::Relax => step::relax(&mut self.solver, environment),
+            SubstepStage::ProjectCollisions => {
+                step::project_collisions(&mut self.solver, environment);
+                self.taken += 1;
+            }
+        }
+    }
+}
+
+/// The stages of a substep, in their order.
+#[derive(Clone, Copy)]
+pub(crate) enum SubstepStage {
+    Integrate,
+    Relax,
+    ProjectCollisions,
+}
+
+/// The order of a substep, for the schedule and for islands that run on their own.
+pub(crate) const SUBSTEP: [SubstepStage; 3] =
+    [SubstepStage::Integrate, SubstepStage::Relax, SubstepStage::ProjectCollisions];
+
+
+/// All islands of this step. Slots beyond `live` are kept for their memory.
+#[derive(Resource, Default)]
+pub(crate) struct Islands {
+    slots: Vec<Island>,
+    live: usize,
+    members: Vec<Member>,
+    parents: Vec<usize>,
+    slot_of: Vec<usize>,
+}
+
+/// A body or ball on its way into an island.
+#[derive(Clone, Copy)]
+struct Member {
+    order: u64,
+    entity: Entity,
+    is_ball: bool,
+    low: Vec3,
+    high: Vec3,
+}
+
+pub(crate) type BodyQuery<'w, 's> =
+    Query<'w, 's, (&'static mut Particles, &'static Sticks, &'static mut BodyState)>;
+pub(crate) type BallQuery<'w, 's> =
+    Query<'w, 's, (&'static mut ProjectileState, &'static mut ProjectileRecord)>;
+
+impl Islands {
+    /// The islands of this step.
+    pub fn live(&self) -> &[Island] {
+        &self.slots[..self.live]
+    }
+
+    pub fn live_mut(&mut self) -> &mut [Island] {
+        &mut self.slots[..self.live]
+    }
+
+    /// The most substeps that an island takes in this step.
+    pub fn substeps(&self) -> u32 {
+        self.live().iter().map(|island| island.solver.substeps()).max().unwrap_or(0)
+    }
+
+    /// Moves all bodies and balls from their components into the islands.
+    pub fn take(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
+        for island in self.live_mut() {
+            let Island { solver, bodies: entities, balls: ball_entities, .. } = island;
+            solver.bodies.clear();
+            for &entity in entities.iter() {
+                // An entity that a user's system despawned meanwhile leaves an empty body behind.
+                solver.bodies.push(match bodies.get_mut(entity) {
+                    Ok((mut particles, sticks, mut state)) => Body {
+                        particles: core::mem::take(&mut particles.bypass_change_detection().0),
+                        topology: Arc::clone(&sticks.0),
+                        settings: state.settings,
+                        context: core::mem::take(&mut state.context),
+                    },
+                    Err(_) => Body::default(),
+                });
+            }
+            let is_first_time = solver.balls.is_empty();
+            for (slot, &entity) in ball_entities.iter().enumerate() {
+                if let Ok((state, _)) = balls.get(entity) {
+                    if is_first_time {
+                        solver.balls.push(state.0.clone());
+                    } else {
+                        solver.balls[slot].clone_from(&state.0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Moves all bodies and balls back into their components.
+    pub fn give_back(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
+        for island in self.live_mut() {
+            for (&entity, body) in island.bodies.iter().zip(island.solver.bodies.drain(..)) {
+                if let Ok((mut particles, _, mut state)) = bodies.get_mut(entity) {
+                    state.bounds = body.particles.bounds();
+                    particles.0 = body.particles;
+                    state.context = body.context;
+                }
+            }
+            for (&entity, ball) in island.balls.iter().zip(&island.solver.balls) {
+                if let Ok((mut state, _)) = balls.get_mut(entity) {
+                    state.0.clone_from(ball);
+                }
+            }
+        }
+    }
+
+    /// Runs `stage` on every island, on all threads of the compute pool.
+    pub fn each(&mut self, stage: impl Fn(&mut Island) + Send + Sync) {
+        let islands = self.live_mut();
+        let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+        let threads = pool.thread_num();
+        if threads < 2 || islands.len() < 2 {
+            islands.iter_mut().for_each(stage);
+            return;
+        }
+        let share = islands.len().div_ceil(threads * 4);
+        pool.scope(|scope| {
+            for chunk in islands.chunks_mut(share) {
+                let stage = &stage;
+                scope.spawn(async move { chunk.iter_mut().for_each(stage) });
+            }
+        });
+    }
+
+    /// Groups active bodies and balls whose boxes meet in this step: islands in order of their oldest member.
+    fn form(&mut self) {
+        self.members.sort_unstable_by_key(|member| member.order);
+        let count = self.members.len();
+        self.parents.clear();
+        self.parents.extend(0..count);
+        for (b, ball) in self.members.iter().enumerate().filter(|(_, member)| member.is_ball) {
+            for (other, member) in self.members.iter().enumerate() {
+                let meets = other != b
+                    && ball.low.cmple(member.high).all()
+                    && ball.high.cmpge(member.low).all();
+                if meets {
+                    let (p, q) = (root(&mut self.parents, b), root(&mut self.parents, other));
+                    self.parents[p.max(q)] = p.min(q);
+                }
+            }
+        }
+        self.live = 0;
+        self.slot_of.clear();
+        for i in 0..count {
+            // The root of an island is its oldest member, so it has its slot before the others ask for it.
+            let root = root(&mut self.parents, i);
+            if root == i {
+                self.open_slot();
+            }
+            let slot = if root == i { self.live - 1 } else { self.slot_of[root] };
+            self.slot_of.push(slot);
+            let (member, island) = (self.members[i], &mut self.slots[slot]);
+            let list = if member.is_ball { &mut island.balls } else { &mut island.bodies };
+            list.push(member.entity);
+        }
+    }
+
+    fn open_slot(&mut self) {
+        if self.live == self.slots.len() {
+            self.slots.push(Island::default());
+        }
+        let island = &mut self.slots[self.live];
+        island.solver.clear();
+        island.bodies.clear();
+        island.balls.clear();
+        island.outcome = None;
+        island.taken = 0;
+        self.live += 1;
+    }
+}
+
+/// The oldest member of `i`'s group.
+fn root(parents: &mut [usize], mut i: usize) -> usize {
+    while parents[i] != i {
+        parents[i] = parents[parents[i]];
+        i = parents[i];
+    }
+    i
+}
+
+/// Forms the islands of this step from all active bodies and balls, and sums up the forces on them.
+pub(crate) fn form_islands(
+    active_bodies: Query<(Entity, &Activity, &BodyState)>,
+    active_balls: Query<(Entity, &Activity, &ProjectileState, &ProjectileRecord)>,
+    mut bodies: BodyQuery,
+    mut balls: BallQuery,
+    solver: Res<SolverEnvironment>,
+    mut islands: ResMut<Islands>,
+    mut refusals: ResMut<Refusals>,
+) {
+    let environment = &solver.environment;
+    islands.members.clear();
+    for (entity, activity, state) in &active_bodies {
+        if *activity == Activity::Active && !state.refused {
+            let (low, high) = state.bounds;
+            let order = state.order;
+            let thickness = state.settings.thickness;
+            let (low, high) = (low - thickness, high + thickness);
+            islands.members.push(Member { order, entity, is_ball: false, low, high });
+        }
+    }
+    for (entity, activity, state, record) in &active_balls {
+        if *activity == Activity::Active && !record.refused {
+            let path = state.velocity().length() + environment.gravity.length() * environment.dt;
+            // What the ball may meet moves too, but not faster than a ball that could catch it: twice the path.
+            let reach = state.material().radius + 2.0 * path * environment.dt + BALL_MARGIN;
+            let (low, high) = (state.position() - reach, state.position() + reach);
+            let order = record.order;
+            islands.members.push(Member { order, entity, is_ball: true, low, high });
+        }
+    }
+    islands.form();
+    islands.take(&mut bodies, &mut balls);
+    islands.each(|island| island.outcome = step::begin(&mut island.solver, environment).err());
+    for island in islands.live_mut() {
+        while let Some(error) = island.outcome.take() {
+            if refuse_member(island, &error, &mut bodies, &mut balls, &mut refusals) {
+                island.outcome = step::begin(&mut island.solver, environment).err();
+            } else {
+                refusals.resource("Time<Fixed>, DrapeGravity or Wind", &error);
+                island.outcome = Some(error);
+                break;
+            }
+        }
+    }
+    islands.each(|island| {
+        if island.outcome.is_none() {
+            step::accumulate_forces(&mut island.solver, environment);
+        }
+    });
+    islands.give_back(&mut bodies, &mut balls);
+}
+
+/// Slack of the search for what a ball may meet, in metres.
+const BALL_MARGIN: f32 = 0.1;
+
+/// Leaves the body or ball that `error` names out of the simulation; false if it names none.
+fn refuse_member(
+    island: &mut Island,
+    error: &StepError,
+    bodies: &mut BodyQuery,
+    balls: &mut BallQuery,
+    refusals: &mut Refusals,
+) -> bool {
+    match *error {
+        StepError::NonFiniteBody(index) | StepError::BadSettings { body: index, .. } => {
+            let entity = island.bodies.remove(index);
+            let body = island.solver.bodies.remove(index);
+            if let Ok((mut particles, _, mut state)) = bodies.get_mut(entity) {
+                particles.0 = body.particles;
+                state.refused = true;
+            }
+            refusals.entity(entity, "the body", error);
+        }
+        StepError::NonFiniteBall(index) => {
+            let entity = island.balls.remove(index);
+            island.solver.balls.remove(index);
+            if let Ok((_, mut record)) = balls.get_mut(entity) {
+                record.refused = true;
+            }
+            refusals.entity(entity, "Projectile", error);
+        }
+        _ => return false,
+    }
+    true
+}
+
+/// Lists what could touch what within the step.
+pub(crate) fn detect_collisions(
+    mut bodies: BodyQuery,
+    mut balls: BallQuery,
+    solver: Res<SolverEnvironment>,
+    mut islands: ResMut<Islands>,
+) {
+    islands.take(&mut bodies, &mut balls);
+    islands.each(|island| {
+        if island.outcome.is_none() {
+            step::detect_collisions(&mut island.solver, &solver.environment);
+        }
+    });
+    islands.give_back(&mut bodies, &mut balls);
+}
+
+/// All substeps of all islands at once: the same stages in the same order as [`substep_stage`] runs them.
+pub(crate) fn run_fused_substeps(
+    mut bodies: BodyQuery,
+    mut balls: BallQuery,
+    solver: Res<SolverEnvironment>,
+    mut islands: ResMut<Islands>,
+) {
+    islands.take(&mut bodies, &mut balls);
+    islands.each(|island| {
+        for _ in 0..island.solver.substeps() {
+            for stage in SUBSTEP {
+                island.substep_stage(&solver.environment, stage);
+            }
+        }
+    });
+    islands.give_back(&mut bodies, &mut balls);
+}
+
+/// One stage of one substep of all islands.
+pub(crate) fn substep_stage(
+    In(stage): In<SubstepStage>,
+    mut bodies: BodyQuery,
+    mut balls: BallQuery,
+    solver: Res<SolverEnvironment>,
+    mut islands: ResMut<Islands>,
+) {
+    islands.take(&mut bodies, &mut balls);
+    islands.each(|island| island.substep_stage(&solver.environment, stage));
+    islands.give_back(&mut bodies, &mut balls);
+}
+
+/// Ends the step: rest, sleep, hits.
+pub(crate) fn finish_islands(
+    mut bodies: BodyQuery,
+    mut balls: BallQuery,
+    mut activities: Query<&mut Activity>,
+    solver: Res<SolverEnvironment>,
+    manager: Res<SceneManager>,
+    clock: Res<DrapeClock>,
+    mut touching: ResMut<Touching>,
+    mut hits: MessageWriter<BallHit>,
+    mut islands: ResMut<Islands>,
+    mut refusals: ResMut<Refusals>,
+) {
+    islands.take(&mut bodies, &mut balls);
+    islands.each(|island| {
+        if island.outcome.is_none() {
+            island.outcome = step::finish(&mut island.solver).err();
+        }
+    });
+    touching.begin_step();
+    for island in islands.live_mut() {
+        if let Some(error) = island.outcome.take() {
+            refuse_member(island, &error, &mut bodies, &mut balls, &mut refusals);
+            continue;
+        }
+        report_hits(island, &solver.obstacles, clock.elapsed(), &mut touching, &mut hits);
+        let solver = &island.solver;
+        let is_still = |still_for: f32| still_for >= manager.sleep_time;
+        let all_still = solver.bodies.iter().all(|body| is_still(body.still_for()))
+            && solver.balls.iter().all(|ball| is_still(ball.still_for()));
+        if manager.sleeping && all_still {
+            for &entity in island.bodies.iter().chain(&island.balls) {
+                if let Ok(mut activity) = activities.get_mut(entity) {
+                    *activity = Activity::Resting;
+                }
+            }
+        }
+    }
+    islands.give_back(&mut bodies, &mut balls);
+}
+
+fn report_hits(
+    island: &Island,
+    obstacles: &[Entity],
+    elapsed: f64,
+    touching: &mut Touching,
+    hits: &mut MessageWriter<BallHit>,
+) {
+    for touch in &island.solver.touches {
+        let projectile = island.balls[touch.ball];
+        let (target, kind) = match touch.other {
+            Other::Body(i) => (island.bodies[i], HitTarget::Body),
+            Other::Ball(i) => (island.balls[i], HitTarget::Projectile),
+            Other::Obstacle(i) => (obstacles[i], HitTarget::Obstacle),
+        };
+        if touching.note(projectile, target) {
+            hits.write(BallHit {
+                projectile,
+                target,
+                kind,
+                time: elapsed + f64::from(touch.time),
+                ball_position: touch.ball_position,
+                ball_velocity: touch.ball_velocity,
+                point: touch.point,
+                normal: touch.normal,
+                impulse: touch.impulse,
+            });
+        }
+    }
+}

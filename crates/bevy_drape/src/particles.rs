@@ -1,0 +1,92 @@
+//! The simulated state of a body, as components.
+
+use std::sync::Arc;
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use drape_solver::{BodyContext, Topology};
+
+use crate::activity::Activity;
+
+/// Where a body's particles are and how they move: the solver's columns, in world coordinates.
+///
+/// Read it for positions and velocities; write to it (forces, impulses, pins) at any time outside the substeps.
+#[derive(Component, Reflect, Clone, Debug, Default, Deref, DerefMut)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Debug, Clone)]
+#[require(Activity, BodyState)]
+pub struct Particles(pub drape_solver::Particles);
+
+/// How a body's particles are joined. Shared: equal bodies may hold the same one.
+#[derive(Component, Reflect, Clone, Debug, Default, Deref)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct Sticks(pub Arc<Topology>);
+
+/// What the plugin keeps about a body between steps.
+#[derive(Component, Default)]
+pub(crate) struct BodyState {
+    /// Order of creation: what bodies are sorted by, so that entity ids do not matter to the result.
+    pub order: u64,
+    /// The solver's scratch for the body.
+    pub context: BodyContext,
+    /// The transform that pins are attached to, as it was when they were last brought there.
+    pub anchor: Affine3A,
+    /// Places of the pinned particles in the entity's own coordinates.
+    pub pins: Vec<(u32, Vec3)>,
+    /// Least and greatest corner of the particles' box, as of the last step.
+    pub bounds: (Vec3, Vec3),
+    /// Whether the body cannot be simulated; see the log for why.
+    pub refused: bool,
+    /// Settings of the last step; a change wakes the body.
+    pub settings: drape_solver::SolverSettings,
+}
+
+/// Hands out creation numbers.
+#[derive(Resource, Default)]
+pub(crate) struct CreationOrder(u64);
+
+impl CreationOrder {
+    pub fn next(&mut self) -> u64 {
+        self.0 += 1;
+        self.0
+    }
+}
+
+/// Puts a newly built body on an entity.
+pub(crate) fn insert_body(
+    commands: &mut Commands,
+    entity: Entity,
+    order: u64,
+    transform: &GlobalTransform,
+    (particles, topology): (drape_solver::Particles, Arc<Topology>),
+) {
+    let anchor = transform.affine();
+    let to_local = anchor.inverse();
+    let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
+    let pins =
+        pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect();
+    let bounds = particles.bounds();
+    commands.entity(entity).insert((
+        Particles(particles),
+        Sticks(topology),
+        Activity::Active,
+        BodyState { order, anchor, pins, bounds, ..default() },
+    ));
+}
+
+/// Pins are fixed to their entity: where it goes, they go, and pull the cloth along.
+pub(crate) fn move_pins(
+    mut bodies: Query<(&GlobalTransform, &mut Particles, &mut BodyState), Changed<GlobalTransform>>,
+) {
+    for (transform, mut particles, mut state) in &mut bodies {
+        let anchor = transform.affine();
+        if anchor == state.anchor || !anchor.is_finite() {
+            continue;
+        }
+        state.anchor = anchor;
+        for &(i, local) in &state.pins {
+            particles.set_pin_target(i as usize, anchor.transform_point3(local));
+        }
+    }
+}

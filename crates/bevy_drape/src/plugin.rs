@@ -1,0 +1,124 @@
+//! The plugins.
+
+use bevy::app::{PluginGroup, PluginGroupBuilder};
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::*;
+use bevy::transform::TransformSystems;
+use bevy::transform::systems::{
+    StaticTransformOptimizations, mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms,
+};
+
+use crate::activity::{Activity, ActivityCounts, count_activity};
+use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
+use crate::clock::DrapeClock;
+use crate::cloth::{Cloth, build_cloths};
+use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
+use crate::hit::{BallHit, Touching};
+use crate::islands::{Islands, detect_collisions, finish_islands, form_islands};
+use crate::obstacle::{Obstacle, StirredSpace, sync_obstacles};
+use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::projectile::{
+    Projectile, ProjectileState, build_projectiles, teleport_projectiles, write_projectile_transforms,
+};
+use crate::refusal::Refusals;
+use crate::rope::{Rope, build_ropes};
+use crate::scene_manager::{SceneManager, Viewer, cull, wake};
+use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
+use crate::settings::{DefaultSolverSettings, SolverSettings};
+
+/// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
+///
+/// ```no_run
+/// use bevy::prelude::*;
+/// use bevy_drape::prelude::*;
+///
+/// App::new()
+///     .add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()))
+///     .add_systems(Startup, |mut commands: Commands| {
+///         commands.spawn(Cloth::new(2.0, 1.5));
+///     })
+///     .run();
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct DrapePlugins {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl DrapePlugins {
+    /// Takes steps in `schedule`, as long as the time that the schedule's `Time` advances by.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
+
+impl Default for DrapePlugins {
+    /// Takes steps in `FixedPostUpdate`: at the fixed rate, after the game's own logic.
+    fn default() -> Self {
+        Self::new(FixedPostUpdate)
+    }
+}
+
+impl PluginGroup for DrapePlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>().add(SolverPlugin { schedule: self.schedule })
+    }
+}
+
+/// Bodies, balls, obstacles, the scene manager and the schedule that steps them.
+#[derive(Clone, Copy, Debug)]
+pub struct SolverPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl Plugin for SolverPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<(Activity, Cloth, Rope, Particles, Sticks, SolverSettings, Obstacle)>()
+            .register_type::<(Projectile, ProjectileState, Cannon, Viewer)>()
+            .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
+            .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit)>();
+        app.init_resource::<ActivityCounts>()
+            .init_resource::<CreationOrder>()
+            .init_resource::<DefaultSolverSettings>()
+            .init_resource::<DrapeClock>()
+            .init_resource::<DrapeGravity>()
+            .init_resource::<Islands>()
+            .init_resource::<Refusals>()
+            .init_resource::<SceneManager>()
+            .init_resource::<SolverEnvironment>()
+            // In case the app has no `TransformPlugin`.
+            .init_resource::<StaticTransformOptimizations>()
+            .init_resource::<StepTimes>()
+            .init_resource::<StirredSpace>()
+            .init_resource::<Touching>()
+            .init_resource::<Wind>()
+            .add_message::<BallHit>()
+            .add_message::<CannonFired>()
+            .add_message::<FireCannon>();
+        configure(app);
+        app.add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate));
+        app.add_systems(
+            DrapeSchedule,
+            (
+                (
+                    // Bevy brings global transforms up to date after the fixed loop only: too late for a step.
+                    (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms),
+                    fire_cannons,
+                    (build_cloths, build_ropes, build_projectiles),
+                    sync_obstacles,
+                    (move_pins, teleport_projectiles),
+                    wake,
+                    cull,
+                )
+                    .chain()
+                    .in_set(DrapeSystems::ManageScene),
+                read_environment.in_set(DrapeSystems::AccumulateForces),
+                form_islands.in_set(DrapeSystems::FormIslands),
+                detect_collisions.in_set(DrapeSystems::DetectCollisions),
+                (finish_islands, write_projectile_transforms, count_activity)
+                    .chain()
+                    .in_set(DrapeSystems::Finish),
+            ),
+        );
+    }
+}

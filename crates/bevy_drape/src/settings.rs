@@ -1,0 +1,80 @@
+//! How bodies are stepped: a component for one body, a resource for all others.
+
+use bevy::prelude::*;
+use drape_solver::settings as solver;
+
+/// Which formula moves the ends of a stick to its rest length.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum StickProjection {
+    /// The exact projection: one square root a stick.
+    #[default]
+    Exact,
+    /// One Newton step and no square root: right to second order in the strain.
+    SquareRootFree,
+}
+
+/// How a body is stepped: accuracy, damping and surface. A body without this component uses
+/// [`DefaultSolverSettings`]. Values out of range leave the body out of the simulation, with an error logged.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+pub struct SolverSettings {
+    /// Substeps per step, 1 to 256. Small steps buy more stiffness than iterations for the same work.
+    pub substeps: u32,
+    /// Relaxation iterations per substep, 1 to 1024. Even numbers run as symmetric pairs.
+    pub iterations: u32,
+    /// Drag of still air in 1/s, 0 or more: velocity decays as `exp(-drag t)`.
+    pub drag: f32,
+    /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
+    pub friction: f32,
+    /// Distance that the middle of the cloth keeps from what it touches, in metres.
+    pub thickness: f32,
+    /// The formula for sticks.
+    pub projection: StickProjection,
+    /// Whether tethers hold particles within their rest distance from the pins.
+    pub tethers: bool,
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        let solver::SolverSettings { substeps, iterations, drag, friction, thickness, projection, tethers } =
+            solver::SolverSettings::default();
+        let projection = match projection {
+            solver::StickProjection::Exact => StickProjection::Exact,
+            solver::StickProjection::SquareRootFree => StickProjection::SquareRootFree,
+        };
+        Self {
+            substeps,
+            iterations,
+            drag,
+            friction,
+            thickness,
+            projection,
+            tethers,
+        }
+    }
+}
+
+impl From<SolverSettings> for solver::SolverSettings {
+    fn from(settings: SolverSettings) -> Self {
+        let SolverSettings { substeps, iterations, drag, friction, thickness, projection, tethers } = settings;
+        let projection = match projection {
+            StickProjection::Exact => solver::StickProjection::Exact,
+            StickProjection::SquareRootFree => solver::StickProjection::SquareRootFree,
+        };
+        Self {
+            substeps,
+            iterations,
+            drag,
+            friction,
+            thickness,
+            projection,
+            tethers,
+        }
+    }
+}
+
+/// The [`SolverSettings`] of all bodies that have none of their own.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
+#[reflect(Resource, Default, Debug, Clone, PartialEq)]
+pub struct DefaultSolverSettings(pub SolverSettings);
