@@ -178,9 +178,12 @@ impl Ball {
         0.5 * (self.material.mass * self.velocity().length_squared() + inertia * self.spin.length_squared())
     }
 
-    pub(crate) fn set_substep(&mut self, substep: f32) {
+    /// Brings the displacement to the substep `substep` (seconds). It is the mean velocity over a substep, half a
+    /// substep old: under `acceleration` that age changes with the substep, and the ball stays on its parabola.
+    pub(crate) fn set_substep(&mut self, substep: f32, acceleration: Vec3) {
         if substep != self.substep {
-            self.displacement *= substep / self.substep;
+            let correction = acceleration * (0.5 * (self.substep - substep));
+            self.displacement = (self.displacement / self.substep + correction) * substep;
             self.substep = substep;
         }
     }

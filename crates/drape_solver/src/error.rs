@@ -105,9 +105,14 @@ pub enum StepError {
     /// Gravity or wind is NaN or infinite.
     #[error("{0} must be finite")]
     BadEnvironment(&'static str),
-    /// A setting is outside its range.
-    #[error(transparent)]
-    BadSettings(#[from] BuildError),
+    /// A body's setting is outside its range.
+    #[error("settings of body {body}: {source}")]
+    BadSettings {
+        /// The body, by index in the island.
+        body: usize,
+        /// What is wrong.
+        source: BuildError,
+    },
     /// The state of a body became NaN or infinite, by what was put into it.
     #[error("body {0} holds a position or velocity that is not finite")]
     NonFiniteBody(usize),

@@ -11,6 +11,9 @@ use parry3d::shape::{Shape as _, SharedShape, TriMesh, TriMeshFlags};
 
 use crate::error::{BuildError, finite_vector, positive};
 
+/// Corners around a round shape that an uneven scale turns into a convex hull.
+const SCALED_SUBDIVISIONS: u32 = 24;
+
 /// The form of an obstacle, in its own coordinates.
 #[derive(Clone)]
 pub enum Shape {
@@ -87,6 +90,45 @@ impl Shape {
         };
         own.validate()?;
         Ok(own)
+    }
+
+    /// The shape grown by `scale` along its axes, and checked as [`from_parry`](Self::from_parry) does. Where a
+    /// round shape would become an ellipsoid, it becomes a convex hull of one.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the result cannot be used.
+    pub fn scaled(&self, scale: Vec3) -> Result<Self, BuildError> {
+        for factor in scale.to_array() {
+            positive("scale", factor)?;
+        }
+        self.validate()?;
+        let shape = match self {
+            Self::Parry(shape) if scale == Vec3::ONE => return Self::from_parry(shape.clone()),
+            _ if scale == Vec3::ONE => return Ok(self.clone()),
+            // A plane through the origin stays what it is but for its slope.
+            Self::HalfSpace { normal } => {
+                let normal = (*normal / scale).try_normalize().unwrap_or(*normal);
+                return Ok(Self::HalfSpace { normal });
+            }
+            Self::Container { half_extents } => {
+                return Ok(Self::Container { half_extents: *half_extents * scale });
+            }
+            Self::Cuboid { half_extents } => {
+                return Ok(Self::Cuboid { half_extents: *half_extents * scale });
+            }
+            Self::Sphere { radius } if scale == Vec3::splat(scale.x) => {
+                return Ok(Self::Sphere { radius: radius * scale.x });
+            }
+            Self::Capsule { half_length, radius } if scale.x == scale.z && scale.x == scale.y => {
+                return Ok(Self::Capsule { half_length: half_length * scale.x, radius: radius * scale.x });
+            }
+            Self::Sphere { radius } => SharedShape::ball(*radius),
+            Self::Capsule { half_length, radius } => SharedShape::capsule_y(*half_length, *radius),
+            Self::Parry(shape) => shape.clone(),
+        };
+        let scaled = shape.scale_dyn(scale, SCALED_SUBDIVISIONS);
+        let scaled = scaled.ok_or(BuildError::BadShape { reason: "it has no extent at this scale" })?;
+        Self::from_parry(SharedShape(scaled.into()))
     }
 
     /// Checks sizes and normals.

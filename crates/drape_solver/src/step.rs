@@ -62,8 +62,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     environment.wind.validate()?;
     check_finite(island)?;
     let mut substeps = 1;
-    for body in &island.bodies {
-        body.settings.validate()?;
+    for (index, body) in island.bodies.iter().enumerate() {
+        body.settings.validate().map_err(|source| StepError::BadSettings { body: index, source })?;
         substeps = substeps.max(body.settings.substeps);
     }
     for ball in &island.balls {
@@ -80,7 +80,7 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
         body.begin_step(h, substeps);
     }
     for ball in &mut island.balls {
-        ball.set_substep(h);
+        ball.set_substep(h, environment.gravity);
         ball.drag = verlet::Drag::new(ball.material.drag, h);
     }
     Ok(())
