@@ -58,9 +58,4 @@ impl Touching {
         self.now.push((ball, other));
         self.before.binary_search(&(ball, other)).is_err()
     }
-
-    /// Whether this pair touched in the last step.
-    pub fn contains(&self, ball: Entity, other: Entity) -> bool {
-        self.now.contains(&(ball, other))
-    }
 }
