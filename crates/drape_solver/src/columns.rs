@@ -11,10 +11,6 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    pub fn zeros(len: usize) -> Self {
-        Self { x: vec![0.0; len], y: vec![0.0; len], z: vec![0.0; len] }
-    }
-
     pub fn len(&self) -> usize {
         self.x.len()
     }
