@@ -223,19 +223,16 @@ fn root(parents: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-/// Forms the islands of this step from all active bodies and balls, and sums up the forces on them.
+/// Groups all active bodies and balls into the islands of this step.
 pub(crate) fn form_islands(
-    active_bodies: Query<(Entity, &Activity, &BodyState)>,
-    active_balls: Query<(Entity, &Activity, &ProjectileState, &ProjectileRecord)>,
-    mut bodies: BodyQuery,
-    mut balls: BallQuery,
+    bodies: Query<(Entity, &Activity, &BodyState)>,
+    balls: Query<(Entity, &Activity, &ProjectileState, &ProjectileRecord)>,
     solver: Res<SolverEnvironment>,
     mut islands: ResMut<Islands>,
-    mut refusals: ResMut<Refusals>,
 ) {
     let environment = &solver.environment;
     islands.members.clear();
-    for (entity, activity, state) in &active_bodies {
+    for (entity, activity, state) in &bodies {
         if *activity == Activity::Active && !state.refused {
             let (low, high) = state.bounds;
             let order = state.order;
@@ -244,7 +241,7 @@ pub(crate) fn form_islands(
             islands.members.push(Member { order, entity, is_ball: false, low, high });
         }
     }
-    for (entity, activity, state, record) in &active_balls {
+    for (entity, activity, state, record) in &balls {
         if *activity == Activity::Active && !record.refused {
             let path = state.velocity().length() + environment.gravity.length() * environment.dt;
             // What the ball may meet moves too, but not faster than a ball that could catch it: twice the path.
@@ -255,6 +252,17 @@ pub(crate) fn form_islands(
         }
     }
     islands.form();
+}
+
+/// Checks the islands and sums up the forces on them. What cannot be stepped is left out.
+pub(crate) fn begin_islands(
+    mut bodies: BodyQuery,
+    mut balls: BallQuery,
+    solver: Res<SolverEnvironment>,
+    mut islands: ResMut<Islands>,
+    mut refusals: ResMut<Refusals>,
+) {
+    let environment = &solver.environment;
     islands.take(&mut bodies, &mut balls);
     islands.each(|island| island.outcome = step::begin(&mut island.solver, environment).err());
     for island in islands.live_mut() {

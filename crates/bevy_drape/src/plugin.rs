@@ -15,7 +15,7 @@ use crate::clock::DrapeClock;
 use crate::cloth::{Cloth, build_cloths};
 use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
 use crate::hit::{BallHit, Touching};
-use crate::islands::{Islands, detect_collisions, finish_islands, form_islands};
+use crate::islands::{Islands, begin_islands, detect_collisions, finish_islands, form_islands};
 use crate::obstacle::{Obstacle, StirredSpace, sync_obstacles};
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
 use crate::projectile::{
@@ -113,7 +113,7 @@ impl Plugin for SolverPlugin {
                     .chain()
                     .in_set(DrapeSystems::ManageScene),
                 read_environment.in_set(DrapeSystems::AccumulateForces),
-                form_islands.in_set(DrapeSystems::FormIslands),
+                (form_islands, begin_islands).chain().in_set(DrapeSystems::FormIslands),
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
                 (finish_islands, write_projectile_transforms, count_activity)
                     .chain()
