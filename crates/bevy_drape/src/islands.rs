@@ -5,6 +5,7 @@
 //! threads of the compute pool and give the same bits on any number of them.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
@@ -18,6 +19,7 @@ use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::refusal::Refusals;
 use crate::scene_manager::SceneManager;
+use crate::schedule::StepTimes;
 
 /// One island: the solver's, and the entities behind its bodies and balls.
 #[derive(Default)]
@@ -324,7 +326,9 @@ pub(crate) fn detect_collisions(
     mut balls: BallQuery,
     solver: Res<SolverEnvironment>,
     mut islands: ResMut<Islands>,
+    mut times: ResMut<StepTimes>,
 ) {
+    let start = Instant::now();
     islands.take(&mut bodies, &mut balls);
     islands.each(|island| {
         if island.outcome.is_none() {
@@ -332,6 +336,7 @@ pub(crate) fn detect_collisions(
         }
     });
     islands.give_back(&mut bodies, &mut balls);
+    times.detect_collisions = start.elapsed();
 }
 
 /// All substeps of all islands at once: the same stages in the same order as [`substep_stage`] runs them.
