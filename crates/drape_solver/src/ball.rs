@@ -162,14 +162,25 @@ impl Ball {
         self.disturbed = true;
     }
 
+    /// Drops the force that was given for the next step.
+    pub fn clear_force(&mut self) {
+        self.force = Vec3::ZERO;
+    }
+
+    /// Wakes the ball: it counts as edited, and its time at rest starts anew.
+    pub fn rouse(&mut self) {
+        self.disturbed = true;
+    }
+
     /// Whether a force, an impulse or an edit has touched the ball since its last step.
     pub fn is_disturbed(&self) -> bool {
         self.disturbed
     }
 
-    /// Whether position, velocity and spin are finite.
+    /// Whether position, velocity, spin, orientation and force are finite.
     pub fn is_finite(&self) -> bool {
-        self.position.is_finite() && self.displacement.is_finite() && self.spin.is_finite()
+        let motion = self.position.is_finite() && self.displacement.is_finite();
+        motion && self.spin.is_finite() && self.rotation.is_finite() && self.force.is_finite()
     }
 
     /// Kinetic energy of flight and spin, in joules.
@@ -193,8 +204,9 @@ impl Ball {
         self.displacement + (self.position - self.integrated)
     }
 
-    /// How far the ball's surface can get from its centre's place in `dt` seconds, in metres.
-    pub(crate) fn reach(&self, dt: f32, gravity: f32) -> f32 {
+    /// How far the ball's surface can get from its centre's place in `dt` seconds, in metres, where gravity is of
+    /// size `gravity` (m/s^2).
+    pub fn reach(&self, dt: f32, gravity: f32) -> f32 {
         let path =
             self.velocity().length() * dt + (gravity + self.force.length() * self.inverse_mass) * dt * dt;
         self.material.radius + path + CONTACT_MARGIN

@@ -33,7 +33,7 @@ impl Body {
 
     /// How long the body has been slower than the threshold of rest, in seconds.
     pub fn still_for(&self) -> f32 {
-        self.context.still_for
+        self.context.still_for()
     }
 }
 
@@ -55,6 +55,13 @@ pub struct BodyContext {
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
     pub(crate) still_for: f32,
+}
+
+impl BodyContext {
+    /// How long the body has been slower than the threshold of rest, in seconds.
+    pub fn still_for(&self) -> f32 {
+        self.still_for
+    }
 }
 
 impl Body {
@@ -84,10 +91,4 @@ impl Body {
         self.particles.displacement.get(i) + projected
     }
 
-    /// Greatest speed of a particle in m/s.
-    pub(crate) fn greatest_speed(&self) -> f32 {
-        let d = &self.particles.displacement;
-        let squared = d.iter().map(|d| d.length_squared()).fold(0.0, f32::max);
-        squared.sqrt() / self.particles.substep
-    }
 }

@@ -34,6 +34,13 @@ pub(crate) struct BallCloth {
     weights: [f32; 3],
 }
 
+impl BallCloth {
+    /// The body, by index in the island.
+    pub(crate) fn body(&self) -> usize {
+        self.body
+    }
+}
+
 /// A face, or a segment of a body that has no faces.
 #[derive(Clone, Copy, Debug)]
 enum Element {

@@ -81,6 +81,13 @@ impl Island {
         self.touches.clear();
     }
 
+    /// Takes the body at `index` out in the middle of a step: an empty one is left in its place, and nothing touches
+    /// it any more. The other bodies keep their indices.
+    pub fn vacate_body(&mut self, index: usize) {
+        self.bodies[index] = Body::default();
+        self.context.ball_cloth.retain(|contact| contact.body() != index);
+    }
+
     /// Substeps of the step that was [begun](crate::step::begin).
     pub fn substeps(&self) -> u32 {
         self.context.substeps

@@ -184,9 +184,24 @@ impl Particles {
     /// is not pinned this does nothing.
     pub fn set_pin_target(&mut self, i: usize, target: Vec3) {
         if self.is_pinned(i) && target != self.position(i) {
-            self.pin_targets.push((i as u32, target));
+            // Kept in order and one for each pin, so that the last word counts.
+            match self.pin_targets.binary_search_by_key(&(i as u32), |&(pin, _)| pin) {
+                Ok(known) => self.pin_targets[known].1 = target,
+                Err(place) => self.pin_targets.insert(place, (i as u32, target)),
+            }
             self.disturbed = true;
         }
+    }
+
+    /// Drops the forces and pin targets that were given for the next step.
+    pub fn clear_requests(&mut self) {
+        self.force.clear();
+        self.pin_targets.clear();
+    }
+
+    /// Wakes the body: it counts as edited, and its time at rest starts anew.
+    pub fn rouse(&mut self) {
+        self.disturbed = true;
     }
 
     /// Moves the whole body by `offset` (metres) without changing its velocity or shape.
@@ -201,10 +216,17 @@ impl Particles {
         self.disturbed
     }
 
-    /// Whether every position and velocity is finite.
+    /// Whether every position, velocity, force and pin target is finite.
     pub fn is_finite(&self) -> bool {
         let columns = self.position.each().into_iter().chain(self.displacement.each());
-        columns.flatten().all(|value| value.is_finite())
+        columns.chain(self.force.each()).flatten().all(|value| value.is_finite())
+            && self.pin_targets.iter().all(|(_, target)| target.is_finite())
+    }
+
+    /// Greatest speed of a particle in m/s.
+    pub fn greatest_speed(&self) -> f32 {
+        let squared = self.displacement.iter().map(|d| d.length_squared()).fold(0.0, f32::max);
+        squared.sqrt() / self.substep
     }
 
     /// The smallest box around all particles, as (least, greatest) corner in the world.

@@ -7,16 +7,17 @@ use crate::measure::mean_square_speed;
 use crate::particles::Particles;
 
 /// Counts the time for which the body's kinetic energy has stayed below the threshold of rest. One step above
-/// it starts the count anew: a curtain at its turning point is slow for a moment only.
+/// it starts the count anew: a curtain at its turning point is slow for a moment only. So does an edit or a force:
+/// what was just woken has not had the time to pick up speed.
 pub(crate) fn account_body(body: &mut Body, dt: f32) {
-    let still = mean_square_speed(&body.particles) < REST_SPEED * REST_SPEED;
+    let still = !body.particles.disturbed && mean_square_speed(&body.particles) < REST_SPEED * REST_SPEED;
     body.context.still_for = if still { body.context.still_for + dt } else { 0.0 };
 }
 
 /// The same for a ball, whose spin counts as the speed of its surface.
 pub(crate) fn account_ball(ball: &mut Ball, dt: f32) {
     let surface = ball.spin.length_squared() * ball.material.radius * ball.material.radius;
-    let still = ball.velocity().length_squared() + surface < REST_SPEED * REST_SPEED;
+    let still = !ball.disturbed && ball.velocity().length_squared() + surface < REST_SPEED * REST_SPEED;
     ball.still_for = if still { ball.still_for + dt } else { 0.0 };
 }
 

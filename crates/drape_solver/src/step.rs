@@ -99,7 +99,7 @@ pub fn detect_collisions(island: &mut Island, environment: &Environment) {
     let (dt, gravity) = (environment.dt, environment.gravity.length());
     let fastest_ball = island.balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
     // A ball can bring the cloth to its own speed within the step.
-    let speed = island.bodies.iter().map(|b| b.greatest_speed()).fold(fastest_ball, f32::max);
+    let speed = island.bodies.iter().map(|b| b.particles.greatest_speed()).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + crate::constants::CONTACT_MARGIN;
     for body in &mut island.bodies {
         particle_obstacle::detect(body, &environment.obstacles, reach);
@@ -179,8 +179,7 @@ pub fn finish(island: &mut Island) -> Result<(), StepError> {
     for body in &mut island.bodies {
         rest::account_body(body, dt);
         let particles = &mut body.particles;
-        particles.force.clear();
-        particles.pin_targets.clear();
+        particles.clear_requests();
         particles.disturbed = false;
         rest::recentre(particles);
     }
