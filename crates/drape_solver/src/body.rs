@@ -90,5 +90,4 @@ impl Body {
         let projected = self.particles.position.get(i) - self.context.integrated.get(i);
         self.particles.displacement.get(i) + projected
     }
-
 }
