@@ -143,6 +143,8 @@ fn spawn_scene(mut commands: Commands, scene: Res<CannonScene>) {
     let ball = Projectile {
         radius: BALL_RADIUS,
         mass: BALL_MASS,
+        // The ground is a lawn: balls come to rest in some ten seconds.
+        rolling_resistance: 0.1,
         ..default()
     };
     let first = Shot::planned(0);
