@@ -264,6 +264,10 @@ impl TopologyBuilder {
     /// # Errors
     /// [`BuildError::DuplicateStick`] if two sticks join the same two particles.
     pub fn build(mut self) -> Result<Topology, BuildError> {
+        if !self.topology.segments.is_empty() {
+            // Sticks that were given their length may be longer at rest than their ends are apart now.
+            self.note_edge(self.topology.rest_length.iter().copied().fold(0.0, f32::max));
+        }
         self.joined.sort_unstable();
         if let Some(pair) = self.joined.windows(2).find(|pair| pair[0] == pair[1]) {
             let (a, b) = pair[0];
