@@ -5,21 +5,28 @@ pub mod cannon;
 pub mod clock;
 pub mod cloth;
 pub mod environment;
+#[cfg(feature = "gizmos")]
+pub mod gizmos;
 pub mod hit;
+pub mod interpolation;
 mod islands;
+#[cfg(feature = "mesh")]
+pub mod mesh;
+#[cfg(feature = "mesh")]
+mod normals;
 pub mod obstacle;
 pub mod particles;
 pub mod plugin;
 pub mod projectile;
 mod refusal;
-pub mod rig;
-mod rig_body;
-mod rig_compile;
-mod rig_transforms;
 pub mod rope;
 pub mod scene_manager;
 pub mod schedule;
 pub mod settings;
+#[cfg(feature = "mesh")]
+mod surface;
+#[cfg(feature = "mesh")]
+mod visibility;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -38,14 +45,17 @@ pub mod prelude {
         cloth::{Cloth, ClothPins},
         environment::{DrapeGravity, Wind},
         hit::{BallHit, HitTarget},
+        interpolation::Interpolated,
         obstacle::{Obstacle, ObstacleShape},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
         projectile::{Projectile, ProjectileState},
-        rig::{InRig, Particle, Rig, Stick, StickKind},
         rope::Rope,
         scene_manager::{SceneManager, Viewer},
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
         settings::{DefaultSolverSettings, SolverSettings, StickProjection},
     };
+    #[cfg(feature = "gizmos")]
+    #[doc(inline)]
+    pub use crate::gizmos::DrapeGizmos;
 }

@@ -15,6 +15,7 @@ use crate::clock::DrapeClock;
 use crate::cloth::{Cloth, build_cloths};
 use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
 use crate::hit::{BallHit, Touching};
+use crate::interpolation::InterpolationPlugin;
 use crate::islands::{Islands, begin_islands, detect_collisions, finish_islands, form_islands};
 use crate::obstacle::{Obstacle, StirredSpace, sync_obstacles};
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
@@ -22,9 +23,6 @@ use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, teleport_projectiles, write_projectile_transforms,
 };
 use crate::refusal::Refusals;
-use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
-use crate::rig_compile::compile_rigs;
-use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
 use crate::rope::{Rope, build_ropes};
 use crate::scene_manager::{SceneManager, Viewer, cull, wake};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
@@ -64,7 +62,14 @@ impl Default for DrapePlugins {
 
 impl PluginGroup for DrapePlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>().add(SolverPlugin { schedule: self.schedule })
+        let plugins = PluginGroupBuilder::start::<Self>()
+            .add(SolverPlugin { schedule: self.schedule })
+            .add(InterpolationPlugin);
+        #[cfg(feature = "mesh")]
+        let plugins = plugins.add(crate::mesh::MeshPlugin::new(self.schedule));
+        #[cfg(feature = "gizmos")]
+        let plugins = plugins.add(crate::gizmos::GizmosPlugin);
+        plugins
     }
 }
 
@@ -79,7 +84,6 @@ impl Plugin for SolverPlugin {
         app.register_type::<(Activity, Cloth, Rope, Particles, Sticks, SolverSettings, Obstacle)>()
             .register_type::<(Projectile, ProjectileState, Cannon, Viewer)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
-            .register_type::<(Particle, Stick, Rig, InRig)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit)>();
         app.init_resource::<ActivityCounts>()
             .init_resource::<CreationOrder>()
@@ -88,7 +92,6 @@ impl Plugin for SolverPlugin {
             .init_resource::<DrapeGravity>()
             .init_resource::<Islands>()
             .init_resource::<Refusals>()
-            .init_resource::<RigEdits>()
             .init_resource::<SceneManager>()
             .init_resource::<SolverEnvironment>()
             // In case the app has no `TransformPlugin`.
@@ -110,10 +113,8 @@ impl Plugin for SolverPlugin {
                     (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms),
                     fire_cannons,
                     (build_cloths, build_ropes, build_projectiles),
-                    compile_rigs,
                     sync_obstacles,
                     (move_pins, teleport_projectiles),
-                    follow_rig_transforms,
                     wake,
                     cull,
                 )
@@ -122,7 +123,7 @@ impl Plugin for SolverPlugin {
                 read_environment.in_set(DrapeSystems::AccumulateForces),
                 (form_islands, begin_islands).chain().in_set(DrapeSystems::FormIslands),
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
-                (finish_islands, write_projectile_transforms, write_rig_transforms, count_activity)
+                (finish_islands, write_projectile_transforms, count_activity)
                     .chain()
                     .in_set(DrapeSystems::Finish),
             ),

@@ -12,7 +12,7 @@
 
 use glam::Vec3;
 
-use crate::body::Body;
+use crate::body::{Body, BodyContext};
 use crate::friction::{combined, slip_taken};
 use crate::obstacle::Obstacle;
 use crate::pose::Pose;
@@ -51,6 +51,15 @@ impl ObstacleContacts {
     pub fn clear(&mut self) {
         self.groups.clear();
         self.candidates.clear();
+    }
+}
+
+impl BodyContext {
+    /// Particles that obstacles pushed out in the last substep: the particle's index, the unit normal of the
+    /// surface in the world, and the depth in metres, summed over the projections of the substep.
+    pub fn contacts(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
+        let touching = self.contacts.candidates.iter().filter(|candidate| candidate.depth > 0.0);
+        touching.map(|candidate| (candidate.particle as usize, candidate.normal, candidate.depth))
     }
 }
 

@@ -1,0 +1,178 @@
+//! Meshes of cloths: made when the cloth is built, kept up with it afterwards.
+//!
+//! Each frame the vertices are put between the last two steps, so that motion is smooth at any frame rate, with
+//! smooth normals and bounds of their own. The attributes are written in place: nothing is allocated here once a
+//! mesh exists. A cloth at rest is not written, and so not uploaded, at all. Cloth has two sides: give it a
+//! material that is `double_sided` and has no `cull_mode`.
+//!
+//! A mesh that is there already is kept if it has one vertex for each particle, in the particles' order: texture
+//! coordinates, colours and indices may be your own. One that several entities share is copied first.
+
+use std::sync::Arc;
+
+use bevy::asset::{AssetEventSystems, RenderAssetUsages};
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::{NoAutoAabb, VisibilitySystems};
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::mesh::PrimitiveTopology;
+use bevy::prelude::*;
+use bevy::transform::TransformSystems;
+
+use crate::cloth::Cloth;
+use crate::interpolation::step_fraction;
+use crate::particles::{Particles, Sticks};
+use crate::schedule::run_drape_schedule;
+use crate::surface::{EntitySpace, Surface, can_be_written, complete};
+use crate::visibility::hide_culled;
+
+/// Gives each [`Cloth`] a [`Mesh3d`] and keeps it up with the simulation. To see it, add a `MeshMaterial3d`.
+///
+/// Does nothing in an app without `Assets<Mesh>`.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl MeshPlugin {
+    /// For steps taken in `schedule`. Vertices are interpolated where that is a schedule of the fixed loop;
+    /// elsewhere the state after the last step is shown.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
+
+impl Plugin for MeshPlugin {
+    fn build(&self, app: &mut App) {
+        let fixed: [Interned<dyn ScheduleLabel>; 5] = [
+            FixedFirst.intern(),
+            FixedPreUpdate.intern(),
+            FixedUpdate.intern(),
+            FixedPostUpdate.intern(),
+            FixedLast.intern(),
+        ];
+        app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
+        app.add_systems(
+            self.schedule,
+            (build_surfaces.run_if(resource_exists::<Assets<Mesh>>), record_surfaces)
+                .chain()
+                .after(run_drape_schedule)
+                .before(TransformSystems::Propagate),
+        );
+        app.add_systems(
+            PostUpdate,
+            (
+                write_surfaces
+                    .run_if(resource_exists::<Assets<Mesh>>)
+                    .after(TransformSystems::Propagate)
+                    .before(AssetEventSystems)
+                    .before(VisibilitySystems::CalculateBounds),
+                hide_culled.before(VisibilitySystems::VisibilityPropagate),
+            ),
+        );
+    }
+}
+
+/// Whether the time between two steps is known, so that what lies between them can be shown.
+#[derive(Resource, Clone, Copy, Debug)]
+struct InterpolateSurfaces(bool);
+
+/// Gives new and rebuilt cloths their surface, and a mesh where there is none that fits.
+fn build_surfaces(
+    mut commands: Commands,
+    cloths: Query<(Entity, &Cloth, &Particles, &Sticks, &GlobalTransform, Option<&Mesh3d>, Option<&Surface>)>,
+    users: Query<(Entity, &Mesh3d)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+) {
+    for (entity, cloth, particles, sticks, transform, mesh, surface) in &cloths {
+        let asset = mesh.and_then(|mesh| meshes.get(mesh));
+        let is_known = surface.is_some_and(|surface| Arc::ptr_eq(&surface.topology, &sticks.0));
+        match (mesh, asset) {
+            (Some(mesh), Some(asset)) => {
+                let is_own = surface.is_some_and(|surface| surface.mesh == mesh.id());
+                if is_known && is_own && can_be_written(asset, particles.len()) {
+                    continue;
+                }
+            }
+            // Not loaded yet.
+            (Some(Mesh3d(Handle::Strong(_))), None) => continue,
+            // Somebody took the mesh away, and so it shall be.
+            (None, _) if is_known => continue,
+            _ => {}
+        }
+        let UVec2 { x: columns, y: rows } = cloth.particles;
+        if u64::from(columns) * u64::from(rows) != particles.len() as u64 {
+            // The cloth was changed after the step; the next one builds it anew.
+            continue;
+        }
+        let fits_grid = surface.is_none_or(|surface| surface.columns == columns);
+        let kept = asset.filter(|_| fits_grid).and_then(|asset| {
+            let mut asset = asset.clone();
+            complete(&mut asset, [columns, rows], &sticks.0).then_some(asset)
+        });
+        if kept.is_none() && asset.is_some() && surface.is_none() {
+            warn!("the mesh of cloth {entity} has not one vertex for each particle: it is replaced");
+        }
+        let is_shared =
+            users.iter().any(|(user, other)| user != entity && mesh.is_some_and(|mesh| mesh == other));
+        let handle = mesh.filter(|_| kept.is_some() && !is_shared).map(|mesh| mesh.0.clone());
+
+        let mut asset = kept.unwrap_or_else(|| {
+            let mut new = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
+            new.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; particles.len()]);
+            complete(&mut new, [columns, rows], &sticks.0);
+            new
+        });
+        // Written here, read by the renderer.
+        asset.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
+        let mut surface = Surface::new(particles, &sticks.0, columns);
+        let bounds = EntitySpace::new(transform).and_then(|space| surface.write(&mut asset, &space, 1.0));
+        let handle = match handle {
+            Some(handle) => {
+                if let Some(mut known) = meshes.get_mut(&handle) {
+                    *known = asset;
+                }
+                handle
+            }
+            None => meshes.add(asset),
+        };
+        surface.mesh = handle.id();
+        commands.entity(entity).insert((Mesh3d(handle), surface, NoAutoAabb, bounds.unwrap_or_default()));
+    }
+}
+
+/// Notes where the step left each cloth. Those that were not stepped have nothing to be shown in between.
+fn record_surfaces(mut surfaces: Query<(Ref<Particles>, &mut Surface)>) {
+    for (particles, mut surface) in &mut surfaces {
+        if particles.is_changed() {
+            surface.record(&particles);
+        } else {
+            surface.settle();
+        }
+    }
+}
+
+/// Writes what is to be shown now into the meshes of the cloths that have moved.
+fn write_surfaces(
+    mut surfaces: Query<(&mut Surface, &Mesh3d, &GlobalTransform, Option<&mut Aabb>), With<Particles>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    interpolate: Res<InterpolateSurfaces>,
+    time: Option<Res<Time<Fixed>>>,
+) {
+    let fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
+    for (mut surface, mesh, transform, aabb) in &mut surfaces {
+        let Some(space) = EntitySpace::new(transform) else {
+            continue;
+        };
+        if !surface.must_be_written(&space, fraction) || surface.mesh != mesh.id() {
+            continue;
+        }
+        let Some(mut asset) = meshes.get_mut(mesh) else {
+            continue;
+        };
+        let bounds = surface.write(&mut asset, &space, fraction);
+        if let (Some(bounds), Some(mut aabb)) = (bounds, aabb) {
+            *aabb = bounds;
+        }
+    }
+}

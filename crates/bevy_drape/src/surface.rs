@@ -1,0 +1,233 @@
+//! What is known about a body's surface between two pictures of it, and how it is written into a mesh.
+
+use std::sync::Arc;
+
+use bevy::camera::primitives::Aabb;
+use bevy::math::{Affine3A, Mat3A, Vec3A};
+use bevy::mesh::{Indices, VertexAttributeValues};
+use bevy::prelude::*;
+use drape_solver::Topology;
+
+use crate::normals::write_smooth_normals;
+
+/// Where the particles were after one step.
+#[derive(Clone, Debug, PartialEq)]
+struct Snapshot {
+    /// What positions and bounds are relative to, so that they are fine far from the world's origin too.
+    origin: Vec3,
+    positions: Vec<Vec3>,
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Snapshot {
+    fn of(particles: &drape_solver::Particles) -> Self {
+        let (origin, positions) = (particles.origin(), Vec::with_capacity(particles.len()));
+        let mut snapshot = Self { origin, positions, low: Vec3::ZERO, high: Vec3::ZERO };
+        snapshot.read(particles);
+        snapshot
+    }
+
+    /// Takes the present state; false if it is not finite.
+    fn read(&mut self, particles: &drape_solver::Particles) -> bool {
+        self.origin = particles.origin();
+        self.positions.clear();
+        self.positions.extend((0..particles.len()).map(|i| particles.local_position(i)));
+        (self.low, self.high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let mut is_finite = true;
+        for &position in &self.positions {
+            self.low = self.low.min(position);
+            self.high = self.high.max(position);
+            is_finite &= position.is_finite();
+        }
+        is_finite
+    }
+}
+
+/// The surface of a body: its last two states, and what its mesh shows of them.
+#[derive(Component, Clone, Debug)]
+pub(crate) struct Surface {
+    pub topology: Arc<Topology>,
+    /// Particles in a row of the grid that the mesh was made for.
+    pub columns: u32,
+    /// The mesh that is written.
+    pub mesh: AssetId<Mesh>,
+    previous: Snapshot,
+    current: Snapshot,
+    /// Whether the body did not move in the last step, so that there is nothing between its two states.
+    is_settled: bool,
+    /// Fraction and entity's place that the mesh was last written for; none if a step was taken since.
+    shown: Option<(f32, Affine3A)>,
+}
+
+impl Surface {
+    /// The surface of a body as it is now.
+    pub fn new(particles: &drape_solver::Particles, topology: &Arc<Topology>, columns: u32) -> Self {
+        let current = Snapshot::of(particles);
+        Self {
+            topology: Arc::clone(topology),
+            columns,
+            mesh: AssetId::default(),
+            previous: current.clone(),
+            current,
+            is_settled: true,
+            shown: None,
+        }
+    }
+
+    /// Notes where a step left the particles. A state that is not finite is not shown.
+    pub fn record(&mut self, particles: &drape_solver::Particles) {
+        if particles.len() != self.current.positions.len() {
+            return;
+        }
+        core::mem::swap(&mut self.previous, &mut self.current);
+        if !self.current.read(particles) {
+            self.current.clone_from(&self.previous);
+        }
+        self.is_settled = self.current == self.previous;
+        if !self.is_settled {
+            self.shown = None;
+        }
+    }
+
+    /// Notes that a step was not taken, or not by this body.
+    pub fn settle(&mut self) {
+        self.is_settled = true;
+    }
+
+    /// Whether the mesh has to be written to show `fraction` of the last step from `space`.
+    pub fn must_be_written(&self, space: &EntitySpace, fraction: f32) -> bool {
+        self.shown != Some((self.fraction(fraction), space.to_world))
+    }
+
+    /// Writes positions and normals into `mesh` and gives the bounds, which hold for every fraction of the last
+    /// step; none if the mesh has not the right attributes.
+    pub fn write(&mut self, mesh: &mut Mesh, space: &EntitySpace, fraction: f32) -> Option<Aabb> {
+        let (positions, normals) = position_and_normal(mesh)?;
+        if positions.len() != self.current.positions.len() || normals.len() != positions.len() {
+            return None;
+        }
+        let fraction = self.fraction(fraction);
+        let (previous, current) = (&self.previous, &self.current);
+        let from = previous.origin - space.translation;
+        let to = current.origin - space.translation;
+        let ends = previous.positions.iter().zip(&current.positions);
+        if fraction < 1.0 {
+            for (vertex, (&a, &b)) in positions.iter_mut().zip(ends) {
+                let (a, b) = (from + a, to + b);
+                *vertex = space.direction(a + (b - a) * fraction).to_array();
+            }
+        } else {
+            for (vertex, &b) in positions.iter_mut().zip(&current.positions) {
+                *vertex = space.direction(to + b).to_array();
+            }
+        }
+        write_smooth_normals(positions, self.topology.faces(), space.orientation, normals);
+        self.shown = Some((fraction, space.to_world));
+        let (mut low, mut high) = (to + current.low, to + current.high);
+        if fraction < 1.0 {
+            (low, high) = (low.min(from + previous.low), high.max(from + previous.high));
+        }
+        Some(space.bounds(low, high))
+    }
+
+    fn fraction(&self, fraction: f32) -> f32 {
+        if self.is_settled { 1.0 } else { fraction }
+    }
+}
+
+/// The way from the world into an entity's own coordinates.
+pub(crate) struct EntitySpace {
+    to_world: Affine3A,
+    translation: Vec3,
+    /// Inverse of rotation and scale; none if there is none, so that numbers are copied as they are.
+    to_local: Option<Mat3A>,
+    /// -1 in a mirror, where faces turn the other way, else 1.
+    orientation: f32,
+}
+
+impl EntitySpace {
+    /// None if the entity has no coordinates of its own: a scale of zero, or a place that is not finite.
+    pub fn new(transform: &GlobalTransform) -> Option<Self> {
+        let to_world = transform.affine();
+        let matrix = to_world.matrix3;
+        let to_local = (matrix != Mat3A::IDENTITY).then(|| matrix.inverse());
+        let is_usable = to_world.is_finite() && to_local.is_none_or(|inverse| inverse.is_finite());
+        is_usable.then(|| Self {
+            to_world,
+            translation: to_world.translation.into(),
+            to_local,
+            orientation: matrix.determinant().signum(),
+        })
+    }
+
+    /// A world offset from the entity, in its own coordinates.
+    fn direction(&self, offset: Vec3) -> Vec3 {
+        self.to_local.map_or(offset, |to_local| to_local * offset)
+    }
+
+    /// A box around the box between two offsets from the entity, in its own coordinates.
+    fn bounds(&self, low: Vec3, high: Vec3) -> Aabb {
+        let (centre, half) = (Vec3A::from(low + high) * 0.5, Vec3A::from(high - low) * 0.5);
+        let largest = centre.abs() + half;
+        let (center, half_extents, largest) = match self.to_local {
+            None => (centre, half, largest),
+            Some(to_local) => {
+                let size = to_local.abs();
+                (to_local * centre, size * half, size * largest)
+            }
+        };
+        // Vertices are rounded, and must not stick out.
+        Aabb { center, half_extents: half_extents + largest * (8.0 * f32::EPSILON) }
+    }
+}
+
+/// Makes sure that `mesh` has what a surface needs: normals, texture coordinates from (0, 0) at the top left to
+/// (1, 1), and indices, each if it has none of its own. False if it has not one position for each particle.
+pub(crate) fn complete(mesh: &mut Mesh, [columns, rows]: [u32; 2], topology: &Topology) -> bool {
+    let count = topology.particle_count();
+    let has = |mesh: &Mesh, id| mesh.try_attribute_option(id).ok().flatten().map(VertexAttributeValues::len);
+    let positions = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).ok().flatten();
+    let Some(VertexAttributeValues::Float32x3(positions)) = positions else {
+        return false;
+    };
+    if positions.len() != count {
+        return false;
+    }
+    if has(mesh, Mesh::ATTRIBUTE_NORMAL) != Some(count) {
+        mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; count]);
+    }
+    if has(mesh, Mesh::ATTRIBUTE_UV_0) != Some(count) {
+        let part = |i: u32, n: u32| i as f32 / (n.max(2) - 1) as f32;
+        let row = |r: u32| (0..columns).map(move |c| [part(c, columns), part(r, rows)]);
+        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, (0..rows).flat_map(row).collect::<Vec<_>>());
+    }
+    if mesh.try_indices_option().is_ok_and(|indices| indices.is_none()) {
+        mesh.insert_indices(Indices::U32(topology.faces().as_flattened().to_vec()));
+    }
+    true
+}
+
+/// Whether `mesh` has a position and a normal for each of `count` particles.
+pub(crate) fn can_be_written(mesh: &Mesh, count: usize) -> bool {
+    [Mesh::ATTRIBUTE_POSITION, Mesh::ATTRIBUTE_NORMAL].into_iter().all(|attribute| {
+        let values = mesh.try_attribute_option(attribute).ok().flatten();
+        matches!(values, Some(VertexAttributeValues::Float32x3(values)) if values.len() == count)
+    })
+}
+
+/// Both buffers at once.
+fn position_and_normal(mesh: &mut Mesh) -> Option<(&mut Vec<[f32; 3]>, &mut Vec<[f32; 3]>)> {
+    let (mut positions, mut normals) = (None, None);
+    for (attribute, values) in mesh.try_attributes_mut().ok()? {
+        let VertexAttributeValues::Float32x3(values) = values else {
+            continue;
+        };
+        if attribute.id == Mesh::ATTRIBUTE_POSITION.id {
+            positions = Some(values);
+        } else if attribute.id == Mesh::ATTRIBUTE_NORMAL.id {
+            normals = Some(values);
+        }
+    }
+    positions.zip(normals)
+}
