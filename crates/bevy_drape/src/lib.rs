@@ -19,6 +19,10 @@ pub mod particles;
 pub mod plugin;
 pub mod projectile;
 mod refusal;
+pub mod rig;
+mod rig_body;
+mod rig_compile;
+mod rig_transforms;
 pub mod rope;
 pub mod scene_manager;
 pub mod schedule;
@@ -50,6 +54,7 @@ pub mod prelude {
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
         projectile::{Projectile, ProjectileState},
+        rig::{InRig, Particle, Rig, Stick, StickKind},
         rope::Rope,
         scene_manager::{SceneManager, Viewer},
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},

@@ -23,6 +23,9 @@ use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, teleport_projectiles, write_projectile_transforms,
 };
 use crate::refusal::Refusals;
+use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
+use crate::rig_compile::compile_rigs;
+use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
 use crate::rope::{Rope, build_ropes};
 use crate::scene_manager::{SceneManager, Viewer, cull, wake};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
@@ -84,6 +87,7 @@ impl Plugin for SolverPlugin {
         app.register_type::<(Activity, Cloth, Rope, Particles, Sticks, SolverSettings, Obstacle)>()
             .register_type::<(Projectile, ProjectileState, Cannon, Viewer)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
+            .register_type::<(Particle, Stick, Rig, InRig)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit)>();
         app.init_resource::<ActivityCounts>()
             .init_resource::<CreationOrder>()
@@ -92,6 +96,7 @@ impl Plugin for SolverPlugin {
             .init_resource::<DrapeGravity>()
             .init_resource::<Islands>()
             .init_resource::<Refusals>()
+            .init_resource::<RigEdits>()
             .init_resource::<SceneManager>()
             .init_resource::<SolverEnvironment>()
             // In case the app has no `TransformPlugin`.
@@ -113,8 +118,10 @@ impl Plugin for SolverPlugin {
                     (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms),
                     fire_cannons,
                     (build_cloths, build_ropes, build_projectiles),
+                    compile_rigs,
                     sync_obstacles,
                     (move_pins, teleport_projectiles),
+                    follow_rig_transforms,
                     wake,
                     cull,
                 )
@@ -123,7 +130,7 @@ impl Plugin for SolverPlugin {
                 read_environment.in_set(DrapeSystems::AccumulateForces),
                 (form_islands, begin_islands).chain().in_set(DrapeSystems::FormIslands),
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
-                (finish_islands, write_projectile_transforms, count_activity)
+                (finish_islands, write_projectile_transforms, write_rig_transforms, count_activity)
                     .chain()
                     .in_set(DrapeSystems::Finish),
             ),
