@@ -52,6 +52,18 @@ pub struct StickBatch {
     pub first: usize,
     /// Number of sticks.
     pub count: usize,
+    /// The batch's part of the topology's runs.
+    runs: (usize, usize),
+}
+
+/// Consecutive sticks whose ends are consecutive too: stick `first + k` joins particles `a + k` and `b + k`, and
+/// `a + count <= b`. On a grid most sticks lie in runs, which are relaxed as whole slices, without gathers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StickRun {
+    pub first: usize,
+    pub count: usize,
+    pub a: usize,
+    pub b: usize,
 }
 
 impl StickBatch {
@@ -69,6 +81,7 @@ pub struct Topology {
     pub(crate) b: Vec<u32>,
     pub(crate) rest_length: Vec<f32>,
     pub(crate) batches: Vec<StickBatch>,
+    runs: Vec<StickRun>,
     pub(crate) tethers: Tethers,
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) segments: Vec<[u32; 2]>,
@@ -100,6 +113,11 @@ impl Topology {
     /// The batches in the order in which they are relaxed.
     pub fn batches(&self) -> &[StickBatch] {
         &self.batches
+    }
+
+    /// The runs of a batch, one after another.
+    pub(crate) fn runs(&self, batch: &StickBatch) -> &[StickRun] {
+        &self.runs[batch.runs.0..batch.runs.1]
     }
 
     /// The tethers.
@@ -192,18 +210,30 @@ impl TopologyBuilder {
             self.joined.push((a.min(b), a.max(b)));
         }
         for sticks in colours {
-            self.topology.batches.push(StickBatch {
-                material,
-                first: self.topology.rest_length.len(),
-                count: sticks.len(),
-            });
-            for ([a, b], length) in sticks {
-                self.topology.a.push(a);
-                self.topology.b.push(b);
-                self.topology.rest_length.push(length);
-            }
+            self.push_batch(material, &sticks);
         }
         Ok(self)
+    }
+
+    fn push_batch(&mut self, material: StickMaterial, sticks: &[([u32; 2], f32)]) {
+        let Topology { a: starts, b: ends, rest_length, batches, runs, .. } = &mut self.topology;
+        let (first, first_run) = (rest_length.len(), runs.len());
+        for &([a, b], length) in sticks {
+            let (place_a, place_b) = (a as usize, b as usize);
+            match runs[first_run..].last_mut() {
+                // The next stick goes on where the run ends, and the two slices still do not overlap.
+                Some(run)
+                    if place_a == run.a + run.count && place_b == run.b + run.count && place_a < run.b =>
+                {
+                    run.count += 1;
+                }
+                _ => runs.push(StickRun { first: rest_length.len(), count: 1, a: place_a, b: place_b }),
+            }
+            starts.push(a);
+            ends.push(b);
+            rest_length.push(length);
+        }
+        batches.push(StickBatch { material, first, count: sticks.len(), runs: (first_run, runs.len()) });
     }
 
     /// Adds the triangles of the surface.
@@ -316,6 +346,30 @@ mod tests {
             ends.dedup();
             assert_eq!(ends.len(), all);
         }
+    }
+
+    #[test]
+    fn runs_cover_every_stick_once_and_their_ends_do_not_overlap() {
+        // A grid of 7 x 5: verticals and diagonals make runs, horizontals do not.
+        let rest: Vec<Vec3> = (0..35).map(|i| Vec3::new((i % 7) as f32, (i / 7) as f32, 0.0)).collect();
+        let mut builder = TopologyBuilder::new(&rest);
+        builder.family(structural(), (0..35).filter(|i| i % 7 < 6).map(|i| [i, i + 1])).expect("valid");
+        builder.family(structural(), (0..28).map(|i| [i, i + 7])).expect("valid");
+        builder.family(structural(), (0..28).filter(|i| i % 7 < 6).map(|i| [i, i + 8])).expect("valid");
+        let topology = builder.build().expect("valid");
+        let mut covered = 0;
+        for batch in topology.batches() {
+            for run in topology.runs(batch) {
+                assert_eq!(run.first, covered);
+                covered += run.count;
+                for k in 0..run.count {
+                    assert_eq!(topology.stick(run.first + k), [(run.a + k) as u32, (run.b + k) as u32]);
+                }
+                assert!(run.count == 1 || run.a + run.count <= run.b);
+            }
+        }
+        assert_eq!(covered, topology.stick_count());
+        assert!(topology.runs.iter().any(|run| run.count >= 6), "whole rows make runs");
     }
 
     #[test]
