@@ -47,11 +47,7 @@ fn five_shots_hit_and_the_curtain_finds_its_rest_again() {
 }
 
 fn small() -> CannonScene {
-    CannonScene {
-        particles: UVec2::new(20, 15),
-        shots: 1,
-        ..default()
-    }
+    CannonScene { particles: UVec2::new(20, 15), shots: 1, ..default() }
 }
 
 #[test]

@@ -82,7 +82,9 @@ fn progress_bar(scene: &CannonScene) -> ProgressBar {
     let last_shot = FIRST_SHOT + SHOT_INTERVAL * f64::from(scene.shots.saturating_sub(1));
     // Tenths of a second; how long the rest takes after the last shot is a guess.
     let bar = ProgressBar::new(((last_shot + 10.0) * 10.0) as u64);
-    if let Ok(style) = ProgressStyle::with_template("simulating {bar:40} {pos}/{len} tenths of a second, {elapsed}") {
+    if let Ok(style) =
+        ProgressStyle::with_template("simulating {bar:40} {pos}/{len} tenths of a second, {elapsed}")
+    {
         bar.set_style(style);
     }
     bar

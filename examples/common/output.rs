@@ -54,7 +54,8 @@ impl Output {
     /// [`OutputError::Folder`] or [`OutputError::File`].
     pub fn create(folder: &Path) -> Result<Self, OutputError> {
         let output = Self { folder: folder.to_path_buf() };
-        fs::create_dir_all(folder).map_err(|source| OutputError::Folder { path: output.folder.clone(), source })?;
+        fs::create_dir_all(folder)
+            .map_err(|source| OutputError::Folder { path: output.folder.clone(), source })?;
         output.write_file("report.json", "")?;
         Ok(output)
     }
@@ -69,10 +70,8 @@ impl Output {
     /// # Errors
     /// [`OutputError`] naming the file.
     pub fn write(&self, report: &Report, recorder: &Recorder) -> Result<(), OutputError> {
-        let json = serde_json::to_string_pretty(report).map_err(|error| OutputError::File {
-            path: self.path("report.json"),
-            source: error.into(),
-        })?;
+        let json = serde_json::to_string_pretty(report)
+            .map_err(|error| OutputError::File { path: self.path("report.json"), source: error.into() })?;
         self.write_file("report.json", &json)?;
         let path = self.path("plot.svg");
         plot::draw(&path, recorder).map_err(|reason| OutputError::Plot { path, reason })?;
@@ -91,8 +90,17 @@ impl Output {
 fn summary(report: &Report) -> String {
     let mut shots = Table::new();
     shots.load_preset(presets::UTF8_HORIZONTAL_ONLY).set_header([
-        "shot", "speed m/s", "elevation", "azimuth", "hit after s", "predicted", "ball before", "after m/s",
-        "deflection m", "ball ends", "collision ms",
+        "shot",
+        "speed m/s",
+        "elevation",
+        "azimuth",
+        "hit after s",
+        "predicted",
+        "ball before",
+        "after m/s",
+        "deflection m",
+        "ball ends",
+        "collision ms",
     ]);
     let some = |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |v| format!("{v:.digits$}"));
     for shot in &report.shots {

@@ -14,11 +14,7 @@ struct Curve {
 }
 
 const CURVES: [Curve; 4] = [
-    Curve {
-        caption: "ball speed (m/s)",
-        colour: RGBColor(0, 90, 160),
-        value: |sample| sample.ball_speed,
-    },
+    Curve { caption: "ball speed (m/s)", colour: RGBColor(0, 90, 160), value: |sample| sample.ball_speed },
     Curve {
         caption: "kinetic energy of the curtain (J)",
         colour: RGBColor(200, 60, 30),

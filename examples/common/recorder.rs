@@ -7,9 +7,7 @@ use bevy_drape::prelude::*;
 use bevy_drape::schedule::StepTimes;
 use drape_solver::{StateHasher, measure};
 
-use crate::report::{
-    ActivitySample, CurtainReport, Report, SceneReport, ShotReport, TimingReport, VERSION,
-};
+use crate::report::{ActivitySample, CurtainReport, Report, SceneReport, ShotReport, TimingReport, VERSION};
 use crate::scene::{BALL_RADIUS, CannonScene, Curtain, STEP, Shot};
 
 /// How long after the first touch the ball's speed is taken if it has not left the cloth, in seconds.
@@ -244,9 +242,9 @@ impl ShotRecord {
     fn report(&self, index: u32, state: Option<&Activity>) -> ShotReport {
         let Self { shot, hit, .. } = self;
         let hit_time = hit.map(|hit| hit.time - self.fired_at);
-        let path_error = hit.zip(hit_time).map(|(hit, time)| {
-            hit.ball_position.as_dvec3().distance(shot.position_at(time))
-        });
+        let path_error = hit
+            .zip(hit_time)
+            .map(|(hit, time)| hit.ball_position.as_dvec3().distance(shot.position_at(time)));
         ShotReport {
             index,
             time_s: self.fired_at,

@@ -44,12 +44,7 @@ pub struct CannonScene {
 
 impl Default for CannonScene {
     fn default() -> Self {
-        Self {
-            particles: UVec2::new(64, 48),
-            substeps: 16,
-            iterations: 2,
-            shots: 5,
-        }
+        Self { particles: UVec2::new(64, 48), substeps: 16, iterations: 2, shots: 5 }
     }
 }
 
