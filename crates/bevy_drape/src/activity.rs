@@ -2,6 +2,9 @@
 
 use bevy::prelude::*;
 
+use crate::particles::Particles;
+use crate::projectile::ProjectileState;
+
 /// Whether a body is simulated, at rest, or out of sight. The scene manager keeps it; setting it by hand puts a
 /// body to sleep or wakes it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -12,7 +15,8 @@ pub enum Activity {
     Active,
     /// Came to rest: costs nothing until something touches, pushes or edits it.
     Resting,
-    /// Left the play area, or fell asleep far from every viewer: neither simulated nor drawn.
+    /// Left the play area, or fell asleep far from every viewer, or cannot be simulated: neither simulated nor
+    /// drawn.
     Culled,
 }
 
@@ -28,7 +32,11 @@ pub struct ActivityCounts {
     pub culled: usize,
 }
 
-pub(crate) fn count_activity(bodies: Query<&Activity>, mut counts: ResMut<ActivityCounts>) {
+/// Counts what has been built.
+pub(crate) fn count_activity(
+    bodies: Query<&Activity, Or<(With<Particles>, With<ProjectileState>)>>,
+    mut counts: ResMut<ActivityCounts>,
+) {
     let mut new = ActivityCounts::default();
     for activity in &bodies {
         match activity {

@@ -82,12 +82,21 @@ pub(crate) fn fire_cannons(
         };
         let velocity = transform.rotation() * cannon.direction() * cannon.muzzle_speed;
         let muzzle = cannon.muzzle(transform);
-        if !(velocity.is_finite() && muzzle.is_finite()) {
-            refusals.entity(entity, "Cannon", "angles, speed and place must be finite");
+        let ball = Projectile { velocity, ..cannon.ball };
+        if !transform.affine().is_finite() {
+            refusals.entity(entity, "Transform", "a cannon's must be finite");
             continue;
         }
+        if !(velocity.is_finite() && muzzle.is_finite()) {
+            refusals.entity(entity, "Cannon", "angles, muzzle speed and barrel length must be finite");
+            continue;
+        }
+        if let Err(error) = ball.launch(muzzle, Vec3::ZERO) {
+            refusals.entity(entity, "Cannon", format_args!("its ball cannot be: {error}"));
+            continue;
+        }
+        refusals.forget(entity);
         let transform = Transform::from_translation(muzzle);
-        let ball = Projectile { velocity, ..cannon.ball };
         // The global transform is given too: the ball flies in this very step.
         let bundle = (ball, transform, GlobalTransform::from(transform));
         let projectile = commands.spawn(bundle).id();

@@ -18,14 +18,7 @@ pub struct DrapeClock {
 
 impl Default for DrapeClock {
     fn default() -> Self {
-        Self {
-            paused: false,
-            time_scale: 1.0,
-            pending_steps: 0,
-            delta: 0.0,
-            elapsed: 0.0,
-            steps: 0,
-        }
+        Self { paused: false, time_scale: 1.0, pending_steps: 0, delta: 0.0, elapsed: 0.0, steps: 0 }
     }
 }
 
@@ -52,15 +45,15 @@ impl DrapeClock {
 
     /// Starts a step of `timestep` seconds of the schedule, if there is to be one.
     pub(crate) fn begin_step(&mut self, timestep: f32) -> bool {
+        let delta = timestep * self.time_scale;
+        if !(delta > 0.0 && delta.is_finite()) {
+            return false;
+        }
         if self.paused {
             if self.pending_steps == 0 {
                 return false;
             }
             self.pending_steps -= 1;
-        }
-        let delta = timestep * self.time_scale;
-        if !(delta > 0.0 && delta.is_finite()) {
-            return false;
         }
         self.delta = delta;
         true

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, ClothBuilder, ClothMaterial, Edge};
 
-use crate::particles::{CreationOrder, Particles, Sticks, insert_body};
+use crate::particles::{CreationOrder, Particles, insert_body, remove_body};
 use crate::refusal::Refusals;
 
 /// A rectangular cloth: curtain, flag, sail, table cloth.
 ///
 /// It hangs in the XY plane of its [`Transform`], centred, facing +Z, and is built into [`Particles`] and
-/// [`Sticks`] in the first step after it was inserted or changed. Pinned particles stay fixed to the entity: move
+/// [`Sticks`](crate::particles::Sticks) in the first step after it was inserted or changed. Pinned particles stay fixed to the entity: move
 /// the `Transform` and the cloth is pulled along.
 ///
 /// ```
@@ -123,9 +123,8 @@ impl Cloth {
                 bend: self.bend_stiffness,
                 damping: self.damping,
             });
-        let corner = |column: u32, row: u32| {
-            (column == 0 || column + 1 == columns, row == 0, row + 1 == rows)
-        };
+        let corner =
+            |column: u32, row: u32| (column == 0 || column + 1 == columns, row == 0, row + 1 == rows);
         let builder = match &self.pins {
             ClothPins::None => builder,
             ClothPins::Top => builder.pin_edge(Edge::Top),
@@ -138,29 +137,37 @@ impl Cloth {
                 let (side, top, bottom) = corner(column, row);
                 side && (top || bottom)
             }),
-            ClothPins::Indices(indices) => {
-                indices.iter().fold(builder, |builder, &index| builder.pin(index))
-            }
+            ClothPins::Indices(indices) => indices.iter().fold(builder, |builder, &index| builder.pin(index)),
         };
         let (particles, topology) = builder.build_parts()?;
         Ok((particles, Arc::new(topology)))
     }
 }
 
-/// Builds what was inserted or changed since the last step.
+/// Builds what was inserted or changed since the last step, and what could not be built where it was and has moved.
 pub(crate) fn build_cloths(
     mut commands: Commands,
-    cloths: Query<(Entity, &Cloth, &GlobalTransform), Changed<Cloth>>,
+    cloths: Query<
+        (Entity, &Cloth, &GlobalTransform),
+        Or<(Changed<Cloth>, (Changed<GlobalTransform>, Without<Particles>))>,
+    >,
     mut order: ResMut<CreationOrder>,
     mut refusals: ResMut<Refusals>,
 ) {
     for (entity, cloth, transform) in &cloths {
-        refusals.forget(entity);
-        match cloth.build(transform) {
-            Ok(parts) => insert_body(&mut commands, entity, order.next(), transform, parts),
-            Err(error) => {
-                refusals.entity(entity, "Cloth", error);
-                commands.entity(entity).remove::<(Particles, Sticks)>();
+        let built = if transform.affine().is_finite() {
+            cloth.build(transform).map_err(|error| ("Cloth", error.to_string()))
+        } else {
+            Err(("Transform", "it must be finite".to_string()))
+        };
+        match built {
+            Ok(parts) => {
+                refusals.forget(entity);
+                insert_body(&mut commands, entity, order.next(), transform, parts);
+            }
+            Err((component, reason)) => {
+                refusals.entity(entity, component, reason);
+                remove_body(&mut commands, entity);
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use drape_solver::Environment;
+use drape_solver::constants::MAX_MAGNITUDE;
 
 use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
@@ -38,22 +39,14 @@ impl Default for Wind {
 impl From<drape_solver::Wind> for Wind {
     fn from(wind: drape_solver::Wind) -> Self {
         let drape_solver::Wind { velocity, air_density, drag_coefficient } = wind;
-        Self {
-            velocity,
-            air_density,
-            drag_coefficient,
-        }
+        Self { velocity, air_density, drag_coefficient }
     }
 }
 
 impl From<Wind> for drape_solver::Wind {
     fn from(wind: Wind) -> Self {
         let Wind { velocity, air_density, drag_coefficient } = wind;
-        Self {
-            velocity,
-            air_density,
-            drag_coefficient,
-        }
+        Self { velocity, air_density, drag_coefficient }
     }
 }
 
@@ -67,6 +60,14 @@ pub(crate) struct SolverEnvironment {
     pub changed: bool,
 }
 
+impl DrapeGravity {
+    /// Whether the solver can compute with it: finite and below 10^6 m/s^2.
+    pub(crate) fn is_usable(&self) -> bool {
+        // False for NaN.
+        self.0.abs().cmple(Vec3::splat(MAX_MAGNITUDE)).all()
+    }
+}
+
 /// Brings time, gravity and wind into the solver. What is not finite is refused, and the last good value kept.
 pub(crate) fn read_environment(
     clock: Res<DrapeClock>,
@@ -78,18 +79,20 @@ pub(crate) fn read_environment(
     let SolverEnvironment { environment, changed, .. } = &mut *solver;
     environment.dt = clock.delta();
     *changed = false;
-    if gravity.is_finite() {
+    if gravity.is_usable() {
         *changed |= environment.gravity != gravity.0;
         environment.gravity = gravity.0;
+        refusals.forget_resource("DrapeGravity");
     } else {
-        refusals.resource("DrapeGravity", "it must be finite; the last good value stays");
+        refusals.resource("DrapeGravity", "it must be finite and below 1e6; the last good value stays");
     }
     let new_wind = drape_solver::Wind::from(*wind);
     match new_wind.validate() {
         Ok(()) => {
             *changed |= environment.wind != new_wind;
             environment.wind = new_wind;
+            refusals.forget_resource("Wind");
         }
-        Err(_) => refusals.resource("Wind", "it must be finite; the last good value stays"),
+        Err(_) => refusals.resource("Wind", "it must be finite and below 1e6; the last good value stays"),
     }
 }

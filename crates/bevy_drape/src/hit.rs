@@ -46,11 +46,12 @@ pub(crate) struct Touching {
 }
 
 impl Touching {
-    /// Starts a new step.
-    pub fn begin_step(&mut self) {
+    /// Starts a new step. Balls that are at rest, as `is_resting` tells, go on touching what they touch.
+    pub fn begin_step(&mut self, is_resting: impl Fn(Entity) -> bool) {
         core::mem::swap(&mut self.before, &mut self.now);
         self.before.sort_unstable();
         self.now.clear();
+        self.now.extend(self.before.iter().filter(|(ball, _)| is_resting(*ball)));
     }
 
     /// Notes a touch; true if it is a new one.

@@ -18,7 +18,7 @@ use crate::hit::{BallHit, HitTarget, Touching};
 use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::refusal::Refusals;
-use crate::scene_manager::SceneManager;
+use crate::scene_manager::{Bounds, SceneManager, ball_reach, body_reach, overlap};
 use crate::schedule::StepTimes;
 
 /// One island: the solver's, and the entities behind its bodies and balls.
@@ -50,6 +50,28 @@ impl Island {
     }
 }
 
+impl Island {
+    /// Drops the touches of a body or ball that has been taken out, and counts down the indices behind it.
+    fn forget_touches(&mut self, gone: Other) {
+        self.solver.touches.retain_mut(|touch| {
+            if let Other::Ball(index) = gone {
+                if touch.ball == index {
+                    return false;
+                }
+                touch.ball -= usize::from(touch.ball > index);
+            }
+            match (&mut touch.other, gone) {
+                (other, gone) if *other == gone => return false,
+                (Other::Body(i), Other::Body(gone)) | (Other::Ball(i), Other::Ball(gone)) => {
+                    *i -= usize::from(*i > gone);
+                }
+                _ => {}
+            }
+            true
+        });
+    }
+}
+
 /// The stages of a substep, in their order.
 #[derive(Clone, Copy)]
 pub(crate) enum SubstepStage {
@@ -61,7 +83,6 @@ pub(crate) enum SubstepStage {
 /// The order of a substep, for the schedule and for islands that run on their own.
 pub(crate) const SUBSTEP: [SubstepStage; 3] =
     [SubstepStage::Integrate, SubstepStage::Relax, SubstepStage::ProjectCollisions];
-
 
 /// All islands of this step. Slots beyond `live` are kept for their memory.
 #[derive(Resource, Default)]
@@ -79,8 +100,8 @@ struct Member {
     order: u64,
     entity: Entity,
     is_ball: bool,
-    low: Vec3,
-    high: Vec3,
+    /// Where it can get within the step.
+    bounds: Bounds,
 }
 
 pub(crate) type BodyQuery<'w, 's> =
@@ -108,17 +129,23 @@ impl Islands {
         for island in self.live_mut() {
             let Island { solver, bodies: entities, balls: ball_entities, .. } = island;
             solver.bodies.clear();
-            for &entity in entities.iter() {
-                // An entity that a user's system despawned meanwhile leaves an empty body behind.
-                solver.bodies.push(match bodies.get_mut(entity) {
-                    Ok((mut particles, sticks, mut state)) => Body {
+            for entity in entities.iter_mut() {
+                let body = match bodies.get_mut(*entity) {
+                    Ok((mut particles, sticks, mut state)) if fits(&particles, &sticks) => Body {
                         particles: core::mem::take(&mut particles.bypass_change_detection().0),
                         topology: Arc::clone(&sticks.0),
                         settings: state.settings,
                         context: core::mem::take(&mut state.context),
                     },
-                    Err(_) => Body::default(),
-                });
+                    _ => Body::default(),
+                };
+                let is_gone = body.particles.is_empty();
+                solver.bodies.push(body);
+                if is_gone {
+                    // A user's system took the body away in the middle of the step.
+                    solver.vacate_body(solver.bodies.len() - 1);
+                    *entity = Entity::PLACEHOLDER;
+                }
             }
             let is_first_time = solver.balls.is_empty();
             for (slot, &entity) in ball_entities.iter().enumerate() {
@@ -138,7 +165,6 @@ impl Islands {
         for island in self.live_mut() {
             for (&entity, body) in island.bodies.iter().zip(island.solver.bodies.drain(..)) {
                 if let Ok((mut particles, _, mut state)) = bodies.get_mut(entity) {
-                    state.bounds = body.particles.bounds();
                     particles.0 = body.particles;
                     state.context = body.context;
                 }
@@ -177,10 +203,7 @@ impl Islands {
         self.parents.extend(0..count);
         for (b, ball) in self.members.iter().enumerate().filter(|(_, member)| member.is_ball) {
             for (other, member) in self.members.iter().enumerate() {
-                let meets = other != b
-                    && ball.low.cmple(member.high).all()
-                    && ball.high.cmpge(member.low).all();
-                if meets {
+                if other != b && overlap(ball.bounds, member.bounds) {
                     let (p, q) = (root(&mut self.parents, b), root(&mut self.parents, other));
                     self.parents[p.max(q)] = p.min(q);
                 }
@@ -216,6 +239,11 @@ impl Islands {
     }
 }
 
+/// Whether these particles and sticks belong together.
+fn fits(particles: &Particles, sticks: &Sticks) -> bool {
+    !particles.is_empty() && particles.len() == sticks.particle_count()
+}
+
 /// The oldest member of `i`'s group.
 fn root(parents: &mut [usize], mut i: usize) -> usize {
     while parents[i] != i {
@@ -227,30 +255,32 @@ fn root(parents: &mut [usize], mut i: usize) -> usize {
 
 /// Groups all active bodies and balls into the islands of this step.
 pub(crate) fn form_islands(
-    bodies: Query<(Entity, &Activity, &BodyState)>,
+    mut bodies: Query<(Entity, &Activity, &Particles, &Sticks, &mut BodyState)>,
     balls: Query<(Entity, &Activity, &ProjectileState, &ProjectileRecord)>,
     solver: Res<SolverEnvironment>,
     mut islands: ResMut<Islands>,
+    mut refusals: ResMut<Refusals>,
 ) {
-    let environment = &solver.environment;
+    let (dt, gravity) = (solver.environment.dt, solver.environment.gravity.length());
     islands.members.clear();
-    for (entity, activity, state) in &bodies {
-        if *activity == Activity::Active && !state.refused {
-            let (low, high) = state.bounds;
-            let order = state.order;
-            let thickness = state.settings.thickness;
-            let (low, high) = (low - thickness, high + thickness);
-            islands.members.push(Member { order, entity, is_ball: false, low, high });
+    for (entity, activity, particles, sticks, mut state) in &mut bodies {
+        if *activity != Activity::Active || state.refused {
+            continue;
         }
+        if !fits(particles, sticks) {
+            let (count, wanted) = (particles.len(), sticks.particle_count());
+            let reason = format_args!("it has {count} particles, but its Sticks join {wanted}");
+            refusals.entity(entity, "Particles", reason);
+            state.refused = true;
+            continue;
+        }
+        let bounds = body_reach(&state, dt, gravity);
+        islands.members.push(Member { order: state.order, entity, is_ball: false, bounds });
     }
     for (entity, activity, state, record) in &balls {
         if *activity == Activity::Active && !record.refused {
-            let path = state.velocity().length() + environment.gravity.length() * environment.dt;
-            // What the ball may meet moves too, but not faster than a ball that could catch it: twice the path.
-            let reach = state.material().radius + 2.0 * path * environment.dt + BALL_MARGIN;
-            let (low, high) = (state.position() - reach, state.position() + reach);
-            let order = record.order;
-            islands.members.push(Member { order, entity, is_ball: true, low, high });
+            let bounds = ball_reach(state, dt, gravity);
+            islands.members.push(Member { order: record.order, entity, is_ball: true, bounds });
         }
     }
     islands.form();
@@ -286,9 +316,6 @@ pub(crate) fn begin_islands(
     islands.give_back(&mut bodies, &mut balls);
 }
 
-/// Slack of the search for what a ball may meet, in metres.
-const BALL_MARGIN: f32 = 0.1;
-
 /// Leaves the body or ball that `error` names out of the simulation; false if it names none.
 fn refuse_member(
     island: &mut Island,
@@ -297,23 +324,35 @@ fn refuse_member(
     balls: &mut BallQuery,
     refusals: &mut Refusals,
 ) -> bool {
+    const NOT_FINITE: &str = "a position, velocity, force or pin target is not finite";
+    // Writing to what is refused does not count as a change: a change is how a user mends it.
     match *error {
         StepError::NonFiniteBody(index) | StepError::BadSettings { body: index, .. } => {
             let entity = island.bodies.remove(index);
-            let body = island.solver.bodies.remove(index);
+            let mut body = island.solver.bodies.remove(index);
+            body.particles.clear_requests();
             if let Ok((mut particles, _, mut state)) = bodies.get_mut(entity) {
-                particles.0 = body.particles;
+                particles.bypass_change_detection().0 = body.particles;
+                state.context = body.context;
                 state.refused = true;
             }
-            refusals.entity(entity, "the body", error);
+            if let StepError::BadSettings { source, .. } = error {
+                refusals.entity(entity, "SolverSettings", source);
+            } else {
+                refusals.entity(entity, "Particles", NOT_FINITE);
+            }
+            island.forget_touches(Other::Body(index));
         }
         StepError::NonFiniteBall(index) => {
             let entity = island.balls.remove(index);
-            island.solver.balls.remove(index);
-            if let Ok((_, mut record)) = balls.get_mut(entity) {
+            let mut ball = island.solver.balls.remove(index);
+            ball.clear_force();
+            if let Ok((mut state, mut record)) = balls.get_mut(entity) {
+                state.bypass_change_detection().0 = ball;
                 record.refused = true;
             }
-            refusals.entity(entity, "Projectile", error);
+            refusals.entity(entity, "ProjectileState", NOT_FINITE);
+            island.forget_touches(Other::Ball(index));
         }
         _ => return false,
     }
@@ -389,11 +428,12 @@ pub(crate) fn finish_islands(
             island.outcome = step::finish(&mut island.solver).err();
         }
     });
-    touching.begin_step();
+    touching.begin_step(|ball| activities.get(ball).is_ok_and(|activity| *activity != Activity::Active));
     for island in islands.live_mut() {
-        if let Some(error) = island.outcome.take() {
-            refuse_member(island, &error, &mut bodies, &mut balls, &mut refusals);
-            continue;
+        while let Some(error) = island.outcome.take() {
+            if refuse_member(island, &error, &mut bodies, &mut balls, &mut refusals) {
+                island.outcome = step::finish(&mut island.solver).err();
+            }
         }
         report_hits(island, &solver.obstacles, clock.elapsed(), &mut touching, &mut hits);
         let solver = &island.solver;
@@ -409,6 +449,11 @@ pub(crate) fn finish_islands(
         }
     }
     islands.give_back(&mut bodies, &mut balls);
+    for &entity in islands.live().iter().flat_map(|island| &island.bodies) {
+        if let Ok((particles, _, mut state)) = bodies.get_mut(entity) {
+            state.measure(&particles);
+        }
+    }
 }
 
 fn report_hits(

@@ -18,7 +18,7 @@ pub mod obstacle;
 pub mod particles;
 pub mod plugin;
 pub mod projectile;
-mod refusal;
+pub mod refusal;
 pub mod rig;
 mod rig_body;
 mod rig_compile;
@@ -54,6 +54,7 @@ pub mod prelude {
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
         projectile::{Projectile, ProjectileState},
+        refusal::Refusals,
         rig::{InRig, Particle, Rig, Stick, StickKind},
         rope::Rope,
         scene_manager::{SceneManager, Viewer},

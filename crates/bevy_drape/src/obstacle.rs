@@ -32,10 +32,7 @@ impl Obstacle {
     /// An obstacle of `shape` with a friction of 0.5. Sizes are checked in the next step: what cannot be used is
     /// logged and left out.
     pub fn new(shape: Shape) -> Self {
-        Self {
-            shape: ObstacleShape(shape),
-            friction: 0.5,
-        }
+        Self { shape: ObstacleShape(shape), friction: 0.5 }
     }
 
     /// The half-space below the entity.
@@ -82,6 +79,14 @@ pub(crate) struct ObstacleRecord {
     scale: Vec3,
 }
 
+impl ObstacleRecord {
+    /// Whether the obstacle was built at this scale. The scale that is read from a matrix wavers in its last digits
+    /// as the obstacle turns; that is no change of shape.
+    fn has_scale(self, scale: Vec3) -> bool {
+        (scale - self.scale).abs().cmple(1e-4 * self.scale.abs()).all()
+    }
+}
+
 /// Boxes of what appeared, vanished, changed or moves in this step: bodies at rest there wake up.
 #[derive(Resource, Default)]
 pub(crate) struct StirredSpace(pub Vec<(Vec3, Vec3)>);
@@ -102,14 +107,25 @@ pub(crate) fn sync_obstacles(
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         let placement = Placement { translation, rotation };
         let slot = entities.iter().position(|&known| known == entity);
-        let reshaped = record.is_none_or(|record| record.scale != scale) && transform.is_changed();
+        if !(placement.is_valid() && scale.is_finite()) {
+            refusals.entity(entity, "Transform", "an obstacle's must be finite; it stays where it was");
+            if let Some(slot) = slot {
+                let known = &mut environment.obstacles[slot];
+                known.teleport(known.placement());
+            }
+            continue;
+        }
+        let reshaped = transform.is_changed()
+            && (slot.is_none() || record.is_none_or(|record| !record.has_scale(scale)));
         if obstacle.is_changed() || reshaped {
-            refusals.forget(entity);
             let built = obstacle
                 .shape
                 .scaled(scale)
                 .and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction));
-            commands.entity(entity).insert(ObstacleRecord { scale });
+            commands.entity(entity).try_insert(ObstacleRecord { scale });
+            if built.is_ok() {
+                refusals.forget(entity);
+            }
             match (built, slot) {
                 (Ok(built), Some(slot)) => {
                     stirred.0.push(environment.obstacles[slot].swept_bounds());
@@ -133,9 +149,6 @@ pub(crate) fn sync_obstacles(
         } else if let Some(slot) = slot {
             let known = &mut environment.obstacles[slot];
             if transform.is_changed() || known.is_moving() {
-                if !placement.is_valid() {
-                    refusals.entity(entity, "Transform", "an obstacle's must be finite; it stays where it was");
-                }
                 known.move_to(placement, clock.delta());
                 stirred.0.push(known.swept_bounds());
             }

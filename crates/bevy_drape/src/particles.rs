@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use drape_solver::{BodyContext, Topology};
 
 use crate::activity::Activity;
+use crate::refusal::Refusals;
 
 /// Where a body's particles are and how they move: the solver's columns, in world coordinates.
 ///
@@ -34,12 +35,22 @@ pub(crate) struct BodyState {
     pub anchor: Affine3A,
     /// Places of the pinned particles in the entity's own coordinates.
     pub pins: Vec<(u32, Vec3)>,
-    /// Least and greatest corner of the particles' box, as of the last step.
+    /// Least and greatest corner of the particles' box, as of the last step or edit.
     pub bounds: (Vec3, Vec3),
+    /// Greatest speed of a particle in m/s, as of the last step or edit.
+    pub greatest_speed: f32,
     /// Whether the body cannot be simulated; see the log for why.
     pub refused: bool,
     /// Settings of the last step; a change wakes the body.
     pub settings: drape_solver::SolverSettings,
+}
+
+impl BodyState {
+    /// Takes note of where the particles are and how fast.
+    pub fn measure(&mut self, particles: &drape_solver::Particles) {
+        self.bounds = particles.bounds();
+        self.greatest_speed = particles.greatest_speed();
+    }
 }
 
 /// Hands out creation numbers.
@@ -64,29 +75,51 @@ pub(crate) fn insert_body(
     let anchor = transform.affine();
     let to_local = anchor.inverse();
     let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
-    let pins =
-        pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect();
-    let bounds = particles.bounds();
-    commands.entity(entity).insert((
-        Particles(particles),
-        Sticks(topology),
-        Activity::Active,
-        BodyState { order, anchor, pins, bounds, ..default() },
-    ));
+    let pins = pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect();
+    let mut state = BodyState { order, anchor, pins, ..default() };
+    state.measure(&particles);
+    commands.entity(entity).insert((Particles(particles), Sticks(topology), Activity::Active, state));
 }
 
-/// Pins are fixed to their entity: where it goes, they go, and pull the cloth along.
+/// Takes off an entity what [`insert_body`] put there.
+pub(crate) fn remove_body(commands: &mut Commands, entity: Entity) {
+    commands.entity(entity).try_remove::<(Particles, Sticks, Activity, BodyState)>();
+}
+
+/// Takes the body off an entity that loses its `C`, the description it was built from.
+pub(crate) fn remove_described_body<C: Component>(removed: On<Remove, C>, mut commands: Commands) {
+    remove_body(&mut commands, removed.entity);
+}
+
+/// Pins are fixed to their entity: where it goes, they go, and pull the cloth along. A culled body is carried along
+/// as a whole.
 pub(crate) fn move_pins(
-    mut bodies: Query<(&GlobalTransform, &mut Particles, &mut BodyState), Changed<GlobalTransform>>,
+    mut bodies: Query<(Entity, &GlobalTransform, &Activity, &mut Particles, &mut BodyState)>,
+    mut refusals: ResMut<Refusals>,
 ) {
-    for (transform, mut particles, mut state) in &mut bodies {
+    for (entity, transform, activity, mut particles, mut state) in &mut bodies {
         let anchor = transform.affine();
-        if anchor == state.anchor || !anchor.is_finite() {
+        if anchor == state.anchor || state.pins.is_empty() {
             continue;
         }
-        state.anchor = anchor;
-        for &(i, local) in &state.pins {
-            particles.set_pin_target(i as usize, anchor.transform_point3(local));
+        if !anchor.is_finite() {
+            refusals.entity(entity, "the new Transform", "it must be finite; the pins stay where they were");
+            continue;
         }
+        let carry = anchor * state.anchor.inverse();
+        if *activity == Activity::Culled && carry.is_finite() {
+            for i in 0..particles.len() {
+                let carried = carry.transform_point3(particles.position(i));
+                particles.set_position(i, carried);
+            }
+        } else {
+            for &(i, local) in &state.pins {
+                let i = i as usize;
+                if i < particles.len() {
+                    particles.set_pin_target(i, anchor.transform_point3(local));
+                }
+            }
+        }
+        state.anchor = anchor;
     }
 }

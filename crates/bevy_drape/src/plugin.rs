@@ -18,11 +18,12 @@ use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
 use crate::islands::{Islands, begin_islands, detect_collisions, finish_islands, form_islands};
 use crate::obstacle::{Obstacle, StirredSpace, sync_obstacles};
-use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::particles::{CreationOrder, Particles, Sticks, move_pins, remove_described_body};
 use crate::projectile::{
-    Projectile, ProjectileState, build_projectiles, teleport_projectiles, write_projectile_transforms,
+    Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
+    write_projectile_transforms,
 };
-use crate::refusal::Refusals;
+use crate::refusal::{Refusals, forget_despawned_body, forget_removed};
 use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
 use crate::rig_compile::compile_rigs;
 use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
@@ -88,7 +89,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(Projectile, ProjectileState, Cannon, Viewer)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
             .register_type::<(Particle, Stick, Rig, InRig)>()
-            .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit)>();
+            .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
         app.init_resource::<ActivityCounts>()
             .init_resource::<CreationOrder>()
             .init_resource::<DefaultSolverSettings>()
@@ -108,6 +109,15 @@ impl Plugin for SolverPlugin {
             .add_message::<BallHit>()
             .add_message::<CannonFired>()
             .add_message::<FireCannon>();
+        app.add_observer(remove_described_body::<Cloth>)
+            .add_observer(remove_described_body::<Rope>)
+            .add_observer(remove_ball)
+            .add_observer(forget_removed::<Cannon>)
+            .add_observer(forget_removed::<Cloth>)
+            .add_observer(forget_removed::<Obstacle>)
+            .add_observer(forget_despawned_body)
+            .add_observer(forget_removed::<Projectile>)
+            .add_observer(forget_removed::<Rope>);
         configure(app);
         app.add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate));
         app.add_systems(
@@ -115,13 +125,12 @@ impl Plugin for SolverPlugin {
             (
                 (
                     // Bevy brings global transforms up to date after the fixed loop only: too late for a step.
-                    (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms),
+                    (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms).chain(),
                     fire_cannons,
-                    (build_cloths, build_ropes, build_projectiles),
+                    (build_cloths, build_ropes, build_projectiles).chain(),
                     compile_rigs,
                     sync_obstacles,
-                    (move_pins, teleport_projectiles),
-                    follow_rig_transforms,
+                    (move_pins, teleport_projectiles, follow_rig_transforms).chain(),
                     wake,
                     cull,
                 )

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use drape_solver::{Ball, BallMaterial, BuildError};
 
 use crate::activity::Activity;
-use crate::environment::DrapeGravity;
+use crate::environment::{DrapeGravity, SolverEnvironment};
 use crate::particles::CreationOrder;
 use crate::refusal::Refusals;
 
@@ -34,19 +34,13 @@ pub struct Projectile {
 impl Default for Projectile {
     fn default() -> Self {
         let BallMaterial { radius, mass, drag, friction, rolling_resistance } = BallMaterial::default();
-        Self {
-            radius,
-            mass,
-            velocity: Vec3::ZERO,
-            drag,
-            friction,
-            rolling_resistance,
-        }
+        Self { radius, mass, velocity: Vec3::ZERO, drag, friction, rolling_resistance }
     }
 }
 
 impl Projectile {
-    fn launch(&self, position: Vec3, gravity: Vec3) -> Result<Ball, BuildError> {
+    /// The ball at `position` (metres), under `gravity` (m/s^2).
+    pub(crate) fn launch(&self, position: Vec3, gravity: Vec3) -> Result<Ball, BuildError> {
         let material = BallMaterial {
             radius: self.radius,
             mass: self.mass,
@@ -78,46 +72,65 @@ pub(crate) struct ProjectileRecord {
     pub refused: bool,
 }
 
-/// Builds the balls that were inserted or changed since the last step.
+/// Builds the balls that were inserted or changed since the last step, and those that could not be built where they
+/// were and have moved.
 pub(crate) fn build_projectiles(
     mut commands: Commands,
-    projectiles: Query<(Entity, &Projectile, &Transform, &GlobalTransform), Changed<Projectile>>,
+    projectiles: Query<
+        (Entity, &Projectile, &Transform, &GlobalTransform),
+        Or<(Changed<Projectile>, (Changed<GlobalTransform>, Without<ProjectileState>))>,
+    >,
     gravity: Res<DrapeGravity>,
+    solver: Res<SolverEnvironment>,
     mut order: ResMut<CreationOrder>,
     mut refusals: ResMut<Refusals>,
 ) {
+    let gravity = if gravity.is_usable() { gravity.0 } else { solver.environment.gravity };
     for (entity, projectile, transform, global) in &projectiles {
-        refusals.forget(entity);
-        match projectile.launch(global.translation(), gravity.0) {
+        let built = if global.affine().is_finite() {
+            let ball = projectile.launch(global.translation(), gravity);
+            ball.map_err(|error| ("Projectile", error.to_string()))
+        } else {
+            Err(("Transform", "it must be finite".to_string()))
+        };
+        match built {
             Ok(mut ball) => {
+                refusals.forget(entity);
                 ball.set_rotation(global.rotation());
-                let record = ProjectileRecord {
-                    order: order.next(),
-                    written: *transform,
-                    refused: false,
-                };
+                let record = ProjectileRecord { order: order.next(), written: *transform, refused: false };
                 commands.entity(entity).insert((ProjectileState(ball), record, Activity::Active));
             }
-            Err(error) => {
-                refusals.entity(entity, "Projectile", error);
+            Err((component, reason)) => {
+                refusals.entity(entity, component, reason);
                 commands.entity(entity).remove::<(ProjectileState, ProjectileRecord)>();
             }
         }
     }
 }
 
+/// Takes the simulated ball off an entity that loses its [`Projectile`].
+pub(crate) fn remove_ball(removed: On<Remove, Projectile>, mut commands: Commands) {
+    commands.entity(removed.entity).try_remove::<(ProjectileState, ProjectileRecord, Activity)>();
+}
+
 /// Moves balls whose transform was changed by somebody else.
 pub(crate) fn teleport_projectiles(
     mut balls: Query<
-        (&Transform, &GlobalTransform, &mut ProjectileState, &mut ProjectileRecord),
+        (Entity, &mut Transform, &GlobalTransform, &mut ProjectileState, &mut ProjectileRecord),
         Changed<Transform>,
     >,
+    mut refusals: ResMut<Refusals>,
 ) {
-    for (transform, global, mut ball, mut record) in &mut balls {
-        if transform.translation != record.written.translation && transform.is_finite() {
+    for (entity, mut transform, global, mut ball, mut record) in &mut balls {
+        if !(transform.is_finite() && global.affine().is_finite()) {
+            refusals.entity(entity, "the new Transform", "it must be finite; the ball stays where it was");
+            transform.set_if_neq(record.written);
+            continue;
+        }
+        if transform.translation != record.written.translation {
             ball.set_position(global.translation());
         }
-        if transform.rotation != record.written.rotation && transform.is_finite() {
+        if transform.rotation != record.written.rotation {
             ball.set_rotation(global.rotation());
         }
         record.written = *transform;
@@ -136,17 +149,17 @@ pub(crate) fn write_projectile_transforms(
         if *activity != Activity::Active || record.refused {
             continue;
         }
-        let mut placed = Transform {
-            translation: ball.position(),
-            rotation: ball.rotation(),
-            scale: transform.scale,
-        };
+        let mut placed =
+            Transform { translation: ball.position(), rotation: ball.rotation(), scale: transform.scale };
         if let Some(parent) = child_of.and_then(|child_of| parents.get(child_of.parent()).ok()) {
             let to_parent = parent.affine().inverse();
             placed.translation = to_parent.transform_point3(placed.translation);
             placed.rotation = parent.rotation().inverse() * placed.rotation;
         }
-        *transform = placed;
-        record.written = placed;
+        // A parent may have a scale of zero, or be somewhere that is not finite.
+        if placed.is_finite() {
+            *transform = placed;
+            record.written = placed;
+        }
     }
 }

@@ -1,32 +1,70 @@
 //! Bad input: told once, clearly, and left out.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 
-/// What has been refused already, so that each fault is logged once and not sixty times a second.
-#[derive(Resource, Default)]
-pub(crate) struct Refusals(BTreeSet<(Option<Entity>, String)>);
+use crate::particles::Particles;
+
+/// What is left out of the simulation because something is wrong with it. Each fault is logged once, as an error,
+/// and not sixty times a second.
+#[derive(Resource, Reflect, Clone, Debug, Default)]
+#[reflect(opaque)]
+#[reflect(Resource, Default, Debug, Clone)]
+pub struct Refusals(BTreeMap<(Option<Entity>, &'static str), String>);
 
 impl Refusals {
+    /// The faults, as they were logged. A fault is forgotten when its component is built anew or removed.
+    pub fn messages(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.0.values().map(String::as_str)
+    }
+
+    /// The faults of `entity`.
+    pub fn of(&self, entity: Entity) -> impl Iterator<Item = &str> {
+        let faults = self.0.iter().filter(move |((about, _), _)| *about == Some(entity));
+        faults.map(|(_, message)| message.as_str())
+    }
+
     /// Logs that `entity`'s `component` cannot be used, unless it was said before.
-    pub fn entity(&mut self, entity: Entity, component: &str, reason: impl core::fmt::Display) {
+    pub(crate) fn entity(
+        &mut self,
+        entity: Entity,
+        component: &'static str,
+        reason: impl core::fmt::Display,
+    ) {
         let message = format!("{component} of entity {entity} is left out of the simulation: {reason}");
-        if self.0.insert((Some(entity), message.clone())) {
-            error!("{message}");
-        }
+        self.tell((Some(entity), component), message);
     }
 
     /// Logs that a resource cannot be used, unless it was said before.
-    pub fn resource(&mut self, resource: &str, reason: impl core::fmt::Display) {
-        let message = format!("resource {resource} cannot be used: {reason}");
-        if self.0.insert((None, message.clone())) {
-            error!("{message}");
-        }
+    pub(crate) fn resource(&mut self, resource: &'static str, reason: impl core::fmt::Display) {
+        self.tell((None, resource), format!("resource {resource} cannot be used: {reason}"));
     }
 
     /// Forgets what was said about `entity`, when it is gone or was mended.
-    pub fn forget(&mut self, entity: Entity) {
-        self.0.retain(|(about, _)| *about != Some(entity));
+    pub(crate) fn forget(&mut self, entity: Entity) {
+        self.0.retain(|(about, _), _| *about != Some(entity));
     }
+
+    /// Forgets what was said about a resource, when it was mended.
+    pub(crate) fn forget_resource(&mut self, resource: &'static str) {
+        self.0.remove(&(None, resource));
+    }
+
+    fn tell(&mut self, about: (Option<Entity>, &'static str), message: String) {
+        if self.0.get(&about) != Some(&message) {
+            error!("{message}");
+            self.0.insert(about, message);
+        }
+    }
+}
+
+/// Forgets the faults of an entity that loses its `C`.
+pub(crate) fn forget_removed<C: Component>(removed: On<Remove, C>, mut refusals: ResMut<Refusals>) {
+    refusals.forget(removed.entity);
+}
+
+/// Forgets the faults of a body that is despawned, whatever it was built from.
+pub(crate) fn forget_despawned_body(despawned: On<Despawn, Particles>, mut refusals: ResMut<Refusals>) {
+    refusals.forget(despawned.entity);
 }

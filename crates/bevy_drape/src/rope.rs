@@ -5,12 +5,12 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, RopeBuilder};
 
-use crate::particles::{CreationOrder, Particles, Sticks, insert_body};
+use crate::particles::{CreationOrder, Particles, insert_body, remove_body};
 use crate::refusal::Refusals;
 
 /// A rope, cable or chain, straight between two points at first.
 ///
-/// It is built into [`Particles`] and [`Sticks`] in the first step after it was inserted or changed. Pinned ends
+/// It is built into [`Particles`] and [`Sticks`](crate::particles::Sticks) in the first step after it was inserted or changed. Pinned ends
 /// stay fixed to the entity. The thickness of its surface is that of its
 /// [`SolverSettings`](crate::settings::SolverSettings).
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
@@ -56,12 +56,7 @@ impl Default for Rope {
 impl Rope {
     /// A limp rope of `particles` particles between two points of the entity's coordinates, its start pinned.
     pub fn new(start: Vec3, end: Vec3, particles: u32) -> Self {
-        Self {
-            start,
-            end,
-            particles,
-            ..Self::default()
-        }
+        Self { start, end, particles, ..Self::default() }
     }
 
     /// The particles and topology of this rope at `transform`.
@@ -88,20 +83,30 @@ impl Rope {
     }
 }
 
-/// Builds what was inserted or changed since the last step.
+/// Builds what was inserted or changed since the last step, and what could not be built where it was and has moved.
 pub(crate) fn build_ropes(
     mut commands: Commands,
-    ropes: Query<(Entity, &Rope, &GlobalTransform), Changed<Rope>>,
+    ropes: Query<
+        (Entity, &Rope, &GlobalTransform),
+        Or<(Changed<Rope>, (Changed<GlobalTransform>, Without<Particles>))>,
+    >,
     mut order: ResMut<CreationOrder>,
     mut refusals: ResMut<Refusals>,
 ) {
     for (entity, rope, transform) in &ropes {
-        refusals.forget(entity);
-        match rope.build(transform) {
-            Ok(parts) => insert_body(&mut commands, entity, order.next(), transform, parts),
-            Err(error) => {
-                refusals.entity(entity, "Rope", error);
-                commands.entity(entity).remove::<(Particles, Sticks)>();
+        let built = if transform.affine().is_finite() {
+            rope.build(transform).map_err(|error| ("Rope", error.to_string()))
+        } else {
+            Err(("Transform", "it must be finite".to_string()))
+        };
+        match built {
+            Ok(parts) => {
+                refusals.forget(entity);
+                insert_body(&mut commands, entity, order.next(), transform, parts);
+            }
+            Err((component, reason)) => {
+                refusals.entity(entity, component, reason);
+                remove_body(&mut commands, entity);
             }
         }
     }

@@ -3,9 +3,10 @@
 use bevy::prelude::*;
 
 use crate::activity::Activity;
+use crate::clock::DrapeClock;
 use crate::environment::SolverEnvironment;
 use crate::obstacle::StirredSpace;
-use crate::particles::{BodyState, Particles};
+use crate::particles::{BodyState, CreationOrder, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::settings::{DefaultSolverSettings, SolverSettings};
 
@@ -49,71 +50,146 @@ impl Default for SceneManager {
 pub struct Viewer;
 
 /// A box in the world, as (least, greatest) corner.
-type Bounds = (Vec3, Vec3);
+pub(crate) type Bounds = (Vec3, Vec3);
 
-fn overlap(a: Bounds, b: Bounds) -> bool {
+pub(crate) fn overlap(a: Bounds, b: Bounds) -> bool {
     a.0.cmple(b.1).all() && a.1.cmpge(b.0).all()
 }
 
-fn ball_bounds(ball: &ProjectileState) -> Bounds {
-    let radius = Vec3::splat(ball.material().radius);
-    (ball.position() - radius, ball.position() + radius)
+fn grown((low, high): Bounds, by: f32) -> Bounds {
+    (low - by, high + by)
 }
 
-/// What may wake a body at rest in this step, besides itself.
+/// Where a ball can get within a step of `dt` seconds.
+pub(crate) fn ball_reach(ball: &ProjectileState, dt: f32, gravity: f32) -> Bounds {
+    grown((ball.position(), ball.position()), ball.reach(dt, gravity))
+}
+
+/// Where the surface of a body that is simulated can get within a step of `dt` seconds.
+pub(crate) fn body_reach(state: &BodyState, dt: f32, gravity: f32) -> Bounds {
+    grown(state.bounds, state.settings.thickness + (state.greatest_speed + gravity * dt) * dt)
+}
+
+fn ball_bounds(ball: &ProjectileState) -> Bounds {
+    grown((ball.position(), ball.position()), ball.material().radius)
+}
+
+/// Something active, and where it can get in this step: it wakes what rests there.
+#[derive(Clone, Copy)]
+struct Stirrer {
+    bounds: Bounds,
+    is_ball: bool,
+}
+
+/// A body or ball at rest.
+#[derive(Clone, Copy)]
+struct Sleeper {
+    entity: Entity,
+    bounds: Bounds,
+    is_ball: bool,
+}
+
+/// What stirs and what rests in this step.
 #[derive(Default)]
 pub(crate) struct Stir {
-    boxes: Vec<Bounds>,
+    stirrers: Vec<Stirrer>,
+    sleepers: Vec<Sleeper>,
 }
 
-/// Wakes what was pushed, edited, or may be touched in this step.
+/// Wakes what was pushed, edited, or may be touched in this step. What has just been woken may wake others.
 pub(crate) fn wake(
-    mut bodies: Query<(&mut Activity, &Particles, &mut BodyState, Option<&SolverSettings>)>,
-    mut balls: Query<(&mut Activity, &ProjectileState), Without<Particles>>,
+    mut bodies: Query<(
+        Entity,
+        &mut Activity,
+        &mut Particles,
+        Ref<Sticks>,
+        &mut BodyState,
+        Option<&SolverSettings>,
+    )>,
+    mut balls: Query<
+        (Entity, &mut Activity, &mut ProjectileState, &mut ProjectileRecord),
+        Without<Particles>,
+    >,
     defaults: Res<DefaultSolverSettings>,
     solver: Res<SolverEnvironment>,
+    clock: Res<DrapeClock>,
     stirred: Res<StirredSpace>,
+    mut order: ResMut<CreationOrder>,
     mut stir: Local<Stir>,
 ) {
-    let environment = &solver.environment;
-    let reach = |ball: &ProjectileState| {
-        let path = (ball.velocity().length() + environment.gravity.length() * environment.dt) * environment.dt;
-        let (low, high) = ball_bounds(ball);
-        (low - path, high + path)
-    };
-    stir.boxes.clear();
-    stir.boxes.extend(&stirred.0);
-    for (mut activity, ball) in &mut balls {
-        let woken = *activity == Activity::Resting
-            && (ball.is_disturbed()
-                || solver.changed
-                || stirred.0.iter().any(|&space| overlap(space, reach(ball))));
-        if woken {
+    let Stir { stirrers, sleepers } = &mut *stir;
+    let (dt, gravity) = (clock.delta(), solver.environment.gravity.length());
+    let is_stirred = |bounds: Bounds| stirred.0.iter().any(|&space| overlap(space, bounds));
+    stirrers.clear();
+    sleepers.clear();
+    for (entity, mut activity, mut ball, mut record) in &mut balls {
+        // A ball that was refused gets another chance when somebody has edited it.
+        let mended = record.refused && ball.is_changed();
+        let bounds = ball_reach(&ball, dt, gravity);
+        let resting = *activity == Activity::Resting;
+        if mended || (resting && (ball.is_disturbed() || solver.changed || is_stirred(bounds))) {
+            record.refused = false;
             *activity = Activity::Active;
+            ball.bypass_change_detection().rouse();
         }
-        if *activity == Activity::Active {
-            stir.boxes.push(reach(ball));
+        match *activity {
+            Activity::Active => stirrers.push(Stirrer { bounds, is_ball: true }),
+            Activity::Resting => sleepers.push(Sleeper { entity, bounds, is_ball: true }),
+            Activity::Culled => {}
         }
     }
-    for (mut activity, particles, mut state, settings) in &mut bodies {
+    for (entity, mut activity, mut particles, sticks, mut state, settings) in &mut bodies {
+        let state = &mut *state;
         let settings = settings.copied().unwrap_or(defaults.0).into();
-        let edited = state.settings != settings || particles.is_disturbed();
+        let edited = particles.is_changed() && particles.is_disturbed();
+        if state.order == 0 {
+            // A body that was not built by the plugin.
+            state.order = order.next();
+            state.measure(&particles);
+        } else if edited {
+            state.measure(&particles);
+        }
+        let rearranged = state.settings != settings || (sticks.is_changed() && !sticks.is_added());
         state.settings = settings;
-        if *activity != Activity::Resting {
-            continue;
-        }
-        let touched = || {
-            let (low, high) = state.bounds;
-            let bounds = (low - settings.thickness, high + settings.thickness);
-            stir.boxes.iter().any(|&space| overlap(space, bounds))
-        };
-        if edited || solver.changed || touched() {
+        let mended = state.refused && (rearranged || particles.is_changed());
+        let resting = *activity == Activity::Resting;
+        let bounds = grown(state.bounds, settings.thickness);
+        if mended || (resting && (edited || rearranged || solver.changed || is_stirred(bounds))) {
+            state.refused = false;
             *activity = Activity::Active;
+            particles.bypass_change_detection().rouse();
         }
+        match *activity {
+            Activity::Active => {
+                stirrers.push(Stirrer { bounds: body_reach(state, dt, gravity), is_ball: false });
+            }
+            Activity::Resting => sleepers.push(Sleeper { entity, bounds, is_ball: false }),
+            Activity::Culled => {}
+        }
+    }
+    let mut next = 0;
+    while next < stirrers.len() && !sleepers.is_empty() {
+        let stirrer = stirrers[next];
+        next += 1;
+        sleepers.retain(|sleeper| {
+            // Only balls touch things: two cloths do not.
+            let met = (stirrer.is_ball || sleeper.is_ball) && overlap(stirrer.bounds, sleeper.bounds);
+            if met {
+                stirrers.push(Stirrer { bounds: sleeper.bounds, is_ball: sleeper.is_ball });
+                if let Ok((_, mut activity, mut ball, _)) = balls.get_mut(sleeper.entity) {
+                    *activity = Activity::Active;
+                    ball.bypass_change_detection().rouse();
+                } else if let Ok((_, mut activity, mut particles, ..)) = bodies.get_mut(sleeper.entity) {
+                    *activity = Activity::Active;
+                    particles.bypass_change_detection().rouse();
+                }
+            }
+            !met
+        });
     }
 }
 
-/// Culls what left the play area or sleeps far from every viewer, and brings sleepers back when one comes near.
+/// Culls what left the play area or sleeps far from every viewer, and brings it back when it is in sight again.
 pub(crate) fn cull(
     mut commands: Commands,
     mut bodies: Query<(&mut Activity, &BodyState)>,
@@ -125,25 +201,35 @@ pub(crate) fn cull(
     let is_far = |(low, high): Bounds| {
         let distance = |viewer: &GlobalTransform| {
             let eye = viewer.translation();
-            eye.distance(eye.clamp(low, high))
+            eye.distance(eye.max(low).min(high))
         };
         !viewers.is_empty() && viewers.iter().all(|viewer| distance(viewer) > manager.viewer_distance)
     };
-    let next = |activity: Activity, bounds: Bounds, refused: bool| match activity {
-        _ if refused || !overlap(bounds, play_area) => Activity::Culled,
+    let is_lost = |bounds: Bounds| !overlap(bounds, play_area);
+    let next = |activity: Activity, bounds: Bounds, refused: bool, still_for: f32| match activity {
+        _ if refused || is_lost(bounds) => Activity::Culled,
         Activity::Resting if is_far(bounds) => Activity::Culled,
-        Activity::Culled if !is_far(bounds) => Activity::Resting,
+        Activity::Culled if manager.sleeping && still_for >= manager.sleep_time => {
+            if is_far(bounds) {
+                Activity::Culled
+            } else {
+                Activity::Resting
+            }
+        }
+        // It left while it moved, and goes on from there.
+        Activity::Culled => Activity::Active,
         same => same,
     };
     for (mut activity, state) in &mut bodies {
-        let next = next(*activity, state.bounds, state.refused);
+        let next = next(*activity, state.bounds, state.refused, state.context.still_for());
         activity.set_if_neq(next);
     }
     for (entity, mut activity, ball, record) in &mut balls {
-        let next = next(*activity, ball_bounds(ball), record.refused);
-        if next == Activity::Culled && !record.refused && manager.despawn_lost_balls {
+        let bounds = ball_bounds(ball);
+        if manager.despawn_lost_balls && !record.refused && is_lost(bounds) {
             commands.entity(entity).despawn();
         } else {
+            let next = next(*activity, bounds, record.refused, ball.still_for());
             activity.set_if_neq(next);
         }
     }

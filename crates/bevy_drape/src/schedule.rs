@@ -58,7 +58,8 @@ pub enum DrapeSystems {
 }
 
 /// How long the stages of the last step took.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Debug, Clone, PartialEq)]
 pub struct StepTimes {
     /// The whole step.
     pub step: Duration,
