@@ -1,0 +1,7 @@
+//! Hand-built rigs: one entity per particle and per stick, compiled into bodies.
+
+mod bad_input;
+mod edits;
+mod physics;
+mod support;
+mod transforms;
