@@ -1,0 +1,83 @@
+//! What is shown: the meshes of cloths, interpolated transforms, gizmos; without a window or a GPU.
+
+mod gizmos;
+mod interpolation;
+mod normals;
+mod ownership;
+mod vertices;
+mod writes;
+
+use std::time::Duration;
+
+use bevy::asset::AssetPlugin;
+use bevy::camera::visibility::VisibilityPlugin;
+use bevy::mesh::{MeshPlugin, VertexAttributeValues};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_drape::prelude::*;
+
+/// Bevy's default fixed step, 1/64 s: exact in nanoseconds and in binary.
+const TIMESTEP: Duration = Duration::from_micros(15_625);
+
+/// All that shows a mesh but the renderer.
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, MeshPlugin, VisibilityPlugin))
+        .add_plugins(DrapePlugins::default());
+    app
+}
+
+/// Makes the app ready; its first update is one of no time.
+fn start(app: &mut App) {
+    app.finish();
+    app.cleanup();
+    app.update();
+}
+
+/// One frame, as long as `steps` fixed steps.
+fn frame(app: &mut App, steps: f64) {
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(TIMESTEP.mul_f64(steps)));
+    app.update();
+}
+
+/// A sheet of 1 m x 1 m in 9 x 9 particles that falls and swings from its top left corner.
+fn swinging() -> Cloth {
+    Cloth::new(1.0, 1.0).with_particles(9, 9).with_pins(ClothPins::Indices(vec![0]))
+}
+
+fn particles(app: &App, cloth: Entity) -> Vec<Vec3> {
+    app.world().get::<Particles>(cloth).expect("built").positions().collect()
+}
+
+fn mesh_of(app: &App, entity: Entity) -> &Mesh {
+    let handle = app.world().get::<Mesh3d>(entity).expect("the entity has a mesh");
+    app.world().resource::<Assets<Mesh>>().get(handle).expect("the mesh is there")
+}
+
+fn vectors(app: &App, entity: Entity, attribute: bevy::mesh::MeshVertexAttribute) -> &Vec<[f32; 3]> {
+    match mesh_of(app, entity).attribute(attribute) {
+        Some(VertexAttributeValues::Float32x3(values)) => values,
+        other => panic!("not three numbers a vertex: {other:?}"),
+    }
+}
+
+/// Vertices in the entity's own coordinates.
+fn vertices(app: &App, entity: Entity) -> Vec<Vec3> {
+    vectors(app, entity, Mesh::ATTRIBUTE_POSITION).iter().copied().map(Vec3::from_array).collect()
+}
+
+/// Vertices in the world, as a renderer puts them there.
+fn world_vertices(app: &App, entity: Entity) -> Vec<Vec3> {
+    let transform = app.world().get::<GlobalTransform>(entity).expect("placed");
+    vertices(app, entity).into_iter().map(|vertex| transform.transform_point(vertex)).collect()
+}
+
+fn normals_of(app: &App, entity: Entity) -> Vec<Vec3> {
+    vectors(app, entity, Mesh::ATTRIBUTE_NORMAL).iter().copied().map(Vec3::from_array).collect()
+}
+
+/// Greatest distance between two points of the same index, in metres.
+fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
