@@ -43,8 +43,9 @@ pub struct Ball {
     pub(crate) force: Vec3,
     pub(crate) disturbed: bool,
     pub(crate) still_for: f32,
-    /// Position after integration: what projections are measured against.
-    pub(crate) integrated: Vec3,
+    /// What projections have moved it by in this substep, where that counts as velocity. Summed up here, as the
+    /// difference of two positions would be rounded to more than the momentum may lose.
+    pub(crate) projected: Vec3,
     pub(crate) drag: crate::integrate::Drag,
 }
 
@@ -72,7 +73,7 @@ impl Ball {
             force: Vec3::ZERO,
             disturbed: true,
             still_for: 0.0,
-            integrated: position,
+            projected: Vec3::ZERO,
             drag: crate::integrate::Drag::default(),
         })
     }
@@ -94,7 +95,10 @@ impl Ball {
     ) -> Result<Self, BuildError> {
         positive("substep", substep)?;
         finite_vector("acceleration", acceleration)?;
-        Self::new(material, position, velocity - acceleration * (0.5 * substep))
+        let mut ball = Self::new(material, position, velocity - acceleration * (0.5 * substep))?;
+        ball.displacement = ball.velocity() * substep;
+        ball.substep = substep;
+        Ok(ball)
     }
 
     /// The ball's material.
@@ -201,7 +205,13 @@ impl Ball {
 
     /// Displacement of this substep so far: integration and projections.
     pub(crate) fn travel(&self) -> Vec3 {
-        self.displacement + (self.position - self.integrated)
+        self.displacement + self.projected
+    }
+
+    /// Moves the ball by a projection: the part that a contact gives it, and the part that is in position only.
+    pub(crate) fn project(&mut self, contact: Vec3, position_only: Vec3) {
+        self.position += contact + position_only;
+        self.projected += contact;
     }
 
     /// How far the ball's surface can get from its centre's place in `dt` seconds, in metres, where gravity is of
@@ -225,6 +235,12 @@ impl Ball {
         self.displacement += shift;
         let radius = self.material.radius;
         self.spin += arm.cross(push) * (2.5 * self.inverse_mass / (radius * radius * self.substep));
+    }
+
+    /// Inverse mass of the point at `arm` from the centre against a push across that arm, in 1/kg: `1/m + arm^2/I`.
+    pub(crate) fn surface_inverse_mass(&self, arm: Vec3) -> f32 {
+        let radius = self.material.radius;
+        self.inverse_mass * (1.0 + 2.5 * arm.length_squared() / (radius * radius))
     }
 
     /// Turns by the spin of one substep.

@@ -9,7 +9,7 @@ use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::integrate::Drag;
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
-use crate::stick::{iteration_stiffness, substep_damping};
+use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
 use crate::topology::Topology;
 
 /// A cloth, a rope or a rig, ready to be stepped.
@@ -71,9 +71,10 @@ impl Body {
         particles.set_substep(substep);
         context.drag = Drag::new(settings.drag, substep);
         let materials = topology.batches.iter().map(|batch| &batch.material);
+        let felt = context.drag.felt_substep(substep);
         context.stiffness.clear();
         context.stiffness.extend(
-            materials.clone().map(|m| iteration_stiffness(m.stiffness, substep, settings.iterations)),
+            materials.clone().map(|m| iteration_stiffness(m.stiffness, felt, settings.iterations)),
         );
         context.damping.clear();
         context.damping.extend(materials.map(|m| substep_damping(m, substep)));
@@ -83,6 +84,17 @@ impl Body {
             let way = target - particles.origin - particles.position.get(i as usize);
             context.pin_shifts.push((i, way / substeps as f32));
         }
+    }
+
+    /// How far an edit can make sticks and pins pull a particle in the coming step, in metres. Zero where nothing was
+    /// edited: what sticks did in the last step is in the velocities already.
+    pub(crate) fn pull(&self) -> f32 {
+        if !self.particles.disturbed {
+            return 0.0;
+        }
+        let pins = self.particles.pin_targets.iter();
+        let ways = pins.map(|&(i, target)| target.distance(self.particles.position(i as usize)));
+        ways.fold(greatest_error(&self.particles, &self.topology), f32::max)
     }
 
     /// Displacement of particle `i` in this substep so far: integration and projections.

@@ -37,6 +37,10 @@ pub const TELEPORT_SPEED: f32 = 300.0;
 /// from the end of single precision.
 pub const MAX_MAGNITUDE: f32 = 1.0e6;
 
+/// Overlaps that were there before a substep are taken back at least at this speed, in metres per second. Slow
+/// enough to throw nothing; fast enough that what rounding and round shapes leave is gone within the substep.
+pub const PUSH_OUT_SPEED: f32 = 3.0;
+
 /// Colours used to make batches of sticks that share no particle. A particle with more sticks than this in
 /// one family puts the rest into a last batch that is relaxed in order.
 pub const MAX_COLOURS: usize = 64;

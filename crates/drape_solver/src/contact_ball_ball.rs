@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::ball::SURFACE_INVERSE_MASS;
 use crate::friction::{combined, slip_taken};
 use crate::island::Island;
+use crate::overlap::{Overlap, Pace};
 use crate::touch::{Other, Projection, record};
 
 /// Two balls that may touch in this step; `a < b`.
@@ -13,6 +14,7 @@ pub(crate) struct BallPair {
     a: usize,
     b: usize,
     depth: f32,
+    overlap: Overlap,
     /// From `b` to `a`.
     normal: Vec3,
 }
@@ -25,7 +27,7 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
         for (a, first) in island.balls[..b].iter().enumerate() {
             let reach = first.reach(dt, gravity) + second.reach(dt, gravity);
             if first.position.distance_squared(second.position) < reach * reach {
-                pairs.push(BallPair { a, b, depth: 0.0, normal: Vec3::ZERO });
+                pairs.push(BallPair { a, b, depth: 0.0, overlap: Overlap::default(), normal: Vec3::ZERO });
             }
         }
     }
@@ -35,12 +37,14 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
 pub(crate) fn begin_substep(island: &mut Island) {
     for pair in &mut island.context.ball_pairs {
         pair.depth = 0.0;
+        pair.overlap = Overlap::default();
     }
 }
 
 /// Moves overlapping balls apart, each by its share of inverse mass.
 pub(crate) fn project(island: &mut Island) {
     let Island { balls, touches, context, .. } = island;
+    let pace = Pace::of(context);
     for pair in &mut context.ball_pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
@@ -53,9 +57,11 @@ pub(crate) fn project(island: &mut Island) {
         }
         // Coincident centres have no direction of their own: one ball goes up.
         pair.normal = if distance > 0.0 { apart / distance } else { Vec3::Y };
-        pair.depth += depth;
-        let push = depth / (a.inverse_mass + b.inverse_mass);
         let gap_change = (a.travel() - b.travel()).dot(pair.normal);
+        let push = pair.overlap.split(depth, gap_change, pace);
+        pair.depth += push.fresh;
+        let weight = a.inverse_mass + b.inverse_mass;
+        let (contact, position_only) = (pair.normal * (push.fresh / weight), pair.normal * (push.old / weight));
         let sides = [(pair.a, pair.b, &*a, 1.0), (pair.b, pair.a, &*b, -1.0)];
         for (ball_index, other, ball, sign) in sides {
             let normal = pair.normal * sign;
@@ -68,12 +74,12 @@ pub(crate) fn project(island: &mut Island) {
                 ball_travel: ball.travel(),
                 point: ball.position - normal * ball.material.radius,
                 normal,
-                impulse: push / context.substep,
+                impulse: push.fresh / (weight * context.substep),
             };
             record(touches, &projection, context.substep_index, context.substep);
         }
-        a.position += pair.normal * (push * a.inverse_mass);
-        b.position -= pair.normal * (push * b.inverse_mass);
+        a.project(contact * a.inverse_mass, position_only * a.inverse_mass);
+        b.project(contact * -b.inverse_mass, position_only * -b.inverse_mass);
     }
 }
 

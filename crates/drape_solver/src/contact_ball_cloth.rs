@@ -16,11 +16,10 @@
 
 use glam::Vec3;
 
-use crate::ball::SURFACE_INVERSE_MASS;
-use crate::body::Body;
 use crate::friction::{combined, slip_taken};
 use crate::island::Island;
 use crate::nearest::{on_segment, on_triangle};
+use crate::overlap::{Overlap, Pace};
 use crate::touch::{Other, Projection, record};
 
 /// A ball and a face, or a segment, that may touch in this step.
@@ -30,6 +29,7 @@ pub(crate) struct BallCloth {
     body: usize,
     element: Element,
     depth: f32,
+    overlap: Overlap,
     normal: Vec3,
     weights: [f32; 3],
 }
@@ -94,6 +94,7 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
                 body: body_index,
                 element,
                 depth: 0.0,
+                overlap: Overlap::default(),
                 normal: Vec3::ZERO,
                 weights: [0.0; 3],
             }));
@@ -105,19 +106,23 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
 pub(crate) fn begin_substep(island: &mut Island) {
     for contact in &mut island.context.ball_cloth {
         contact.depth = 0.0;
+        contact.overlap = Overlap::default();
     }
 }
 
 /// Moves balls and cloth apart where they overlap.
 pub(crate) fn project(island: &mut Island) {
     let Island { bodies, balls, touches, context } = island;
+    let pace = Pace::of(context);
     for contact in &mut context.ball_cloth {
         let (body, ball) = (&mut bodies[contact.body], &mut balls[contact.ball]);
         let centre = ball.position - body.particles.origin;
         let corners = contact.element.corners();
         let positions = corners.map(|i| body.particles.position.get(i));
         let apart = ball.material.radius + body.settings.thickness;
-        let far = apart + body.topology.longest_edge * 1.5;
+        // Stretched or not, an element lies within its longest side of its first corner.
+        let [side, other] = [positions[1], positions[2]].map(|corner| corner.distance_squared(positions[0]));
+        let far = apart + side.max(other).sqrt();
         if positions[0].distance_squared(centre) > far * far {
             continue;
         }
@@ -134,27 +139,34 @@ pub(crate) fn project(island: &mut Island) {
         let w = corners.map(|i| body.particles.inverse_mass[i]);
         let felt =
             weights[0] * weights[0] * w[0] + weights[1] * weights[1] * w[1] + weights[2] * weights[2] * w[2];
-        let push = -gap / (ball.inverse_mass + felt);
         let travel = ball.travel();
         let point_travel = weighted(weights, corners.map(|i| body.travel(i)));
+        let gap_change = (travel - point_travel).dot(normal);
+        let push = contact.overlap.split(-gap, gap_change, pace);
+        let weight = ball.inverse_mass + felt;
         let projection = Projection {
             ball: contact.ball,
             other: Other::Body(contact.body),
             gap,
-            gap_change: (travel - point_travel).dot(normal),
+            gap_change,
             ball_position: ball.position,
             ball_travel: travel,
             point: point + body.particles.origin,
             normal,
-            impulse: push / context.substep,
+            impulse: push.fresh / (weight * context.substep),
         };
         record(touches, &projection, context.substep_index, context.substep);
         contact.normal = normal;
         contact.weights = weights;
         // Friction measures the normal push in terms of both sides' motion.
-        contact.depth -= gap;
-        ball.position += normal * (push * ball.inverse_mass);
-        move_corners(body, corners, weights, normal * -push);
+        contact.depth += push.fresh;
+        let (fresh, old) = (normal * (push.fresh / weight), normal * (push.old / weight));
+        ball.project(fresh * ball.inverse_mass, old * ball.inverse_mass);
+        for (corner, weight) in corners.into_iter().zip(weights) {
+            let share = -weight * body.particles.inverse_mass[corner];
+            body.particles.position.add(corner, (fresh + old) * share);
+            body.context.integrated.add(corner, old * share);
+        }
     }
 }
 
@@ -167,24 +179,25 @@ pub(crate) fn apply_friction(island: &mut Island) {
         }
         let (body, ball) = (&mut bodies[contact.body], &mut balls[contact.ball]);
         let corners = contact.element.corners();
-        let arm = contact.normal * -ball.material.radius;
+        // To the middle of the cloth: there the two pushes act on one point, and keep the angular momentum.
+        let arm = contact.normal * -(ball.material.radius + body.settings.thickness);
         let cloth_travel = weighted(contact.weights, corners.map(|i| body.particles.displacement.get(i)));
         let slip = ball.surface_travel(arm) - cloth_travel;
         let mut felt = 0.0;
         for (corner, weight) in corners.into_iter().zip(contact.weights) {
             felt += weight * weight * body.particles.inverse_mass[corner];
         }
-        // Along the normal the pair has the inverse mass w + felt, along the surface 3.5 w + felt: Coulomb's
+        // Along the normal the pair has the inverse mass w + felt, along the surface about 3.5 w + felt: Coulomb's
         // limit on the push, mu * depth / (w + felt), is turned into one on the slip.
-        let across = SURFACE_INVERSE_MASS * ball.inverse_mass + felt;
+        let across = ball.surface_inverse_mass(arm) + felt;
         let along = ball.inverse_mass + felt;
         let coefficient = combined(ball.material.friction, body.settings.friction);
         let taken = slip_taken(slip, contact.normal, coefficient * across / along, contact.depth);
         let push = taken / across;
         ball.push_surface(arm, -push);
-        move_corners(body, corners, contact.weights, push);
         for (corner, weight) in corners.into_iter().zip(contact.weights) {
             let shift = push * (weight * body.particles.inverse_mass[corner]);
+            body.particles.position.add(corner, shift);
             body.particles.displacement.add(corner, shift);
         }
     }
@@ -196,11 +209,4 @@ fn weighted(weights: [f32; 3], vectors: [Vec3; 3]) -> Vec3 {
 
 fn face_normal([p, q, r]: [Vec3; 3]) -> Vec3 {
     (q - p).cross(r - p).try_normalize().unwrap_or(Vec3::Y)
-}
-
-fn move_corners(body: &mut Body, corners: [usize; 3], weights: [f32; 3], push: Vec3) {
-    for (corner, weight) in corners.into_iter().zip(weights) {
-        let shift = push * (weight * body.particles.inverse_mass[corner]);
-        body.particles.position.add(corner, shift);
-    }
 }

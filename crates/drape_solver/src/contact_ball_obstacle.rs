@@ -6,6 +6,7 @@ use crate::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
 use crate::friction::{combined, slip_taken};
 use crate::island::Island;
 use crate::obstacle::Obstacle;
+use crate::overlap::{Overlap, Pace};
 use crate::pose::Pose;
 use crate::shape::{Plane, Shape, container_walls};
 use crate::touch::{Other, Projection, record};
@@ -17,6 +18,7 @@ pub(crate) struct BallObstacle {
     obstacle: usize,
     plane: Option<Plane>,
     depth: f32,
+    overlap: Overlap,
     normal: Vec3,
     before: Pose,
     now: Pose,
@@ -40,6 +42,7 @@ pub(crate) fn detect(island: &mut Island, obstacles: &[Obstacle], dt: f32, gravi
                     obstacle: obstacle_index,
                     plane,
                     depth: 0.0,
+                    overlap: Overlap::default(),
                     normal: Vec3::ZERO,
                     before: pose,
                     now: pose,
@@ -63,12 +66,14 @@ pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
         pair.before = pose_at(index);
         pair.now = pose_at(index + 1);
         pair.depth = 0.0;
+        pair.overlap = Overlap::default();
     }
 }
 
 /// Moves every ball that lies inside an obstacle out to its surface.
 pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
     let Island { balls, touches, context, .. } = island;
+    let pace = Pace::of(context);
     for pair in &mut context.ball_obstacle {
         let ball = &mut balls[pair.ball];
         let local = pair.now.to_local(ball.position);
@@ -79,22 +84,24 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
         let depth = ball.material.radius - surface.distance;
         if depth > 0.0 {
             pair.normal = pair.now.direction_to_world(surface.normal);
-            pair.depth += depth;
             let travel = ball.travel();
             let carried = pair.now.point_to_world(local) - pair.before.point_to_world(local);
+            let gap_change = (travel - carried).dot(pair.normal);
+            let push = pair.overlap.split(depth, gap_change, pace);
+            pair.depth += push.fresh;
             let projection = Projection {
                 ball: pair.ball,
                 other: Other::Obstacle(pair.obstacle),
                 gap: -depth,
-                gap_change: (travel - carried).dot(pair.normal),
+                gap_change,
                 ball_position: ball.position,
                 ball_travel: travel,
                 point: ball.position - pair.normal * surface.distance,
                 normal: pair.normal,
-                impulse: depth * ball.material.mass / context.substep,
+                impulse: push.fresh * ball.material.mass / context.substep,
             };
             record(touches, &projection, context.substep_index, context.substep);
-            ball.position += pair.normal * depth;
+            ball.project(pair.normal * push.fresh, pair.normal * push.old);
         }
     }
 }

@@ -15,6 +15,7 @@ use glam::Vec3;
 use crate::body::{Body, BodyContext};
 use crate::friction::{combined, slip_taken};
 use crate::obstacle::Obstacle;
+use crate::overlap::{Overlap, Pace};
 use crate::pose::Pose;
 use crate::shape::{Plane, Shape, Surface, container_walls};
 
@@ -39,8 +40,9 @@ struct Group {
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     particle: u32,
-    /// Depth summed over the projections of the substep, in metres.
+    /// Depth that motion made, summed over the projections of the substep, in metres.
     depth: f32,
+    overlap: Overlap,
     /// World normal of the last projection.
     normal: Vec3,
     /// The surface near the particle as a plane, where asking the shape each time would be slow or wrong.
@@ -85,7 +87,13 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32) {
             }
             let local = pose.to_local(position);
             let mut add = |plane: Option<Plane>| {
-                candidates.push(Candidate { particle: i as u32, depth: 0.0, normal: Vec3::ZERO, plane });
+                candidates.push(Candidate {
+                    particle: i as u32,
+                    depth: 0.0,
+                    overlap: Overlap::default(),
+                    normal: Vec3::ZERO,
+                    plane,
+                });
             };
             match obstacle.shape() {
                 Shape::Container { half_extents } => container_walls(*half_extents)
@@ -131,27 +139,34 @@ pub(crate) fn begin_substep(body: &mut Body, obstacles: &[Obstacle], index: u32,
     }
     for candidate in &mut contacts.candidates {
         candidate.depth = 0.0;
+        candidate.overlap = Overlap::default();
     }
 }
 
 /// Moves every particle that lies inside an obstacle out to its surface.
-pub(crate) fn project(body: &mut Body, obstacles: &[Obstacle]) {
+pub(crate) fn project(body: &mut Body, obstacles: &[Obstacle], pace: Pace) {
     let Body { particles, settings, context, .. } = body;
     let ObstacleContacts { groups, candidates } = &mut context.contacts;
     for group in groups {
         let shape = obstacles[group.obstacle].shape();
         for candidate in &mut candidates[group.first..group.first + group.count] {
             let i = candidate.particle as usize;
-            let local = group.now.to_local(particles.position.get(i));
+            let position = particles.position.get(i);
+            let local = group.now.to_local(position);
             let surface = match candidate.plane {
                 Some(plane) => plane.surface(local),
                 None => shape.surface(local),
             };
             let depth = settings.thickness - surface.distance;
             if depth > 0.0 {
-                candidate.normal = group.now.direction_to_world(surface.normal);
-                candidate.depth += depth;
-                particles.position.add(i, candidate.normal * depth);
+                let normal = group.now.direction_to_world(surface.normal);
+                let travel = particles.displacement.get(i) + (position - context.integrated.get(i));
+                let carried = group.now.point_to_world(local) - group.before.point_to_world(local);
+                let push = candidate.overlap.split(depth, (travel - carried).dot(normal), pace);
+                candidate.normal = normal;
+                candidate.depth += push.fresh;
+                particles.position.add(i, normal * (push.fresh + push.old));
+                context.integrated.add(i, normal * push.old);
             }
         }
     }

@@ -106,9 +106,10 @@ fn blow(
     let inverse_mass: f32 = corners.iter().map(|&i| particles.inverse_mass[i]).sum::<f32>() * share;
     let speed = (wind.velocity - velocity).dot(normal);
     let force = strength * speed * speed.abs();
-    // A gust may bring the element to the speed of the air within the step, but never past it: the explicit
-    // force cannot make light cloth explode.
-    let most = speed.abs() / (dt * inverse_mass.max(f32::MIN_POSITIVE) * share);
+    // A gust may bring a particle to the speed of the air within the step, but never past it: the explicit force
+    // cannot make light cloth explode. Six faces of a grid, or two links, meet at a particle and share that limit.
+    let meeting = if corners.len() == 3 { 6.0 } else { 2.0 };
+    let most = speed.abs() / (dt * inverse_mass.max(f32::MIN_POSITIVE) * share * meeting);
     let force = force.clamp(-most, most);
     for &i in corners {
         let acceleration = normal * (force * share * particles.inverse_mass[i]);

@@ -34,6 +34,12 @@ impl Drag {
         Self { decay: (1.0 - lost) as f32, gain: (lost / exponent) as f32 }
     }
 
+    /// The substep, in seconds, as a load feels it: where drag takes a part of what an acceleration gives, it must
+    /// take the same part of what a soft stick gives back, or drag would change how far a load stretches it.
+    pub(crate) fn felt_substep(self, substep: f32) -> f32 {
+        substep * self.gain.sqrt()
+    }
+
     /// The displacement of the next substep.
     pub(crate) fn step(self, displacement: Vec3, acceleration: Vec3, substep: f32) -> Vec3 {
         displacement * self.decay + acceleration * (self.gain * substep * substep)

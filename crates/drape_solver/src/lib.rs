@@ -21,6 +21,7 @@ pub mod island;
 pub mod measure;
 mod nearest;
 pub mod obstacle;
+mod overlap;
 pub mod particles;
 mod pose;
 mod rest;

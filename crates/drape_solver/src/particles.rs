@@ -220,6 +220,7 @@ impl Particles {
     pub fn is_finite(&self) -> bool {
         let columns = self.position.each().into_iter().chain(self.displacement.each());
         columns.chain(self.force.each()).flatten().all(|value| value.is_finite())
+            && self.origin.is_finite()
             && self.pin_targets.iter().all(|(_, target)| target.is_finite())
     }
 

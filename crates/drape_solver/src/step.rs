@@ -15,10 +15,12 @@
 
 use glam::Vec3;
 
+use crate::body::Body;
 use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS};
 use crate::contact_particle_obstacle as particle_obstacle;
 use crate::error::StepError;
 use crate::island::{Environment, Island};
+use crate::overlap::Pace;
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
 use crate::{contact_ball_obstacle as ball_obstacle, force, integrate as verlet, rest, stick};
 
@@ -98,8 +100,9 @@ pub fn accumulate_forces(island: &mut Island, environment: &Environment) {
 pub fn detect_collisions(island: &mut Island, environment: &Environment) {
     let (dt, gravity) = (environment.dt, environment.gravity.length());
     let fastest_ball = island.balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
-    // A ball can bring the cloth to its own speed within the step.
-    let speed = island.bodies.iter().map(|b| b.particles.greatest_speed()).fold(fastest_ball, f32::max);
+    // A ball can bring the cloth to its own speed within the step, and what was edited is pulled into place.
+    let speed_of = |body: &Body| body.particles.greatest_speed() + body.pull() / dt;
+    let speed = island.bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + crate::constants::CONTACT_MARGIN;
     for body in &mut island.bodies {
         particle_obstacle::detect(body, &environment.obstacles, reach);
@@ -120,7 +123,7 @@ pub fn integrate(island: &mut Island, environment: &Environment) {
         let acceleration = environment.gravity + ball.force * ball.inverse_mass;
         ball.displacement = ball.drag.step(ball.displacement, acceleration, ball.substep);
         ball.position += ball.displacement;
-        ball.integrated = ball.position;
+        ball.projected = Vec3::ZERO;
     }
     ball_obstacle::begin_substep(island, &environment.obstacles);
     ball_ball::begin_substep(island);
@@ -158,7 +161,7 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
     }
     for ball in &mut island.balls {
         ball.displacement = ball.travel();
-        ball.integrated = ball.position;
+        ball.projected = Vec3::ZERO;
     }
     ball_obstacle::apply_friction(island, &environment.obstacles);
     ball_ball::apply_friction(island);
@@ -196,8 +199,9 @@ fn project_contacts(island: &mut Island, environment: &Environment) {
     ball_cloth::project(island);
     ball_ball::project(island);
     ball_obstacle::project(island, &environment.obstacles);
+    let pace = Pace::of(&island.context);
     for body in &mut island.bodies {
-        particle_obstacle::project(body, &environment.obstacles);
+        particle_obstacle::project(body, &environment.obstacles, pace);
     }
 }
 

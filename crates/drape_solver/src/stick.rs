@@ -41,6 +41,16 @@ pub(crate) fn substep_damping(material: &StickMaterial, substep: f32) -> f32 {
     -libm::expm1(-f64::from(material.damping) * f64::from(substep)) as f32
 }
 
+/// The greatest difference between a stick's length and its rest length, in metres.
+pub(crate) fn greatest_error(particles: &Particles, topology: &Topology) -> f32 {
+    let error = |i: usize| {
+        let [a, b] = topology.stick(i).map(|end| particles.position.get(end as usize));
+        (a.distance(b) - topology.rest_length(i)).abs()
+    };
+    let sticks = topology.batches.iter().filter(|batch| batch.material.stiffness > 0.0);
+    sticks.flat_map(StickBatch::range).map(error).fold(0.0, f32::max)
+}
+
 /// One sweep over all sticks, batch by batch, in reverse where `reverse` is set. `stiffness` holds the factor
 /// of [`iteration_stiffness`] for each batch.
 pub(crate) fn relax(

@@ -1,0 +1,89 @@
+//! Overlaps that no motion made: what to do with an obstacle that appears inside a cloth.
+//!
+//! A projection moves a particle, and so gives it the velocity that a contact calls for, as long as the depth comes
+//! from the motion of the substep. An overlap that was there before the substep has no velocity to stop: taken out
+//! in the same way it would shoot the particle off at `depth / substep`. That part is moved without a velocity, and
+//! spread over the rest of the step, so that sticks can follow.
+//!
+//! ```text
+//!   start of the substep   o  . . . . . surface        old:   in already, moved in position only
+//!                          |  old                      fresh: moved in by the substep, a contact proper
+//!   end of the substep     o  ----
+//!                             fresh
+//! ```
+
+use crate::constants::PUSH_OUT_SPEED;
+use crate::island::IslandContext;
+
+/// The overlap of one contact in one substep.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Overlap {
+    /// What may be left of the old part at the end of the substep, in metres; known after the first projection.
+    left: Option<f32>,
+}
+
+/// How far one projection moves things apart, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Push {
+    /// With a velocity: the part that the substep's motion made.
+    pub fresh: f32,
+    /// In position only.
+    pub old: f32,
+}
+
+/// How fast old overlaps are taken back.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Substeps that the step still has, this one included.
+    substeps_left: u32,
+    /// Overlap that is taken back at once, in metres.
+    at_once: f32,
+}
+
+impl Pace {
+    /// For the substep that runs now.
+    pub fn of(context: &IslandContext) -> Self {
+        let substeps_left = (context.substeps - context.substep_index).max(1);
+        Self { substeps_left, at_once: PUSH_OUT_SPEED * context.substep }
+    }
+}
+
+impl Overlap {
+    /// Splits a `depth` above zero. `outward` is how far the two have moved apart in this substep so far (metres;
+    /// negative if they approached): they began it with an overlap of `depth + outward`.
+    pub fn split(&mut self, depth: f32, outward: f32, pace: Pace) -> Push {
+        let old = (depth + outward).max(0.0).min(depth);
+        let left = *self.left.get_or_insert_with(|| {
+            let even = old - old / pace.substeps_left as f32;
+            even.min(old - pace.at_once).max(0.0)
+        });
+        Push { fresh: depth - old, old: (old - left).max(0.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depth_that_the_motion_made_is_a_contact_and_the_rest_is_not() {
+        let pace = Pace { substeps_left: 1, at_once: 0.0 };
+        let split = |depth, outward| Overlap::default().split(depth, outward, pace);
+        assert_eq!(split(0.25, -0.5), Push { fresh: 0.25, old: 0.0 });
+        assert_eq!(split(0.75, -0.25), Push { fresh: 0.25, old: 0.5 });
+        assert_eq!(split(0.25, 0.0), Push { fresh: 0.0, old: 0.25 });
+        assert_eq!(split(0.25, 0.5), Push { fresh: 0.0, old: 0.25 });
+    }
+
+    #[test]
+    fn an_old_overlap_is_taken_back_evenly_and_whole_within_the_step() {
+        let mut depth = 1.0;
+        for substeps_left in (1..=4).rev() {
+            let pace = Pace { substeps_left, at_once: 0.01 };
+            let mut overlap = Overlap::default();
+            depth -= overlap.split(depth, 0.0, pace).old;
+            assert!((depth - 0.25 * (substeps_left - 1) as f32).abs() < 1e-6);
+            assert!(overlap.split(depth.max(1e-3), 0.0, pace).old < 2e-3, "the second projection adds nothing");
+        }
+    }
+}
