@@ -1,0 +1,18 @@
+//! The Bevy plugin, with exact time: sixty steps a second, one in each update.
+
+mod bad_input;
+mod cannons;
+mod clock;
+mod common;
+mod components;
+mod culling;
+mod despawning;
+mod hits;
+mod isolation;
+mod pins;
+mod reflection;
+mod schedule;
+mod simulates;
+mod sleeping;
+mod threads;
+mod waking;

@@ -1,0 +1,281 @@
+//! What wakes a body at rest.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+/// An app with a curtain at rest, pinned at a height of 2 m, and its lower edge at 1 m.
+fn sleeping_curtain() -> (App, Entity) {
+    let mut app = app();
+    let curtain = app.world_mut().spawn((curtain(), quiet(), Transform::from_xyz(0.0, 1.5, 0.0))).id();
+    settle(&mut app, curtain);
+    run(&mut app, 1.0);
+    assert_eq!(activity(&app, curtain), Activity::Resting);
+    (app, curtain)
+}
+
+/// Asserts that `body` wakes within two steps and then has the time to pick up speed.
+fn assert_wakes(app: &mut App, body: Entity) {
+    step(app, 2);
+    assert_eq!(activity(app, body), Activity::Active, "it sleeps on");
+    for _ in 0..30 {
+        step(app, 1);
+        assert_eq!(activity(app, body), Activity::Active, "it fell asleep again at once");
+    }
+}
+
+/// Index of the middle of the curtain's lower edge.
+const LOWER_EDGE: usize = 8 * 9 + 4;
+
+#[test]
+fn a_force_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    let before = centre(&app, curtain);
+    get_mut::<Particles>(&mut app, curtain).add_force(LOWER_EDGE, Vec3::Z * 0.5);
+    assert_wakes(&mut app, curtain);
+    assert!(centre(&app, curtain).distance(before) > 1e-5);
+}
+
+#[test]
+fn an_impulse_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    get_mut::<Particles>(&mut app, curtain).apply_impulse(LOWER_EDGE, Vec3::Z * 0.01);
+    assert_wakes(&mut app, curtain);
+}
+
+#[test]
+fn a_breeze_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    let before = centre(&app, curtain);
+    // Too weak to bring the curtain to the threshold of rest within one step.
+    app.world_mut().resource_mut::<Wind>().velocity = Vec3::Z * 0.4;
+    assert_wakes(&mut app, curtain);
+    run(&mut app, 0.5);
+    assert!(centre(&app, curtain).z > before.z + 1e-3, "the wind moves it");
+}
+
+#[test]
+fn a_change_of_gravity_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    app.insert_resource(DrapeGravity(Vec3::new(3.0, -9.0, 0.0)));
+    assert_wakes(&mut app, curtain);
+    assert!(speed(&app, curtain) > 0.01);
+}
+
+#[test]
+fn a_change_of_settings_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    get_mut::<SolverSettings>(&mut app, curtain).iterations = 4;
+    assert_wakes(&mut app, curtain);
+}
+
+#[test]
+fn a_change_of_the_default_settings_wakes_bodies_without_their_own() {
+    let (mut app, curtain) = sleeping_curtain();
+    app.world_mut().entity_mut(curtain).remove::<SolverSettings>();
+    settle(&mut app, curtain);
+    step(&mut app, 10);
+    app.world_mut().resource_mut::<DefaultSolverSettings>().substeps = 4;
+    assert_wakes(&mut app, curtain);
+
+    let (mut app, curtain) = sleeping_curtain();
+    app.world_mut().resource_mut::<DefaultSolverSettings>().substeps = 4;
+    step(&mut app, 10);
+    assert_eq!(activity(&app, curtain), Activity::Resting, "this one has settings of its own");
+}
+
+#[test]
+fn moving_a_particle_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    let mut particles = get_mut::<Particles>(&mut app, curtain);
+    let place = particles.position(LOWER_EDGE) + Vec3::Z * 0.05;
+    particles.set_position(LOWER_EDGE, place);
+    assert_wakes(&mut app, curtain);
+}
+
+#[test]
+fn letting_go_of_pins_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    let mut particles = get_mut::<Particles>(&mut app, curtain);
+    for i in 0..9 {
+        particles.set_inverse_mass(i, 100.0);
+    }
+    assert_wakes(&mut app, curtain);
+    assert!(centre(&app, curtain).y < 1.2, "it falls");
+}
+
+#[test]
+fn moving_the_rail_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    get_mut::<Transform>(&mut app, curtain).translation.x += 0.05;
+    assert_wakes(&mut app, curtain);
+}
+
+#[test]
+fn a_ball_wakes_before_it_touches() {
+    let (mut app, curtain) = sleeping_curtain();
+    let ball = Projectile { velocity: Vec3::Z * 15.0, ..default() };
+    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 1.5, -6.0))).id();
+    let mut woken_at = None;
+    for count in 0..60 {
+        step(&mut app, 1);
+        if activity(&app, curtain) == Activity::Active && woken_at.is_none() {
+            woken_at = Some(count);
+            let gap = -0.15 - ball_position(&app, ball).z;
+            assert!(gap < 15.0 * STEP + 0.1, "it woke while the ball was {gap} m away");
+        }
+    }
+    let hits = &app.world().resource::<Hits>().0;
+    assert_eq!(hits.len(), 1);
+    assert_eq!(hits[0].target, curtain);
+    // As soon as in the plane of the curtain: 5.85 m at 15 m/s.
+    assert!((hits[0].time - app.world().resource::<DrapeClock>().elapsed() + 1.0 - 5.845 / 15.0).abs() < 0.01);
+    assert!(woken_at.is_some());
+    assert!(speed(&app, curtain) > 0.1);
+}
+
+#[test]
+fn a_ball_that_flies_past_wakes_nothing() {
+    let (mut app, curtain) = sleeping_curtain();
+    let ball = Projectile { velocity: Vec3::Z * 15.0, ..default() };
+    app.world_mut().spawn((ball, Transform::from_xyz(1.2, 1.5, -6.0)));
+    for _ in 0..60 {
+        step(&mut app, 1);
+        assert_eq!(activity(&app, curtain), Activity::Resting);
+    }
+}
+
+#[test]
+fn an_obstacle_that_moves_in_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    let obstacle = app.world_mut().spawn((Obstacle::sphere(0.2), Transform::from_xyz(0.0, 1.4, -1.0))).id();
+    step(&mut app, 30);
+    assert_eq!(activity(&app, curtain), Activity::Resting, "it is too far off");
+    for _ in 0..60 {
+        get_mut::<Transform>(&mut app, obstacle).translation.z += 1.0 * STEP;
+        step(&mut app, 1);
+    }
+    assert_eq!(activity(&app, curtain), Activity::Active);
+    let deepest = get::<Particles>(&app, curtain).positions().map(|p| p.distance(Vec3::new(0.0, 1.4, 0.0)));
+    assert!(deepest.fold(f32::INFINITY, f32::min) > 0.195, "it is pushed aside");
+}
+
+#[test]
+fn a_new_obstacle_wakes() {
+    let (mut app, curtain) = sleeping_curtain();
+    app.world_mut().spawn((Obstacle::sphere(0.2), Transform::from_xyz(0.0, 1.4, -0.1)));
+    assert_wakes(&mut app, curtain);
+}
+
+/// A cloth asleep on a table of 1 m, and the table.
+fn cloth_on_table() -> (App, Entity, Entity) {
+    let mut app = app();
+    let table =
+        app.world_mut().spawn((Obstacle::cuboid(2.0, 0.1, 2.0), Transform::from_xyz(0.0, 0.95, 0.0))).id();
+    let flat = Transform::from_xyz(0.0, 1.02, 0.0)
+        .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+    let cloth = app.world_mut().spawn((free_cloth(), quiet(), flat)).id();
+    settle(&mut app, cloth);
+    (app, cloth, table)
+}
+
+#[test]
+fn an_obstacle_that_is_taken_away_wakes() {
+    let (mut app, cloth, table) = cloth_on_table();
+    app.world_mut().entity_mut(table).despawn();
+    assert_wakes(&mut app, cloth);
+    assert!(centre(&app, cloth).y < 0.9, "it falls");
+}
+
+#[test]
+fn an_obstacle_that_loses_its_component_is_none_any_more() {
+    let (mut app, cloth, table) = cloth_on_table();
+    app.world_mut().entity_mut(table).remove::<Obstacle>();
+    assert_wakes(&mut app, cloth);
+    assert!(centre(&app, cloth).y < 0.9, "it falls");
+}
+
+#[test]
+fn an_obstacle_that_changes_its_shape_wakes() {
+    let (mut app, cloth, table) = cloth_on_table();
+    *get_mut::<Obstacle>(&mut app, table) = Obstacle::cuboid(0.1, 0.1, 0.1);
+    assert_wakes(&mut app, cloth);
+    let mut app = cloth_on_table();
+    get_mut::<Transform>(&mut app.0, app.2).scale = Vec3::splat(0.2);
+    assert_wakes(&mut app.0, app.1);
+}
+
+#[test]
+fn an_obstacle_that_lies_still_lets_sleep() {
+    let (mut app, cloth, table) = cloth_on_table();
+    // Written to, but not changed in place.
+    get_mut::<Transform>(&mut app, table).set_changed();
+    step(&mut app, 3);
+    app.world_mut().spawn((Obstacle::sphere(0.1), Transform::from_xyz(5.0, 0.0, 0.0)));
+    step(&mut app, 3);
+    assert_eq!(activity(&app, cloth), Activity::Resting);
+}
+
+#[test]
+fn a_ball_that_rolls_against_another_wakes_it() {
+    let mut app = app();
+    app.world_mut().spawn(Obstacle::ground());
+    let spawn = |app: &mut App, x: f32, velocity: Vec3| {
+        let ball = Projectile { rolling_resistance: 0.01, velocity, ..default() };
+        app.world_mut().spawn((ball, Transform::from_xyz(x, 0.15, 0.0))).id()
+    };
+    let (first, second) = (spawn(&mut app, 0.0, Vec3::ZERO), spawn(&mut app, 0.31, Vec3::ZERO));
+    settle(&mut app, first);
+    settle(&mut app, second);
+    let roller = spawn(&mut app, -3.0, Vec3::X * 3.0);
+    run(&mut app, 3.0);
+    assert!(ball_position(&app, first).x > 0.01, "{}", ball_position(&app, first));
+    assert!(ball_position(&app, second).x > 0.4, "{}", ball_position(&app, second));
+    let gap = ball_position(&app, first).x - ball_position(&app, roller).x;
+    assert!(gap > 0.3 - 1e-3, "the balls overlap: their centres are {gap} m apart");
+}
+
+#[test]
+fn a_sheet_that_is_let_go_wakes_the_ball_on_it() {
+    let mut app = app();
+    let flat = Transform::from_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+    let sheet = app.world_mut().spawn((curtain().with_pins(ClothPins::Corners), quiet(), flat)).id();
+    let ball = Projectile { mass: 0.2, ..default() };
+    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
+    settle(&mut app, ball);
+    let before = ball_position(&app, ball).y;
+    let mut particles = get_mut::<Particles>(&mut app, sheet);
+    for corner in [0, 8, 72, 80] {
+        particles.set_inverse_mass(corner, 100.0);
+    }
+    run(&mut app, 0.5);
+    assert!(ball_position(&app, ball).y < before - 0.5, "it falls with the sheet");
+}
+
+#[test]
+fn a_ball_at_rest_is_woken_by_hand() {
+    let mut app = app();
+    app.world_mut().spawn(Obstacle::ground());
+    let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 0.15, 0.0))).id();
+    settle(&mut app, ball);
+    get_mut::<ProjectileState>(&mut app, ball).apply_impulse(Vec3::X * 2.0);
+    assert_wakes(&mut app, ball);
+    assert!(ball_position(&app, ball).x > 0.2);
+    settle(&mut app, ball);
+    get_mut::<Transform>(&mut app, ball).translation.y += 2.0;
+    assert_wakes(&mut app, ball);
+    let height = ball_position(&app, ball).y;
+    assert!(height < 1.2 && height > 0.2, "it falls from where it was put: {height}");
+}
+
+#[test]
+fn the_ground_taken_away_wakes_a_ball() {
+    let mut app = app();
+    let ground = app.world_mut().spawn(Obstacle::ground()).id();
+    let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 0.15, 0.0))).id();
+    settle(&mut app, ball);
+    app.world_mut().entity_mut(ground).despawn();
+    assert_wakes(&mut app, ball);
+    assert!(ball_position(&app, ball).y < -0.5);
+}
