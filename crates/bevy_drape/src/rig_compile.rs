@@ -9,7 +9,6 @@ use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 use drape_solver::constants::MAX_MAGNITUDE;
 
-use crate::activity::Activity;
 use crate::particles::{BodyState, CreationOrder, Particles, Sticks};
 use crate::refusal::Refusals;
 use crate::rig::{InRig, Particle, ParticleRecord, Rig, RigEdits, Stick, StickRecord};
@@ -33,14 +32,7 @@ type StickQuery<'w, 's> = Query<'w, 's, (Entity, Ref<'static, Stick>, &'static m
 type RigQuery<'w, 's> = Query<
     'w,
     's,
-    (
-        Entity,
-        &'static mut Rig,
-        &'static mut Particles,
-        &'static mut Sticks,
-        &'static mut BodyState,
-        &'static mut Activity,
-    ),
+    (Entity, &'static mut Rig, &'static mut Particles, &'static mut Sticks, &'static mut BodyState),
 >;
 
 /// Rebuilds the bodies of all rigs that were edited since the last step.
@@ -95,7 +87,7 @@ pub(crate) fn compile_rigs(
         claimed.extend(body);
         let settings = compiled.settings;
         let body = match body.and_then(|body| rigs.get_mut(body).ok()) {
-            Some((body, mut rig, mut particles, mut sticks, mut state, mut activity)) => {
+            Some((body, mut rig, mut particles, mut sticks, mut state)) => {
                 if rig.particles == compiled.rig.particles && compiled.is_all_from(body) {
                     // The columns stay, with what users wrote into them since the last step.
                     for (i, &inverse_mass) in compiled.inverse_masses.iter().enumerate() {
@@ -104,17 +96,15 @@ pub(crate) fn compile_rigs(
                 } else {
                     particles.0 = columns;
                 }
-                if core::mem::take(&mut state.refused) {
-                    *activity = Activity::Active;
-                }
-                state.bounds = particles.bounds();
+                state.measure(&particles);
                 state.context = default();
                 sticks.0 = topology;
                 *rig = compiled.rig;
                 body
             }
             None => {
-                let state = BodyState { order: order.next(), bounds: columns.bounds(), ..default() };
+                let mut state = BodyState { order: order.next(), ..default() };
+                state.measure(&columns);
                 let name = Name::new("Rig");
                 commands.spawn((name, compiled.rig, Particles(columns), Sticks(topology), state)).id()
             }

@@ -4,7 +4,7 @@ use bevy::math::Vec3A;
 use bevy::prelude::*;
 
 use crate::activity::Activity;
-use crate::particles::{BodyState, Particles};
+use crate::particles::Particles;
 use crate::refusal::Refusals;
 use crate::rig::{InRig, Particle, ParticleRecord, Rig};
 
@@ -14,7 +14,7 @@ pub(crate) fn follow_rig_transforms(
         (Entity, &Particle, &InRig, &Transform, &GlobalTransform, &mut ParticleRecord),
         Or<(Changed<Transform>, Changed<GlobalTransform>)>,
     >,
-    mut bodies: Query<(&Activity, &mut Particles, &mut BodyState), With<Rig>>,
+    mut bodies: Query<(&Activity, &mut Particles), With<Rig>>,
     mut refusals: ResMut<Refusals>,
 ) {
     for (entity, particle, in_rig, transform, global, mut record) in &mut members {
@@ -29,7 +29,7 @@ pub(crate) fn follow_rig_transforms(
             refusals.entity(entity, "the new Transform", "its translation must be finite");
             continue;
         }
-        let Ok((activity, mut particles, mut state)) = bodies.get_mut(in_rig.body) else { continue };
+        let Ok((activity, mut particles)) = bodies.get_mut(in_rig.body) else { continue };
         if in_rig.index >= particles.len() {
             continue;
         }
@@ -39,7 +39,6 @@ pub(crate) fn follow_rig_transforms(
             particles.set_pin_target(in_rig.index, place);
         } else {
             particles.set_position(in_rig.index, place);
-            state.bounds = particles.bounds();
         }
     }
 }
