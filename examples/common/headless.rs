@@ -1,5 +1,6 @@
 //! The demo without a window: as fast as the machine can, with a report at the end.
 
+use std::path::Path;
 use std::time::Instant;
 
 use bevy::app::TaskPoolThreadAssignmentPolicy;
@@ -46,14 +47,41 @@ pub fn run(arguments: &Arguments) -> Result<(), OutputError> {
     let output = Output::create(&arguments.out)?;
     let scene = arguments.scene();
     let mut app = app(scene.clone(), arguments.threads);
+    #[cfg(feature = "render")]
+    if arguments.frames {
+        app.add_plugins(crate::moments::MomentsPlugin);
+    }
     let progress = progress_bar(&scene);
     run_to_rest(&mut app, &scene, |time| progress.set_position((time * 10.0) as u64));
     progress.finish_and_clear();
     let recorder = app.world_mut().remove_resource::<Recorder>().unwrap_or_default();
     match recorder.report(app.world_mut(), arguments.threads) {
-        Some(report) => output.write(&report, &recorder),
-        None => Err(OutputError::NoCurtain),
+        Some(report) => output.write(&report, &recorder)?,
+        None => return Err(OutputError::NoCurtain),
     }
+    if arguments.frames {
+        draw_frames(&mut app, &scene, &arguments.out);
+    }
+    Ok(())
+}
+
+/// Draws the pictures of the run that is over. Without a graphics adapter one line says so.
+#[cfg(feature = "render")]
+fn draw_frames(app: &mut App, scene: &CannonScene, folder: &Path) {
+    use crate::{frames, moments};
+    let is_over = app.world_mut().run_system_cached(moments::take_last).is_ok();
+    let moments =
+        app.world_mut().remove_resource::<moments::Moments>().filter(|_| is_over).unwrap_or_default();
+    let drawn = frames::draw(&moments.snapshots, scene, folder, |path| println!("{}", path.display()));
+    if let Err(error) = drawn {
+        println!("no pictures: {error}");
+    }
+}
+
+/// Says why there are no pictures.
+#[cfg(not(feature = "render"))]
+fn draw_frames(_: &mut App, _: &CannonScene, _: &Path) {
+    println!("no pictures: this program was built without the feature `render`");
 }
 
 /// Steps until every shot is fired and all is at rest, or patience ends. `on_step` is told the time.

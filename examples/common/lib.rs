@@ -4,9 +4,19 @@
 //! hits, and the curtain finds its rest again.
 
 pub mod arguments;
+#[cfg(feature = "render")]
+mod cannon_model;
+#[cfg(feature = "render")]
+pub mod frames;
 pub mod headless;
+#[cfg(feature = "render")]
+pub mod moments;
 pub mod output;
 pub mod plot;
 pub mod recorder;
 pub mod report;
 pub mod scene;
+#[cfg(feature = "render")]
+mod textures;
+#[cfg(feature = "render")]
+pub mod visuals;
