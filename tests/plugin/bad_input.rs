@@ -175,7 +175,8 @@ fn transforms_that_are_not_finite() {
 
             let (mut app, entity) = assert_refused((Obstacle::ground(), turned), &["Transform", "finite"]);
             *get_mut::<Transform>(&mut app, entity) = here;
-            let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
+            let ball =
+                app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
             run(&mut app, 1.0);
             assert!((ball_position(&app, ball).y - 1.15).abs() < 0.01, "the mended ground holds the ball");
         }
@@ -199,7 +200,10 @@ fn transforms_that_stop_to_be_finite() {
         assert_eq!(messages.len(), 1, "{messages:?}");
         assert!(messages[0].contains("Transform"), "{messages:?}");
     }
-    assert!(height < 0.0 && (ball_position(&app, ball).y + 0.85).abs() < 0.01, "the ball fell on to the ground");
+    assert!(
+        height < 0.0 && (ball_position(&app, ball).y + 0.85).abs() < 0.01,
+        "the ball fell on to the ground"
+    );
     assert!(get::<Particles>(&app, curtain).position(0).distance(Vec3::new(-0.5, 0.5, 0.0)) < 1e-6);
     assert!(get::<Transform>(&app, ball).is_finite());
 
@@ -292,7 +296,10 @@ fn gravity_and_wind_that_are_not_finite() {
             assert!(messages.iter().any(|message| message.contains(word)), "{messages:?} do not name {word}");
         }
         let fallen = (-centre(&app, cloth).y, -ball_position(&app, ball).y);
-        assert!((fallen.0 - 0.5 * GRAVITY).abs() < 0.2 && (fallen.1 - 0.5 * GRAVITY).abs() < 1e-3, "{fallen:?}");
+        assert!(
+            (fallen.0 - 0.5 * GRAVITY).abs() < 0.2 && (fallen.1 - 0.5 * GRAVITY).abs() < 1e-3,
+            "{fallen:?}"
+        );
         app.insert_resource(DrapeGravity(Vec3::ZERO));
         app.world_mut().resource_mut::<Wind>().velocity.x = 0.0;
         let speed = get::<ProjectileState>(&app, ball).velocity().y;
@@ -426,7 +433,8 @@ fn a_teleporting_obstacle_shoots_nothing_off() {
         }
     }
     run(&mut app, 2.0);
-    let stretch = drape_solver::measure::stretch(get::<Particles>(&app, curtain), get::<Sticks>(&app, curtain));
+    let stretch =
+        drape_solver::measure::stretch(get::<Particles>(&app, curtain), get::<Sticks>(&app, curtain));
     assert!(stretch.max < 0.05, "{stretch:?}");
 }
 
@@ -450,11 +458,7 @@ static LOG: Mutex<Vec<String>> = Mutex::new(Vec::new());
 struct Collector;
 
 impl<S: bevy::log::tracing::Subscriber> Layer<S> for Collector {
-    fn on_event(
-        &self,
-        event: &bevy::log::tracing::Event<'_>,
-        _: tracing_subscriber::layer::Context<'_, S>,
-    ) {
+    fn on_event(&self, event: &bevy::log::tracing::Event<'_>, _: tracing_subscriber::layer::Context<'_, S>) {
         struct Line(String);
         impl bevy::log::tracing::field::Visit for Line {
             fn record_debug(&mut self, _: &bevy::log::tracing::field::Field, value: &dyn core::fmt::Debug) {

@@ -47,8 +47,7 @@ fn a_cannon_turns_with_what_carries_it() {
     let mut app = app();
     weightless(&mut app);
     let turned = Quat::from_rotation_y(-core::f32::consts::FRAC_PI_2);
-    let ship =
-        app.world_mut().spawn((Transform::from_xyz(10.0, 0.0, 0.0).with_rotation(turned),));
+    let ship = app.world_mut().spawn((Transform::from_xyz(10.0, 0.0, 0.0).with_rotation(turned),));
     let ship = ship.id();
     let cannon = Cannon { muzzle_speed: 6.0, ..default() };
     let cannon = app.world_mut().spawn((cannon, Transform::from_xyz(0.0, 2.0, 0.0), ChildOf(ship))).id();

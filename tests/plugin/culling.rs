@@ -79,7 +79,8 @@ fn a_sleeper_far_from_every_viewer_is_culled_until_one_comes_near() {
     step(&mut app, 10);
     assert_eq!(activity(&app, curtain), Activity::Resting, "without viewers nothing is far");
 
-    let viewer = |app: &mut App, x: f32| app.world_mut().spawn((Viewer, Transform::from_xyz(x, 0.0, 0.0))).id();
+    let viewer =
+        |app: &mut App, x: f32| app.world_mut().spawn((Viewer, Transform::from_xyz(x, 0.0, 0.0))).id();
     let near = viewer(&mut app, 9.0);
     let far = viewer(&mut app, -50.0);
     step(&mut app, 2);
@@ -122,7 +123,8 @@ fn a_culled_curtain_is_carried_along_by_its_rail() {
         Transform::from_xyz(0.0, 1.0, 0.0).with_rotation(Quat::from_rotation_y(0.5));
     run(&mut app, 1.0);
     assert_eq!(activity(&app, curtain), Activity::Active);
-    let stretch = drape_solver::measure::stretch(get::<Particles>(&app, curtain), get::<Sticks>(&app, curtain));
+    let stretch =
+        drape_solver::measure::stretch(get::<Particles>(&app, curtain), get::<Sticks>(&app, curtain));
     assert!(stretch.max < 0.01, "it was stretched by {}", stretch.max);
     assert!(centre(&app, curtain).distance(Vec3::new(0.0, 1.0, 0.0)) < 0.1);
 }

@@ -13,7 +13,7 @@ fn local_pins() -> [Vec3; 9] {
 fn assert_pinned_to(app: &App, curtain: Entity, transform: Transform) {
     for (i, local) in local_pins().into_iter().enumerate() {
         let (pin, expected) = (get::<Particles>(app, curtain).position(i), transform.transform_point(local));
-        assert!(pin.distance(expected) < 1e-5, "pin {i} is at {pin}, and its place at {expected}");
+        assert!(pin.distance(expected) < 1e-4, "pin {i} is at {pin}, and its place at {expected}");
     }
 }
 
@@ -24,8 +24,12 @@ fn pins_follow_their_entity_in_every_step() {
     step(&mut app, 1);
     for count in 0..90 {
         let angle = count as f32 * 0.02;
-        let transform = Transform::from_xyz(angle, 1.0, libm::sinf(angle))
-            .with_rotation(Quat::from_euler(EulerRot::XYZ, angle * 0.3, angle, 0.0));
+        let transform = Transform::from_xyz(angle, 1.0, libm::sinf(angle)).with_rotation(Quat::from_euler(
+            EulerRot::XYZ,
+            angle * 0.3,
+            angle,
+            0.0,
+        ));
         *get_mut::<Transform>(&mut app, curtain) = transform;
         step(&mut app, 1);
         assert_pinned_to(&app, curtain, transform);

@@ -9,8 +9,8 @@ use crate::common::*;
 fn a_curtain_hangs_from_its_pins() {
     let mut app = app();
     // Held out flat in front of the rail, so that it has some way to fall.
-    let transform = Transform::from_xyz(0.0, 2.0, 0.0)
-        .with_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2));
+    let transform =
+        Transform::from_xyz(0.0, 2.0, 0.0).with_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2));
     let curtain = app.world_mut().spawn((curtain(), transform, quiet())).id();
     step(&mut app, 1);
     let pins: Vec<Vec3> = get::<Particles>(&app, curtain).positions().take(9).collect();

@@ -35,7 +35,7 @@ fn a_curtain_falls_asleep_when_it_has_been_still_for_the_sleep_time() {
 fn a_swinging_body_does_not_fall_asleep_at_its_turning_points() {
     let mut app = app();
     // A pendulum of 1 m, let go 8 cm to the side: half a period is one second.
-    let rope = Rope { particles: 9, bend_stiffness: 1.0, ..Rope::new(Vec3::ZERO, Vec3::new(0.08, -1.0, 0.0), 9) };
+    let rope = Rope::new(Vec3::ZERO, Vec3::new(0.08, -1.0, 0.0), 2);
     let rope = app.world_mut().spawn((rope, dragless())).id();
     let (mut turns, mut was_slow) = (0, true);
     for _ in 0..600 {
@@ -77,11 +77,16 @@ fn what_lies_in_one_another_sleeps_together() {
     // A trampoline and a ball that lies on it. It is woken by the ball and the ball by it, so none may sleep alone.
     let flat = Transform::from_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
     let sheet = app.world_mut().spawn((curtain().with_pins(ClothPins::Corners), quiet(), flat)).id();
-    let ball = Projectile { mass: 0.2, ..default() };
-    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.5, 0.0))).id();
+    let ball = Projectile { mass: 0.2, drag: 3.0, ..default() };
+    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
     for _ in 0..3600 {
         step(&mut app, 1);
-        assert_eq!(activity(&app, sheet), activity(&app, ball));
+        assert_eq!(
+            activity(&app, sheet),
+            activity(&app, ball),
+            "the ball is at {}",
+            ball_position(&app, ball)
+        );
         if activity(&app, ball) == Activity::Resting {
             break;
         }
@@ -126,7 +131,7 @@ fn a_body_at_rest_is_not_touched() {
     let sleeper = app.world_mut().spawn((curtain(), quiet(), curtain_at(0.0))).id();
     let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(-5.0, 0.15, 0.0))).id();
     settle(&mut app, sleeper);
-    assert_eq!(activity(&app, ball), Activity::Resting);
+    settle(&mut app, ball);
     // Something else goes on.
     let tilted = curtain_at(5.0).with_rotation(Quat::from_rotation_x(1.0));
     let other = app.world_mut().spawn((curtain(), dragless(), tilted)).id();

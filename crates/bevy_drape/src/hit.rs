@@ -38,25 +38,44 @@ pub struct BallHit {
     pub impulse: f32,
 }
 
-/// Pairs (ball, other) that touch, this step and the last, so that a lasting touch is one hit.
+/// Time in seconds for which two must have been apart before they can touch anew. A ball that slides down a curtain
+/// loses it for moments.
+const APART: f64 = 0.1;
+
+/// Pairs (ball, other) that touch or have just done so, in order, so that a lasting touch is one hit.
 #[derive(Resource, Default)]
-pub(crate) struct Touching {
-    before: Vec<(Entity, Entity)>,
-    now: Vec<(Entity, Entity)>,
+pub(crate) struct Touching(Vec<Touch>);
+
+#[derive(Clone, Copy)]
+struct Touch {
+    pair: (Entity, Entity),
+    /// Simulated time in seconds until which it lasts.
+    until: f64,
 }
 
 impl Touching {
-    /// Starts a new step. Balls that are at rest, as `is_resting` tells, go on touching what they touch.
-    pub fn begin_step(&mut self, is_resting: impl Fn(Entity) -> bool) {
-        core::mem::swap(&mut self.before, &mut self.now);
-        self.before.sort_unstable();
-        self.now.clear();
-        self.now.extend(self.before.iter().filter(|(ball, _)| is_resting(*ball)));
+    /// Forgets the touches that ended before `now`. Balls at rest, as `is_resting` tells, go on touching.
+    pub fn begin_step(&mut self, now: f64, is_resting: impl Fn(Entity) -> bool) {
+        for touch in &mut self.0 {
+            if is_resting(touch.pair.0) {
+                touch.until = now + APART;
+            }
+        }
+        self.0.retain(|touch| touch.until > now);
     }
 
-    /// Notes a touch; true if it is a new one.
-    pub fn note(&mut self, ball: Entity, other: Entity) -> bool {
-        self.now.push((ball, other));
-        self.before.binary_search(&(ball, other)).is_err()
+    /// Notes a touch in the step that starts `now`; true if it is a new one.
+    pub fn note(&mut self, now: f64, ball: Entity, other: Entity) -> bool {
+        let touch = Touch { pair: (ball, other), until: now + APART };
+        match self.0.binary_search_by_key(&touch.pair, |known| known.pair) {
+            Ok(known) => {
+                self.0[known] = touch;
+                false
+            }
+            Err(place) => {
+                self.0.insert(place, touch);
+                true
+            }
+        }
     }
 }

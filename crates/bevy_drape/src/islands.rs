@@ -255,15 +255,15 @@ fn root(parents: &mut [usize], mut i: usize) -> usize {
 
 /// Groups all active bodies and balls into the islands of this step.
 pub(crate) fn form_islands(
-    mut bodies: Query<(Entity, &Activity, &Particles, &Sticks, &mut BodyState)>,
-    balls: Query<(Entity, &Activity, &ProjectileState, &ProjectileRecord)>,
+    mut bodies: Query<(Entity, &mut Activity, &Particles, &Sticks, &mut BodyState)>,
+    balls: Query<(Entity, &Activity, &ProjectileState, &ProjectileRecord), Without<Particles>>,
     solver: Res<SolverEnvironment>,
     mut islands: ResMut<Islands>,
     mut refusals: ResMut<Refusals>,
 ) {
     let (dt, gravity) = (solver.environment.dt, solver.environment.gravity.length());
     islands.members.clear();
-    for (entity, activity, particles, sticks, mut state) in &mut bodies {
+    for (entity, mut activity, particles, sticks, mut state) in &mut bodies {
         if *activity != Activity::Active || state.refused {
             continue;
         }
@@ -272,6 +272,7 @@ pub(crate) fn form_islands(
             let reason = format_args!("it has {count} particles, but its Sticks join {wanted}");
             refusals.entity(entity, "Particles", reason);
             state.refused = true;
+            *activity = Activity::Culled;
             continue;
         }
         let bounds = body_reach(&state, dt, gravity);
@@ -290,6 +291,7 @@ pub(crate) fn form_islands(
 pub(crate) fn begin_islands(
     mut bodies: BodyQuery,
     mut balls: BallQuery,
+    mut activities: Query<&mut Activity>,
     solver: Res<SolverEnvironment>,
     mut islands: ResMut<Islands>,
     mut refusals: ResMut<Refusals>,
@@ -299,7 +301,7 @@ pub(crate) fn begin_islands(
     islands.each(|island| island.outcome = step::begin(&mut island.solver, environment).err());
     for island in islands.live_mut() {
         while let Some(error) = island.outcome.take() {
-            if refuse_member(island, &error, &mut bodies, &mut balls, &mut refusals) {
+            if refuse_member(island, &error, &mut bodies, &mut balls, &mut activities, &mut refusals) {
                 island.outcome = step::begin(&mut island.solver, environment).err();
             } else {
                 refusals.resource("Time<Fixed>, DrapeGravity or Wind", &error);
@@ -322,11 +324,12 @@ fn refuse_member(
     error: &StepError,
     bodies: &mut BodyQuery,
     balls: &mut BallQuery,
+    activities: &mut Query<&mut Activity>,
     refusals: &mut Refusals,
 ) -> bool {
     const NOT_FINITE: &str = "a position, velocity, force or pin target is not finite";
     // Writing to what is refused does not count as a change: a change is how a user mends it.
-    match *error {
+    let entity = match *error {
         StepError::NonFiniteBody(index) | StepError::BadSettings { body: index, .. } => {
             let entity = island.bodies.remove(index);
             let mut body = island.solver.bodies.remove(index);
@@ -342,6 +345,7 @@ fn refuse_member(
                 refusals.entity(entity, "Particles", NOT_FINITE);
             }
             island.forget_touches(Other::Body(index));
+            entity
         }
         StepError::NonFiniteBall(index) => {
             let entity = island.balls.remove(index);
@@ -353,8 +357,12 @@ fn refuse_member(
             }
             refusals.entity(entity, "ProjectileState", NOT_FINITE);
             island.forget_touches(Other::Ball(index));
+            entity
         }
         _ => return false,
+    };
+    if let Ok(mut activity) = activities.get_mut(entity) {
+        *activity = Activity::Culled;
     }
     true
 }
@@ -428,10 +436,12 @@ pub(crate) fn finish_islands(
             island.outcome = step::finish(&mut island.solver).err();
         }
     });
-    touching.begin_step(|ball| activities.get(ball).is_ok_and(|activity| *activity != Activity::Active));
+    touching.begin_step(clock.elapsed(), |ball| {
+        activities.get(ball).is_ok_and(|activity| *activity != Activity::Active)
+    });
     for island in islands.live_mut() {
         while let Some(error) = island.outcome.take() {
-            if refuse_member(island, &error, &mut bodies, &mut balls, &mut refusals) {
+            if refuse_member(island, &error, &mut bodies, &mut balls, &mut activities, &mut refusals) {
                 island.outcome = step::finish(&mut island.solver).err();
             }
         }
@@ -470,7 +480,7 @@ fn report_hits(
             Other::Ball(i) => (island.balls[i], HitTarget::Projectile),
             Other::Obstacle(i) => (obstacles[i], HitTarget::Obstacle),
         };
-        if touching.note(projectile, target) {
+        if touching.note(elapsed, projectile, target) {
             hits.write(BallHit {
                 projectile,
                 target,

@@ -148,7 +148,7 @@ pub(crate) fn sync_obstacles(
             }
         } else if let Some(slot) = slot {
             let known = &mut environment.obstacles[slot];
-            if transform.is_changed() || known.is_moving() {
+            if known.placement() != placement || known.is_moving() {
                 known.move_to(placement, clock.delta());
                 stirred.0.push(known.swept_bounds());
             }

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
+use drape_solver::constants::TELEPORT_SPEED;
 use drape_solver::{BodyContext, Topology};
 
 use crate::activity::Activity;
+use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
 
 /// Where a body's particles are and how they move: the solver's columns, in world coordinates.
@@ -91,12 +93,14 @@ pub(crate) fn remove_described_body<C: Component>(removed: On<Remove, C>, mut co
     remove_body(&mut commands, removed.entity);
 }
 
-/// Pins are fixed to their entity: where it goes, they go, and pull the cloth along. A culled body is carried along
-/// as a whole.
+/// Pins are fixed to their entity: where it goes, they go, and pull the cloth along. A jump faster than 300 m/s is a
+/// teleport: it takes the whole body along, and so does every move of a culled body.
 pub(crate) fn move_pins(
     mut bodies: Query<(Entity, &GlobalTransform, &Activity, &mut Particles, &mut BodyState)>,
+    clock: Res<DrapeClock>,
     mut refusals: ResMut<Refusals>,
 ) {
+    let longest_pull = TELEPORT_SPEED * clock.delta();
     for (entity, transform, activity, mut particles, mut state) in &mut bodies {
         let anchor = transform.affine();
         if anchor == state.anchor || state.pins.is_empty() {
@@ -107,7 +111,12 @@ pub(crate) fn move_pins(
             continue;
         }
         let carry = anchor * state.anchor.inverse();
-        if *activity == Activity::Culled && carry.is_finite() {
+        let is_pull = |&(_, local): &(u32, Vec3)| {
+            let [from, to] = [state.anchor, anchor].map(|anchor| anchor.transform_point3(local));
+            from.distance(to) <= longest_pull
+        };
+        let is_pulled = *activity != Activity::Culled && state.pins.iter().all(is_pull);
+        if !is_pulled && carry.is_finite() {
             for i in 0..particles.len() {
                 let carried = carry.transform_point3(particles.position(i));
                 particles.set_position(i, carried);

@@ -8,7 +8,7 @@ use crate::environment::SolverEnvironment;
 use crate::obstacle::StirredSpace;
 use crate::particles::{BodyState, CreationOrder, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
-use crate::settings::{DefaultSolverSettings, SolverSettings};
+use crate::settings::{DefaultSolverSettings, SolverSettings, same_settings};
 
 /// When bodies fall asleep and when they are culled.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -149,7 +149,8 @@ pub(crate) fn wake(
         } else if edited {
             state.measure(&particles);
         }
-        let rearranged = state.settings != settings || (sticks.is_changed() && !sticks.is_added());
+        let rearranged =
+            !same_settings(&state.settings, &settings) || (sticks.is_changed() && !sticks.is_added());
         state.settings = settings;
         let mended = state.refused && (rearranged || particles.is_changed());
         let resting = *activity == Activity::Resting;
@@ -197,7 +198,6 @@ pub(crate) fn cull(
     viewers: Query<&GlobalTransform, With<Viewer>>,
     manager: Res<SceneManager>,
 ) {
-    let play_area = (manager.play_area_min, manager.play_area_max);
     let is_far = |(low, high): Bounds| {
         let distance = |viewer: &GlobalTransform| {
             let eye = viewer.translation();
@@ -205,7 +205,11 @@ pub(crate) fn cull(
         };
         !viewers.is_empty() && viewers.iter().all(|viewer| distance(viewer) > manager.viewer_distance)
     };
-    let is_lost = |bounds: Bounds| !overlap(bounds, play_area);
+    // False for what is not finite or empty: that is not lost but refused.
+    let is_lost = |(low, high): Bounds| {
+        let outside = low.cmpgt(manager.play_area_max) | high.cmplt(manager.play_area_min);
+        outside.any() && low.cmple(high).all()
+    };
     let next = |activity: Activity, bounds: Bounds, refused: bool, still_for: f32| match activity {
         _ if refused || is_lost(bounds) => Activity::Culled,
         Activity::Resting if is_far(bounds) => Activity::Culled,

@@ -43,35 +43,27 @@ impl Default for SolverSettings {
             solver::StickProjection::Exact => StickProjection::Exact,
             solver::StickProjection::SquareRootFree => StickProjection::SquareRootFree,
         };
-        Self {
-            substeps,
-            iterations,
-            drag,
-            friction,
-            thickness,
-            projection,
-            tethers,
-        }
+        Self { substeps, iterations, drag, friction, thickness, projection, tethers }
     }
 }
 
 impl From<SolverSettings> for solver::SolverSettings {
     fn from(settings: SolverSettings) -> Self {
-        let SolverSettings { substeps, iterations, drag, friction, thickness, projection, tethers } = settings;
+        let SolverSettings { substeps, iterations, drag, friction, thickness, projection, tethers } =
+            settings;
         let projection = match projection {
             StickProjection::Exact => solver::StickProjection::Exact,
             StickProjection::SquareRootFree => solver::StickProjection::SquareRootFree,
         };
-        Self {
-            substeps,
-            iterations,
-            drag,
-            friction,
-            thickness,
-            projection,
-            tethers,
-        }
+        Self { substeps, iterations, drag, friction, thickness, projection, tethers }
     }
+}
+
+/// Whether two settings are the same to the bit: unlike `==`, also where they are not a number.
+pub(crate) fn same_settings(a: &solver::SolverSettings, b: &solver::SolverSettings) -> bool {
+    let bits = |s: &solver::SolverSettings| [s.drag, s.friction, s.thickness].map(f32::to_bits);
+    (a.substeps, a.iterations, a.projection, a.tethers) == (b.substeps, b.iterations, b.projection, b.tethers)
+        && bits(a) == bits(b)
 }
 
 /// The [`SolverSettings`] of all bodies that have none of their own.
