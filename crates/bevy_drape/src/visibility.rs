@@ -18,9 +18,9 @@ pub(crate) fn hide_culled(
 ) {
     for (entity, activity, mut visibility, hidden) in &mut bodies {
         match (*activity == Activity::Culled, hidden) {
-            (true, None) if *visibility != Visibility::Hidden => {
+            (true, None) => {
                 commands.entity(entity).insert(HiddenByCulling(*visibility));
-                *visibility = Visibility::Hidden;
+                visibility.set_if_neq(Visibility::Hidden);
             }
             (false, Some(&HiddenByCulling(before))) => {
                 commands.entity(entity).remove::<HiddenByCulling>();

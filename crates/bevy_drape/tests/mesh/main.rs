@@ -4,6 +4,7 @@ mod gizmos;
 mod interpolation;
 mod normals;
 mod ownership;
+mod schedules;
 mod vertices;
 mod writes;
 
@@ -11,6 +12,7 @@ use std::time::Duration;
 
 use bevy::asset::AssetPlugin;
 use bevy::camera::visibility::VisibilityPlugin;
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::mesh::{MeshPlugin, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -21,9 +23,14 @@ const TIMESTEP: Duration = Duration::from_micros(15_625);
 
 /// All that shows a mesh but the renderer.
 fn app() -> App {
+    app_in(FixedPostUpdate)
+}
+
+/// The same, with steps taken in `schedule`.
+fn app_in(schedule: impl ScheduleLabel) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, MeshPlugin, VisibilityPlugin))
-        .add_plugins(DrapePlugins::default());
+        .add_plugins(DrapePlugins::new(schedule));
     app
 }
 

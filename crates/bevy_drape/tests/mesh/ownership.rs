@@ -110,7 +110,8 @@ fn a_mesh_that_was_swapped_is_written_and_one_that_was_removed_stays_away() {
     let cloth = app.world_mut().spawn(swinging()).id();
     start(&mut app);
     frame(&mut app, 1.0);
-    let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(own_mesh(81));
+    let complete = own_mesh(81).with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; 81]);
+    let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(complete);
     app.world_mut().entity_mut(cloth).insert(Mesh3d(handle.clone()));
     frame(&mut app, 1.0);
     assert_eq!(app.world().get::<Mesh3d>(cloth), Some(&Mesh3d(handle)));
