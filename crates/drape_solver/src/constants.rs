@@ -16,6 +16,9 @@ pub const CONTACT_MARGIN: f32 = 0.05;
 /// At one half, a ball's centre cannot pass a face between two projections.
 pub const BALL_TRAVEL_PER_SUBSTEP: f32 = 0.5;
 
+/// Upper bound on substeps per step that a heavy ball near a light cloth can ask for: see `contact_ball_cloth`.
+pub const MAX_HIT_SUBSTEPS: u32 = 64;
+
 /// Upper bound on substeps per step that a fast ball can ask for: bounds the work of a step.
 pub const MAX_SUBSTEPS: u32 = 256;
 
@@ -25,9 +28,10 @@ pub const MAX_ITERATIONS: u32 = 1024;
 /// Tethers kept for each particle: the nearest pins. More buy nothing that can be seen.
 pub const MAX_TETHERS: usize = 4;
 
-/// A body whose centre is farther than this from its local origin is given a nearer one, in metres.
-/// Single precision resolves 4 micrometres there.
-pub const RECENTRE_DISTANCE: f32 = 64.0;
+/// A body whose centre is farther than this from its local origin is given a nearer one, in metres. Single precision
+/// resolves 0.2 micrometres there: in a substep of a millisecond, 0.2 mm/s, so that a light particle's share of the
+/// momentum of a hit is not lost in rounding.
+pub const RECENTRE_DISTANCE: f32 = 2.0;
 
 /// Speed above which an obstacle's move counts as a teleport, which carries no velocity into contacts,
 /// in metres per second. Faster than anything a game swings; slower than any cut or respawn.
@@ -40,6 +44,10 @@ pub const MAX_MAGNITUDE: f32 = 1.0e6;
 /// Overlaps that were there before a substep are taken back at least at this speed, in metres per second. Slow
 /// enough to throw nothing; fast enough that what rounding and round shapes leave is gone within the substep.
 pub const PUSH_OUT_SPEED: f32 = 3.0;
+
+/// A ball's centre that passes a face's plane within this part of its radius beside the face has passed through it.
+/// Closes the cracks between neighbouring faces.
+pub const PASSING_SLACK: f32 = 0.1;
 
 /// Colours used to make batches of sticks that share no particle. A particle with more sticks than this in
 /// one family puts the rest into a last batch that is relaxed in order.

@@ -57,8 +57,10 @@ pub(crate) fn project(island: &mut Island) {
         }
         // Coincident centres have no direction of their own: one ball goes up.
         pair.normal = if distance > 0.0 { apart / distance } else { Vec3::Y };
-        let gap_change = (a.travel() - b.travel()).dot(pair.normal);
-        let push = pair.overlap.split(depth, gap_change, pace);
+        let travel = a.travel() - b.travel();
+        let gap_change = travel.dot(pair.normal);
+        let at_start = || a.material.radius + b.material.radius - (apart - travel).length();
+        let push = pair.overlap.split(depth, gap_change, at_start, pace);
         pair.depth += push.fresh;
         let weight = a.inverse_mass + b.inverse_mass;
         let (contact, position_only) = (pair.normal * (push.fresh / weight), pair.normal * (push.old / weight));
@@ -74,9 +76,9 @@ pub(crate) fn project(island: &mut Island) {
                 ball_travel: ball.travel(),
                 point: ball.position - normal * ball.material.radius,
                 normal,
-                impulse: push.fresh / (weight * context.substep),
             };
-            record(touches, &projection, context.substep_index, context.substep);
+            let impulse = push.fresh / (weight * context.substep);
+            record(touches, &projection, impulse, context.substep_index, context.substep);
         }
         a.project(contact * a.inverse_mass, position_only * a.inverse_mass);
         b.project(contact * -b.inverse_mass, position_only * -b.inverse_mass);

@@ -16,11 +16,14 @@
 
 use glam::Vec3;
 
+use crate::ball::{Ball, BallMaterial};
+use crate::body::Body;
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, PASSING_SLACK};
 use crate::friction::{combined, slip_taken};
 use crate::island::Island;
 use crate::nearest::{on_segment, on_triangle};
 use crate::overlap::{Overlap, Pace};
-use crate::touch::{Other, Projection, record};
+use crate::touch::{Other, Projection, add_impulse, begin, is_known};
 
 /// A ball and a face, or a segment, that may touch in this step.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +67,43 @@ impl Element {
             Self::Segment(_) => on_segment([corners[0], corners[1]], point),
         }
     }
+}
+
+/// How many substeps a ball needs that may meet a cloth on its `path` (metres) in a step of `dt` seconds; 0 if it
+/// meets none.
+///
+/// In a substep `h` a projection gives the ball the momentum `m s / h` where sticks have pulled the patch of cloth in
+/// front of it, of mass `m`, back by `s`. N iterations make N + 1 projections: a spring of stiffness `(N + 1) m / h^2`.
+/// A ball of mass `M` and speed `v` stretches it by `v h sqrt(M / ((N + 1) m))` before it stops. More than a part of
+/// its radius, and the sticks pull the cloth past its middle, and the ball goes through. `v` is that of the cloth where
+/// the cloth is faster: a stretched one that throws the ball back must not be let go half way.
+pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32, dt: f32) -> f32 {
+    let BallMaterial { radius, mass, .. } = ball.material;
+    let mut wanted = 0.0_f32;
+    for body in bodies {
+        let (low, high) = body.particles.bounds();
+        let reach = radius + 2.0 * path + CONTACT_MARGIN;
+        if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
+            continue;
+        }
+        let free = body.particles.inverse_mass.iter().filter(|&&w| w > 0.0);
+        let (count, sum) = free.fold((0, 0.0), |(count, sum), w| (count + 1, sum + 1.0 / w));
+        if count == 0 {
+            continue;
+        }
+        // The longest side of a face is the diagonal of its cell; a link of a rope has the ball's width.
+        let side = body.topology.longest_edge.max(f32::MIN_POSITIVE);
+        let covered = if body.topology.faces.is_empty() {
+            2.0 * radius / side
+        } else {
+            2.0 * core::f32::consts::PI * radius * radius / (side * side)
+        };
+        let patch = covered.max(1.0) * sum / count as f32;
+        let ratio = mass / (patch * (body.settings.iterations + 1) as f32);
+        let travel = path.max(body.particles.greatest_speed() * dt);
+        wanted = wanted.max(travel / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());
+    }
+    wanted
 }
 
 /// Lists the faces and segments that each ball can meet within `dt` seconds, if no particle moves faster
@@ -110,64 +150,160 @@ pub(crate) fn begin_substep(island: &mut Island) {
     }
 }
 
+/// A ball and an element that overlap: how they lie now, and how they lay at the start of the substep.
+struct Overlapping {
+    weights: [f32; 3],
+    normal: Vec3,
+    /// Negative.
+    gap: f32,
+    gap_change: f32,
+    point: Vec3,
+    start: Placed,
+    apart: f32,
+}
+
+/// A ball's centre and the corners of an element, relative to the body's origin.
+#[derive(Clone, Copy)]
+struct Placed {
+    centre: Vec3,
+    corners: [Vec3; 3],
+}
+
+impl Overlapping {
+    fn find(contact: &BallCloth, ball: &Ball, body: &Body) -> Option<Self> {
+        let particles = &body.particles;
+        let corners = contact.element.corners();
+        let now = Placed {
+            centre: ball.position - particles.origin,
+            corners: corners.map(|i| particles.position.get(i)),
+        };
+        let apart = ball.material.radius + body.settings.thickness;
+        let travels = corners.map(|i| body.travel(i));
+        let travel = ball.travel();
+        // Stretched or not, an element lies within its longest side of its first corner.
+        let sides = [now.corners[1], now.corners[2]].map(|corner| corner.distance_squared(now.corners[0]));
+        let far = apart + sides[0].max(sides[1]).sqrt() + (travel - travels[0]).length();
+        if now.corners[0].distance_squared(now.centre) > far * far {
+            return None;
+        }
+        let [a, b, c] = now.corners;
+        let start = Placed {
+            centre: now.centre - travel,
+            corners: [a - travels[0], b - travels[1], c - travels[2]],
+        };
+        let weights = contact.element.nearest(now.corners, now.centre);
+        let point = weighted(weights, now.corners);
+        let offset = now.centre - point;
+        let side = match contact.element {
+            Element::Face(_) => passed_side(&start, &now, PASSING_SLACK * ball.material.radius),
+            Element::Segment(_) => None,
+        };
+        let (normal, distance) = if let Some(side) = side {
+            let normal = face_normal(now.corners) * side;
+            (normal, normal.dot(offset))
+        } else {
+            let distance_squared = offset.length_squared();
+            if distance_squared >= apart * apart {
+                return None;
+            }
+            let distance = distance_squared.sqrt();
+            (if distance > 0.0 { offset / distance } else { face_normal(now.corners) }, distance)
+        };
+        let gap_change = (travel - weighted(weights, travels)).dot(normal);
+        Some(Self { weights, normal, gap: distance - apart, gap_change, point, start, apart })
+    }
+
+    /// Overlap at the start of the substep, negative if there was none.
+    fn at_start(&self, element: Element) -> f32 {
+        let Placed { centre, corners } = self.start;
+        self.apart - centre.distance(weighted(element.nearest(corners, centre), corners))
+    }
+
+    fn projection(&self, contact: &BallCloth, ball: &Ball, body: &Body) -> Projection {
+        Projection {
+            ball: contact.ball,
+            other: Other::Body(contact.body),
+            gap: self.gap,
+            gap_change: self.gap_change,
+            ball_position: ball.position,
+            ball_travel: ball.travel(),
+            point: self.point + body.particles.origin,
+            normal: self.normal,
+        }
+    }
+}
+
+/// The side (1 or -1, along the face's normal) that a ball's centre came from if it has passed through the face
+/// between `start` and `now`. Sticks can pull a taut cloth past the middle of a fast ball within one sweep; then
+/// the nearest way out is the wrong one.
+fn passed_side(start: &Placed, now: &Placed, slack: f32) -> Option<f32> {
+    let height = |placed: &Placed| face_normal(placed.corners).dot(placed.centre - placed.corners[0]);
+    let (before, after) = (height(start), height(now));
+    if before * after >= 0.0 {
+        return None;
+    }
+    // Did it pass within the triangle, or beside it? Where the two met on the way, all taken to move straight.
+    let fraction = before / (before - after);
+    let between = |from: Vec3, to: Vec3| from + (to - from) * fraction;
+    let centre = between(start.centre, now.centre);
+    let corners = [0, 1, 2].map(|k| between(start.corners[k], now.corners[k]));
+    let nearest = weighted(on_triangle(corners, centre), corners);
+    (nearest.distance_squared(centre) <= slack * slack).then_some(before.signum())
+}
+
 /// Moves balls and cloth apart where they overlap.
 pub(crate) fn project(island: &mut Island) {
     let Island { bodies, balls, touches, context } = island;
     let pace = Pace::of(context);
-    for contact in &mut context.ball_cloth {
-        let (body, ball) = (&mut bodies[contact.body], &mut balls[contact.ball]);
-        let centre = ball.position - body.particles.origin;
-        let corners = contact.element.corners();
-        let positions = corners.map(|i| body.particles.position.get(i));
-        let apart = ball.material.radius + body.settings.thickness;
-        // Stretched or not, an element lies within its longest side of its first corner.
-        let [side, other] = [positions[1], positions[2]].map(|corner| corner.distance_squared(positions[0]));
-        let far = apart + side.max(other).sqrt();
-        if positions[0].distance_squared(centre) > far * far {
+    for index in 0..context.ball_cloth.len() {
+        let contact = &context.ball_cloth[index];
+        let (ball_index, body_index) = (contact.ball, contact.body);
+        let (body, ball) = (&bodies[body_index], &balls[ball_index]);
+        let Some(found) = Overlapping::find(contact, ball, body) else {
             continue;
-        }
-        let weights = contact.element.nearest(positions, centre);
-        let point = weighted(weights, positions);
-        let offset = centre - point;
-        let distance_squared = offset.length_squared();
-        if distance_squared >= apart * apart {
-            continue;
-        }
-        let distance = distance_squared.sqrt();
-        let normal = if distance > 0.0 { offset / distance } else { face_normal(positions) };
-        let gap = distance - apart;
-        let w = corners.map(|i| body.particles.inverse_mass[i]);
-        let felt =
-            weights[0] * weights[0] * w[0] + weights[1] * weights[1] * w[1] + weights[2] * weights[2] * w[2];
-        let travel = ball.travel();
-        let point_travel = weighted(weights, corners.map(|i| body.travel(i)));
-        let gap_change = (travel - point_travel).dot(normal);
-        let push = contact.overlap.split(-gap, gap_change, pace);
-        let weight = ball.inverse_mass + felt;
-        let projection = Projection {
-            ball: contact.ball,
-            other: Other::Body(contact.body),
-            gap,
-            gap_change,
-            ball_position: ball.position,
-            ball_travel: travel,
-            point: point + body.particles.origin,
-            normal,
-            impulse: push.fresh / (weight * context.substep),
         };
-        record(touches, &projection, context.substep_index, context.substep);
+        if !is_known(touches, ball_index, Other::Body(body_index)) {
+            // Nothing was pushed yet: of all elements, the one that was met first tells when and where.
+            let of_pair = |c: &&BallCloth| c.ball == ball_index && c.body == body_index;
+            let all = context.ball_cloth.iter().filter(of_pair).filter_map(|c| {
+                Overlapping::find(c, ball, body).map(|found| found.projection(c, ball, body))
+            });
+            if let Some(first) = all.min_by(|p, q| p.fraction().total_cmp(&q.fraction())) {
+                begin(touches, &first, context.substep_index, context.substep);
+            }
+        }
+        let contact = &mut context.ball_cloth[index];
+        let (body, ball) = (&mut bodies[body_index], &mut balls[ball_index]);
+        let Overlapping { weights, normal, gap, gap_change, .. } = found;
+        let element = contact.element;
+        let push = contact.overlap.split(-gap, gap_change, || found.at_start(element), pace);
+        let corners = element.corners();
+        let total = ball.inverse_mass + felt(weights, corners, body);
+        add_impulse(touches, ball_index, Other::Body(body_index), push.fresh / (total * context.substep));
         contact.normal = normal;
         contact.weights = weights;
         // Friction measures the normal push in terms of both sides' motion.
         contact.depth += push.fresh;
-        let (fresh, old) = (normal * (push.fresh / weight), normal * (push.old / weight));
+        let (fresh, old) = (normal * (push.fresh / total), normal * (push.old / total));
         ball.project(fresh * ball.inverse_mass, old * ball.inverse_mass);
         for (corner, weight) in corners.into_iter().zip(weights) {
             let share = -weight * body.particles.inverse_mass[corner];
+            // Straight into the displacement, which is finer than the position: what the ball loses in momentum
+            // the cloth must gain.
+            body.particles.displacement.add(corner, fresh * share);
             body.particles.position.add(corner, (fresh + old) * share);
-            body.context.integrated.add(corner, old * share);
+            body.context.integrated.add(corner, (fresh + old) * share);
         }
     }
+}
+
+/// Inverse mass of the point of an element with these `weights`, in 1/kg.
+fn felt(weights: [f32; 3], corners: [usize; 3], body: &Body) -> f32 {
+    let mut sum = 0.0;
+    for (corner, weight) in corners.into_iter().zip(weights) {
+        sum += weight * weight * body.particles.inverse_mass[corner];
+    }
+    sum
 }
 
 /// Friction between the ball's surface and the cloth, which also spins the ball.
@@ -183,10 +319,7 @@ pub(crate) fn apply_friction(island: &mut Island) {
         let arm = contact.normal * -(ball.material.radius + body.settings.thickness);
         let cloth_travel = weighted(contact.weights, corners.map(|i| body.particles.displacement.get(i)));
         let slip = ball.surface_travel(arm) - cloth_travel;
-        let mut felt = 0.0;
-        for (corner, weight) in corners.into_iter().zip(contact.weights) {
-            felt += weight * weight * body.particles.inverse_mass[corner];
-        }
+        let felt = felt(contact.weights, corners, body);
         // Along the normal the pair has the inverse mass w + felt, along the surface about 3.5 w + felt: Coulomb's
         // limit on the push, mu * depth / (w + felt), is turned into one on the slip.
         let across = ball.surface_inverse_mass(arm) + felt;

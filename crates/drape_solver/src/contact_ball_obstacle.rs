@@ -77,17 +77,21 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
     for pair in &mut context.ball_obstacle {
         let ball = &mut balls[pair.ball];
         let local = pair.now.to_local(ball.position);
-        let surface = match pair.plane {
+        let (plane, shape) = (pair.plane, obstacles[pair.obstacle].shape());
+        let surface_at = |local: Vec3| match plane {
             Some(plane) => plane.surface(local),
-            None => obstacles[pair.obstacle].shape().surface(local),
+            None => shape.surface(local),
         };
+        let surface = surface_at(local);
         let depth = ball.material.radius - surface.distance;
         if depth > 0.0 {
             pair.normal = pair.now.direction_to_world(surface.normal);
             let travel = ball.travel();
             let carried = pair.now.point_to_world(local) - pair.before.point_to_world(local);
             let gap_change = (travel - carried).dot(pair.normal);
-            let push = pair.overlap.split(depth, gap_change, pace);
+            let start = pair.before.to_local(ball.position - travel);
+            let at_start = || ball.material.radius - surface_at(start).distance;
+            let push = pair.overlap.split(depth, gap_change, at_start, pace);
             pair.depth += push.fresh;
             let projection = Projection {
                 ball: pair.ball,
@@ -98,9 +102,9 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
                 ball_travel: travel,
                 point: ball.position - pair.normal * surface.distance,
                 normal: pair.normal,
-                impulse: push.fresh * ball.material.mass / context.substep,
             };
-            record(touches, &projection, context.substep_index, context.substep);
+            let impulse = push.fresh * ball.material.mass / context.substep;
+            record(touches, &projection, impulse, context.substep_index, context.substep);
             ball.project(pair.normal * push.fresh, pair.normal * push.old);
         }
     }

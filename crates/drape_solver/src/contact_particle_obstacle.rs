@@ -153,16 +153,21 @@ pub(crate) fn project(body: &mut Body, obstacles: &[Obstacle], pace: Pace) {
             let i = candidate.particle as usize;
             let position = particles.position.get(i);
             let local = group.now.to_local(position);
-            let surface = match candidate.plane {
+            let plane = candidate.plane;
+            let surface = |local: Vec3| match plane {
                 Some(plane) => plane.surface(local),
                 None => shape.surface(local),
             };
-            let depth = settings.thickness - surface.distance;
+            let Surface { distance, normal } = surface(local);
+            let depth = settings.thickness - distance;
             if depth > 0.0 {
-                let normal = group.now.direction_to_world(surface.normal);
+                let normal = group.now.direction_to_world(normal);
                 let travel = particles.displacement.get(i) + (position - context.integrated.get(i));
                 let carried = group.now.point_to_world(local) - group.before.point_to_world(local);
-                let push = candidate.overlap.split(depth, (travel - carried).dot(normal), pace);
+                let outward = (travel - carried).dot(normal);
+                let at_start =
+                    || settings.thickness - surface(group.before.to_local(position - travel)).distance;
+                let push = candidate.overlap.split(depth, outward, at_start, pace);
                 candidate.normal = normal;
                 candidate.depth += push.fresh;
                 particles.position.add(i, normal * (push.fresh + push.old));

@@ -49,10 +49,11 @@ impl Pace {
 }
 
 impl Overlap {
-    /// Splits a `depth` above zero. `outward` is how far the two have moved apart in this substep so far (metres;
-    /// negative if they approached): they began it with an overlap of `depth + outward`.
-    pub fn split(&mut self, depth: f32, outward: f32, pace: Pace) -> Push {
-        let old = (depth + outward).max(0.0).min(depth);
+    /// Splits a `depth` above zero. `outward` is how far the two have moved apart along the normal in this substep so
+    /// far (metres; negative if they approached); `at_start` works out their overlap at its start, and is asked only
+    /// where the tangent plane does not rule one out.
+    pub fn split(&mut self, depth: f32, outward: f32, at_start: impl FnOnce() -> f32, pace: Pace) -> Push {
+        let old = if depth + outward > 0.0 { at_start().max(0.0).min(depth) } else { 0.0 };
         let left = *self.left.get_or_insert_with(|| {
             let even = old - old / pace.substeps_left as f32;
             even.min(old - pace.at_once).max(0.0)
@@ -68,11 +69,18 @@ mod tests {
     #[test]
     fn depth_that_the_motion_made_is_a_contact_and_the_rest_is_not() {
         let pace = Pace { substeps_left: 1, at_once: 0.0 };
-        let split = |depth, outward| Overlap::default().split(depth, outward, pace);
+        let split = |depth: f32, outward: f32| Overlap::default().split(depth, outward, || depth + outward, pace);
         assert_eq!(split(0.25, -0.5), Push { fresh: 0.25, old: 0.0 });
         assert_eq!(split(0.75, -0.25), Push { fresh: 0.25, old: 0.5 });
         assert_eq!(split(0.25, 0.0), Push { fresh: 0.0, old: 0.25 });
         assert_eq!(split(0.25, 0.5), Push { fresh: 0.0, old: 0.25 });
+    }
+
+    #[test]
+    fn what_came_round_a_curve_was_not_inside_before() {
+        let pace = Pace { substeps_left: 1, at_once: 0.0 };
+        let push = Overlap::default().split(0.25, 0.1, || -0.5, pace);
+        assert_eq!(push, Push { fresh: 0.25, old: 0.0 });
     }
 
     #[test]
@@ -81,9 +89,10 @@ mod tests {
         for substeps_left in (1..=4).rev() {
             let pace = Pace { substeps_left, at_once: 0.01 };
             let mut overlap = Overlap::default();
-            depth -= overlap.split(depth, 0.0, pace).old;
+            depth -= overlap.split(depth, 0.0, || depth, pace).old;
             assert!((depth - 0.25 * (substeps_left - 1) as f32).abs() < 1e-6);
-            assert!(overlap.split(depth.max(1e-3), 0.0, pace).old < 2e-3, "the second projection adds nothing");
+            let again = overlap.split(depth.max(1e-3), 0.0, || depth.max(1e-3), pace);
+            assert!(again.old < 2e-3, "the second projection adds nothing");
         }
     }
 }

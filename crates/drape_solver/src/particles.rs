@@ -226,7 +226,7 @@ impl Particles {
 
     /// Greatest speed of a particle in m/s.
     pub fn greatest_speed(&self) -> f32 {
-        let squared = self.displacement.iter().map(|d| d.length_squared()).fold(0.0, f32::max);
+        let squared = self.displacement.iter().map(Vec3::length_squared).fold(0.0, f32::max);
         squared.sqrt() / self.substep
     }
 

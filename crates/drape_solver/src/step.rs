@@ -16,7 +16,7 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS};
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_HIT_SUBSTEPS, MAX_SUBSTEPS};
 use crate::contact_particle_obstacle as particle_obstacle;
 use crate::error::StepError;
 use crate::island::{Environment, Island};
@@ -49,7 +49,7 @@ pub fn substep(island: &mut Island, environment: &Environment) {
 /// Checks the input, settles the number of substeps and everything that depends on it.
 ///
 /// The island takes the substeps of its most demanding body; a ball that would cross more than half its radius
-/// in a substep asks for more, so that it cannot jump over a cloth.
+/// in a substep asks for more, so that it cannot jump over a cloth; a heavy one near a light cloth, for more still.
 ///
 /// # Errors
 /// [`StepError`] as [`step`].
@@ -71,7 +71,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     for ball in &island.balls {
         let path = (ball.velocity().length() + environment.gravity.length() * dt) * dt;
         let wanted = path / (ball.material.radius * BALL_TRAVEL_PER_SUBSTEP);
-        substeps = substeps.max((wanted.min(MAX_SUBSTEPS as f32)).ceil() as u32);
+        let of_hit = ball_cloth::hit_substeps(ball, &island.bodies, path, dt).min(MAX_HIT_SUBSTEPS as f32);
+        substeps = substeps.max(wanted.max(of_hit).min(MAX_SUBSTEPS as f32).ceil() as u32);
     }
     let h = dt / substeps as f32;
     island.context.substeps = substeps;
@@ -141,7 +142,10 @@ pub fn relax(island: &mut Island, environment: &Environment) {
             if iteration >= settings.iterations {
                 continue;
             }
-            let (stiffness, reverse) = (&body.context.stiffness, iteration % 2 == 1);
+            let stiffness = &body.context.stiffness;
+            // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
+            // back would begin with the one just done, which does nothing.
+            let reverse = iteration % 2 == 1 && stiffness.iter().filter(|&&s| s > 0.0).count() > 2;
             let (particles, topology) = (&mut body.particles, &body.topology);
             stick::relax(particles, topology, stiffness, settings.projection, reverse);
             if settings.tethers {

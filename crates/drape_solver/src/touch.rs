@@ -47,26 +47,30 @@ pub(crate) struct Projection {
     pub ball_travel: Vec3,
     pub point: Vec3,
     pub normal: Vec3,
-    /// Normal impulse in newton seconds.
-    pub impulse: f32,
 }
 
-/// Adds a projection to the step's touches. The moment of first contact is interpolated between the gap at
-/// the start of the substep and the one now:
-///
-/// ```text
-///   gap  \
-///   ------\--------- 0      fraction = before / (before - now)
-///          \
-/// ```
-pub(crate) fn record(touches: &mut Vec<Touch>, projection: &Projection, substep_index: u32, substep: f32) {
-    let p = projection;
-    if let Some(touch) = touches.iter_mut().find(|t| t.ball == p.ball && t.other == p.other) {
-        touch.impulse += p.impulse;
-        return;
+impl Projection {
+    /// The part of the substep after which the two first met, interpolated between the gap at its start and now:
+    ///
+    /// ```text
+    ///   gap  \
+    ///   ------\--------- 0      fraction = before / (before - now)
+    ///          \
+    /// ```
+    pub fn fraction(&self) -> f32 {
+        let before = self.gap - self.gap_change;
+        if before > 0.0 { before / (before - self.gap) } else { 0.0 }
     }
-    let before = p.gap - p.gap_change;
-    let fraction = if before > 0.0 { before / (before - p.gap) } else { 0.0 };
+}
+
+/// Whether the two have touched in this step already.
+pub(crate) fn is_known(touches: &[Touch], ball: usize, other: Other) -> bool {
+    touches.iter().any(|touch| touch.ball == ball && touch.other == other)
+}
+
+/// Begins the touch of a projection, at the interpolated moment of first contact.
+pub(crate) fn begin(touches: &mut Vec<Touch>, p: &Projection, substep_index: u32, substep: f32) {
+    let fraction = p.fraction();
     touches.push(Touch {
         ball: p.ball,
         other: p.other,
@@ -75,6 +79,21 @@ pub(crate) fn record(touches: &mut Vec<Touch>, projection: &Projection, substep_
         ball_velocity: p.ball_travel / substep,
         point: p.point,
         normal: p.normal,
-        impulse: p.impulse,
+        impulse: 0.0,
     });
+}
+
+/// Adds a normal impulse (newton seconds) to a touch that has begun.
+pub(crate) fn add_impulse(touches: &mut [Touch], ball: usize, other: Other, impulse: f32) {
+    if let Some(touch) = touches.iter_mut().find(|touch| touch.ball == ball && touch.other == other) {
+        touch.impulse += impulse;
+    }
+}
+
+/// Adds a projection with its normal impulse (newton seconds) to the step's touches.
+pub(crate) fn record(touches: &mut Vec<Touch>, p: &Projection, impulse: f32, index: u32, substep: f32) {
+    if !is_known(touches, p.ball, p.other) {
+        begin(touches, p, index, substep);
+    }
+    add_impulse(touches, p.ball, p.other, impulse);
 }
