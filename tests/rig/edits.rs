@@ -223,6 +223,9 @@ fn a_rig_at_rest_sleeps_and_an_edit_wakes_it() {
     rigs.seconds(5.0);
     assert_eq!(rigs.activity(chain[0]), Activity::Resting);
     assert_eq!(*rigs.app.world().resource::<ActivityCounts>(), ActivityCounts { resting: 1, ..default() });
+    rigs.free(0.1, Vec3::X * 9.0);
+    rigs.steps(1);
+    assert_eq!(rigs.activity(chain[0]), Activity::Resting, "the edit of another rig does not wake it");
     let added = rigs.free(0.1, Vec3::new(0.5, 4.0, 0.0));
     rigs.join(chain[3], added);
     rigs.steps(1);
@@ -274,6 +277,23 @@ fn a_particle_that_is_a_particle_no_more_is_left_alone() {
     rigs.app.world_mut().entity_mut(chain[1]).insert(Particle::new(1.0));
     rigs.steps(1);
     assert!(rigs.velocity(chain[1]).length() < 0.2);
+}
+
+#[test]
+fn a_particle_that_is_removed_and_inserted_between_two_steps_starts_anew() {
+    let mut rigs = Rigs::weightless();
+    let chain = flying(&mut rigs, 2, Vec3::Y * 3.0);
+    rigs.steps(10);
+    for &particle in &chain {
+        let velocity = Vec3::Z;
+        let mut entity = rigs.app.world_mut().entity_mut(particle);
+        entity.remove::<Particle>().insert(Particle { velocity, ..Particle::new(0.1) });
+    }
+    rigs.steps(1);
+    for &particle in &chain {
+        assert_near(rigs.velocity(particle), Vec3::Z, 1e-3);
+    }
+    assert_eq!(rigs.count::<Rig>(), 1);
 }
 
 #[test]

@@ -68,7 +68,8 @@ fn a_bridge_hangs_symmetric_and_as_a_catenary() {
     rigs.seconds(30.0);
     for i in 0..=links {
         let (left, right) = (rigs.place(planks[i]), rigs.place(planks[links - i]));
-        assert_near(left, Vec3::new(span - right.x, right.y, 0.0), 2e-3);
+        // Sweeps that go from one end to the other leave a little of their direction.
+        assert_near(left, Vec3::new(span - right.x, right.y, 0.0), 1e-3 * span);
     }
     for pair in planks.windows(2) {
         let length = rigs.place(pair[0]).distance(rigs.place(pair[1]));
@@ -133,7 +134,7 @@ fn drop_ball(rigs: &mut Rigs, place: Vec3) -> Entity {
 }
 
 fn hits(rigs: &Rigs) -> Vec<BallHit> {
-    rigs.app.world().resource::<Messages<BallHit>>().iter_current_update_messages().cloned().collect()
+    rigs.app.world().resource::<Messages<BallHit>>().iter_current_update_messages().copied().collect()
 }
 
 #[test]

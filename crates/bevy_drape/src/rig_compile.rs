@@ -110,8 +110,8 @@ pub(crate) fn compile_rigs(
             }
         };
         match settings {
-            Some(settings) => commands.entity(body).insert(settings),
-            None => commands.entity(body).remove::<SolverSettings>(),
+            Some(settings) => commands.entity(body).try_insert(settings),
+            None => commands.entity(body).try_remove::<SolverSettings>(),
         };
         for (index, &i) in group.members.iter().enumerate() {
             let in_rig = InRig { body, index };
@@ -123,7 +123,7 @@ pub(crate) fn compile_rigs(
     for (body, mut rig, ..) in &mut rigs {
         if !claimed.contains(&body) {
             rig.particles.clear();
-            commands.entity(body).despawn();
+            commands.entity(body).try_despawn();
         }
     }
 }
