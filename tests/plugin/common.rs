@@ -152,6 +152,11 @@ pub fn quiet() -> SolverSettings {
     SolverSettings { drag: 3.0, ..default() }
 }
 
+/// The same without friction.
+pub fn slippery() -> SolverSettings {
+    SolverSettings { friction: 0.0, ..quiet() }
+}
+
 /// Settings without any drag.
 pub fn dragless() -> SolverSettings {
     SolverSettings { drag: 0.0, ..default() }

@@ -162,3 +162,22 @@ fn every_state_is_counted() {
     // Three flying; the curtain and the rope at rest; the first ball far below.
     assert_eq!(counts(&app), (3, 2, 1));
 }
+
+#[test]
+fn a_scene_manager_of_nonsense_culls_nothing() {
+    let mut app = app();
+    let mut manager = app.world_mut().resource_mut::<SceneManager>();
+    manager.play_area_min = Vec3::NAN;
+    manager.play_area_max = Vec3::NAN;
+    manager.sleep_time = f32::NAN;
+    manager.viewer_distance = f32::NAN;
+    app.world_mut().spawn((Viewer, Transform::from_xyz(f32::NAN, 0.0, 0.0)));
+    let curtain = app.world_mut().spawn((curtain(), quiet())).id();
+    app.world_mut().spawn(Projectile::default());
+    run(&mut app, 3.0);
+    assert_eq!(counts(&app), (2, 0, 0));
+    app.insert_resource(SceneManager { viewer_distance: f32::NAN, ..default() });
+    settle(&mut app, curtain);
+    run(&mut app, 1.0);
+    assert_eq!(activity(&app, curtain), Activity::Resting);
+}

@@ -76,8 +76,8 @@ fn what_lies_in_one_another_sleeps_together() {
     let mut app = app();
     // A trampoline and a ball that lies on it. It is woken by the ball and the ball by it, so none may sleep alone.
     let flat = Transform::from_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
-    let sheet = app.world_mut().spawn((curtain().with_pins(ClothPins::Corners), quiet(), flat)).id();
-    let ball = Projectile { mass: 0.2, drag: 3.0, ..default() };
+    let sheet = app.world_mut().spawn((curtain().with_pins(ClothPins::Corners), slippery(), flat)).id();
+    let ball = Projectile { mass: 0.2, drag: 3.0, friction: 0.0, ..default() };
     let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
     for _ in 0..3600 {
         step(&mut app, 1);

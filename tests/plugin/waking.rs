@@ -239,11 +239,36 @@ fn a_ball_that_rolls_against_another_wakes_it() {
 }
 
 #[test]
+fn a_fast_ball_wakes_a_whole_row_at_once() {
+    for offset in [0.0, 0.1, 0.2, 0.3] {
+        let mut app = app();
+        weightless(&mut app);
+        let spawn = |app: &mut App, x: f32, velocity: Vec3| {
+            app.world_mut()
+                .spawn((Projectile { velocity, ..default() }, Transform::from_xyz(x, 0.0, 0.0)))
+                .id()
+        };
+        let row = [0.0, 0.3, 0.6].map(|x| spawn(&mut app, x, Vec3::ZERO));
+        for ball in row {
+            settle(&mut app, ball);
+        }
+        spawn(&mut app, -3.0 - offset, Vec3::X * 25.0);
+        for _ in 0..30 {
+            step(&mut app, 1);
+            let [a, b, c] = row.map(|ball| ball_position(&app, ball).x);
+            let gap = (b - a).min(c - b) - 0.3;
+            assert!(gap > -0.03, "the balls of the row are {gap} m deep in one another");
+        }
+        assert!(ball_position(&app, row[2]).x > 1.0);
+    }
+}
+
+#[test]
 fn a_sheet_that_is_let_go_wakes_the_ball_on_it() {
     let mut app = app();
     let flat = Transform::from_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
-    let sheet = app.world_mut().spawn((curtain().with_pins(ClothPins::Corners), quiet(), flat)).id();
-    let ball = Projectile { mass: 0.2, drag: 3.0, ..default() };
+    let sheet = app.world_mut().spawn((curtain().with_pins(ClothPins::Corners), slippery(), flat)).id();
+    let ball = Projectile { mass: 0.2, drag: 3.0, friction: 0.0, ..default() };
     let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
     settle(&mut app, ball);
     let before = ball_position(&app, ball).y;

@@ -131,7 +131,7 @@ impl Islands {
             solver.bodies.clear();
             for entity in entities.iter_mut() {
                 let body = match bodies.get_mut(*entity) {
-                    Ok((mut particles, sticks, mut state)) if fits(&particles, &sticks) => Body {
+                    Ok((mut particles, sticks, mut state)) if fits(&particles, sticks) => Body {
                         particles: core::mem::take(&mut particles.bypass_change_detection().0),
                         topology: Arc::clone(&sticks.0),
                         settings: state.settings,

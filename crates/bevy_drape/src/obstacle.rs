@@ -103,7 +103,11 @@ pub(crate) fn sync_obstacles(
     stirred.0.clear();
     let SolverEnvironment { environment, obstacles: entities, .. } = &mut *solver;
     remove_missing(entities, &mut environment.obstacles, &mut stirred, |entity| obstacles.contains(entity));
+    let any_moves = environment.obstacles.iter().any(drape_solver::Obstacle::is_moving);
     for (entity, obstacle, transform, record) in &obstacles {
+        if !(any_moves || obstacle.is_changed() || transform.is_changed()) {
+            continue;
+        }
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         let placement = Placement { translation, rotation };
         let slot = entities.iter().position(|&known| known == entity);
