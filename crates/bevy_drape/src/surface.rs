@@ -231,3 +231,36 @@ fn position_and_normal(mesh: &mut Mesh) -> Option<(&mut Vec<[f32; 3]>, &mut Vec<
     }
     positions.zip(normals)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_does_not_leave_a_corner_outside_the_bounds() {
+        let turned = Transform::from_rotation(Quat::from_euler(EulerRot::XYZ, 0.3, 1.0, -0.4));
+        for transform in [Transform::IDENTITY, turned.with_scale(Vec3::new(0.3, 2.0, 1.7))] {
+            let space = EntitySpace::new(&transform.into()).expect("a place of its own");
+            for i in 1..1000 {
+                let i = i as f32;
+                let low = Vec3::new(0.1 * i, -0.7 / i, 1.3 - i);
+                let high = low + Vec3::new(1.0 / i, 0.3 * i, 0.01);
+                let bounds = space.bounds(low, high);
+                for corner in 0..8 {
+                    let pick =
+                        |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
+                    let corner =
+                        Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
+                    let seen = Vec3A::from(space.direction(corner));
+                    assert!(seen.cmpge(bounds.min()).all() && seen.cmple(bounds.max()).all(), "{corner}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_entity_without_extent_or_place_has_no_space() {
+        assert!(EntitySpace::new(&Transform::from_scale(Vec3::new(1.0, 0.0, 1.0)).into()).is_none());
+        assert!(EntitySpace::new(&Transform::from_xyz(f32::NAN, 0.0, 0.0).into()).is_none());
+    }
+}
