@@ -146,6 +146,24 @@ fn a_culled_body_that_is_put_back_comes_back() {
 }
 
 #[test]
+fn a_push_on_a_culled_sleeper_acts_when_it_comes_back() {
+    let mut app = app();
+    app.world_mut().resource_mut::<SceneManager>().viewer_distance = 10.0;
+    let curtain = app.world_mut().spawn((curtain(), quiet())).id();
+    settle(&mut app, curtain);
+    let viewer = app.world_mut().spawn((Viewer, Transform::from_xyz(50.0, 0.0, 0.0))).id();
+    step(&mut app, 2);
+    assert_eq!(activity(&app, curtain), Activity::Culled);
+    get_mut::<Particles>(&mut app, curtain).apply_impulse(76, Vec3::Z * 0.1);
+    step(&mut app, 5);
+    assert_eq!(activity(&app, curtain), Activity::Culled);
+    get_mut::<Transform>(&mut app, viewer).translation.x = 0.0;
+    step(&mut app, 3);
+    assert_eq!(activity(&app, curtain), Activity::Active);
+    assert!(speed(&app, curtain) > 0.1);
+}
+
+#[test]
 fn every_state_is_counted() {
     let mut app = app();
     small_play_area(&mut app);

@@ -131,10 +131,10 @@ fn a_turntable_takes_along_what_lies_on_it() {
         get_mut::<Transform>(&mut app, table).rotate_y(0.3 * STEP);
         step(&mut app, 1);
     }
-    // Two seconds at 0.3 rad/s; the ball is at first dragged and then carried.
+    // Two seconds at 0.3 rad/s. Friction is strong: the ball takes a twentieth of a second to get to 0.45 m/s.
     let position = ball_position(&app, ball);
     let angle = (-position.z).atan2(position.x);
-    assert!(angle > 0.1, "the table turned by 0.6 rad, the ball went along by {angle}");
+    assert!((angle - 0.6).abs() < 0.06, "the table turned by 0.6 rad, the ball went along by {angle}");
 }
 
 #[test]

@@ -141,12 +141,12 @@ pub(crate) fn wake(
     for (entity, mut activity, mut particles, sticks, mut state, settings) in &mut bodies {
         let state = &mut *state;
         let settings = settings.copied().unwrap_or(defaults.0).into();
-        let edited = particles.is_changed() && particles.is_disturbed();
+        let edited = particles.is_disturbed();
         if state.order == 0 {
             // A body that was not built by the plugin.
             state.order = order.next();
             state.measure(&particles);
-        } else if edited {
+        } else if edited && particles.is_changed() {
             state.measure(&particles);
         }
         let rearranged =
