@@ -7,6 +7,7 @@ pub mod cloth;
 pub mod environment;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
+pub mod grab;
 pub mod hit;
 pub mod interpolation;
 mod islands;
@@ -48,6 +49,7 @@ pub mod prelude {
         clock::DrapeClock,
         cloth::{Cloth, ClothPins},
         environment::{DrapeGravity, Wind},
+        grab::Grab,
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
         obstacle::{Obstacle, ObstacleShape},

@@ -14,6 +14,7 @@ use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
 use crate::clock::DrapeClock;
 use crate::cloth::{Cloth, build_cloths};
 use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
+use crate::grab::{Grab, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
 use crate::islands::{Islands, begin_islands, detect_collisions, finish_islands, form_islands};
@@ -88,7 +89,7 @@ impl Plugin for SolverPlugin {
         app.register_type::<(Activity, Cloth, Rope, Particles, Sticks, SolverSettings, Obstacle)>()
             .register_type::<(Projectile, ProjectileState, Cannon, Viewer)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
-            .register_type::<(Particle, Stick, Rig, InRig)>()
+            .register_type::<(Particle, Stick, Rig, InRig, Grab)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
         app.init_resource::<ActivityCounts>()
             .init_resource::<CreationOrder>()
@@ -130,7 +131,7 @@ impl Plugin for SolverPlugin {
                     (build_cloths, build_ropes, build_projectiles).chain(),
                     compile_rigs,
                     sync_obstacles,
-                    (move_pins, teleport_projectiles, follow_rig_transforms).chain(),
+                    (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
                     wake,
                     cull,
                 )
