@@ -40,7 +40,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = default_threads(), value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads: u16,
 
-    /// Also render PNG pictures of the scene (needs the feature `render`).
+    /// Also render PNG pictures of the scene, without a window (needs the feature `render`).
     #[arg(long)]
     pub frames: bool,
 }

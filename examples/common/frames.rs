@@ -11,15 +11,15 @@ use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{PipelineCache, TextureFormat, TextureUsages};
-use bevy::render::settings::{Backends, WgpuSettings};
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::render::{RenderApp, RenderPlugin};
-use bevy::tasks::{block_on, tick_global_task_pools_on_main_thread};
+use bevy::tasks::tick_global_task_pools_on_main_thread;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy_drape::prelude::*;
 use thiserror::Error;
 
+use crate::adapter::{NoAdapter, find_adapter};
 use crate::moments::Snapshot;
 use crate::scene::{CannonScene, Curtain, Ground, STEP, curtain};
 use crate::visuals::{VisualsPlugin, camera};
@@ -34,9 +34,9 @@ const SETTLING: u32 = 4;
 /// Why there are no pictures.
 #[derive(Debug, Error)]
 pub enum FramesError {
-    /// No graphics adapter, neither hardware nor software.
-    #[error("no graphics adapter found ({0}); on Linux, Mesa's software driver will do: mesa-vulkan-drivers")]
-    NoAdapter(String),
+    /// Nothing to draw with.
+    #[error(transparent)]
+    NoAdapter(#[from] NoAdapter),
     /// The renderer did not come to an end.
     #[error("the renderer did not finish {0}")]
     NotDrawn(&'static str),
@@ -60,7 +60,8 @@ pub fn draw(
     folder: &Path,
     mut on_frame: impl FnMut(&Path),
 ) -> Result<(), FramesError> {
-    let mut studio = Studio::new(find_adapter()?);
+    find_adapter()?;
+    let mut studio = Studio::new();
     for snapshot in snapshots {
         let path = folder.join(snapshot.name).with_extension("png");
         let image = studio.draw(snapshot, scene)?;
@@ -75,25 +76,6 @@ pub fn draw(
     Ok(())
 }
 
-/// Settings for an adapter that there is: Bevy's renderer panics where it finds none. The first choice is
-/// Vulkan, Metal or Direct3D; OpenGL comes second, as asking for it may write warnings of its own.
-fn find_adapter() -> Result<WgpuSettings, FramesError> {
-    let settings = WgpuSettings::default();
-    let allowed = settings.backends.unwrap_or(Backends::all());
-    let mut reason = String::new();
-    for backends in [Backends::PRIMARY & allowed, Backends::SECONDARY & allowed] {
-        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-        descriptor.backends = backends;
-        let power_preference = settings.power_preference;
-        let options = wgpu::RequestAdapterOptions { power_preference, ..default() };
-        match block_on(wgpu::Instance::new(descriptor).request_adapter(&options)) {
-            Ok(_) => return Ok(WgpuSettings { backends: Some(backends), ..settings }),
-            Err(error) => reason = error.to_string(),
-        }
-    }
-    Err(FramesError::NoAdapter(reason))
-}
-
 /// Marks what belongs to the snapshot that is shown.
 #[derive(Component)]
 struct Pictured;
@@ -106,15 +88,11 @@ struct Studio {
 }
 
 impl Studio {
-    fn new(settings: WgpuSettings) -> Self {
+    fn new() -> Self {
         let mut app = App::new();
         let plugins = DefaultPlugins
             .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
-            .set(RenderPlugin {
-                render_creation: settings.into(),
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
+            .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
             // The updates are ours, and so are the picture and the terminal.
             .disable::<PipelinedRenderingPlugin>()
             .disable::<bevy::log::LogPlugin>()

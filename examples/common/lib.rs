@@ -3,16 +3,26 @@
 //! The demo is the founding experiment of the method (Liu Yuan 2019): a cannon bombards a curtain; the ball flies,
 //! hits, and the curtain finds its rest again.
 
+#[cfg(feature = "render")]
+pub mod adapter;
 pub mod arguments;
 #[cfg(feature = "render")]
 mod cannon_model;
+#[cfg(feature = "window")]
+pub mod controls;
 #[cfg(feature = "render")]
 pub mod frames;
 pub mod headless;
 #[cfg(feature = "render")]
 pub mod moments;
+#[cfg(feature = "window")]
+pub mod orbit;
 pub mod output;
+#[cfg(feature = "window")]
+pub mod overlay;
 pub mod plot;
+#[cfg(feature = "window")]
+pub mod pointer;
 pub mod recorder;
 pub mod report;
 pub mod scene;
@@ -20,3 +30,5 @@ pub mod scene;
 mod textures;
 #[cfg(feature = "render")]
 pub mod visuals;
+#[cfg(feature = "window")]
+pub mod window;
