@@ -116,9 +116,13 @@ fn a_culled_curtain_is_carried_along_by_its_rail() {
     let curtain = app.world_mut().spawn((curtain(), quiet(), Transform::from_xyz(50.0, 0.0, 0.0))).id();
     step(&mut app, 5);
     assert_eq!(activity(&app, curtain), Activity::Culled);
-    // Back into the play area, in two moves and turned.
-    get_mut::<Transform>(&mut app, curtain).translation.x = 20.0;
-    step(&mut app, 5);
+    // Back towards the play area, at 60 m/s, and then into it and turned.
+    for _ in 0..35 {
+        get_mut::<Transform>(&mut app, curtain).translation.x -= 1.0;
+        step(&mut app, 1);
+    }
+    assert_eq!(activity(&app, curtain), Activity::Culled);
+    assert!(centre(&app, curtain).distance(Vec3::new(15.0, 0.0, 0.0)) < 0.1, "{}", centre(&app, curtain));
     *get_mut::<Transform>(&mut app, curtain) =
         Transform::from_xyz(0.0, 1.0, 0.0).with_rotation(Quat::from_rotation_y(0.5));
     run(&mut app, 1.0);

@@ -78,6 +78,27 @@ fn a_body_does_not_feel_what_is_far_away() {
 }
 
 #[test]
+fn the_order_of_creation_matters_and_not_that_of_ids() {
+    // Four balls that press on one another: the contact that is solved last has the last word.
+    let run_scene = |is_reversed: bool| {
+        let mut app = app();
+        let mut entities: Vec<Entity> = (0..4).map(|_| app.world_mut().spawn_empty().id()).collect();
+        if is_reversed {
+            entities.reverse();
+        }
+        for (i, &entity) in entities.iter().enumerate() {
+            let place = Vec3::new(0.2 * i as f32, 0.03 * (i * i) as f32, 0.0);
+            let ball = (Projectile::default(), Transform::from_translation(place));
+            app.world_mut().entity_mut(entity).insert(ball);
+            step(&mut app, 1);
+        }
+        run(&mut app, 0.5);
+        hash(&app, &entities)
+    };
+    assert_eq!(run_scene(true), run_scene(false));
+}
+
+#[test]
 fn what_is_spawned_later_comes_later_whatever_its_components_are() {
     // Two bodies and a ball between them: all in one island, and the order of its members is theirs of creation.
     let run_scene = |with_marker: bool| {
