@@ -400,6 +400,28 @@ fn nonsense_from_a_system_within_the_step_is_contained() {
 }
 
 #[test]
+fn a_body_that_is_spoilt_within_the_step_leaves_the_hits_of_others_right() {
+    #[derive(Component)]
+    struct Spoilt;
+    let mut app = app();
+    weightless(&mut app);
+    // Two cloths and a ball in one island. The ball hits the second in the step in which the first is spoilt.
+    let first = app.world_mut().spawn((free_cloth(), Spoilt, Transform::from_xyz(0.0, 0.0, -0.3))).id();
+    let second = app.world_mut().spawn((free_cloth(), Transform::from_xyz(0.0, 0.0, 0.3))).id();
+    let ball = Projectile { radius: 0.1, velocity: Vec3::Z * 13.0, ..default() };
+    let ball = app.world_mut().spawn(ball).id();
+    let spoil = |mut bodies: Query<&mut Particles, With<Spoilt>>| {
+        bodies.iter_mut().for_each(|mut particles| particles.set_position(40, Vec3::NAN));
+    };
+    app.add_systems(DrapeSchedule, spoil.after(DrapeSystems::Substeps).before(DrapeSystems::Finish));
+    step(&mut app, 1);
+    assert_eq!(refusals(&app, first).len(), 1);
+    let hits: Vec<_> =
+        app.world().resource::<Hits>().0.iter().map(|hit| (hit.projectile, hit.target)).collect();
+    assert_eq!(hits, [(ball, second)]);
+}
+
+#[test]
 fn particles_and_sticks_that_do_not_belong_together() {
     let mut app = app();
     let (long, _) = Rope::default().build(&GlobalTransform::IDENTITY).expect("a rope");
