@@ -49,14 +49,14 @@ fn a_cannon_turns_with_what_carries_it() {
     let turned = Quat::from_rotation_y(-core::f32::consts::FRAC_PI_2);
     let ship = app.world_mut().spawn((Transform::from_xyz(10.0, 0.0, 0.0).with_rotation(turned),));
     let ship = ship.id();
-    let cannon = Cannon { muzzle_speed: 6.0, ..default() };
+    let cannon = Cannon { muzzle_speed: 6.0, barrel_length: 1.0, ..default() };
     let cannon = app.world_mut().spawn((cannon, Transform::from_xyz(0.0, 2.0, 0.0), ChildOf(ship))).id();
     fire(&mut app, cannon);
     run(&mut app, 1.0);
     let ball = app.world().resource::<Shots>().0[0].projectile;
     // The ship looks along +X.
     let position = ball_position(&app, ball);
-    assert!(position.distance(Vec3::new(16.0, 2.0, 0.0)) < 1e-3, "{position}");
+    assert!(position.distance(Vec3::new(17.0, 2.0, 0.0)) < 1e-3, "{position}");
 }
 
 #[test]
