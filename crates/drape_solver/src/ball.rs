@@ -43,6 +43,8 @@ pub struct Ball {
     pub(crate) force: Vec3,
     pub(crate) disturbed: bool,
     pub(crate) still_for: f32,
+    /// Substeps per step that it asks for because of a cloth near by; 0 where there is none.
+    pub(crate) hit_substeps: f32,
     /// What projections have moved it by in this substep, where that counts as velocity. Summed up here, as the
     /// difference of two positions would be rounded to more than the momentum may lose.
     pub(crate) projected: Vec3,
@@ -73,6 +75,7 @@ impl Ball {
             force: Vec3::ZERO,
             disturbed: true,
             still_for: 0.0,
+            hit_substeps: 0.0,
             projected: Vec3::ZERO,
             drag: crate::integrate::Drag::default(),
         })

@@ -54,6 +54,8 @@ pub struct BodyContext {
     pub(crate) damping: Vec<f32>,
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
+    /// Mass in kilograms of a body without pins; 0 for a body with any.
+    pub(crate) free_mass: f64,
     pub(crate) still_for: f32,
 }
 
@@ -73,12 +75,15 @@ impl Body {
         let materials = topology.batches.iter().map(|batch| &batch.material);
         let felt = context.drag.felt_substep(substep);
         context.stiffness.clear();
-        context.stiffness.extend(
-            materials.clone().map(|m| iteration_stiffness(m.stiffness, felt, settings.iterations)),
-        );
+        context
+            .stiffness
+            .extend(materials.clone().map(|m| iteration_stiffness(m.stiffness, felt, settings.iterations)));
         context.damping.clear();
         context.damping.extend(materials.map(|m| substep_damping(m, substep)));
         context.integrated.reset(particles.len());
+        let masses = particles.inverse_mass.iter().map(|&w| 1.0 / f64::from(w));
+        let pinned = particles.inverse_mass.contains(&0.0);
+        context.free_mass = if pinned { 0.0 } else { masses.sum() };
         context.pin_shifts.clear();
         for &(i, target) in &particles.pin_targets {
             let way = target - particles.origin - particles.position.get(i as usize);

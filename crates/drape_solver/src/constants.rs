@@ -17,7 +17,13 @@ pub const CONTACT_MARGIN: f32 = 0.05;
 pub const BALL_TRAVEL_PER_SUBSTEP: f32 = 0.5;
 
 /// Upper bound on substeps per step that a heavy ball near a light cloth can ask for: see `contact_ball_cloth`.
-pub const MAX_HIT_SUBSTEPS: u32 = 64;
+pub const MAX_HIT_SUBSTEPS: f32 = 64.0;
+
+/// The part of the substeps of a hit that a ball near a cloth keeps from step to step while it needs fewer.
+pub const HIT_SUBSTEPS_KEPT: f32 = 0.9;
+
+/// Tethers leave alone what is within this many radii of a ball.
+pub const TETHERLESS_REACH: f32 = 1.5;
 
 /// Upper bound on substeps per step that a fast ball can ask for: bounds the work of a step.
 pub const MAX_SUBSTEPS: u32 = 256;

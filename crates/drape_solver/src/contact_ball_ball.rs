@@ -63,7 +63,8 @@ pub(crate) fn project(island: &mut Island) {
         let push = pair.overlap.split(depth, gap_change, at_start, pace);
         pair.depth += push.fresh;
         let weight = a.inverse_mass + b.inverse_mass;
-        let (contact, position_only) = (pair.normal * (push.fresh / weight), pair.normal * (push.old / weight));
+        let (contact, position_only) =
+            (pair.normal * (push.fresh / weight), pair.normal * (push.old / weight));
         let sides = [(pair.a, pair.b, &*a, 1.0), (pair.b, pair.a, &*b, -1.0)];
         for (ball_index, other, ball, sign) in sides {
             let normal = pair.normal * sign;

@@ -18,11 +18,15 @@ use glam::Vec3;
 
 use crate::ball::{Ball, BallMaterial};
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, PASSING_SLACK};
+use crate::constants::{
+    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
+    TETHERLESS_REACH,
+};
 use crate::friction::{combined, slip_taken};
-use crate::island::Island;
+use crate::island::{Island, IslandContext};
 use crate::nearest::{on_segment, on_triangle};
 use crate::overlap::{Overlap, Pace};
+use crate::particles::Particles;
 use crate::touch::{Other, Projection, add_impulse, begin, is_known};
 
 /// A ball and a face, or a segment, that may touch in this step.
@@ -69,15 +73,16 @@ impl Element {
     }
 }
 
-/// How many substeps a ball needs that may meet a cloth on its `path` (metres) in a step of `dt` seconds; 0 if it
-/// meets none.
+/// How many substeps a ball needs that may meet a cloth on its `path` (metres) in a step; 0 if it meets none.
 ///
 /// In a substep `h` a projection gives the ball the momentum `m s / h` where sticks have pulled the patch of cloth in
 /// front of it, of mass `m`, back by `s`. N iterations make N + 1 projections: a spring of stiffness `(N + 1) m / h^2`.
 /// A ball of mass `M` and speed `v` stretches it by `v h sqrt(M / ((N + 1) m))` before it stops. More than a part of
-/// its radius, and the sticks pull the cloth past its middle, and the ball goes through. `v` is that of the cloth where
-/// the cloth is faster: a stretched one that throws the ball back must not be let go half way.
-pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32, dt: f32) -> f32 {
+/// its radius, and the sticks pull the cloth past its middle, and the ball goes through.
+///
+/// The ball is slowed by the hit, and the number would fall while the cloth is still stretched: it is let go only
+/// slowly. It must not grow then, either: that would stiffen a stretched spring, and make energy.
+pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
     let BallMaterial { radius, mass, .. } = ball.material;
     let mut wanted = 0.0_f32;
     for body in bodies {
@@ -100,10 +105,10 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32, dt: f32) -> 
         };
         let patch = covered.max(1.0) * sum / count as f32;
         let ratio = mass / (patch * (body.settings.iterations + 1) as f32);
-        let travel = path.max(body.particles.greatest_speed() * dt);
-        wanted = wanted.max(travel / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());
+        wanted = wanted.max(path / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());
+        wanted = wanted.max(ball.hit_substeps * HIT_SUBSTEPS_KEPT);
     }
-    wanted
+    wanted.min(MAX_HIT_SUBSTEPS)
 }
 
 /// Lists the faces and segments that each ball can meet within `dt` seconds, if no particle moves faster
@@ -187,10 +192,8 @@ impl Overlapping {
             return None;
         }
         let [a, b, c] = now.corners;
-        let start = Placed {
-            centre: now.centre - travel,
-            corners: [a - travels[0], b - travels[1], c - travels[2]],
-        };
+        let start =
+            Placed { centre: now.centre - travel, corners: [a - travels[0], b - travels[1], c - travels[2]] };
         let weights = contact.element.nearest(now.corners, now.centre);
         let point = weighted(weights, now.corners);
         let offset = now.centre - point;
@@ -294,6 +297,29 @@ pub(crate) fn project(island: &mut Island) {
             body.particles.position.add(corner, (fresh + old) * share);
             body.context.integrated.add(corner, (fresh + old) * share);
         }
+    }
+}
+
+/// Notes where the particles are that a ball touches in this substep.
+///
+/// Tethers are not to move them: they bring a particle all the way home at once, which may be through the middle of
+/// the ball. The particles around are tethered, and sticks hold on to those.
+pub(crate) fn note_touched(context: &mut IslandContext, balls: &[Ball], body: usize, particles: &Particles) {
+    context.touched.clear();
+    for contact in context.ball_cloth.iter().filter(|contact| contact.body == body) {
+        let ball = &balls[contact.ball];
+        let near = TETHERLESS_REACH * ball.material.radius;
+        let centre = ball.position - particles.origin;
+        let places = contact.element.corners().map(|i| (i, particles.position.get(i)));
+        let is_near = |&(_, p): &(usize, Vec3)| p.distance_squared(centre) < near * near;
+        context.touched.extend(places.into_iter().filter(is_near));
+    }
+}
+
+/// Undoes what has happened to the noted particles since.
+pub(crate) fn put_back(context: &IslandContext, particles: &mut Particles) {
+    for &(i, position) in &context.touched {
+        particles.position.set(i, position);
     }
 }
 

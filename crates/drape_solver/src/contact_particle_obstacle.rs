@@ -170,8 +170,10 @@ pub(crate) fn project(body: &mut Body, obstacles: &[Obstacle], pace: Pace) {
                 let push = candidate.overlap.split(depth, outward, at_start, pace);
                 candidate.normal = normal;
                 candidate.depth += push.fresh;
-                particles.position.add(i, normal * (push.fresh + push.old));
-                context.integrated.add(i, normal * push.old);
+                let out = normal * (push.fresh + push.old);
+                particles.displacement.add(i, normal * push.fresh);
+                particles.position.add(i, out);
+                context.integrated.add(i, out);
             }
         }
     }

@@ -27,12 +27,13 @@ impl StateHasher {
         self.values(&particles.inverse_mass)
     }
 
-    /// Adds position, displacement, rotation and spin of a ball.
+    /// Adds position, displacement, rotation and spin of a ball, and the substeps that it asks for.
     pub fn ball(&mut self, ball: &Ball) -> &mut Self {
         self.values(&ball.position.to_array())
             .values(&ball.displacement.to_array())
             .values(&ball.rotation.to_array())
             .values(&ball.spin.to_array())
+            .values(&[ball.hit_substeps])
     }
 
     /// The hash of all that was added.

@@ -61,6 +61,8 @@ pub struct IslandContext {
     pub(crate) ball_cloth: Vec<BallCloth>,
     pub(crate) ball_pairs: Vec<BallPair>,
     pub(crate) marks: Vec<bool>,
+    /// Places of the particles that a ball touches, while tethers are projected.
+    pub(crate) touched: Vec<(usize, Vec3)>,
 }
 
 impl Island {

@@ -3,7 +3,7 @@
 //! A projection moves a particle, and so gives it the velocity that a contact calls for, as long as the depth comes
 //! from the motion of the substep. An overlap that was there before the substep has no velocity to stop: taken out
 //! in the same way it would shoot the particle off at `depth / substep`. That part is moved without a velocity, and
-//! spread over the rest of the step, so that sticks can follow.
+//! spread over the rest of the step, or over a reference step if that is longer, so that sticks can follow.
 //!
 //! ```text
 //!   start of the substep   o  . . . . . surface        old:   in already, moved in position only
@@ -12,7 +12,7 @@
 //!                             fresh
 //! ```
 
-use crate::constants::PUSH_OUT_SPEED;
+use crate::constants::{PUSH_OUT_SPEED, REFERENCE_STEP};
 use crate::island::IslandContext;
 
 /// The overlap of one contact in one substep.
@@ -34,8 +34,8 @@ pub(crate) struct Push {
 /// How fast old overlaps are taken back.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
-    /// Substeps that the step still has, this one included.
-    substeps_left: u32,
+    /// The part of an old overlap that this substep takes.
+    share: f32,
     /// Overlap that is taken back at once, in metres.
     at_once: f32,
 }
@@ -43,8 +43,12 @@ pub(crate) struct Pace {
 impl Pace {
     /// For the substep that runs now.
     pub fn of(context: &IslandContext) -> Self {
-        let substeps_left = (context.substeps - context.substep_index).max(1);
-        Self { substeps_left, at_once: PUSH_OUT_SPEED * context.substep }
+        let h = context.substep;
+        let left = context.substeps.saturating_sub(context.substep_index).max(1) as f32;
+        // A hair less than a reference step, so that 1/60 s counts as one however it was rounded.
+        let short = h * (context.substeps as f32) < 0.999 * REFERENCE_STEP;
+        let spread = if short { left.max(REFERENCE_STEP / h) } else { left };
+        Self { share: 1.0 / spread, at_once: PUSH_OUT_SPEED * h }
     }
 }
 
@@ -55,7 +59,7 @@ impl Overlap {
     pub fn split(&mut self, depth: f32, outward: f32, at_start: impl FnOnce() -> f32, pace: Pace) -> Push {
         let old = if depth + outward > 0.0 { at_start().max(0.0).min(depth) } else { 0.0 };
         let left = *self.left.get_or_insert_with(|| {
-            let even = old - old / pace.substeps_left as f32;
+            let even = old - old * pace.share;
             even.min(old - pace.at_once).max(0.0)
         });
         Push { fresh: depth - old, old: (old - left).max(0.0) }
@@ -68,8 +72,9 @@ mod tests {
 
     #[test]
     fn depth_that_the_motion_made_is_a_contact_and_the_rest_is_not() {
-        let pace = Pace { substeps_left: 1, at_once: 0.0 };
-        let split = |depth: f32, outward: f32| Overlap::default().split(depth, outward, || depth + outward, pace);
+        let pace = Pace { share: 1.0, at_once: 0.0 };
+        let split =
+            |depth: f32, outward: f32| Overlap::default().split(depth, outward, || depth + outward, pace);
         assert_eq!(split(0.25, -0.5), Push { fresh: 0.25, old: 0.0 });
         assert_eq!(split(0.75, -0.25), Push { fresh: 0.25, old: 0.5 });
         assert_eq!(split(0.25, 0.0), Push { fresh: 0.0, old: 0.25 });
@@ -78,7 +83,7 @@ mod tests {
 
     #[test]
     fn what_came_round_a_curve_was_not_inside_before() {
-        let pace = Pace { substeps_left: 1, at_once: 0.0 };
+        let pace = Pace { share: 1.0, at_once: 0.0 };
         let push = Overlap::default().split(0.25, 0.1, || -0.5, pace);
         assert_eq!(push, Push { fresh: 0.25, old: 0.0 });
     }
@@ -87,7 +92,7 @@ mod tests {
     fn an_old_overlap_is_taken_back_evenly_and_whole_within_the_step() {
         let mut depth = 1.0;
         for substeps_left in (1..=4).rev() {
-            let pace = Pace { substeps_left, at_once: 0.01 };
+            let pace = Pace { share: 1.0 / substeps_left as f32, at_once: 0.01 };
             let mut overlap = Overlap::default();
             depth -= overlap.split(depth, 0.0, || depth, pace).old;
             assert!((depth - 0.25 * (substeps_left - 1) as f32).abs() < 1e-6);

@@ -16,7 +16,7 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_HIT_SUBSTEPS, MAX_SUBSTEPS};
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS};
 use crate::contact_particle_obstacle as particle_obstacle;
 use crate::error::StepError;
 use crate::island::{Environment, Island};
@@ -68,11 +68,11 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
         body.settings.validate().map_err(|source| StepError::BadSettings { body: index, source })?;
         substeps = substeps.max(body.settings.substeps);
     }
-    for ball in &island.balls {
+    for ball in &mut island.balls {
         let path = (ball.velocity().length() + environment.gravity.length() * dt) * dt;
         let wanted = path / (ball.material.radius * BALL_TRAVEL_PER_SUBSTEP);
-        let of_hit = ball_cloth::hit_substeps(ball, &island.bodies, path, dt).min(MAX_HIT_SUBSTEPS as f32);
-        substeps = substeps.max(wanted.max(of_hit).min(MAX_SUBSTEPS as f32).ceil() as u32);
+        ball.hit_substeps = ball_cloth::hit_substeps(ball, &island.bodies, path);
+        substeps = substeps.max(wanted.max(ball.hit_substeps).min(MAX_SUBSTEPS as f32).ceil() as u32);
     }
     let h = dt / substeps as f32;
     island.context.substeps = substeps;
@@ -137,7 +137,8 @@ pub fn relax(island: &mut Island, environment: &Environment) {
     let iterations = island.bodies.iter().map(|b| b.settings.iterations).max().unwrap_or(1);
     for iteration in 0..iterations {
         project_contacts(island, environment);
-        for body in &mut island.bodies {
+        let Island { bodies, balls, context, .. } = &mut *island;
+        for (index, body) in bodies.iter_mut().enumerate() {
             let settings = body.settings;
             if iteration >= settings.iterations {
                 continue;
@@ -149,7 +150,9 @@ pub fn relax(island: &mut Island, environment: &Environment) {
             let (particles, topology) = (&mut body.particles, &body.topology);
             stick::relax(particles, topology, stiffness, settings.projection, reverse);
             if settings.tethers {
+                ball_cloth::note_touched(context, balls, index, particles);
                 topology.tethers.project(particles);
+                ball_cloth::put_back(context, particles);
             }
         }
     }
