@@ -81,8 +81,8 @@ impl Ball {
         })
     }
 
-    /// A ball shot from `position` with `velocity` under `acceleration` (m/s^2), to be stepped in substeps of
-    /// `substep` seconds.
+    /// A ball shot from `position` with `velocity` under `acceleration` (m/s^2), where `substep`
+    /// (seconds) is the substep that it will be stepped in, or a guess: another one is allowed for.
     ///
     /// Verlet displacements are mean velocities over a substep. Starting half a substep of acceleration early,
     /// the ball runs exactly on the parabola `p + v t + a t^2 / 2` at the end of every substep.

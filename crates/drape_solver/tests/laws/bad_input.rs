@@ -1,0 +1,230 @@
+//! Bad input is refused with a typed error; it never panics, and where a step is refused nothing has moved.
+
+use drape_solver::glam::{Quat, Vec3};
+use drape_solver::{
+    Ball, BallMaterial, BuildError, ClothBuilder, Edge, Environment, Island, Obstacle, Particles, Placement,
+    RopeBuilder, Shape, SolverSettings, StateHasher, StepError, Wind, step,
+};
+
+use crate::common::*;
+
+const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+
+fn scene() -> Island {
+    let curtain = ClothBuilder::new(1.0, 1.0, 6, 6).pin_edge(Edge::Top).build(SolverSettings::default());
+    let mut island = Island::of_body(curtain.expect("valid"));
+    island.balls.push(ball(BallMaterial::default(), Vec3::new(0.5, -0.5, 1.0), Vec3::NEG_Z));
+    run(&mut island, &gravity(FRAME), 0.1);
+    island
+}
+
+fn hash(island: &Island) -> u64 {
+    let mut hasher = StateHasher::new();
+    hasher.particles(&island.bodies[0].particles).ball(&island.balls[0]).finish()
+}
+
+/// A step that must be refused, with nothing moved by it, and the step after it good again.
+#[track_caller]
+fn refused(environment: &Environment) -> StepError {
+    let mut island = scene();
+    let before = hash(&island);
+    let error = step(&mut island, environment).expect_err("must be refused");
+    assert_eq!(hash(&island), before, "nothing has moved");
+    step(&mut island, &gravity(FRAME)).expect("and the next step is good");
+    assert!(!error.to_string().is_empty());
+    error
+}
+
+#[test]
+fn a_bad_time_step_is_refused() {
+    for dt in [0.0, -0.0, -1.0 / 60.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        assert!(matches!(refused(&gravity(dt)), StepError::BadTimestep(_)), "{dt}");
+    }
+}
+
+#[test]
+fn bad_gravity_and_wind_are_refused() {
+    for bad in BAD {
+        let environment = Environment { gravity: Vec3::new(0.0, bad, 0.0), ..gravity(FRAME) };
+        assert_eq!(refused(&environment), StepError::BadEnvironment("gravity"));
+        let fields = [
+            Wind { velocity: Vec3::X * bad, ..Wind::default() },
+            Wind { air_density: bad, ..Wind::new(Vec3::X) },
+            Wind { drag_coefficient: bad, ..Wind::new(Vec3::X) },
+        ];
+        for wind in fields {
+            let environment = Environment { wind, ..gravity(FRAME) };
+            assert_eq!(refused(&environment), StepError::BadEnvironment("wind"));
+        }
+    }
+}
+
+/// Gravity and wind beyond all reason but finite are either refused or survived.
+#[test]
+fn absurd_but_finite_environments_do_no_harm() {
+    for size in [1e10, 1e20, f32::MAX] {
+        for environment in [
+            Environment { gravity: Vec3::NEG_Y * size, ..gravity(FRAME) },
+            Environment { wind: Wind::new(Vec3::Z * size), ..gravity(FRAME) },
+            gravity(size),
+        ] {
+            let mut island = scene();
+            if step(&mut island, &environment).is_ok() {
+                assert!(particles(&island).is_finite() && island.balls[0].is_finite());
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_settings_are_refused_when_set_after_building() {
+    let good = SolverSettings::default();
+    for settings in [
+        SolverSettings { substeps: 0, ..good },
+        SolverSettings { substeps: u32::MAX, ..good },
+        SolverSettings { iterations: 0, ..good },
+        SolverSettings { iterations: u32::MAX, ..good },
+        SolverSettings { drag: f32::NAN, ..good },
+        SolverSettings { drag: -1.0, ..good },
+        SolverSettings { friction: f32::INFINITY, ..good },
+        SolverSettings { thickness: -1.0, ..good },
+    ] {
+        let mut island = scene();
+        island.bodies[0].settings = settings;
+        let before = hash(&island);
+        let error = step(&mut island, &gravity(FRAME)).expect_err("must be refused");
+        assert!(matches!(error, StepError::BadSettings { body: 0, .. }), "{error}");
+        assert_eq!(hash(&island), before);
+        assert!(ClothBuilder::new(1.0, 1.0, 4, 4).build(settings).is_err());
+        assert!(RopeBuilder::new(Vec3::ZERO, Vec3::X, 4).build(settings).is_err());
+    }
+}
+
+/// What the caller writes into the state after building is found before anything moves.
+#[test]
+fn non_finite_states_are_found_and_named() {
+    type Spoil = fn(&mut Island, f32);
+    let spoils: [(Spoil, StepError); 9] = [
+        (|i, bad| i.bodies[0].particles.set_position(9, Vec3::X * bad), StepError::NonFiniteBody(0)),
+        (|i, bad| i.bodies[0].particles.set_velocity(9, Vec3::Y * bad), StepError::NonFiniteBody(0)),
+        (|i, bad| i.bodies[0].particles.apply_impulse(9, Vec3::Z * bad), StepError::NonFiniteBody(0)),
+        (|i, bad| i.bodies[0].particles.add_force(9, Vec3::Z * bad), StepError::NonFiniteBody(0)),
+        (|i, bad| i.bodies[0].particles.set_pin_target(0, Vec3::splat(bad)), StepError::NonFiniteBody(0)),
+        (|i, bad| i.balls[0].set_position(Vec3::X * bad), StepError::NonFiniteBall(0)),
+        (|i, bad| i.balls[0].set_velocity(Vec3::X * bad), StepError::NonFiniteBall(0)),
+        (|i, bad| i.balls[0].set_spin(Vec3::X * bad), StepError::NonFiniteBall(0)),
+        (|i, bad| i.balls[0].add_force(Vec3::X * bad), StepError::NonFiniteBall(0)),
+    ];
+    for bad in BAD {
+        for (index, (spoil, expected)) in spoils.iter().enumerate() {
+            let mut island = scene();
+            spoil(&mut island, bad);
+            let before = hash(&island);
+            assert_eq!(step(&mut island, &gravity(FRAME)).as_ref(), Err(expected), "case {index}");
+            assert_eq!(hash(&island), before, "case {index}: nothing has moved");
+        }
+    }
+    let mut island = scene();
+    island.bodies[0].particles.translate(Vec3::X * f32::NAN);
+    assert_eq!(step(&mut island, &gravity(FRAME)), Err(StepError::NonFiniteBody(0)));
+}
+
+#[test]
+fn bad_particles_are_refused() {
+    for bad in BAD {
+        assert!(Particles::new(Vec3::ZERO, &[Vec3::Y * bad], &[1.0]).is_err());
+        assert!(Particles::new(Vec3::Y * bad, &[Vec3::Y], &[1.0]).is_err());
+        assert!(Particles::new(Vec3::ZERO, &[Vec3::Y], &[bad]).is_err());
+    }
+    // Set later, a bad mass pins: the particle stays, and nothing is poisoned.
+    let mut island = scene();
+    for (i, bad) in [f32::NAN, f32::INFINITY, -1.0].into_iter().enumerate() {
+        island.bodies[0].particles.set_inverse_mass(20 + i, bad);
+        assert!(particles(&island).is_pinned(20 + i));
+    }
+    run(&mut island, &gravity(FRAME), 0.5);
+}
+
+#[test]
+fn bad_cloths_and_ropes_are_refused() {
+    for bad in [f32::NAN, f32::INFINITY, 0.0, -1.0] {
+        assert!(ClothBuilder::new(bad, 1.0, 4, 4).build_parts().is_err());
+        assert!(ClothBuilder::new(1.0, bad, 4, 4).build_parts().is_err());
+        assert!(RopeBuilder::new(Vec3::ZERO, Vec3::X, 4).linear_density(bad).build_parts().is_err());
+    }
+    for (columns, rows) in [(0, 0), (1, 1), (1, 5), (5, 1)] {
+        let error = ClothBuilder::new(1.0, 1.0, columns, rows).build_parts().expect_err("too few");
+        assert!(matches!(error, BuildError::TooFewParticles { .. }), "{error}");
+    }
+    for count in [0, 1] {
+        assert!(RopeBuilder::new(Vec3::ZERO, Vec3::X, count).build_parts().is_err());
+    }
+    // Particles so near one another that single precision cannot tell them apart.
+    let error =
+        ClothBuilder::new(1e-6, 1.0, 4000, 2).placed(Vec3::ONE * 1e3, Vec3::X, Vec3::NEG_Y).build_parts();
+    assert!(matches!(error, Err(BuildError::ZeroRestLength { .. })), "{:?}", error.map(|_| ()));
+}
+
+#[test]
+fn bad_obstacles_are_refused_and_bad_moves_ignored() {
+    for bad in BAD {
+        assert!(Obstacle::new(Shape::Sphere { radius: bad }, Placement::default(), 0.5).is_err());
+        let sphere = || Shape::Sphere { radius: 1.0 };
+        assert!(Obstacle::new(sphere(), Placement::at(Vec3::X * bad), 0.5).is_err());
+        assert!(Obstacle::new(sphere(), Placement::default(), bad).is_err());
+        let mut good = Obstacle::ground();
+        good.move_to(Placement::at(Vec3::X * bad), FRAME);
+        good.teleport(Placement { rotation: Quat::from_xyzw(0.0, bad, 0.0, 1.0), ..Placement::default() });
+        assert_eq!(good.placement(), Placement::default());
+    }
+}
+
+/// Two particles put into one place, a ball put into the middle of another, an obstacle on top of a particle.
+#[test]
+fn coincident_things_stay_finite() {
+    let mut island = scene();
+    let place = particles(&island).position(14);
+    for i in [15, 20, 21] {
+        island.bodies[0].particles.set_position(i, place);
+    }
+    let twin = island.balls[0].clone();
+    island.balls.push(twin);
+    let obstacles = vec![obstacle(Shape::Sphere { radius: 0.2 }, place, 0.5)];
+    let environment = Environment { obstacles, ..gravity(FRAME) };
+    run_with(&mut island, &environment, 1.0, |island, _| assert!(greatest_speed(island) < 50.0));
+}
+
+/// A frame hitch: ten seconds in one step stay finite, and the scene goes on.
+#[test]
+fn a_step_of_ten_seconds_is_survived() {
+    let mut island = scene();
+    let environment = Environment { obstacles: vec![Obstacle::ground()], ..gravity(10.0) };
+    step(&mut island, &environment).expect("long, but good");
+    run(&mut island, &gravity(FRAME), 1.0);
+    assert!(particles(&island).is_finite() && greatest_speed(&island) < 500.0);
+}
+
+#[test]
+fn an_island_of_nothing_steps() {
+    let mut island = Island::default();
+    step(&mut island, &gravity(FRAME)).expect("nothing to do");
+    let mut pinned = scene();
+    for i in 0..particles(&pinned).len() {
+        pinned.bodies[0].particles.set_inverse_mass(i, 0.0);
+    }
+    run(&mut pinned, &gravity(FRAME), 0.5);
+}
+
+#[test]
+fn bad_balls_are_refused() {
+    for bad in [f32::NAN, f32::INFINITY, 0.0, -1.0] {
+        for material in [
+            BallMaterial { radius: bad, ..BallMaterial::default() },
+            BallMaterial { mass: bad, ..BallMaterial::default() },
+        ] {
+            assert!(Ball::new(material, Vec3::ZERO, Vec3::ZERO).is_err());
+        }
+        let launched = |v: Vec3, a: Vec3, h: f32| Ball::launch(BallMaterial::default(), Vec3::ZERO, v, a, h);
+        assert!(launched(Vec3::X, Vec3::NEG_Y, bad).is_err());
+    }
+}

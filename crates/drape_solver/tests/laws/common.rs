@@ -1,0 +1,177 @@
+//! Scenes and yardsticks that the tests share.
+
+use std::sync::Arc;
+
+use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::{
+    Ball, BallMaterial, Body, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
+    StickKind, StickMaterial, StickProjection, TopologyBuilder, measure, step,
+};
+
+/// Standard gravity of the tests in m/s^2.
+pub const G: f32 = 9.81;
+
+/// A frame of a 60 Hz game in seconds.
+pub const FRAME: f32 = 1.0 / 60.0;
+
+/// Settings with everything off that a test does not ask for.
+pub fn bare() -> SolverSettings {
+    SolverSettings {
+        substeps: 1,
+        iterations: 1,
+        drag: 0.0,
+        friction: 0.0,
+        thickness: 0.0,
+        projection: StickProjection::Exact,
+        tethers: false,
+    }
+}
+
+/// Gravity and nothing else, in steps of `dt` seconds.
+pub fn gravity(dt: f32) -> Environment {
+    Environment { dt, gravity: Vec3::NEG_Y * G, ..Environment::default() }
+}
+
+/// No gravity, in steps of `dt` seconds.
+pub fn weightless(dt: f32) -> Environment {
+    Environment { dt, gravity: Vec3::ZERO, ..Environment::default() }
+}
+
+/// Loose particles of 1 kg at `positions`.
+pub fn loose(positions: &[Vec3], settings: SolverSettings) -> Body {
+    joined(positions, &vec![1.0; positions.len()], &[], settings)
+}
+
+/// Particles with these inverse masses, joined by rigid sticks at their distances.
+pub fn joined(
+    positions: &[Vec3],
+    inverse_masses: &[f32],
+    sticks: &[[u32; 2]],
+    settings: SolverSettings,
+) -> Body {
+    joined_by(StickMaterial::rigid(StickKind::Structural), positions, inverse_masses, sticks, settings)
+}
+
+/// The same with sticks of `material`.
+pub fn joined_by(
+    material: StickMaterial,
+    positions: &[Vec3],
+    inverse_masses: &[f32],
+    sticks: &[[u32; 2]],
+    settings: SolverSettings,
+) -> Body {
+    let particles = Particles::new(Vec3::ZERO, positions, inverse_masses).expect("valid particles");
+    let mut builder = TopologyBuilder::new(positions);
+    builder.family(material, sticks.iter().copied()).expect("valid sticks");
+    Body::new(particles, Arc::new(builder.build().expect("valid topology")), settings)
+}
+
+/// A ball with no friction, drag or rolling resistance.
+pub fn smooth(radius: f32, mass: f32) -> BallMaterial {
+    BallMaterial { radius, mass, drag: 0.0, friction: 0.0, rolling_resistance: 0.0 }
+}
+
+/// A ball, which the caller knows to be valid.
+pub fn ball(material: BallMaterial, position: Vec3, velocity: Vec3) -> Ball {
+    Ball::new(material, position, velocity).expect("a valid ball")
+}
+
+/// An obstacle, which the caller knows to be valid.
+pub fn obstacle(shape: Shape, at: Vec3, friction: f32) -> Obstacle {
+    Obstacle::new(shape, Placement::at(at), friction).expect("a valid obstacle")
+}
+
+/// Ground without friction, for what has none itself.
+pub fn ice() -> Obstacle {
+    obstacle(Shape::HalfSpace { normal: Vec3::Y }, Vec3::ZERO, 0.0)
+}
+
+/// Steps through `seconds`, and looks at the island after each step.
+pub fn run_with(
+    island: &mut Island,
+    environment: &Environment,
+    seconds: f32,
+    mut look: impl FnMut(&Island, usize),
+) {
+    let steps = (seconds / environment.dt).round() as usize;
+    for index in 0..steps {
+        step(island, environment).expect("a good step");
+        look(island, index);
+    }
+}
+
+/// Steps through `seconds`.
+pub fn run(island: &mut Island, environment: &Environment, seconds: f32) {
+    run_with(island, environment, seconds, |_, _| {});
+}
+
+/// The particles of the island's only body.
+pub fn particles(island: &Island) -> &Particles {
+    &island.bodies[0].particles
+}
+
+/// Greatest speed of the island's first body in m/s.
+pub fn greatest_speed(island: &Island) -> f32 {
+    particles(island).velocities().map(Vec3::length).fold(0.0, f32::max)
+}
+
+/// Stretch of the island's first body.
+pub fn stretch(island: &Island) -> measure::Stretch {
+    measure::stretch(&island.bodies[0].particles, &island.bodies[0].topology)
+}
+
+/// Linear momentum of all bodies and balls in kg m/s.
+pub fn momentum(island: &Island) -> DVec3 {
+    let bodies: DVec3 = island.bodies.iter().map(|body| measure::momentum(&body.particles)).sum();
+    let balls: DVec3 =
+        island.balls.iter().map(|b| b.velocity().as_dvec3() * f64::from(b.material().mass)).sum();
+    bodies + balls
+}
+
+/// Angular momentum of all bodies and balls about the world's origin in kg m^2/s, spin included.
+pub fn angular_momentum(island: &Island) -> DVec3 {
+    let bodies: DVec3 = island.bodies.iter().map(|body| measure::angular_momentum(&body.particles)).sum();
+    let balls = island.balls.iter().map(|b| {
+        let (mass, radius) = (f64::from(b.material().mass), f64::from(b.material().radius));
+        let orbit = b.position().as_dvec3().cross(b.velocity().as_dvec3()) * mass;
+        orbit + b.spin().as_dvec3() * (0.4 * mass * radius * radius)
+    });
+    bodies + balls.sum::<DVec3>()
+}
+
+/// Kinetic energy of all bodies and balls in joules.
+pub fn kinetic_energy(island: &Island) -> f64 {
+    let bodies: f64 = island.bodies.iter().map(|body| measure::kinetic_energy(&body.particles)).sum();
+    bodies + island.balls.iter().map(|b| f64::from(b.kinetic_energy())).sum::<f64>()
+}
+
+/// Asserts that `found` is within `part` of `expected`.
+#[track_caller]
+pub fn assert_close(what: &str, found: f64, expected: f64, part: f64) {
+    let error = (found - expected).abs();
+    assert!(error <= part * expected.abs(), "{what}: {found} is not within {part} of {expected}");
+}
+
+/// Numbers from 0 to 1 that look random and are the same in every run (`SplitMix64`).
+pub struct Dice(pub u64);
+
+impl Dice {
+    /// The next number from 0 to 1.
+    pub fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
+    }
+
+    /// A number from `-half` to `half`.
+    pub fn about(&mut self, half: f32) -> f32 {
+        (2.0 * self.unit() - 1.0) * half
+    }
+
+    /// A vector with each component from `-half` to `half`.
+    pub fn vector(&mut self, half: f32) -> Vec3 {
+        Vec3::new(self.about(half), self.about(half), self.about(half))
+    }
+}

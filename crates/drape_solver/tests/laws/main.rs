@@ -1,0 +1,23 @@
+//! The laws of physics that the solver must keep, one file a subject. Tests cite what they guard by its id
+//! (S1 to S33) in the digest of the founding papers.
+
+mod bad_input;
+mod balls;
+mod belts;
+mod common;
+mod contact;
+mod determinism;
+mod drag;
+mod free_flight;
+mod friction;
+mod intrusion;
+mod momentum;
+mod obstacles;
+mod property;
+mod relaxation;
+mod rope;
+mod stability;
+mod stiffness;
+mod tethers;
+mod timestep;
+mod touch;

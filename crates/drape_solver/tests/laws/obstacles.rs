@@ -1,0 +1,119 @@
+//! Obstacles that move: they push, carry and do not pass through.
+
+use drape_solver::glam::{Quat, Vec3};
+use drape_solver::{ClothBuilder, Edge, Environment, Island, Placement, Shape, SolverSettings};
+
+use crate::common::*;
+
+const THICKNESS: f32 = 0.005;
+
+fn sheet(pinned: bool) -> Island {
+    let mut sheet =
+        ClothBuilder::new(1.5, 1.5, 25, 25).placed(Vec3::new(-0.75, 0.75, 0.0), Vec3::X, Vec3::NEG_Y);
+    if pinned {
+        sheet = sheet.pin_edge(Edge::Top);
+    }
+    Island::of_body(
+        sheet.build(SolverSettings { thickness: THICKNESS, ..SolverSettings::default() }).expect("valid"),
+    )
+}
+
+/// A moving sphere pushes a loose sheet along and stays on its own side of it.
+#[test]
+fn a_moving_sphere_pushes_a_sheet_ahead() {
+    let radius = 0.3;
+    let mut island = sheet(false);
+    let mut environment = weightless(FRAME);
+    environment.obstacles = vec![obstacle(Shape::Sphere { radius }, Vec3::Z * -0.4, 0.5)];
+    for index in 1..=60 {
+        let centre = Vec3::Z * (-0.4 + 2.0 * FRAME * index as f32);
+        environment.obstacles[0].move_to(Placement::at(centre), FRAME);
+        drape_solver::step(&mut island, &environment).expect("a good step");
+        for (i, position) in particles(&island).positions().enumerate() {
+            let depth = radius + THICKNESS - position.distance(centre);
+            assert!(depth < 1e-3, "particle {i} is {depth} m inside at step {index}");
+        }
+    }
+    // The middle of the sheet rides on the front of the sphere.
+    let middle = particles(&island).position(12 * 25 + 12);
+    let front = -0.4 + 2.0 + radius + THICKNESS;
+    assert!((middle.z - front).abs() < 0.05, "{middle} with the sphere's front at {front}");
+    let speed = particles(&island).velocity(12 * 25 + 12).z;
+    assert!((1.0..3.0).contains(&speed), "it goes at about the sphere's speed: {speed}");
+}
+
+/// At 5 m/s through a hanging curtain, no particle ends a step inside, and none is shot away.
+#[test]
+fn a_fast_obstacle_leaves_no_particle_inside() {
+    let radius = 0.25;
+    let cuboid = Shape::Cuboid { half_extents: Vec3::splat(radius) };
+    let capsule = Shape::Capsule { half_length: 0.2, radius };
+    for shape in [Shape::Sphere { radius }, capsule, cuboid] {
+        let mut island = sheet(true);
+        let mut environment = gravity(FRAME);
+        environment.obstacles = vec![obstacle(shape.clone(), Vec3::new(0.0, -0.2, -1.0), 0.3)];
+        for index in 1..=36 {
+            let centre = Vec3::new(0.0, -0.2, -1.0 + 5.0 * FRAME * index as f32);
+            environment.obstacles[0].move_to(Placement::at(centre), FRAME);
+            drape_solver::step(&mut island, &environment).expect("a good step");
+            for (i, position) in particles(&island).positions().enumerate() {
+                if particles(&island).is_pinned(i) {
+                    continue;
+                }
+                let depth = THICKNESS - distance(&shape, position - centre);
+                assert!(depth < 1e-3, "{shape:?}: particle {i} is {depth} m inside at step {index}");
+            }
+            let speed = greatest_speed(&island);
+            assert!(speed < 25.0, "{shape:?}: {speed} m/s at step {index}");
+        }
+    }
+}
+
+/// A paddle that turns sweeps particles along with the speed of its surface.
+#[test]
+fn a_turning_paddle_sweeps_particles_along() {
+    let settings = SolverSettings { substeps: 8, ..bare() };
+    let mut island = Island::of_body(loose(&[Vec3::new(1.0, 0.0, -0.15)], settings));
+    let mut environment = weightless(FRAME);
+    let half_extents = Vec3::new(2.0, 1.0, 0.1);
+    environment.obstacles = vec![obstacle(Shape::Cuboid { half_extents }, Vec3::ZERO, 0.0)];
+    let rate = 3.0;
+    for index in 1..=15 {
+        let rotation = Quat::from_rotation_y(rate * FRAME * index as f32);
+        environment.obstacles[0].move_to(Placement { rotation, ..Placement::default() }, FRAME);
+        drape_solver::step(&mut island, &environment).expect("a good step");
+    }
+    // Without friction the surface gives it the speed `rate * distance` along its normal, at least at first.
+    let particle = particles(&island);
+    assert!(particle.velocity(0).length() > 0.9 * rate, "{}", particle.velocity(0));
+    let local = Quat::from_rotation_y(-rate * FRAME * 15.0) * particle.position(0);
+    assert!(local.z < -0.1 + 1e-4, "it was not passed through: {local}");
+}
+
+/// An obstacle that stands still for a step after moving no longer carries anything.
+#[test]
+fn an_obstacle_that_stops_carries_no_further() {
+    let mut ground = drape_solver::Obstacle::ground();
+    ground.move_to(Placement::at(Vec3::X * 0.1), FRAME);
+    assert!(ground.is_moving());
+    ground.move_to(Placement::at(Vec3::X * 0.1), FRAME);
+    assert!(!ground.is_moving());
+    let mut island = Island::of_body(loose(&[Vec3::ZERO], SolverSettings { friction: 0.5, ..bare() }));
+    run(&mut island, &Environment { obstacles: vec![ground], ..gravity(FRAME) }, 1.0);
+    assert!(particles(&island).position(0).length() < 1e-6);
+}
+
+/// Distance of a point from the surface of one of the shapes above, negative inside.
+fn distance(shape: &Shape, p: Vec3) -> f32 {
+    match shape {
+        Shape::Sphere { radius } => p.length() - radius,
+        Shape::Capsule { half_length, radius } => {
+            (p - Vec3::Y * p.y.clamp(-half_length, *half_length)).length() - radius
+        }
+        Shape::Cuboid { half_extents } => {
+            let beyond = p.abs() - *half_extents;
+            beyond.max(Vec3::ZERO).length() + beyond.max_element().min(0.0)
+        }
+        _ => unreachable!("not used here"),
+    }
+}

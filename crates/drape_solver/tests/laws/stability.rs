@@ -1,0 +1,96 @@
+//! The order of relaxation does not gain energy: a hanging sheet only calms down.
+
+use drape_solver::glam::Vec3;
+use drape_solver::{ClothBuilder, Edge, Environment, Island, SolverSettings, measure};
+
+use crate::common::*;
+
+struct Trial {
+    particles: u32,
+    corners: bool,
+    substeps: u32,
+    iterations: u32,
+    tethers: bool,
+    violent: bool,
+}
+
+/// Energy gained from step 30 to the end of four seconds, in parts of `m g L`, and the greatest in between.
+fn gained(trial: &Trial) -> f64 {
+    let &Trial { particles: n, corners, substeps, iterations, tethers, violent } = trial;
+    let settings = SolverSettings { substeps, iterations, tethers, drag: 0.0, ..SolverSettings::default() };
+    let mut sheet = ClothBuilder::new(1.0, 1.0, n, n).placed(Vec3::ZERO, Vec3::X, Vec3::Z);
+    sheet = if corners { sheet.pin(0).pin(n - 1) } else { sheet.pin_edge(Edge::Top) };
+    let mut body = sheet.build(settings).expect("valid");
+    if violent {
+        let mut dice = Dice(u64::from(n));
+        let spacing = 1.0 / (n - 1) as f32;
+        for i in 0..body.particles.len() {
+            if !body.particles.is_pinned(i) {
+                let moved = body.particles.position(i) + dice.vector(0.5 * spacing);
+                body.particles.set_position(i, moved);
+            }
+        }
+    }
+    let mut island = Island::of_body(body);
+    let environment: Environment = gravity(FRAME);
+    let energy = |island: &Island| measure::mechanical_energy(&island.bodies[0], environment.gravity);
+    run(&mut island, &environment, 30.0 * FRAME);
+    let early = energy(&island);
+    let scale = measure::mass(particles(&island)) * f64::from(G);
+    run(&mut island, &environment, 3.5);
+    (energy(&island) - early) / scale
+}
+
+fn check(sizes: &[u32]) {
+    for &particles in sizes {
+        for corners in [false, true] {
+            for (substeps, iterations) in [(1, 1), (1, 2), (4, 1), (4, 2), (16, 1), (16, 2)] {
+                for tethers in [true, false] {
+                    for violent in [false, true] {
+                        let trial = Trial { particles, corners, substeps, iterations, tethers, violent };
+                        let gain = gained(&trial);
+                        println!(
+                            "{particles} corners {corners} {substeps}x{iterations} tethers {tethers} \
+                             violent {violent}: {gain}"
+                        );
+                        assert!(
+                            gain <= 1e-3,
+                            "gained {gain} m g L: {particles} squared, corners {corners}, \
+                             {substeps} x {iterations}, tethers {tethers}, violent {violent}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// S11: from rest and from a violent start, on both kinds of pins, the sheet ends with less energy.
+#[test]
+fn a_hanging_sheet_gains_no_energy() {
+    check(&[16, 32]);
+}
+
+/// The same for larger sheets; takes minutes.
+#[test]
+#[ignore = "takes minutes"]
+fn a_large_hanging_sheet_gains_no_energy() {
+    check(&[64, 128]);
+}
+
+/// A sheet thrown at everything at once stays finite and in its place.
+#[test]
+fn a_curtain_in_a_storm_stays_within_its_length_of_its_pins() {
+    let curtain = ClothBuilder::new(1.0, 1.0, 16, 16).pin_edge(Edge::Top).build(SolverSettings::default());
+    let mut island = Island::of_body(curtain.expect("valid"));
+    let mut environment = gravity(FRAME);
+    let mut dice = Dice(1);
+    for _ in 0..300 {
+        environment.wind = drape_solver::Wind::new(dice.vector(60.0));
+        run(&mut island, &environment, FRAME);
+        for position in particles(&island).positions() {
+            let nearest = position - Vec3::X * position.x.clamp(0.0, 1.0);
+            assert!(nearest.length() < 1.3, "{position}");
+        }
+    }
+}

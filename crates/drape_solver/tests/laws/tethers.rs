@@ -1,0 +1,53 @@
+//! Tethers take the sag out of hanging cloth.
+
+use drape_solver::{ClothBuilder, ClothMaterial, Edge, Island, SolverSettings};
+
+use crate::common::*;
+
+/// How far the lowest particle of a hanging sheet of 2 m is below its place at rest.
+fn sag(corners: bool, tethers: bool) -> (f32, f64) {
+    let settings =
+        SolverSettings { substeps: 4, iterations: 1, drag: 2.0, tethers, ..SolverSettings::default() };
+    let mut sheet = ClothBuilder::new(2.0, 2.0, 49, 49);
+    sheet = if corners { sheet.pin(0).pin(48) } else { sheet.pin_edge(Edge::Top) };
+    let mut island = Island::of_body(sheet.build(settings).expect("valid"));
+    run(&mut island, &gravity(FRAME), 4.0);
+    let lowest = particles(&island).positions().map(|p| -p.y).fold(0.0, f32::max);
+    (lowest - 2.0, stretch(&island).rms)
+}
+
+/// A sheet held along its top stretches several times less with tethers than without.
+#[test]
+fn tethers_take_the_sag_out_of_a_curtain() {
+    let ((loose, loose_stretch), (held, held_stretch)) = (sag(false, false), sag(false, true));
+    assert!(loose > 0.02, "without tethers it sags: {loose} m");
+    assert!(held < 0.1 * loose, "{held} m with, {loose} m without");
+    assert!(held < 1e-4, "no particle farther from its pin than at rest, but {held} m");
+    assert!(held_stretch < 0.3 * loose_stretch, "{held_stretch} with, {loose_stretch} without");
+}
+
+/// The same on two corners.
+#[test]
+fn tethers_take_the_stretch_out_of_a_sheet_on_two_corners() {
+    let ((_, loose), (_, held)) = (sag(true, false), sag(true, true));
+    assert!(held < 0.6 * loose, "{held} with, {loose} without");
+}
+
+/// A tether only pulls: within its length a particle moves freely, as on a slack string.
+#[test]
+fn a_slack_tether_does_nothing() {
+    let fall = |tethers: bool| {
+        let settings = SolverSettings { tethers, ..SolverSettings::default() };
+        // Its sticks hold nothing, and it is squeezed to half its length: all tethers are slack.
+        let material = ClothMaterial { structural: 0.0, shear: 0.0, bend: 0.0, ..ClothMaterial::default() };
+        let sheet = ClothBuilder::new(1.0, 1.0, 9, 9).pin_edge(Edge::Top).material(material);
+        let mut island = Island::of_body(sheet.build(settings).expect("valid"));
+        for i in 9..81 {
+            let p = particles(&island).position(i);
+            island.bodies[0].particles.set_position(i, p.with_y(0.5 * p.y));
+        }
+        run(&mut island, &gravity(FRAME), 0.05);
+        particles(&island).position(76)
+    };
+    assert_eq!(fall(true), fall(false));
+}
