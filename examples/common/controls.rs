@@ -21,7 +21,7 @@ const WIND: Vec3 = Vec3::new(0.5, 0.0, -1.8);
 const SLOW_MOTION: f32 = 0.2;
 
 /// Strain from which on a stick is wholly red: what is seen for a moment after a hit.
-const FULL_STRAIN: f32 = 0.02;
+const FULL_STRAIN: f32 = 0.01;
 
 /// What is shown of the cloth.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -8,6 +8,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use bevy::app::{PluginsState, TerminalCtrlCHandlerPlugin};
 use bevy::camera::RenderTarget;
+use bevy::light::DirectionalLightShadowMap;
 use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{PipelineCache, TextureFormat, TextureUsages};
@@ -101,7 +102,9 @@ impl Studio {
         let plugins = plugins.disable::<bevy::winit::WinitPlugin>();
         app.add_plugins((plugins, DrapePlugins::default(), VisualsPlugin))
             .insert_resource(Time::<Fixed>::from_seconds(STEP))
-            .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+            .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+            // Seen for longer than a frame in a window.
+            .insert_resource(DirectionalLightShadowMap { size: 4096 });
         app.world_mut().resource_mut::<DrapeClock>().paused = true;
         while app.plugins_state() == PluginsState::Adding {
             tick_global_task_pools_on_main_thread();

@@ -39,7 +39,7 @@ pub enum View {
 const MOMENTS: [(&str, When, View); 6] = [
     (
         "frame_01_flight",
-        When::AfterShot(0, 0.30),
+        When::AfterShot(0, 0.2),
         View::Fixed { eye: Vec3::new(-2.9, 2.1, 16.6), target: Vec3::new(0.25, 1.4, 6.0) },
     ),
     (
@@ -49,7 +49,7 @@ const MOMENTS: [(&str, When, View); 6] = [
     ),
     (
         "frame_03_pressing",
-        When::AfterHit(0, 0.10),
+        When::AfterHit(0, 0.085),
         View::Ball { eye: Vec3::new(2.6, 0.8, 4.6), target: Vec3::new(0.1, 0.25, 0.0) },
     ),
     (
@@ -59,8 +59,8 @@ const MOMENTS: [(&str, When, View); 6] = [
     ),
     (
         "frame_05_swinging",
-        When::AfterHit(0, 0.9),
-        View::Fixed { eye: Vec3::new(4.9, 2.2, 5.6), target: Vec3::new(0.0, 1.55, 0.0) },
+        When::AfterHit(0, 1.5),
+        View::Fixed { eye: Vec3::new(-4.9, 2.2, 5.6), target: Vec3::new(0.0, 1.6, 0.0) },
     ),
     (
         "frame_06_at_rest",
