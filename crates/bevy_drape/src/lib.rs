@@ -42,6 +42,9 @@ pub use plugin::DrapePlugins;
 /// use bevy_drape::prelude::*;
 /// ```
 pub mod prelude {
+    #[cfg(feature = "gizmos")]
+    #[doc(inline)]
+    pub use crate::gizmos::DrapeGizmos;
     #[doc(inline)]
     pub use crate::{
         activity::{Activity, ActivityCounts},
@@ -63,7 +66,4 @@ pub mod prelude {
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
         settings::{DefaultSolverSettings, SolverSettings, StickProjection},
     };
-    #[cfg(feature = "gizmos")]
-    #[doc(inline)]
-    pub use crate::gizmos::DrapeGizmos;
 }
