@@ -16,7 +16,7 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS};
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS, TETHER_SPEED};
 use crate::contact_particle_obstacle as particle_obstacle;
 use crate::error::StepError;
 use crate::island::{Environment, Island};
@@ -151,7 +151,7 @@ pub fn relax(island: &mut Island, environment: &Environment) {
             stick::relax(particles, topology, stiffness, settings.projection, reverse);
             if settings.tethers {
                 ball_cloth::note_touched(context, balls, index, particles);
-                topology.tethers.project(particles);
+                topology.tethers.project(particles, TETHER_SPEED * context.substep);
                 ball_cloth::put_back(context, particles);
             }
         }

@@ -123,8 +123,9 @@ impl Tethers {
         self.length.push(length);
     }
 
-    /// Brings every particle back to within its tethers' lengths. A tether whose pin has been freed is slack.
-    pub(crate) fn project(&self, particles: &mut Particles) {
+    /// Brings every particle back to within its tethers' lengths, but by no more than `most` (metres) at once. A tether
+    /// whose pin has been freed is slack.
+    pub(crate) fn project(&self, particles: &mut Particles, most: f32) {
         for (particle, pin, length) in self.iter() {
             let (i, pin) = (particle as usize, pin as usize);
             if particles.inverse_mass[pin] != 0.0 || particles.inverse_mass[i] == 0.0 {
@@ -134,7 +135,8 @@ impl Tethers {
             let delta = particles.position.get(i) - anchor;
             let distance_squared = delta.length_squared();
             if distance_squared > length * length {
-                let scale = length / distance_squared.sqrt();
+                let distance = distance_squared.sqrt();
+                let scale = length.max(distance - most) / distance;
                 particles.position.set(i, anchor + delta * scale);
             }
         }
@@ -199,11 +201,11 @@ mod tests {
         let positions = [Vec3::ZERO, Vec3::new(3.0, 4.0, 0.0)];
         let mut particles = Particles::new(Vec3::ZERO, &positions, &[0.0, 1.0]).expect("valid");
         let tethers = Tethers::geodesic(2, [(0, 1, 2.5)], &[0]);
-        tethers.project(&mut particles);
+        tethers.project(&mut particles, f32::INFINITY);
         assert!((particles.position(1) - Vec3::new(1.5, 2.0, 0.0)).length() < 1e-6);
         particles.set_inverse_mass(0, 1.0);
         particles.set_position(1, positions[1]);
-        tethers.project(&mut particles);
+        tethers.project(&mut particles, f32::INFINITY);
         assert_eq!(particles.position(1), positions[1]);
     }
 }
