@@ -32,3 +32,8 @@ mod textures;
 pub mod visuals;
 #[cfg(feature = "window")]
 pub mod window;
+
+/// Compiles the example of the repository's README.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;
