@@ -10,6 +10,7 @@ use crate::integrate::Drag;
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
 use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
+use crate::sweep::Plan;
 use crate::topology::Topology;
 
 /// A cloth, a rope or a rig, ready to be stepped.
@@ -54,8 +55,8 @@ pub struct BodyContext {
     pub(crate) damping: Vec<f32>,
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
-    /// Mass in kilograms of a body without pins; 0 for a body with any.
-    pub(crate) free_mass: f64,
+    /// The order of work of a substep.
+    pub(crate) plan: Plan,
     pub(crate) still_for: f32,
 }
 
@@ -67,8 +68,18 @@ impl BodyContext {
 }
 
 impl Body {
+    /// Puts the particles where the topology looks for them, and takes a look at them where something has changed.
+    pub(crate) fn prepare(&mut self) {
+        let Self { particles, topology, .. } = self;
+        particles.arrange(topology.layout);
+        particles.masses.update(&particles.inverse_mass, particles.layout);
+        particles.take_survey();
+    }
+
     /// Sets everything that stays the same through the substeps of one step.
-    pub(crate) fn begin_step(&mut self, substep: f32, substeps: u32) {
+    ///
+    /// `projections` is the number of iterations of the island, and so of the projections of contacts.
+    pub(crate) fn begin_step(&mut self, substep: f32, substeps: u32, projections: u32) {
         let Self { particles, topology, settings, context } = self;
         particles.set_substep(substep);
         context.drag = Drag::new(settings.drag, substep);
@@ -80,10 +91,10 @@ impl Body {
             .extend(materials.clone().map(|m| iteration_stiffness(m.stiffness, felt, settings.iterations)));
         context.damping.clear();
         context.damping.extend(materials.map(|m| substep_damping(m, substep)));
-        context.integrated.reset(particles.len());
-        let masses = particles.inverse_mass.iter().map(|&w| 1.0 / f64::from(w));
-        let pinned = particles.inverse_mass.contains(&0.0);
-        context.free_mass = if pinned { 0.0 } else { masses.sum() };
+        if context.integrated.cells.len() != particles.layout.cells() {
+            context.integrated.reset(particles.layout.cells());
+        }
+        context.plan.make(topology, settings, &context.stiffness, projections);
         context.pin_shifts.clear();
         for &(i, target) in &particles.pin_targets {
             let way = target - particles.origin - particles.position.get(i as usize);
@@ -98,13 +109,37 @@ impl Body {
             return 0.0;
         }
         let pins = self.particles.pin_targets.iter();
-        let ways = pins.map(|&(i, target)| target.distance(self.particles.position(i as usize)));
+        let ways = pins.map(|&(i, target)| target.distance(self.particles.origin + self.particles.position.get(i as usize)));
         ways.fold(greatest_error(&self.particles, &self.topology), f32::max)
     }
 
-    /// Displacement of particle `i` in this substep so far: integration and projections.
-    pub(crate) fn travel(&self, i: usize) -> Vec3 {
-        let projected = self.particles.position.get(i) - self.context.integrated.get(i);
-        self.particles.displacement.get(i) + projected
+    /// Displacement of the particle in `slot` in this substep so far: integration and projections.
+    pub(crate) fn travel(&self, slot: usize) -> Vec3 {
+        let projected = self.particles.position.get(slot) - self.context.integrated.get(slot);
+        self.particles.displacement.get(slot) + projected
+    }
+
+    /// Takes pinned particles one substep further on their way.
+    pub(crate) fn move_pins(&mut self) {
+        for &(slot, shift) in &self.context.pin_shifts {
+            self.particles.position.add(slot as usize, shift);
+        }
+    }
+
+    /// Gives pins that move their displacement, once integration has left them without one.
+    pub(crate) fn note_pin_travel(&mut self) {
+        for &(slot, shift) in &self.context.pin_shifts {
+            self.particles.displacement.set(slot as usize, shift);
+        }
+    }
+
+    /// Memory of the state, of what a step needs, and of sticks and tethers, in bytes. Faces, which only contacts with
+    /// balls and the wind read, and lists of contacts are not counted.
+    pub fn bytes(&self) -> usize {
+        let Self { particles, topology, context, .. } = self;
+        let columns = [&particles.position, &particles.displacement, &context.integrated];
+        let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
+        let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
+        cells + masses + topology.bytes()
     }
 }

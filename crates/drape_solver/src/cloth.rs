@@ -8,7 +8,6 @@ use crate::body::Body;
 use crate::error::{BuildError, finite_vector, in_range, positive};
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
-use crate::tether::Tethers;
 use crate::topology::{StickKind, StickMaterial, Topology, TopologyBuilder};
 
 /// The most particles that one cloth may have.
@@ -199,29 +198,17 @@ impl ClothBuilder {
         let structural = material(StickKind::Structural, self.material.structural);
         let shear = material(StickKind::Shear, self.material.shear);
         let bend = material(StickKind::Bend, self.material.bend);
-        let mut builder = TopologyBuilder::new(positions);
+        let mut builder = TopologyBuilder::grid(positions, c, r)?;
         builder
-            .family(structural, self.pairs(c - 1, r, [0, 0], [1, 0]))?
-            .family(structural, self.pairs(c, r - 1, [0, 0], [0, 1]))?
-            .family(shear, self.pairs(c - 1, r - 1, [0, 0], [1, 1]))?
-            .family(shear, self.pairs(c - 1, r - 1, [1, 0], [0, 1]))?
-            .family(bend, self.pairs(c.saturating_sub(2), r, [0, 0], [2, 0]))?
-            .family(bend, self.pairs(c, r.saturating_sub(2), [0, 0], [0, 2]))?
+            .grid_family(structural, [1, 0])?
+            .grid_family(structural, [0, 1])?
+            .grid_family(shear, [1, 1])?
+            .grid_family(shear, [-1, 1])?
+            .grid_family(bend, [2, 0])?
+            .grid_family(bend, [0, 2])?
             .faces(self.faces())?
-            .tethers(Tethers::straight(positions, &self.pins))?;
+            .straight_tethers(&self.pins)?;
         builder.build()
-    }
-
-    /// Pairs of particles at `from` and `to` in each of `columns` x `rows` cells.
-    fn pairs(
-        &self,
-        columns: u32,
-        rows: u32,
-        from: [u32; 2],
-        to: [u32; 2],
-    ) -> impl Iterator<Item = [u32; 2]> + '_ {
-        self.cells(columns, rows)
-            .map(move |(column, row)| [from, to].map(|[right, down]| self.index(column + right, row + down)))
     }
 
     /// Two triangles a square, counter-clockwise seen from the front (`right` x `-down`); the diagonal

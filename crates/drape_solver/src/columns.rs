@@ -1,69 +1,68 @@
-//! Three columns of numbers, one vector per particle.
+//! Three columns of numbers, one vector per particle, in cells that fill a vector register each.
 
 use glam::Vec3;
 
-/// Vectors stored as three columns (x, y, z), so that loops over all particles vectorise.
+/// Particles in a cell: the widest vector register in use holds so many floats. Narrower ones take a cell in parts,
+/// with the same result.
+pub(crate) const LANES: usize = 16;
+
+/// The vectors of [`LANES`] particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub(crate) struct Cell {
+    pub x: [f32; LANES],
+    pub y: [f32; LANES],
+    pub z: [f32; LANES],
+}
+
+impl Cell {
+    pub fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+
+    pub fn set(&mut self, lane: usize, v: Vec3) {
+        (self.x[lane], self.y[lane], self.z[lane]) = (v.x, v.y, v.z);
+    }
+
+    pub fn axes(&self) -> [&[f32; LANES]; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+}
+
+/// One vector for each slot of a body's layout.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Columns {
-    pub x: Vec<f32>,
-    pub y: Vec<f32>,
-    pub z: Vec<f32>,
+    pub cells: Vec<Cell>,
 }
 
 impl Columns {
-    pub fn len(&self) -> usize {
-        self.x.len()
-    }
-
     pub fn is_empty(&self) -> bool {
-        self.x.is_empty()
+        self.cells.is_empty()
     }
 
-    pub fn get(&self, i: usize) -> Vec3 {
-        Vec3::new(self.x[i], self.y[i], self.z[i])
+    #[inline]
+    pub fn get(&self, slot: usize) -> Vec3 {
+        self.cells[slot / LANES].get(slot % LANES)
     }
 
-    pub fn set(&mut self, i: usize, v: Vec3) {
-        self.x[i] = v.x;
-        self.y[i] = v.y;
-        self.z[i] = v.z;
+    #[inline]
+    pub fn set(&mut self, slot: usize, v: Vec3) {
+        self.cells[slot / LANES].set(slot % LANES, v);
     }
 
-    pub fn add(&mut self, i: usize, v: Vec3) {
-        self.x[i] += v.x;
-        self.y[i] += v.y;
-        self.z[i] += v.z;
+    #[inline]
+    pub fn add(&mut self, slot: usize, v: Vec3) {
+        let cell = &mut self.cells[slot / LANES];
+        cell.set(slot % LANES, cell.get(slot % LANES) + v);
     }
 
     pub fn clear(&mut self) {
-        for column in self.each_mut() {
-            column.clear();
-        }
+        self.cells.clear();
     }
 
-    /// Makes room for `len` zero vectors, reusing what is allocated.
-    pub fn reset(&mut self, len: usize) {
-        for column in self.each_mut() {
-            column.clear();
-            column.resize(len, 0.0);
-        }
-    }
-
-    pub fn push(&mut self, v: Vec3) {
-        self.x.push(v.x);
-        self.y.push(v.y);
-        self.z.push(v.z);
-    }
-
-    pub fn each(&self) -> [&Vec<f32>; 3] {
-        [&self.x, &self.y, &self.z]
-    }
-
-    pub fn each_mut(&mut self) -> [&mut Vec<f32>; 3] {
-        [&mut self.x, &mut self.y, &mut self.z]
-    }
-
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
-        (0..self.len()).map(|i| self.get(i))
+    /// Makes room for `cells` cells of zero vectors, reusing what is allocated.
+    pub fn reset(&mut self, cells: usize) {
+        self.cells.clear();
+        self.cells.resize(cells, Cell::default());
     }
 }

@@ -22,6 +22,9 @@ pub const MAX_HIT_SUBSTEPS: f32 = 64.0;
 /// The part of the substeps of a hit that a ball near a cloth keeps from step to step while it needs fewer.
 pub const HIT_SUBSTEPS_KEPT: f32 = 0.9;
 
+/// Cells from which on a sweep runs down the rows of a grid: smaller bodies stay in the nearest cache anyway.
+pub const LEAST_PIPELINED_CELLS: usize = 512;
+
 /// Tethers pull a particle home at this speed at most, in metres per second. What hangs from a pin is pulled by
 /// millimetres; what something has dragged a metre away is not to come back as a bullet.
 pub const TETHER_SPEED: f32 = 50.0;

@@ -27,6 +27,7 @@ use crate::island::{Island, IslandContext};
 use crate::nearest::{on_segment, on_triangle};
 use crate::overlap::{Overlap, Pace};
 use crate::particles::Particles;
+use crate::survey::MassSurvey;
 use crate::touch::{Other, Projection, add_impulse, begin, is_known};
 
 /// A ball and a face, or a segment, that may touch in this step.
@@ -48,7 +49,7 @@ impl BallCloth {
     }
 }
 
-/// A face, or a segment of a body that has no faces.
+/// A face, or a segment of a body that has no faces, by the slots of its corners.
 #[derive(Clone, Copy, Debug)]
 enum Element {
     Face([u32; 3]),
@@ -91,9 +92,8 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
         if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
             continue;
         }
-        let free = body.particles.inverse_mass.iter().filter(|&&w| w > 0.0);
-        let (count, sum) = free.fold((0, 0.0), |(count, sum), w| (count + 1, sum + 1.0 / w));
-        if count == 0 {
+        let MassSurvey { free_count, free_mass, .. } = &body.particles.masses;
+        if *free_count == 0 {
             continue;
         }
         // The longest side of a face is the diagonal of its cell; a link of a rope has the ball's width.
@@ -103,7 +103,7 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
         } else {
             2.0 * core::f32::consts::PI * radius * radius / (side * side)
         };
-        let patch = covered.max(1.0) * sum / count as f32;
+        let patch = covered.max(1.0) * (free_mass / *free_count as f64) as f32;
         let ratio = mass / (patch * (body.settings.iterations + 1) as f32);
         wanted = wanted.max(path / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());
         wanted = wanted.max(ball.hit_substeps * HIT_SUBSTEPS_KEPT);
@@ -129,11 +129,14 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
             let centre = ball.position - body.particles.origin;
             let near = |p: Vec3| p.distance_squared(centre) < reach * reach;
             context.marks.clear();
-            context.marks.extend(body.particles.position.iter().map(near));
+            let layout = body.particles.layout;
+            context.marks.extend(layout.slots().map(|slot| near(body.particles.position.get(slot))));
+            let slot = |i: u32| layout.slot(i as usize) as u32;
             let marked = |i: &u32| context.marks[*i as usize];
             let faces = topology.faces.iter().filter(|face| face.iter().any(marked));
             let segments = topology.segments.iter().filter(|ends| ends.iter().any(marked));
-            let elements = faces.map(|&f| Element::Face(f)).chain(segments.map(|&s| Element::Segment(s)));
+            let faces = faces.map(|face| Element::Face(face.map(slot)));
+            let elements = faces.chain(segments.map(|ends| Element::Segment(ends.map(slot))));
             context.ball_cloth.extend(elements.map(|element| BallCloth {
                 ball: ball_index,
                 body: body_index,
@@ -256,7 +259,7 @@ fn passed_side(start: &Placed, now: &Placed, slack: f32) -> Option<f32> {
 
 /// Moves balls and cloth apart where they overlap.
 pub(crate) fn project(island: &mut Island) {
-    let Island { bodies, balls, touches, context } = island;
+    let Island { bodies, balls, touches, context, .. } = island;
     let pace = Pace::of(context);
     for index in 0..context.ball_cloth.len() {
         let contact = &context.ball_cloth[index];

@@ -1,6 +1,6 @@
 //! Particles against obstacles.
 //!
-//! Once a step the particles that could reach an obstacle are listed; each projection moves those that lie
+//! Once a step the cells with particles that could reach an obstacle are listed; each projection moves those that lie
 //! inside out along the normal, to the nearest point of the surface.
 //!
 //! ```text
@@ -9,118 +9,131 @@
 //!   ===|=========== surface     depth = thickness - distance; moved by depth along the normal
 //!      x
 //! ```
+#![expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
 
+use core::ops::Range;
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
 use crate::body::{Body, BodyContext};
-use crate::friction::{combined, slip_taken};
+use crate::columns::{Cell, LANES};
+use crate::friction::combined;
+use crate::isa::{Isa, Kernel};
+use crate::lanes::{Lanes3, load};
+use crate::layout::Layout;
 use crate::obstacle::Obstacle;
-use crate::overlap::{Overlap, Pace};
+use crate::overlap::Pace;
+use crate::particles::Particles;
 use crate::pose::Pose;
-use crate::shape::{Plane, Shape, Surface, container_walls};
+use crate::shape::{Shape, container_walls};
+use crate::surface_lanes::{LanePlanes, LanePose, Solid};
 
 /// The particles of one body that may touch obstacles in this step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ObstacleContacts {
+    layout: Layout,
     groups: Vec<Group>,
     candidates: Vec<Candidate>,
+    planes: Vec<LanePlanes>,
 }
 
 /// Candidates of one obstacle, and its pose at the ends of the current substep.
 #[derive(Clone, Debug)]
 struct Group {
     obstacle: usize,
-    first: usize,
-    count: usize,
+    candidates: Range<usize>,
     friction: f32,
+    is_moving: bool,
     before: Pose,
     now: Pose,
 }
 
-#[derive(Clone, Copy, Debug)]
+/// The particles of one cell that may touch one obstacle.
+#[derive(Clone, Debug)]
 struct Candidate {
-    particle: u32,
+    cell: u32,
+    lanes: u16,
+    /// The surface near each particle as a plane, by its place in the list, where asking the shape each time would be
+    /// slow or wrong.
+    planes: Option<u32>,
     /// Depth that motion made, summed over the projections of the substep, in metres.
-    depth: f32,
-    overlap: Overlap,
-    /// World normal of the last projection.
-    normal: Vec3,
-    /// The surface near the particle as a plane, where asking the shape each time would be slow or wrong.
-    plane: Option<Plane>,
+    depth: [f32; LANES],
+    /// What may be left of an old overlap at the end of the substep, in metres: see [`crate::overlap`]. Negative until
+    /// the first projection.
+    left: [f32; LANES],
+    /// World normals of the last projection.
+    normal: Cell,
 }
 
-impl ObstacleContacts {
-    pub fn clear(&mut self) {
-        self.groups.clear();
-        self.candidates.clear();
-    }
+/// The columns that contacts read and write.
+pub(crate) struct Moving<'a> {
+    pub position: &'a mut [Cell],
+    pub displacement: &'a mut [Cell],
+    /// Positions after integration.
+    pub integrated: &'a mut [Cell],
 }
 
 impl BodyContext {
     /// Particles that obstacles pushed out in the last substep: the particle's index, the unit normal of the
     /// surface in the world, and the depth in metres, summed over the projections of the substep.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
-        let touching = self.contacts.candidates.iter().filter(|candidate| candidate.depth > 0.0);
-        touching.map(|candidate| (candidate.particle as usize, candidate.normal, candidate.depth))
+        let layout = self.contacts.layout;
+        self.contacts.candidates.iter().flat_map(move |candidate| {
+            let touching = (0..LANES).filter(|&lane| candidate.depth[lane] > 0.0);
+            touching.filter_map(move |lane| {
+                let index = layout.index(candidate.cell as usize * LANES + lane)?;
+                Some((index, candidate.normal.get(lane), candidate.depth[lane]))
+            })
+        })
     }
 }
 
 /// Lists the particles that could touch each obstacle if nothing moves more than `reach` (metres) on top of
 /// the obstacle's own travel.
-pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32) {
+pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: Isa) {
     let (low, high) = body.particles.bounds();
     let Body { particles, settings, context, .. } = body;
-    context.contacts.clear();
-    let ObstacleContacts { groups, candidates } = &mut context.contacts;
+    let contacts = &mut context.contacts;
+    contacts.layout = particles.layout;
+    contacts.groups.clear();
+    contacts.candidates.clear();
+    contacts.planes.clear();
     for (index, obstacle) in obstacles.iter().enumerate() {
         let reach = reach + settings.thickness;
         let (obstacle_low, obstacle_high) = obstacle.swept_bounds();
         if !(low - reach).cmple(obstacle_high).all() || !(high + reach).cmpge(obstacle_low).all() {
             continue;
         }
-        let reach = reach + obstacle.travel();
         let pose = obstacle.pose_at(0.0, particles.origin);
-        let first = candidates.len();
-        for (i, position) in particles.position.iter().enumerate() {
-            if particles.inverse_mass[i] == 0.0 {
-                continue;
+        let first = contacts.candidates.len();
+        let reach = reach + obstacle.travel();
+        match obstacle.shape() {
+            Shape::Container { half_extents } => {
+                for wall in container_walls(*half_extents) {
+                    let mut normal = Cell::default();
+                    (0..LANES).for_each(|lane| normal.set(lane, wall.normal));
+                    contacts.planes.push(LanePlanes { normal, offset: [wall.offset; LANES] });
+                    let plane = contacts.planes.len() - 1;
+                    let planes = &contacts.planes[plane];
+                    let candidates = &mut contacts.candidates;
+                    let solid = Solid::Planes(planes);
+                    isa.run(Search { particles, solid, pose, reach, planes: Some(plane as u32), candidates });
+                }
+                contacts.candidates[first..].sort_by_key(|candidate| candidate.cell);
             }
-            let local = pose.to_local(position);
-            let mut add = |plane: Option<Plane>| {
-                candidates.push(Candidate {
-                    particle: i as u32,
-                    depth: 0.0,
-                    overlap: Overlap::default(),
-                    normal: Vec3::ZERO,
-                    plane,
-                });
-            };
-            match obstacle.shape() {
-                Shape::Container { half_extents } => container_walls(*half_extents)
-                    .into_iter()
-                    .filter(|wall| wall.surface(local).distance < reach)
-                    .for_each(|wall| add(Some(wall))),
-                shape @ Shape::Parry(_) => {
-                    let Surface { distance, normal } = shape.surface(local);
-                    if distance < reach {
-                        let offset = normal.dot(local) - distance;
-                        add(Some(Plane { normal, offset }));
-                    }
-                }
-                shape => {
-                    if shape.surface(local).distance < reach {
-                        add(None);
-                    }
-                }
+            shape @ Shape::Parry(_) => search_by_query(contacts, particles, shape, pose, reach),
+            shape => {
+                let candidates = &mut contacts.candidates;
+                isa.run(Search { particles, solid: Solid::Formula(shape), pose, reach, planes: None, candidates });
             }
         }
-        let count = candidates.len() - first;
-        if count > 0 {
-            groups.push(Group {
+        if contacts.candidates.len() > first {
+            contacts.groups.push(Group {
                 obstacle: index,
-                first,
-                count,
+                candidates: first..contacts.candidates.len(),
                 friction: combined(settings.friction, obstacle.friction()),
+                is_moving: obstacle.is_moving(),
                 before: pose,
                 now: pose,
             });
@@ -128,75 +141,206 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32) {
     }
 }
 
-/// Brings the obstacles to the end of substep `index` of `count` and forgets the last substep's depths.
-pub(crate) fn begin_substep(body: &mut Body, obstacles: &[Obstacle], index: u32, count: u32) {
-    let origin = body.particles.origin;
-    let contacts = &mut body.context.contacts;
-    for group in &mut contacts.groups {
-        let pose_at = |k: u32| obstacles[group.obstacle].pose_at(k as f32 / count as f32, origin);
-        group.before = pose_at(index);
-        group.now = pose_at(index + 1);
-    }
-    for candidate in &mut contacts.candidates {
-        candidate.depth = 0.0;
-        candidate.overlap = Overlap::default();
-    }
+fn candidate(cell: usize, lanes: u16, planes: Option<u32>) -> Candidate {
+    let (depth, left) = ([0.0; LANES], [-1.0; LANES]);
+    Candidate { cell: cell as u32, lanes, planes, depth, left, normal: Cell::default() }
 }
 
-/// Moves every particle that lies inside an obstacle out to its surface.
-pub(crate) fn project(body: &mut Body, obstacles: &[Obstacle], pace: Pace) {
-    let Body { particles, settings, context, .. } = body;
-    let ObstacleContacts { groups, candidates } = &mut context.contacts;
-    for group in groups {
-        let shape = obstacles[group.obstacle].shape();
-        for candidate in &mut candidates[group.first..group.first + group.count] {
-            let i = candidate.particle as usize;
-            let position = particles.position.get(i);
-            let local = group.now.to_local(position);
-            let plane = candidate.plane;
-            let surface = |local: Vec3| match plane {
-                Some(plane) => plane.surface(local),
-                None => shape.surface(local),
-            };
-            let Surface { distance, normal } = surface(local);
-            let depth = settings.thickness - distance;
-            if depth > 0.0 {
-                let normal = group.now.direction_to_world(normal);
-                let travel = particles.displacement.get(i) + (position - context.integrated.get(i));
-                let carried = group.now.point_to_world(local) - group.before.point_to_world(local);
-                let outward = (travel - carried).dot(normal);
-                let at_start =
-                    || settings.thickness - surface(group.before.to_local(position - travel)).distance;
-                let push = candidate.overlap.split(depth, outward, at_start, pace);
-                candidate.normal = normal;
-                candidate.depth += push.fresh;
-                let out = normal * (push.fresh + push.old);
-                particles.displacement.add(i, normal * push.fresh);
-                particles.position.add(i, out);
-                context.integrated.add(i, out);
-            }
-        }
-    }
-}
-
-/// Takes tangential displacement from every particle that was projected. Comes last in the substep, after
-/// displacements were brought up to date.
-pub(crate) fn apply_friction(body: &mut Body) {
-    let Body { particles, context, .. } = body;
-    let ObstacleContacts { groups, candidates } = &context.contacts;
-    for group in groups {
-        for candidate in &candidates[group.first..group.first + group.count] {
-            if candidate.depth == 0.0 {
+/// Asks a shape without a formula for the nearest point of every particle in its reach.
+fn search_by_query(contacts: &mut ObstacleContacts, particles: &Particles, shape: &Shape, pose: Pose, reach: f32) {
+    let (low, high) = shape.local_bounds();
+    for (cell, positions) in particles.position.cells.iter().enumerate() {
+        let mut lanes = 0;
+        let mut planes = LanePlanes::default();
+        for lane in (0..LANES).filter(|lane| particles.inverse_mass[cell * LANES + lane] > 0.0) {
+            let local = pose.to_local(positions.get(lane));
+            if !(local.cmpge(low - reach).all() && local.cmple(high + reach).all()) {
                 continue;
             }
-            let i = candidate.particle as usize;
-            // The surface point under the particle came from where the same local point was before.
-            let position = particles.position.get(i);
-            let carried = position - group.before.point_to_world(group.now.to_local(position));
-            let slip = particles.displacement.get(i) - carried;
-            let taken = slip_taken(slip, candidate.normal, group.friction, candidate.depth);
-            particles.position.add(i, -taken);
-            particles.displacement.add(i, -taken);
+            let surface = shape.surface(local);
+            if surface.distance < reach {
+                lanes |= 1 << lane;
+                planes.normal.set(lane, surface.normal);
+                planes.offset[lane] = surface.normal.dot(local) - surface.distance;
+            }
         }
+        if lanes != 0 {
+            contacts.candidates.push(candidate(cell, lanes, Some(contacts.planes.len() as u32)));
+            contacts.planes.push(planes);
+        }
+    }
+}
+
+/// The search for cells within reach of a shape with a formula.
+struct Search<'a> {
+    particles: &'a Particles,
+    solid: Solid<'a>,
+    pose: Pose,
+    reach: f32,
+    planes: Option<u32>,
+    candidates: &'a mut Vec<Candidate>,
+}
+
+impl Kernel for Search<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let pose = LanePose::new(simd, &self.pose);
+        let reach = f32x16::splat(simd, self.reach);
+        let (masses, _) = self.particles.inverse_mass.as_chunks::<LANES>();
+        for (cell, (position, mass)) in self.particles.position.cells.iter().zip(masses).enumerate() {
+            let local = pose.to_local(Lanes3::load(simd, position));
+            let (distance, _) = self.solid.surface(simd, local);
+            let near = distance.simd_lt(reach) & load(simd, mass).simd_gt(f32x16::splat(simd, 0.0));
+            if near.any_true() {
+                self.candidates.push(candidate(cell, near.to_bitmask() as u16, self.planes));
+            }
+        }
+    }
+}
+
+impl ObstacleContacts {
+    /// Brings the obstacles to the end of substep `index` of `count`.
+    pub fn begin_substep(&mut self, obstacles: &[Obstacle], origin: Vec3, index: u32, count: u32) {
+        for group in &mut self.groups {
+            let pose_at = |k: u32| obstacles[group.obstacle].pose_at(k as f32 / count as f32, origin);
+            group.before = pose_at(index);
+            group.now = pose_at(index + 1);
+        }
+    }
+
+    /// Moves every particle of these cells that lies inside an obstacle out to its surface. `is_first` says that this
+    /// is the first projection of the substep.
+    #[inline(always)]
+    pub fn project<S: Simd>(
+        &mut self,
+        simd: S,
+        cells: Range<usize>,
+        moving: &mut Moving,
+        obstacles: &[Obstacle],
+        thickness: f32,
+        pace: Pace,
+        is_first: bool,
+    ) {
+        let Self { groups, candidates, planes, .. } = self;
+        for group in groups {
+            let (before, now) = (LanePose::new(simd, &group.before), LanePose::new(simd, &group.now));
+            for candidate in of_cells(&mut candidates[group.candidates.clone()], &cells) {
+                let solid = match candidate.planes {
+                    Some(place) => Solid::Planes(&planes[place as usize]),
+                    None => Solid::Formula(obstacles[group.obstacle].shape()),
+                };
+                let contact = Contact { solid, before, now, is_moving: group.is_moving, thickness, pace, is_first };
+                contact.project(simd, candidate, moving);
+            }
+        }
+    }
+
+    /// Takes tangential displacement from every particle of these cells that was projected. Comes last in the substep,
+    /// after displacements were brought up to date.
+    #[inline(always)]
+    pub fn apply_friction<S: Simd>(&mut self, simd: S, cells: Range<usize>, moving: &mut Moving) {
+        let Self { groups, candidates, .. } = self;
+        for group in groups.iter().filter(|group| group.friction > 0.0) {
+            let (before, now) = (LanePose::new(simd, &group.before), LanePose::new(simd, &group.now));
+            for candidate in of_cells(&mut candidates[group.candidates.clone()], &cells) {
+                let depth = load(simd, &candidate.depth);
+                let is_touching = depth.simd_gt(f32x16::splat(simd, 0.0));
+                if is_touching.all_false() {
+                    continue;
+                }
+                let cell = candidate.cell as usize;
+                let position = Lanes3::load(simd, &moving.position[cell]);
+                let displacement = Lanes3::load(simd, &moving.displacement[cell]);
+                let mut slip = displacement;
+                if group.is_moving {
+                    // The surface point under the particle came from where the same local point was before.
+                    slip = slip.minus(position.minus(before.point_to_world(now.to_local(position))));
+                }
+                let normal = Lanes3::load(simd, &candidate.normal);
+                // Coulomb: at most the coefficient times the depth, and never more than there is. See `friction.rs`.
+                let tangential = slip.minus(normal.times(slip.dot(normal)));
+                let length = tangential.dot(tangential).sqrt();
+                let most = depth * group.friction;
+                let is_slipping = length.simd_gt(most);
+                let one = f32x16::splat(simd, 1.0);
+                let part = is_slipping.select(most / is_slipping.select(length, one), one);
+                let taken = tangential.times(part);
+                position.minus(taken).or(is_touching, position).store(&mut moving.position[cell]);
+                displacement.minus(taken).or(is_touching, displacement).store(&mut moving.displacement[cell]);
+            }
+        }
+    }
+}
+
+/// The candidates in these cells, of candidates in order of their cells.
+#[inline(always)]
+fn of_cells<'a>(candidates: &'a mut [Candidate], cells: &Range<usize>) -> &'a mut [Candidate] {
+    let first = candidates.partition_point(|candidate| (candidate.cell as usize) < cells.start);
+    let count = candidates[first..].partition_point(|candidate| (candidate.cell as usize) < cells.end);
+    &mut candidates[first..first + count]
+}
+
+/// One obstacle, as the particles of a cell meet it in one projection.
+struct Contact<'a, S: Simd> {
+    solid: Solid<'a>,
+    before: LanePose<S>,
+    now: LanePose<S>,
+    is_moving: bool,
+    thickness: f32,
+    pace: Pace,
+    is_first: bool,
+}
+
+impl<S: Simd> Contact<'_, S> {
+    #[inline(always)]
+    fn project(&self, simd: S, candidate: &mut Candidate, moving: &mut Moving) {
+        let zero = f32x16::splat(simd, 0.0);
+        let cell = candidate.cell as usize;
+        if self.is_first {
+            candidate.depth = [0.0; LANES];
+            candidate.left = [-1.0; LANES];
+        }
+        let position = Lanes3::load(simd, &moving.position[cell]);
+        let local = self.now.to_local(position);
+        let (distance, normal) = self.solid.surface(simd, local);
+        let depth = f32x16::splat(simd, self.thickness) - distance;
+        let lanes = mask32x16::from_bitmask(simd, u64::from(candidate.lanes));
+        let is_inside = depth.simd_gt(zero) & lanes;
+        if is_inside.all_false() {
+            return;
+        }
+        let normal = self.now.direction_to_world(normal);
+        let displacement = Lanes3::load(simd, &moving.displacement[cell]);
+        let integrated = Lanes3::load(simd, &moving.integrated[cell]);
+        let travel = displacement.plus(position.minus(integrated));
+        let mut outward = travel;
+        if self.is_moving {
+            outward = outward.minus(self.now.point_to_world(local).minus(self.before.point_to_world(local)));
+        }
+        // The tangent plane rules out an overlap at the start of the substep, or the shape is asked for it.
+        let may_be_old = (depth + outward.dot(normal)).simd_gt(zero) & is_inside;
+        let mut old = zero;
+        if may_be_old.any_true() {
+            let (distance, _) = self.solid.surface(simd, self.before.to_local(position.minus(travel)));
+            let overlap = f32x16::splat(simd, self.thickness) - distance;
+            let overlap = overlap.simd_gt(zero).select(overlap, zero);
+            old = may_be_old.select(overlap.simd_lt(depth).select(overlap, depth), zero);
+        }
+        let known = load(simd, &candidate.left);
+        let left = known.simd_lt(zero).select(self.pace.left_in_lanes(simd, old), known);
+        let taken = old - left;
+        let taken = taken.simd_gt(zero).select(taken, zero);
+        let fresh = depth - old;
+        let out = normal.times(fresh + taken);
+        let with_velocity = displacement.plus(normal.times(fresh));
+        with_velocity.or(is_inside, displacement).store(&mut moving.displacement[cell]);
+        position.plus(out).or(is_inside, position).store(&mut moving.position[cell]);
+        integrated.plus(out).or(is_inside, integrated).store(&mut moving.integrated[cell]);
+        let summed = load(simd, &candidate.depth);
+        candidate.depth = is_inside.select(summed + fresh, summed).to_array();
+        candidate.left = is_inside.select(left, known).to_array();
+        normal.or(is_inside, Lanes3::load(simd, &candidate.normal)).store(&mut candidate.normal);
     }
 }

@@ -53,9 +53,9 @@ pub(crate) fn accumulate(body: &mut Body, gravity: Vec3, wind: &Wind, dt: f32) {
     if !blows && particles.force.is_empty() {
         return;
     }
-    context.acceleration.reset(particles.len());
+    context.acceleration.reset(particles.layout.cells());
     if !particles.force.is_empty() {
-        for i in 0..particles.len() {
+        for i in particles.layout.slots() {
             let acceleration = particles.force.get(i) * particles.inverse_mass[i];
             context.acceleration.set(i, acceleration);
         }
@@ -63,7 +63,7 @@ pub(crate) fn accumulate(body: &mut Body, gravity: Vec3, wind: &Wind, dt: f32) {
     if blows {
         let pressure = 0.5 * wind.air_density * wind.drag_coefficient;
         for &face in topology.faces() {
-            let corners = face.map(|i| i as usize);
+            let corners = face.map(|i| particles.layout.slot(i as usize));
             let [p, q, r] = corners.map(|i| particles.position.get(i));
             let double_area = (q - p).cross(r - p);
             let area = 0.5 * double_area.length();
@@ -73,7 +73,7 @@ pub(crate) fn accumulate(body: &mut Body, gravity: Vec3, wind: &Wind, dt: f32) {
             }
         }
         for &segment in topology.segments() {
-            let ends = segment.map(|i| i as usize);
+            let ends = segment.map(|i| particles.layout.slot(i as usize));
             let along = particles.position.get(ends[1]) - particles.position.get(ends[0]);
             // A link shows the wind its profile, twice the thickness wide, and turns its side square to it.
             let area = 2.0 * settings.thickness * along.length();
@@ -102,7 +102,7 @@ fn blow(
     dt: f32,
 ) {
     let share = 1.0 / corners.len() as f32;
-    let velocity: Vec3 = corners.iter().map(|&i| particles.velocity(i)).sum::<Vec3>() * share;
+    let velocity: Vec3 = corners.iter().map(|&slot| particles.displacement.get(slot)).sum::<Vec3>() * (share / particles.substep);
     let inverse_mass: f32 = corners.iter().map(|&i| particles.inverse_mass[i]).sum::<f32>() * share;
     let speed = (wind.velocity - velocity).dot(normal);
     let force = strength * speed * speed.abs();

@@ -20,11 +20,12 @@ impl StateHasher {
     /// Adds positions, displacements and inverse masses of a body.
     pub fn particles(&mut self, particles: &Particles) -> &mut Self {
         self.values(&particles.origin.to_array());
-        let columns = particles.position.each().into_iter().chain(particles.displacement.each());
-        for column in columns {
-            self.values(column);
+        for slot in particles.layout.slots() {
+            self.values(&particles.position.get(slot).to_array())
+                .values(&particles.displacement.get(slot).to_array())
+                .values(&[particles.inverse_mass[slot]]);
         }
-        self.values(&particles.inverse_mass)
+        self
     }
 
     /// Adds position, displacement, rotation and spin of a ball, and the substeps that it asks for.

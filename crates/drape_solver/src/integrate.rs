@@ -3,9 +3,15 @@
 //! Position Verlet `x' = x + (1 - c)(x - x*) + a dt^2; x* = x` (Liu 2019, section 1.2; with `c = 0.01` its
 //! `1.99x - 0.99x*`), in displacement form. Some copies have `a dt^2 / 2` here: that halves gravity.
 
+use core::ops::Range;
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
 use crate::body::Body;
+use crate::columns::{Cell, LANES};
+use crate::contact_particle_obstacle::Moving;
+use crate::lanes::{Lanes3, load};
 
 /// What drag does to a displacement and to an acceleration in one substep.
 ///
@@ -46,62 +52,76 @@ impl Drag {
     }
 }
 
-/// One substep of free flight for all particles of `body`. Pinned particles go where their pin takes them.
-pub(crate) fn integrate(body: &mut Body) {
-    let Body { particles, context, .. } = body;
-    let h = particles.substep;
-    let drag = context.drag;
-    let gain = drag.gain * h * h;
-    let uniform = context.uniform_acceleration.to_array();
-    let columns = particles.position.each_mut().into_iter().zip(particles.displacement.each_mut());
-    let varying = context.acceleration.each();
-    let integrated = context.integrated.each_mut();
-    for ((((x, d), varying), integrated), uniform) in columns.zip(varying).zip(integrated).zip(uniform) {
-        let rows = x.iter_mut().zip(d.iter_mut()).zip(integrated.iter_mut());
-        if varying.is_empty() {
-            let shift = uniform * gain;
-            for (((x, d), start), &w) in rows.zip(&particles.inverse_mass) {
-                *d = if w > 0.0 { *d * drag.decay + shift } else { 0.0 };
-                *x += *d;
-                *start = *x;
+/// One substep of free flight for all particles of a body.
+#[derive(Clone, Copy)]
+pub(crate) struct Flight {
+    pub drag: Drag,
+    /// Seconds.
+    pub substep: f32,
+    /// The acceleration that all particles share, in m/s^2.
+    pub uniform: Vec3,
+}
+
+impl Flight {
+    /// Flies the free particles of these cells. `varying` holds the accelerations of single particles, or nothing.
+    /// Pinned ones stay: their pins have taken them where they go.
+    #[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
+    #[inline(always)]
+    pub fn integrate<S: Simd>(
+        self,
+        simd: S,
+        cells: Range<usize>,
+        moving: &mut Moving,
+        varying: &[Cell],
+        inverse_mass: &[[f32; LANES]],
+    ) {
+        let gain = self.drag.gain * self.substep * self.substep;
+        let uniform = Lanes3::splat(simd, self.uniform * gain);
+        let zero = f32x16::splat(simd, 0.0);
+        let still = Lanes3 { x: zero, y: zero, z: zero };
+        let decay = f32x16::splat(simd, self.drag.decay);
+        for cell in cells {
+            let position = Lanes3::load(simd, &moving.position[cell]);
+            let mut next = Lanes3::load(simd, &moving.displacement[cell]).times(decay).plus(uniform);
+            if let Some(varying) = varying.get(cell) {
+                next = next.plus(Lanes3::load(simd, varying).times(f32x16::splat(simd, gain)));
             }
-        } else {
-            let rows = rows.zip(varying.iter());
-            for ((((x, d), start), &a), &w) in rows.zip(&particles.inverse_mass) {
-                *d = if w > 0.0 { *d * drag.decay + (uniform + a) * gain } else { 0.0 };
-                *x += *d;
-                *start = *x;
-            }
+            let is_free: mask32x16<S> = load(simd, &inverse_mass[cell]).simd_gt(zero);
+            next = next.or(is_free, still);
+            let position = position.plus(next);
+            next.store(&mut moving.displacement[cell]);
+            position.store(&mut moving.position[cell]);
+            position.store(&mut moving.integrated[cell]);
         }
-    }
-    for &(i, shift) in &context.pin_shifts {
-        let i = i as usize;
-        particles.position.add(i, shift);
-        particles.displacement.set(i, shift);
-        context.integrated.set(i, particles.position.get(i));
     }
 }
 
-/// Carries what the projections moved into the displacements: this is where a contact takes the normal part
-/// of the velocity, and where restitution zero falls out by itself.
-pub(crate) fn update_displacements(body: &mut Body) {
-    let Body { particles, context, .. } = body;
-    let position = particles.position.each();
-    let displacement = particles.displacement.each_mut();
-    let masses = &particles.inverse_mass;
-    for ((x, d), start) in position.into_iter().zip(displacement).zip(context.integrated.each_mut()) {
-        // Contacts have written their part already; what is left is the sticks' and cannot move the centre of mass
-        // of a free body. What it seems to move is rounding, the same way in substep after substep.
-        let mut drift = 0.0;
-        if context.free_mass > 0.0 {
-            let moved = x.iter().zip(start.iter()).zip(masses).map(|((x, start), w)| (x - start) / w);
-            drift = (moved.map(f64::from).sum::<f64>() / context.free_mass) as f32;
-        }
-        for ((&x, d), start) in x.iter().zip(d.iter_mut()).zip(start.iter_mut()) {
-            *d += x - *start - drift;
-            *start = x;
-        }
+/// Carries what the projections moved into the displacements of these cells: this is where a contact takes the normal
+/// part of the velocity, and where restitution zero falls out by itself.
+#[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
+#[inline(always)]
+pub(crate) fn update_displacements<S: Simd>(simd: S, cells: Range<usize>, moving: &mut Moving, drift: Vec3) {
+    let drift = Lanes3::splat(simd, drift);
+    for cell in cells {
+        let position = Lanes3::load(simd, &moving.position[cell]);
+        let moved = position.minus(Lanes3::load(simd, &moving.integrated[cell])).minus(drift);
+        Lanes3::load(simd, &moving.displacement[cell]).plus(moved).store(&mut moving.displacement[cell]);
     }
+}
+
+/// How far sticks seem to have moved the centre of mass of a free body, which they cannot: it is rounding, the same way
+/// in substep after substep. Contacts have written their part into the displacements already.
+pub(crate) fn drift(body: &Body) -> Vec3 {
+    let Body { particles, context, .. } = body;
+    if particles.masses.has_pins {
+        return Vec3::ZERO;
+    }
+    let mut sum = glam::DVec3::ZERO;
+    for slot in particles.layout.slots() {
+        let moved = (particles.position.get(slot) - context.integrated.get(slot)) / particles.inverse_mass[slot];
+        sum += moved.as_dvec3();
+    }
+    (sum / particles.masses.free_mass).as_vec3()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::contact_ball_ball::BallPair;
 use crate::contact_ball_cloth::BallCloth;
 use crate::contact_ball_obstacle::BallObstacle;
 use crate::force::Wind;
+use crate::isa::Isa;
 use crate::obstacle::Obstacle;
 use crate::touch::Touch;
 
@@ -44,6 +45,8 @@ pub struct Island {
     pub balls: Vec<Ball>,
     /// What touched what in the last step, balls first by index.
     pub touches: Vec<Touch>,
+    /// The instruction set to run on; the bits do not depend on it.
+    pub isa: Isa,
     /// Scratch of the step.
     pub context: IslandContext,
 }
@@ -88,6 +91,11 @@ impl Island {
     pub fn vacate_body(&mut self, index: usize) {
         self.bodies[index] = Body::default();
         self.context.ball_cloth.retain(|contact| contact.body() != index);
+    }
+
+    /// The most iterations that a body takes.
+    pub(crate) fn iterations(&self) -> u32 {
+        self.bodies.iter().map(|body| body.settings.iterations).max().unwrap_or(1)
     }
 
     /// Substeps of the step that was [begun](crate::step::begin).

@@ -60,15 +60,7 @@ pub fn angular_momentum(particles: &Particles) -> DVec3 {
 
 /// Mean of the squared speeds of the free particles in (m/s)^2; 0 where all are pinned.
 pub fn mean_square_speed(particles: &Particles) -> f32 {
-    let mut sum = 0.0;
-    let mut count = 0;
-    for (d, &w) in particles.displacement.iter().zip(&particles.inverse_mass) {
-        if w > 0.0 {
-            sum += d.length_squared();
-            count += 1;
-        }
-    }
-    sum / (count.max(1) as f32 * particles.substep * particles.substep)
+    particles.mean_square_speed()
 }
 
 /// Total mechanical energy of a body in joules: kinetic and potential.
@@ -77,8 +69,8 @@ pub fn mechanical_energy(body: &Body, gravity: Vec3) -> f64 {
 }
 
 fn free(particles: &Particles) -> impl Iterator<Item = (usize, f64)> + '_ {
-    let masses = particles.inverse_mass.iter().enumerate();
-    masses.filter(|&(_, &w)| w > 0.0).map(|(i, &w)| (i, 1.0 / f64::from(w)))
+    let masses = (0..particles.len()).map(|i| (i, particles.inverse_mass(i)));
+    masses.filter(|&(_, w)| w > 0.0).map(|(i, w)| (i, 1.0 / f64::from(w)))
 }
 
 fn world(particles: &Particles, i: usize) -> DVec3 {

@@ -12,6 +12,8 @@
 //!                             fresh
 //! ```
 
+use fearless_simd::{Simd, f32x16, prelude::*};
+
 use crate::constants::{PUSH_OUT_SPEED, REFERENCE_STEP};
 use crate::island::IslandContext;
 
@@ -32,7 +34,7 @@ pub(crate) struct Push {
 }
 
 /// How fast old overlaps are taken back.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
     /// The part of an old overlap that this substep takes.
     share: f32,
@@ -49,6 +51,19 @@ impl Pace {
         let short = h * (context.substeps as f32) < 0.999 * REFERENCE_STEP;
         let spread = if short { left.max(REFERENCE_STEP / h) } else { left };
         Self { share: 1.0 / spread, at_once: PUSH_OUT_SPEED * h }
+    }
+}
+
+impl Pace {
+    /// What may be left of `old` overlaps (metres) at the end of the substep, for the particles of a cell.
+    #[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
+    #[inline(always)]
+    pub fn left_in_lanes<S: Simd>(self, simd: S, old: f32x16<S>) -> f32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let even = old - old * self.share;
+        let quick = old - self.at_once;
+        let left = quick.simd_lt(even).select(quick, even);
+        left.simd_gt(zero).select(left, zero)
     }
 }
 

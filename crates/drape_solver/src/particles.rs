@@ -2,9 +2,11 @@
 
 use glam::Vec3;
 
-use crate::columns::Columns;
+use crate::columns::{Columns, LANES};
 use crate::constants::INITIAL_SUBSTEP;
 use crate::error::{BuildError, finite_vector};
+use crate::layout::Layout;
+use crate::survey::{MassSurvey, Survey};
 
 /// Positions, displacements and inverse masses of a body's particles, as columns.
 ///
@@ -21,15 +23,22 @@ pub struct Particles {
     pub(crate) origin: Vec3,
     /// The substep, in seconds, that displacements refer to.
     pub(crate) substep: f32,
+    /// Which particle is in which slot of the columns.
+    pub(crate) layout: Layout,
     pub(crate) position: Columns,
     pub(crate) displacement: Columns,
+    /// One for each slot; 0 for pins and ghosts.
     pub(crate) inverse_mass: Vec<f32>,
     /// Forces of this step in newtons; empty while nobody applies one.
     pub(crate) force: Columns,
-    /// Where pinned particles are to be at the end of the next step (world coordinates).
+    /// Where pinned particles, by slot, are to be at the end of the next step (world coordinates).
     pub(crate) pin_targets: Vec<(u32, Vec3)>,
     /// Set by whatever should rouse a sleeping body.
     pub(crate) disturbed: bool,
+    /// What the last look at all particles showed; none if one has been moved since.
+    pub(crate) survey: Option<Survey>,
+    /// The same for the masses.
+    pub(crate) masses: MassSurvey,
 }
 
 impl Default for Particles {
@@ -37,12 +46,15 @@ impl Default for Particles {
         Self {
             origin: Vec3::ZERO,
             substep: INITIAL_SUBSTEP,
+            layout: Layout::default(),
             position: Columns::default(),
             displacement: Columns::default(),
             inverse_mass: Vec::new(),
             force: Columns::default(),
             pin_targets: Vec::new(),
             disturbed: false,
+            survey: None,
+            masses: MassSurvey::default(),
         }
     }
 }
@@ -63,8 +75,12 @@ impl Particles {
             });
         }
         finite_vector("origin", origin)?;
-        let mut particles = Self { origin, ..Self::default() };
-        for (&position, &inverse_mass) in positions.iter().zip(inverse_masses) {
+        let layout = Layout::Linear { count: positions.len() };
+        let mut particles = Self { origin, layout, ..Self::default() };
+        particles.position.reset(layout.cells());
+        particles.displacement.reset(layout.cells());
+        particles.inverse_mass.resize(layout.cells() * LANES, 0.0);
+        for (i, (&position, &inverse_mass)) in positions.iter().zip(inverse_masses).enumerate() {
             finite_vector("position", position)?;
             if !(inverse_mass >= 0.0 && inverse_mass.is_finite()) {
                 return Err(BuildError::OutOfRange {
@@ -74,21 +90,64 @@ impl Particles {
                     max: f32::MAX,
                 });
             }
-            particles.position.push(position - origin);
-            particles.displacement.push(Vec3::ZERO);
-            particles.inverse_mass.push(inverse_mass);
+            particles.position.set(i, position - origin);
+            particles.inverse_mass[i] = inverse_mass;
         }
         Ok(particles)
     }
 
+    /// Moves every particle to the slot that `layout` has for it.
+    pub(crate) fn arrange(&mut self, layout: Layout) {
+        if layout == self.layout || layout.count() != self.len() {
+            return;
+        }
+        let cells = layout.cells();
+        let old = core::mem::replace(self, Self { layout, ..self.clone() });
+        self.position.reset(cells);
+        self.displacement.reset(cells);
+        self.inverse_mass.clear();
+        self.inverse_mass.resize(cells * LANES, 0.0);
+        self.force.reset(if old.force.is_empty() { 0 } else { cells });
+        for (from, to) in old.layout.slots().zip(layout.slots()) {
+            self.position.set(to, old.position.get(from));
+            self.displacement.set(to, old.displacement.get(from));
+            self.inverse_mass[to] = old.inverse_mass[from];
+            if !old.force.is_empty() {
+                self.force.set(to, old.force.get(from));
+            }
+        }
+        let slot_of = |&(slot, target): &(u32, Vec3)| {
+            let index = old.layout.index(slot as usize)?;
+            Some((layout.slot(index) as u32, target))
+        };
+        self.pin_targets = old.pin_targets.iter().filter_map(slot_of).collect();
+        self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
+        self.masses = MassSurvey::default();
+    }
+
+    /// The slot of particle `i`.
+    ///
+    /// # Panics
+    /// If there is no such particle: in a ghost's place nothing may be written.
+    pub(crate) fn slot(&self, i: usize) -> usize {
+        assert!(i < self.len(), "particle {i} of {}", self.len());
+        self.layout.slot(i)
+    }
+
+    /// Notes that a particle has been moved or pushed.
+    fn disturb(&mut self) {
+        self.disturbed = true;
+        self.survey = None;
+    }
+
     /// The number of particles.
     pub fn len(&self) -> usize {
-        self.position.len()
+        self.layout.count()
     }
 
     /// Whether there are no particles.
     pub fn is_empty(&self) -> bool {
-        self.position.is_empty()
+        self.len() == 0
     }
 
     /// The world position that stored positions are relative to.
@@ -101,82 +160,85 @@ impl Particles {
     /// # Panics
     /// If `i` is out of range, as for a slice; so do all methods here that take an index.
     pub fn position(&self, i: usize) -> Vec3 {
-        self.origin + self.position.get(i)
+        self.origin + self.local_position(i)
     }
 
     /// Positions of all particles in the world, in metres.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
-        self.position.iter().map(|p| self.origin + p)
+        self.layout.slots().map(|slot| self.origin + self.position.get(slot))
     }
 
     /// Position relative to [`origin`](Self::origin) of particle `i`, in metres: exact where
     /// [`position`](Self::position) rounds.
     pub fn local_position(&self, i: usize) -> Vec3 {
-        self.position.get(i)
+        self.position.get(self.slot(i))
     }
 
     /// Where particle `i` was one substep ago: the `x*` of the textbook form, derived as `x - d`.
     pub fn previous_position(&self, i: usize) -> Vec3 {
-        self.origin + (self.position.get(i) - self.displacement.get(i))
+        self.origin + (self.local_position(i) - self.displacement.get(self.slot(i)))
     }
 
     /// Velocity of particle `i` in m/s: its displacement over the substep.
     pub fn velocity(&self, i: usize) -> Vec3 {
-        self.displacement.get(i) / self.substep
+        self.displacement.get(self.slot(i)) / self.substep
     }
 
     /// Velocities of all particles in m/s.
     pub fn velocities(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
-        (0..self.len()).map(|i| self.velocity(i))
+        self.layout.slots().map(|slot| self.displacement.get(slot) / self.substep)
     }
 
     /// Inverse mass of particle `i` in 1/kg; 0 for a pinned particle.
     pub fn inverse_mass(&self, i: usize) -> f32 {
-        self.inverse_mass[i]
+        self.inverse_mass[self.slot(i)]
     }
 
     /// Whether particle `i` is pinned: nothing moves it but its pin target.
     pub fn is_pinned(&self, i: usize) -> bool {
-        self.inverse_mass[i] == 0.0
+        self.inverse_mass(i) == 0.0
     }
 
     /// Sets the inverse mass of particle `i` in 1/kg; 0 pins it where it is, anything else frees it.
     /// Values that are negative or not finite are taken as 0.
     pub fn set_inverse_mass(&mut self, i: usize, inverse_mass: f32) {
-        self.inverse_mass[i] = if inverse_mass.is_finite() { inverse_mass.max(0.0) } else { 0.0 };
+        let slot = self.slot(i);
+        self.inverse_mass[slot] = if inverse_mass.is_finite() { inverse_mass.max(0.0) } else { 0.0 };
         if self.is_pinned(i) {
-            self.displacement.set(i, Vec3::ZERO);
+            self.displacement.set(slot, Vec3::ZERO);
         }
-        self.disturbed = true;
+        self.masses.forget();
+        self.disturb();
     }
 
     /// Puts particle `i` at `position` (world, metres), keeping its velocity.
     pub fn set_position(&mut self, i: usize, position: Vec3) {
-        self.position.set(i, position - self.origin);
-        self.disturbed = true;
+        self.position.set(self.slot(i), position - self.origin);
+        self.disturb();
     }
 
     /// Sets the velocity of particle `i` in m/s.
     pub fn set_velocity(&mut self, i: usize, velocity: Vec3) {
-        self.displacement.set(i, velocity * self.substep);
-        self.disturbed = true;
+        self.displacement.set(self.slot(i), velocity * self.substep);
+        self.disturb();
     }
 
     /// Changes the momentum of particle `i` by `impulse` (newton seconds). This is Jakobsen's impulse by moving
     /// `x*`: the position stays, the velocity changes by `impulse / mass`. A pinned particle does not react.
     pub fn apply_impulse(&mut self, i: usize, impulse: Vec3) {
-        self.displacement.add(i, impulse * (self.inverse_mass[i] * self.substep));
-        self.disturbed = true;
+        let slot = self.slot(i);
+        self.displacement.add(slot, impulse * (self.inverse_mass[slot] * self.substep));
+        self.disturb();
     }
 
     /// Adds a force (newtons) on particle `i`, which acts through the whole of the next step and is then
     /// forgotten.
     pub fn add_force(&mut self, i: usize, force: Vec3) {
         if self.force.is_empty() {
-            self.force.reset(self.len());
+            self.force.reset(self.layout.cells());
         }
-        self.force.add(i, force);
-        self.disturbed = true;
+        self.force.add(self.slot(i), force);
+        self.disturb();
     }
 
     /// Asks that the pinned particle `i` be at `target` (world, metres) at the end of the next step. It
@@ -185,11 +247,12 @@ impl Particles {
     pub fn set_pin_target(&mut self, i: usize, target: Vec3) {
         if self.is_pinned(i) && target != self.position(i) {
             // Kept in order and one for each pin, so that the last word counts.
-            match self.pin_targets.binary_search_by_key(&(i as u32), |&(pin, _)| pin) {
+            let slot = self.slot(i) as u32;
+            match self.pin_targets.binary_search_by_key(&slot, |&(pin, _)| pin) {
                 Ok(known) => self.pin_targets[known].1 = target,
-                Err(place) => self.pin_targets.insert(place, (i as u32, target)),
+                Err(place) => self.pin_targets.insert(place, (slot, target)),
             }
-            self.disturbed = true;
+            self.disturb();
         }
     }
 
@@ -201,13 +264,13 @@ impl Particles {
 
     /// Wakes the body: it counts as edited, and its time at rest starts anew.
     pub fn rouse(&mut self) {
-        self.disturbed = true;
+        self.disturb();
     }
 
     /// Moves the whole body by `offset` (metres) without changing its velocity or shape.
     pub fn translate(&mut self, offset: Vec3) {
         self.origin += offset;
-        self.disturbed = true;
+        self.disturb();
     }
 
     /// Whether a force, an impulse, a pin or an edit has touched the body since its last step: what wakes a
@@ -218,27 +281,37 @@ impl Particles {
 
     /// Whether every position, velocity, force and pin target is finite.
     pub fn is_finite(&self) -> bool {
-        let columns = self.position.each().into_iter().chain(self.displacement.each());
-        columns.chain(self.force.each()).flatten().all(|value| value.is_finite())
+        let forces = self.force.cells.iter().flat_map(|cell| cell.axes());
+        self.surveyed().is_finite
+            && forces.flatten().all(|value| value.is_finite())
             && self.origin.is_finite()
             && self.pin_targets.iter().all(|(_, target)| target.is_finite())
     }
 
     /// Greatest speed of a particle in m/s.
     pub fn greatest_speed(&self) -> f32 {
-        let squared = self.displacement.iter().map(Vec3::length_squared).fold(0.0, f32::max);
-        squared.sqrt() / self.substep
+        self.surveyed().greatest_displacement / self.substep
     }
 
     /// The smallest box around all particles, as (least, greatest) corner in the world.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let range = |column: &Vec<f32>| {
-            column.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &value| {
-                (low.min(value), high.max(value))
-            })
-        };
-        let [(x0, x1), (y0, y1), (z0, z1)] = self.position.each().map(range);
-        (self.origin + Vec3::new(x0, y0, z0), self.origin + Vec3::new(x1, y1, z1))
+        let Survey { low, high, .. } = self.surveyed();
+        (self.origin + low, self.origin + high)
+    }
+
+    /// Mean of the squared speeds of the free particles in (m/s)^2; 0 where all are pinned.
+    pub fn mean_square_speed(&self) -> f32 {
+        self.surveyed().mean_square_displacement / (self.substep * self.substep)
+    }
+
+    /// What a look at all particles shows.
+    pub(crate) fn surveyed(&self) -> Survey {
+        self.survey.unwrap_or_else(|| Survey::of(self))
+    }
+
+    /// Takes that look, and keeps what it shows.
+    pub(crate) fn take_survey(&mut self) {
+        self.survey = Some(self.surveyed());
     }
 
     /// Brings displacements to the substep `substep` (seconds), so that velocities stay what they are when
@@ -248,20 +321,25 @@ impl Particles {
             return;
         }
         let factor = substep / self.substep;
-        for column in self.displacement.each_mut() {
-            column.iter_mut().for_each(|d| *d *= factor);
+        for cell in &mut self.displacement.cells {
+            for column in [&mut cell.x, &mut cell.y, &mut cell.z] {
+                column.iter_mut().for_each(|d| *d *= factor);
+            }
         }
         self.substep = substep;
+        self.survey = None;
     }
 
     /// Moves the origin to `origin`, keeping world positions.
     pub(crate) fn recentre(&mut self, origin: Vec3) {
         let shift = self.origin - origin;
-        let columns = self.position.each_mut();
-        for (column, shift) in columns.into_iter().zip(shift.to_array()) {
-            column.iter_mut().for_each(|x| *x += shift);
+        for cell in &mut self.position.cells {
+            for (column, shift) in [&mut cell.x, &mut cell.y, &mut cell.z].into_iter().zip(shift.to_array()) {
+                column.iter_mut().for_each(|x| *x += shift);
+            }
         }
         self.origin = origin;
+        self.survey = None;
     }
 }
 

@@ -29,6 +29,11 @@ impl Pose {
         Self { rotation: rotation_matrix(rotation), translation: translation - origin }
     }
 
+    /// The axes of the rotation, and the translation.
+    pub fn parts(&self) -> ([Vec3; 3], Vec3) {
+        ([self.rotation.x_axis, self.rotation.y_axis, self.rotation.z_axis], self.translation)
+    }
+
     pub fn to_local(self, point: Vec3) -> Vec3 {
         let p = point - self.translation;
         let r = &self.rotation;

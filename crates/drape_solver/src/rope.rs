@@ -8,7 +8,6 @@ use crate::body::Body;
 use crate::error::{BuildError, finite_vector, positive};
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
-use crate::tether::Tethers;
 use crate::topology::{StickKind, StickMaterial, Topology, TopologyBuilder};
 
 /// A chain of particles, straight from one end to the other at rest.
@@ -103,12 +102,12 @@ impl RopeBuilder {
         }
         let material = |kind, stiffness| StickMaterial { kind, stiffness, damping: self.damping };
         let structural = material(StickKind::Structural, self.stretch);
-        let mut builder = TopologyBuilder::new(&positions);
+        let mut builder = TopologyBuilder::grid(&positions, count, 1)?;
         builder
-            .family(structural, (0..links).map(|i| [i, i + 1]))?
-            .family(material(StickKind::Bend, self.bend), (0..links - 1).map(|i| [i, i + 2]))?
+            .grid_family(structural, [1, 0])?
+            .grid_family(material(StickKind::Bend, self.bend), [2, 0])?
             .segments((0..links).map(|i| [i, i + 1]))?
-            .tethers(Tethers::straight(&positions, &self.pins))?;
+            .straight_tethers(&self.pins)?;
         let particles = Particles::new(self.start, &positions, &inverse_masses)?;
         Ok((particles, builder.build()?))
     }

@@ -16,12 +16,14 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS, TETHER_SPEED};
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS};
 use crate::contact_particle_obstacle as particle_obstacle;
 use crate::error::StepError;
-use crate::island::{Environment, Island};
+use crate::isa::Isa;
+use crate::island::{Environment, Island, IslandContext};
 use crate::overlap::Pace;
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
+use crate::sweep::{self, Surroundings};
 use crate::{contact_ball_obstacle as ball_obstacle, force, integrate as verlet, rest, stick};
 
 /// Advances an island by `environment.dt` seconds.
@@ -39,8 +41,17 @@ pub fn step(island: &mut Island, environment: &Environment) -> Result<(), StepEr
     finish(island)
 }
 
-/// One substep: the three stages that a schedule may run one by one.
+/// One substep: the three stages that a schedule may run one by one. A body that no ball is near runs down its rows
+/// with all three at once.
 pub fn substep(island: &mut Island, environment: &Environment) {
+    if island.balls.is_empty() && island.bodies.iter().all(sweep::can_pipeline) {
+        let around = surroundings(&island.context, island.isa, environment);
+        for body in &mut island.bodies {
+            sweep::substep(body, around);
+        }
+        island.context.substep_index += 1;
+        return;
+    }
     integrate(island, environment);
     relax(island, environment);
     project_collisions(island, environment);
@@ -62,6 +73,7 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
         return Err(StepError::BadEnvironment("gravity"));
     }
     environment.wind.validate()?;
+    island.bodies.iter_mut().for_each(Body::prepare);
     check_finite(island)?;
     let mut substeps = 1;
     for (index, body) in island.bodies.iter().enumerate() {
@@ -79,8 +91,9 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     island.context.substep = h;
     island.context.substep_index = 0;
     island.touches.clear();
+    let iterations = island.iterations();
     for body in &mut island.bodies {
-        body.begin_step(h, substeps);
+        body.begin_step(h, substeps, iterations);
     }
     for ball in &mut island.balls {
         ball.set_substep(h, environment.gravity);
@@ -106,7 +119,7 @@ pub fn detect_collisions(island: &mut Island, environment: &Environment) {
     let speed = island.bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + crate::constants::CONTACT_MARGIN;
     for body in &mut island.bodies {
-        particle_obstacle::detect(body, &environment.obstacles, reach);
+        particle_obstacle::detect(body, &environment.obstacles, reach, island.isa);
     }
     ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
     ball_ball::detect(island, dt, gravity);
@@ -115,10 +128,9 @@ pub fn detect_collisions(island: &mut Island, environment: &Environment) {
 
 /// Stage 1 of a substep: particles and balls fly freely for one substep.
 pub fn integrate(island: &mut Island, environment: &Environment) {
-    let (index, count) = (island.context.substep_index, island.context.substeps);
+    let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
-        verlet::integrate(body);
-        particle_obstacle::begin_substep(body, &environment.obstacles, index, count);
+        sweep::integrate(body, around);
     }
     for ball in &mut island.balls {
         let acceleration = environment.gravity + ball.force * ball.inverse_mass;
@@ -134,37 +146,27 @@ pub fn integrate(island: &mut Island, environment: &Environment) {
 /// Stage 2 of a substep: N times contacts, sticks, tethers. May stop after any iteration; the next step goes
 /// on from there.
 pub fn relax(island: &mut Island, environment: &Environment) {
-    let iterations = island.bodies.iter().map(|b| b.settings.iterations).max().unwrap_or(1);
-    for iteration in 0..iterations {
-        project_contacts(island, environment);
+    for index in 0..island.iterations() {
+        project_contacts(island, environment, index);
+        let around = surroundings(&island.context, island.isa, environment);
         let Island { bodies, balls, context, .. } = &mut *island;
-        for (index, body) in bodies.iter_mut().enumerate() {
-            let settings = body.settings;
-            if iteration >= settings.iterations {
-                continue;
-            }
-            let stiffness = &body.context.stiffness;
-            // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
-            // back would begin with the one just done, which does nothing.
-            let reverse = iteration % 2 == 1 && stiffness.iter().filter(|&&s| s > 0.0).count() > 2;
-            let (particles, topology) = (&mut body.particles, &body.topology);
-            stick::relax(particles, topology, stiffness, settings.projection, reverse);
-            if settings.tethers {
-                ball_cloth::note_touched(context, balls, index, particles);
-                topology.tethers.project(particles, TETHER_SPEED * context.substep);
-                ball_cloth::put_back(context, particles);
-            }
+        for (place, body) in bodies.iter_mut().enumerate() {
+            sweep::relax(body, around, index);
+            ball_cloth::note_touched(context, balls, place, &body.particles);
+            sweep::tether(body, around, index);
+            ball_cloth::put_back(context, &mut body.particles);
         }
     }
 }
 
 /// Stage 3 of a substep: contacts have the last word on positions; then velocities follow, and friction.
 pub fn project_collisions(island: &mut Island, environment: &Environment) {
-    project_contacts(island, environment);
+    project_contacts(island, environment, island.iterations());
+    let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
-        verlet::update_displacements(body);
+        sweep::update(body, around);
         stick::damp(&mut body.particles, &body.topology, &body.context.damping);
-        particle_obstacle::apply_friction(body);
+        sweep::apply_friction(body, around);
     }
     for ball in &mut island.balls {
         ball.displacement = ball.travel();
@@ -184,6 +186,10 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
 /// # Errors
 /// [`StepError::NonFiniteBody`] or [`StepError::NonFiniteBall`].
 pub fn finish(island: &mut Island) -> Result<(), StepError> {
+    for body in &mut island.bodies {
+        body.particles.survey = None;
+        body.particles.take_survey();
+    }
     check_finite(island)?;
     let dt = island.context.substep * island.context.substeps as f32;
     for body in &mut island.bodies {
@@ -201,14 +207,25 @@ pub fn finish(island: &mut Island) -> Result<(), StepError> {
     Ok(())
 }
 
-/// Everything that touches, once: cloth and balls against obstacles, balls against each other and the cloth.
-fn project_contacts(island: &mut Island, environment: &Environment) {
+/// Everything that touches, once: cloth and balls against obstacles, balls against each other and the cloth. `index` is
+/// the number of the projection in the substep.
+fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
     ball_cloth::project(island);
     ball_ball::project(island);
     ball_obstacle::project(island, &environment.obstacles);
-    let pace = Pace::of(&island.context);
+    let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
-        particle_obstacle::project(body, &environment.obstacles, pace);
+        sweep::project_contacts(body, around, index);
+    }
+}
+
+fn surroundings<'a>(context: &IslandContext, isa: Isa, environment: &'a Environment) -> Surroundings<'a> {
+    Surroundings {
+        obstacles: &environment.obstacles,
+        pace: Pace::of(context),
+        substep_index: context.substep_index,
+        substeps: context.substeps,
+        isa,
     }
 }
 

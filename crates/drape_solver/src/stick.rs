@@ -9,11 +9,16 @@
 //! the rest length (Jakobsen 2001, section 5). Printed copies of the latter have a sign reversed; the one here
 //! takes a stick of length `e` rest lengths to `1 - (e - 1)^2 / (1 + e^2)`.
 
-use crate::columns::Columns;
+#![expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+
+use crate::columns::{Cell, LANES};
 use crate::constants::REFERENCE_STEP;
+use crate::grid::GridRun;
+use crate::lanes::{Lanes3, load};
 use crate::particles::Particles;
-use crate::settings::StickProjection;
-use crate::topology::{StickBatch, StickMaterial, StickRun, Topology};
+use crate::topology::{ListedStick, StickBatch, StickMaterial, Topology};
 
 /// The part of a stick's error that one relaxation iteration removes, for a `stiffness` in 0..=1, a substep of
 /// `substep` seconds and `iterations` iterations per substep.
@@ -44,134 +49,171 @@ pub(crate) fn substep_damping(material: &StickMaterial, substep: f32) -> f32 {
 /// The greatest difference between a stick's length and its rest length, in metres.
 pub(crate) fn greatest_error(particles: &Particles, topology: &Topology) -> f32 {
     let error = |i: usize| {
-        let [a, b] = topology.stick(i).map(|end| particles.position.get(end as usize));
+        let [a, b] = topology.stick(i).map(|end| particles.local_position(end as usize));
         (a.distance(b) - topology.rest_length(i)).abs()
     };
     let sticks = topology.batches.iter().filter(|batch| batch.material.stiffness > 0.0);
     sticks.flat_map(StickBatch::range).map(error).fold(0.0, f32::max)
 }
 
-/// One sweep over all sticks, batch by batch, in reverse where `reverse` is set. `stiffness` holds the factor
-/// of [`iteration_stiffness`] for each batch.
-pub(crate) fn relax(
-    particles: &mut Particles,
-    topology: &Topology,
-    stiffness: &[f32],
-    projection: StickProjection,
-    reverse: bool,
-) {
-    let mut project = |index: usize| {
-        let (batch, stiffness) = (&topology.batches[index], stiffness[index]);
-        if stiffness > 0.0 {
-            match projection {
-                StickProjection::Exact => {
-                    project_batch(particles, topology, batch, stiffness, exact);
-                }
-                StickProjection::SquareRootFree => {
-                    project_batch(particles, topology, batch, stiffness, square_root_free);
-                }
-            }
-        }
-    };
-    let count = topology.batches.len();
-    if reverse {
-        (0..count).rev().for_each(&mut project);
-    } else {
-        (0..count).for_each(&mut project);
-    }
+/// The columns that sticks read and write.
+pub(crate) struct Joined<'a> {
+    pub position: &'a mut [Cell],
+    pub inverse_mass: &'a [[f32; LANES]],
+    /// For each cell the inverse mass that all its particles share, or 0.
+    pub common: &'a [f32],
 }
 
-/// Relative error `(|delta| - rest) / |delta|` from the squared length and the rest length. A stick of zero
-/// length has no direction to push in: it is left alone.
-fn exact(length_squared: f32, rest: f32) -> f32 {
-    if length_squared > 0.0 {
+/// Which formula gives the relative error `(|delta| - rest) / |delta|`, for one stick and for a cell of them.
+pub(crate) trait Projection: Copy {
+    /// From the squared length and the rest length.
+    fn error(self, length_squared: f32, rest: f32) -> f32;
+    /// The same in lanes.
+    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32) -> f32x16<S>;
+}
+
+/// With a square root. A stick of zero length has no direction to push in: it is left alone.
+#[derive(Clone, Copy)]
+pub(crate) struct Exact;
+
+impl Projection for Exact {
+    #[inline(always)]
+    fn error(self, length_squared: f32, rest: f32) -> f32 {
         let length = length_squared.sqrt();
-        (length - rest) / length
-    } else {
-        0.0
+        if length > 0.0 { (length - rest) / length } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32) -> f32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let length = length_squared.sqrt();
+        length.simd_gt(zero).select((length - rest) / length, zero)
     }
 }
 
-/// The same to second order in the strain, without the square root.
-fn square_root_free(length_squared: f32, rest: f32) -> f32 {
-    let rest_squared = rest * rest;
-    (length_squared - rest_squared) / (length_squared + rest_squared)
+/// The same to second order in the strain, without.
+#[derive(Clone, Copy)]
+pub(crate) struct SquareRootFree;
+
+impl Projection for SquareRootFree {
+    #[inline(always)]
+    fn error(self, length_squared: f32, rest: f32) -> f32 {
+        let rest_squared = rest * rest;
+        (length_squared - rest_squared) / (length_squared + rest_squared)
+    }
+
+    #[inline(always)]
+    fn errors<S: Simd>(self, _: S, length_squared: f32x16<S>, rest: f32) -> f32x16<S> {
+        let rest_squared = rest * rest;
+        (length_squared - rest_squared) / (length_squared + rest_squared)
+    }
 }
 
-fn project_batch(
-    particles: &mut Particles,
-    topology: &Topology,
-    batch: &StickBatch,
+/// One stick at a time: the documentation of [`project_cells`], and what irregular meshes run.
+#[inline(always)]
+pub(crate) fn project_listed(
+    joined: &mut Joined,
+    sticks: &[ListedStick],
     stiffness: f32,
-    relative_error: impl Fn(f32, f32) -> f32 + Copy,
+    projection: impl Projection,
 ) {
-    for run in topology.runs(batch) {
-        let rest = &topology.rest_length[run.first..run.first + run.count];
-        if run.count >= LEAST_RUN {
-            project_run(particles, run, rest, stiffness, relative_error);
-        } else {
-            for (k, &rest) in rest.iter().enumerate() {
-                project_one(particles, [run.a + k, run.b + k], rest, stiffness, relative_error);
-            }
+    for stick in sticks {
+        let [a, b] = stick.ends.map(|slot| (slot as usize / LANES, slot as usize % LANES));
+        let [wa, wb] = [a, b].map(|(cell, lane)| joined.inverse_mass[cell][lane]);
+        let weight = wa + wb;
+        if weight > 0.0 {
+            let [p, q] = [a, b].map(|(cell, lane)| joined.position[cell].get(lane));
+            let delta = q - p;
+            let error = projection.error(delta.length_squared(), stick.rest_length);
+            joined.position[a.0].set(a.1, p + delta * (error * (stiffness * (wa / weight))));
+            joined.position[b.0].set(b.1, q - delta * (error * (stiffness * (wb / weight))));
         }
     }
 }
 
-/// Runs shorter than this are not worth setting up slices for.
-const LEAST_RUN: usize = 4;
-
-/// The kernel for one stick: documentation of the one for runs.
-fn project_one(
-    particles: &mut Particles,
-    [a, b]: [usize; 2],
+/// The sticks of a run, a cell at a time.
+#[inline(always)]
+pub(crate) fn project_run<S: Simd>(
+    simd: S,
+    joined: &mut Joined,
+    run: &GridRun,
     rest: f32,
     stiffness: f32,
-    relative_error: impl Fn(f32, f32) -> f32,
+    projection: impl Projection,
 ) {
-    let (wa, wb) = (particles.inverse_mass[a], particles.inverse_mass[b]);
-    let weight = wa + wb;
-    if weight > 0.0 {
-        let delta = particles.position.get(b) - particles.position.get(a);
-        let scale = stiffness * relative_error(delta.length_squared(), rest) / weight;
-        particles.position.add(a, delta * (wa * scale));
-        particles.position.add(b, delta * (-wb * scale));
+    match run.shift {
+        0 if run.lanes == u16::MAX => project_cells::<S, 0, true>(simd, joined, run, rest, stiffness, projection),
+        0 => project_cells::<S, 0, false>(simd, joined, run, rest, stiffness, projection),
+        1 => project_cells::<S, 1, false>(simd, joined, run, rest, stiffness, projection),
+        3 => project_cells::<S, 3, false>(simd, joined, run, rest, stiffness, projection),
+        4 => project_cells::<S, 4, false>(simd, joined, run, rest, stiffness, projection),
+        _ => project_cells::<S, 5, false>(simd, joined, run, rest, stiffness, projection),
     }
 }
 
-/// The same for a run: plain arithmetic on slices, which the compiler turns into vector code.
-fn project_run(
-    particles: &mut Particles,
-    run: &StickRun,
-    rest: &[f32],
+/// The kernel: lane `l` of cell `a` against lane `l + SHIFT` of cell `b`, in the lanes that have a stick.
+///
+/// Where all particles weigh the same, each end moves half the way. That is what the general formula gives, to the
+/// last bit, without its divisions.
+#[inline(always)]
+fn project_cells<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
+    simd: S,
+    joined: &mut Joined,
+    run: &GridRun,
+    rest: f32,
     stiffness: f32,
-    relative_error: impl Fn(f32, f32) -> f32,
+    projection: impl Projection,
 ) {
-    let n = rest.len();
-    let wa = &particles.inverse_mass[run.a..][..n];
-    let wb = &particles.inverse_mass[run.b..][..n];
-    let Columns { x, y, z } = &mut particles.position;
-    let (ax, bx) = both_ends(x, run);
-    let (ay, by) = both_ends(y, run);
-    let (az, bz) = both_ends(z, run);
-    for i in 0..n {
-        let (dx, dy, dz) = (bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]);
-        let weight = wa[i] + wb[i];
-        let error = stiffness * relative_error(dx * dx + dy * dy + dz * dz, rest[i]);
-        let scale = if weight > 0.0 { error / weight } else { 0.0 };
-        let (sa, sb) = (wa[i] * scale, -wb[i] * scale);
-        ax[i] += dx * sa;
-        ay[i] += dy * sa;
-        az[i] += dz * sa;
-        bx[i] += dx * sb;
-        by[i] += dy * sb;
-        bz[i] += dz * sb;
+    let lanes = mask32x16::from_bitmask(simd, u64::from(run.lanes));
+    let zero = f32x16::splat(simd, 0.0);
+    let half = stiffness * 0.5;
+    let (mut a, mut b) = (run.a as usize, run.b as usize);
+    for _ in 0..run.count {
+        let Ok([cell_a, cell_b]) = joined.position.get_disjoint_mut([a, b]) else {
+            return;
+        };
+        let (p, q) = (Lanes3::load(simd, cell_a), Lanes3::load(simd, cell_b));
+        let delta = shifted::<S, SHIFT>(q).minus(p);
+        let mut error = projection.errors(simd, delta.dot(delta), rest);
+        if !ALL_LANES {
+            error = lanes.select(error, zero);
+        }
+        let common = joined.common[a];
+        let (move_a, move_b) = if common > 0.0 && common == joined.common[b] {
+            let both = delta.times(error * half);
+            (both, both)
+        } else {
+            let wa = load(simd, &joined.inverse_mass[a]);
+            let mut wb = load(simd, &joined.inverse_mass[b]);
+            if SHIFT > 0 {
+                wb = wb.slide::<SHIFT>(wb);
+            }
+            // Where both are pinned, nothing is divided by zero.
+            let weight = (wa + wb).max(f32x16::splat(simd, f32::MIN_POSITIVE));
+            (delta.times(error * (wa / weight * stiffness)), delta.times(error * (wb / weight * stiffness)))
+        };
+        p.plus(move_a).store(cell_a);
+        q.minus(unshifted::<S, SHIFT>(move_b)).store(cell_b);
+        a += usize::from(run.step);
+        b += usize::from(run.step);
     }
 }
 
-/// The slices of a column that hold the first and the second ends of a run.
-fn both_ends<'a>(column: &'a mut [f32], run: &StickRun) -> (&'a mut [f32], &'a mut [f32]) {
-    let (low, high) = column.split_at_mut(run.b);
-    (&mut low[run.a..][..run.count], &mut high[..run.count])
+#[inline(always)]
+fn shifted<S: Simd, const SHIFT: usize>(v: Lanes3<S>) -> Lanes3<S> {
+    if SHIFT == 0 { v } else { v.shifted::<SHIFT>() }
+}
+
+/// The way back. A lane that was shifted round the end has no stick, and its move is zero.
+#[inline(always)]
+fn unshifted<S: Simd, const SHIFT: usize>(v: Lanes3<S>) -> Lanes3<S> {
+    match SHIFT {
+        0 => v,
+        1 => v.shifted::<15>(),
+        3 => v.shifted::<13>(),
+        4 => v.shifted::<12>(),
+        _ => v.shifted::<11>(),
+    }
 }
 
 /// Takes the part `damping[batch]` of the speed at which the ends of each stick part or close. Only velocities
@@ -182,7 +224,7 @@ pub(crate) fn damp(particles: &mut Particles, topology: &Topology, damping: &[f3
             continue;
         }
         for i in batch.range() {
-            let [a, b] = topology.stick(i).map(|end| end as usize);
+            let [a, b] = topology.stick(i).map(|end| particles.layout.slot(end as usize));
             let (wa, wb) = (particles.inverse_mass[a], particles.inverse_mass[b]);
             let delta = particles.position.get(b) - particles.position.get(a);
             let length_squared = delta.length_squared();
@@ -200,8 +242,16 @@ pub(crate) fn damp(particles: &mut Particles, topology: &Topology, damping: &[f3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::topology::{StickKind, TopologyBuilder};
+    use std::sync::Arc;
+
     use glam::Vec3;
+
+    use crate::body::Body;
+    use crate::isa::{Isa, Kernel};
+    use crate::overlap::Pace;
+    use crate::settings::{SolverSettings, StickProjection};
+    use crate::sweep;
+    use crate::topology::{StickKind, TopologyBuilder};
 
     fn stick_of_rest_length_one() -> Topology {
         let mut builder = TopologyBuilder::new(&[Vec3::ZERO, Vec3::X]);
@@ -211,9 +261,12 @@ mod tests {
     }
 
     fn project_once(positions: [Vec3; 2], w: [f32; 2], projection: StickProjection) -> [Vec3; 2] {
-        let mut particles = Particles::new(Vec3::ZERO, &positions, &w).expect("valid");
-        relax(&mut particles, &stick_of_rest_length_one(), &[1.0], projection, false);
-        [particles.position(0), particles.position(1)]
+        let particles = Particles::new(Vec3::ZERO, &positions, &w).expect("valid");
+        let settings = SolverSettings { projection, tethers: false, ..SolverSettings::default() };
+        let mut body = Body::new(particles, Arc::new(stick_of_rest_length_one()), settings);
+        body.begin_step(1.0, 1, 1);
+        sweep::relax(&mut body, &[], 0, Pace::default(), Isa::detected());
+        [body.particles.position(0), body.particles.position(1)]
     }
 
     /// S8: one projection of the exact form restores the rest length from any strain.
@@ -260,26 +313,54 @@ mod tests {
         }
     }
 
-    /// The kernel for runs must move every end as the kernel for one stick does, to the last bit.
-    #[test]
-    fn runs_and_single_sticks_give_the_same_bits() {
-        let spread = |i: usize, k: f32| libm::sinf(i as f32 * k) * 3.0;
-        let positions: Vec<Vec3> =
-            (0..40).map(|i| Vec3::new(spread(i, 0.7), spread(i, 1.3), spread(i, 2.9))).collect();
-        let inverse_masses: Vec<f32> =
-            (0..40).map(|i| if i % 7 == 0 { 0.0 } else { 1.0 + i as f32 }).collect();
-        let start = Particles::new(Vec3::ZERO, &positions, &inverse_masses).expect("valid");
-        let run = StickRun { first: 0, count: 17, a: 2, b: 20 };
-        let rest: Vec<f32> = (0..17).map(|i| 0.5 + 0.1 * i as f32).collect();
-        for error in [exact, square_root_free] {
-            let (mut whole, mut single) = (start.clone(), start.clone());
-            project_run(&mut whole, &run, &rest, 0.8, error);
-            for (k, &rest) in rest.iter().enumerate() {
-                project_one(&mut single, [run.a + k, run.b + k], rest, 0.8, error);
-            }
-            assert_eq!(whole, single);
-            assert_ne!(whole, start);
+    struct ProjectRun<'a, 'b, P: Projection>(&'a mut Joined<'b>, GridRun, P);
+
+    impl<P: Projection> Kernel for ProjectRun<'_, '_, P> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) {
+            project_run(simd, self.0, &self.1, 0.7, 0.8, self.2);
         }
+    }
+
+    fn cells_and_single_sticks_agree(projection: impl Projection) {
+        let spread = |i: usize, k: f32| libm::sinf(i as f32 * k) * 3.0;
+        let mut start = [Cell::default(); 4];
+        for slot in 0..4 * LANES {
+            start[slot / LANES].set(slot % LANES, Vec3::new(spread(slot, 0.7), spread(slot, 1.3), spread(slot, 2.9)));
+        }
+        let uneven: Vec<[f32; LANES]> = (0..4)
+            .map(|cell| core::array::from_fn(|lane| if (cell + lane) % 7 == 0 { 0.0 } else { 1.0 + lane as f32 }))
+            .collect();
+        let even = vec![[2.5; LANES]; 4];
+        for isa in Isa::available() {
+            for (inverse_mass, common) in [(&uneven, [0.0; 4]), (&even, [2.5; 4]), (&even, [0.0; 4])] {
+                for (shift, lanes) in [(0, u16::MAX), (0, 0x0ff3), (1, 0x7fff), (3, 0x1fff), (4, 0x0fff), (5, 0x07ff)] {
+                    let run = GridRun { a: 0, b: 2, count: 2, step: 1, shift, lanes };
+                    let (mut whole, mut single) = (start, start);
+                    let mut joined = Joined { position: &mut whole, inverse_mass, common: &common };
+                    isa.run(ProjectRun(&mut joined, run, projection));
+                    let mut joined = Joined { position: &mut single, inverse_mass, common: &common };
+                    for (cell, lane) in (0..2).flat_map(|cell| (0..LANES).map(move |lane| (cell, lane))) {
+                        if lanes & (1 << lane) != 0 {
+                            let a = cell * LANES + lane;
+                            let ends = [a as u32, (a + 2 * LANES) as u32 + u32::from(shift)];
+                            project_listed(&mut joined, &[ListedStick { ends, rest_length: 0.7 }], 0.8, projection);
+                        }
+                    }
+                    assert_eq!(whole, single, "shift {shift} on {}", isa.name());
+                    assert_ne!(whole, start);
+                }
+            }
+        }
+    }
+
+    /// The kernel for cells must move every end as the formula for one stick does, to the last bit.
+    #[test]
+    fn cells_and_single_sticks_give_the_same_bits() {
+        cells_and_single_sticks_agree(Exact);
+        cells_and_single_sticks_agree(SquareRootFree);
     }
 
     #[test]

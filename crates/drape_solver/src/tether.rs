@@ -13,10 +13,14 @@
 use std::collections::BinaryHeap;
 
 use core::cmp::{Ordering, Reverse};
+use core::ops::Range;
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
+use crate::columns::{Cell, LANES};
 use crate::constants::MAX_TETHERS;
-use crate::particles::Particles;
+use crate::lanes::{Lanes3, load};
+use crate::layout::Layout;
 
 /// The tethers of a body: up to [`MAX_TETHERS`] for each particle, nearest pin first.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,24 +39,35 @@ impl Tethers {
 
     /// Tethers for a body that is flat and convex at rest, where the geodesic is the straight line.
     pub fn straight(rest: &[Vec3], pins: &[u32]) -> Self {
+        Self::straight_by_groups(rest, &pins.iter().map(|&pin| (pin, pin)).collect::<Vec<_>>())
+    }
+
+    /// The same for pins, in order of their indices, in groups (pin, group): a particle is tethered to the nearest pin
+    /// of each group. The pins of an edge hold a particle together no better than the nearest of them alone.
+    pub fn straight_by_groups(rest: &[Vec3], pins: &[(u32, u32)]) -> Self {
         let mut tethers = Self::default();
         if pins.is_empty() {
             return tethers;
         }
-        let mut nearest: Vec<(f32, u32)> = Vec::with_capacity(pins.len());
-        for (i, &position) in rest.iter().enumerate() {
-            if pins.contains(&(i as u32)) {
-                continue;
-            }
-            let distance = |&pin: &u32| (position.distance(rest[pin as usize]), pin);
+        let mut nearest: Vec<(f32, u32, u32)> = Vec::with_capacity(pins.len());
+        let mut is_pin = vec![false; rest.len()];
+        pins.iter().for_each(|&(pin, _)| is_pin[pin as usize] = true);
+        for (i, &position) in rest.iter().enumerate().filter(|&(i, _)| !is_pin[i]) {
             nearest.clear();
-            nearest.extend(pins.iter().map(distance));
+            for &(pin, group) in pins {
+                let distance = position.distance(rest[pin as usize]);
+                match nearest.iter_mut().find(|known| known.2 == group) {
+                    Some(known) if distance < known.0 => *known = (distance, pin, group),
+                    Some(_) => {}
+                    None => nearest.push((distance, pin, group)),
+                }
+            }
             if nearest.len() > MAX_TETHERS {
                 nearest.select_nth_unstable_by(MAX_TETHERS - 1, by_distance);
                 nearest.truncate(MAX_TETHERS);
             }
             nearest.sort_unstable_by(by_distance);
-            for &(length, pin) in &nearest {
+            for &(length, pin, _) in &nearest {
                 tethers.push(i as u32, pin, length);
             }
         }
@@ -113,6 +128,7 @@ impl Tethers {
         (0..self.len()).map(|i| (self.particle[i], self.pin[i], self.length[i]))
     }
 
+    /// The greatest index of a particle or pin.
     pub(crate) fn highest_index(&self) -> Option<u32> {
         self.particle.iter().chain(&self.pin).copied().max()
     }
@@ -122,28 +138,154 @@ impl Tethers {
         self.pin.push(pin);
         self.length.push(length);
     }
+}
 
-    /// Brings every particle back to within its tethers' lengths, but by no more than `most` (metres) at once. A tether
-    /// whose pin has been freed is slack.
-    pub(crate) fn project(&self, particles: &mut Particles, most: f32) {
-        for (particle, pin, length) in self.iter() {
-            let (i, pin) = (particle as usize, pin as usize);
-            if particles.inverse_mass[pin] != 0.0 || particles.inverse_mass[i] == 0.0 {
-                continue;
+/// Tethers as they are projected: those of one cell at once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct TetherPlan {
+    /// Place of each cell's first tethers in `ties`; one more at the end.
+    first: Vec<u32>,
+    ties: Vec<Tie>,
+}
+
+/// One tether for each lane of a cell, or for some of them.
+#[derive(Clone, Debug, PartialEq)]
+struct Tie {
+    /// Metres; infinite where a lane has none.
+    length: [f32; LANES],
+    pins: TiePins,
+}
+
+/// Where the pins of a cell's tethers are.
+#[derive(Clone, Debug, PartialEq)]
+enum TiePins {
+    /// One slot for all lanes: a curtain ring.
+    One(u32),
+    /// The cell's own lanes in another cell: the edge of a grid.
+    Lanes(u32),
+}
+
+impl TetherPlan {
+    pub fn new(tethers: &Tethers, layout: Layout) -> Self {
+        let mut places: Vec<(usize, usize, usize, f32)> = Vec::with_capacity(tethers.len());
+        places.extend(tethers.iter().map(|(particle, pin, length)| {
+            let [slot, pin] = [particle, pin].map(|index| layout.slot(index as usize));
+            (slot / LANES, slot % LANES, pin, length)
+        }));
+        // Stable: the nearest pin of each particle stays the first.
+        places.sort_by_key(|place| place.0);
+        let mut plan = Self { first: Vec::with_capacity(layout.cells() + 1), ties: Vec::new() };
+        let mut rest = places.as_slice();
+        for cell in 0..layout.cells() {
+            plan.first.push(plan.ties.len() as u32);
+            let (here, beyond) = rest.split_at(rest.partition_point(|place| place.0 == cell));
+            plan.ties.extend(ties_of_cell(here));
+            rest = beyond;
+        }
+        plan.first.push(plan.ties.len() as u32);
+        plan
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.ties.is_empty()
+    }
+
+    /// Each tether as (particle, pin, length in metres).
+    pub fn list(&self, layout: Layout) -> Vec<(u32, u32, f32)> {
+        let mut list = Vec::new();
+        for (cell, range) in self.first.windows(2).enumerate() {
+            for tie in &self.ties[range[0] as usize..range[1] as usize] {
+                for lane in (0..LANES).filter(|&lane| tie.length[lane].is_finite()) {
+                    let pin = match tie.pins {
+                        TiePins::One(slot) => slot as usize,
+                        TiePins::Lanes(cell) => cell as usize * LANES + lane,
+                    };
+                    if let [Some(particle), Some(pin)] = [cell * LANES + lane, pin].map(|slot| layout.index(slot)) {
+                        list.push((particle as u32, pin as u32, tie.length[lane]));
+                    }
+                }
             }
-            let anchor = particles.position.get(pin);
-            let delta = particles.position.get(i) - anchor;
-            let distance_squared = delta.length_squared();
-            if distance_squared > length * length {
+        }
+        list.sort_by_key(|tether| tether.0);
+        list
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.first) + size_of_val(&*self.ties)
+    }
+
+    /// Brings every particle of these cells back to within its tethers' lengths, but by no more than `most` (metres)
+    /// at once. A tether whose pin has been freed is slack.
+    #[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
+    #[inline(always)]
+    pub fn project<S: Simd>(
+        &self,
+        simd: S,
+        cells: Range<usize>,
+        position: &mut [Cell],
+        inverse_mass: &[[f32; LANES]],
+        most: f32,
+    ) {
+        let zero = f32x16::splat(simd, 0.0);
+        for cell in cells {
+            for tie in &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize] {
+                let (anchor, pin_mass) = match tie.pins {
+                    TiePins::One(slot) => {
+                        let (cell, lane) = (slot as usize / LANES, slot as usize % LANES);
+                        let mass = f32x16::splat(simd, inverse_mass[cell][lane]);
+                        (Lanes3::splat(simd, position[cell].get(lane)), mass)
+                    }
+                    TiePins::Lanes(cell) => {
+                        let cell = cell as usize;
+                        (Lanes3::load(simd, &position[cell]), load(simd, &inverse_mass[cell]))
+                    }
+                };
+                let from = Lanes3::load(simd, &position[cell]);
+                let delta = from.minus(anchor);
+                let distance_squared = delta.dot(delta);
+                let length = load(simd, &tie.length);
+                let is_taut: mask32x16<S> = distance_squared.simd_gt(length * length);
+                if is_taut.all_false() {
+                    continue;
+                }
+                let is_held = pin_mass.simd_eq(zero) & load(simd, &inverse_mass[cell]).simd_gt(zero);
                 let distance = distance_squared.sqrt();
-                let scale = length.max(distance - most) / distance;
-                particles.position.set(i, anchor + delta * scale);
+                let nearer = distance - most;
+                let wanted = length.simd_gt(nearer).select(length, nearer);
+                let home = anchor.plus(delta.times(wanted / distance));
+                home.or(is_taut & is_held, from).store(&mut position[cell]);
             }
         }
     }
 }
 
-fn by_distance(a: &(f32, u32), b: &(f32, u32)) -> Ordering {
+/// Puts the tethers of one cell, (cell, lane, pin's slot, length), into as few ties as their pins allow.
+fn ties_of_cell(tethers: &[(usize, usize, usize, f32)]) -> Vec<Tie> {
+    let mut ties = Vec::new();
+    let mut rest = tethers.to_vec();
+    while let Some(&(_, lane, pin, _)) = rest.first() {
+        let shares_pin = |tether: &(usize, usize, usize, f32)| tether.2 == pin;
+        let is_aligned = |tether: &(usize, usize, usize, f32)| {
+            pin % LANES == lane && tether.2 / LANES == pin / LANES && tether.2 % LANES == tether.1
+        };
+        let count = |is_in: &dyn Fn(&(usize, usize, usize, f32)) -> bool| rest.iter().filter(|t| is_in(t)).count();
+        let aligned = count(&is_aligned) > count(&shares_pin);
+        let mut length = [f32::INFINITY; LANES];
+        rest.retain(|tether| {
+            let is_in = if aligned { is_aligned(tether) } else { shares_pin(tether) };
+            if is_in {
+                length[tether.1] = tether.3;
+            }
+            !is_in
+        });
+        let pins = if aligned { TiePins::Lanes((pin / LANES) as u32) } else { TiePins::One(pin as u32) };
+        ties.push(Tie { length, pins });
+    }
+    ties
+}
+
+fn by_distance(a: &(f32, u32, u32), b: &(f32, u32, u32)) -> Ordering {
     a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 

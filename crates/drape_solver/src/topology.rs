@@ -4,7 +4,9 @@ use glam::Vec3;
 
 use crate::constants::MAX_COLOURS;
 use crate::error::{BuildError, in_range};
-use crate::tether::Tethers;
+use crate::grid::{GridBatch, GridRuns};
+use crate::layout::{Grid, Layout};
+use crate::tether::{TetherPlan, Tethers};
 
 /// What a stick is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -44,7 +46,7 @@ impl StickMaterial {
 }
 
 /// Sticks of one material that share no particle, so that they may be relaxed in any order, or at once.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StickBatch {
     /// How the sticks react.
     pub material: StickMaterial,
@@ -52,18 +54,16 @@ pub struct StickBatch {
     pub first: usize,
     /// Number of sticks.
     pub count: usize,
-    /// The batch's part of the topology's runs.
-    runs: (usize, usize),
+    pub(crate) sticks: BatchSticks,
 }
 
-/// Consecutive sticks whose ends are consecutive too: stick `first + k` joins particles `a + k` and `b + k`, and
-/// `a + count <= b`. On a grid most sticks lie in runs, which are relaxed as whole slices, without gathers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct StickRun {
-    pub first: usize,
-    pub count: usize,
-    pub a: usize,
-    pub b: usize,
+/// Where the ends of a batch's sticks are found.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum BatchSticks {
+    /// Equal sticks of a grid, all of this length in metres: worked out, not stored.
+    Grid { batch: GridBatch, runs: GridRuns, rest_length: f32 },
+    /// In the topology's lists, from this place on.
+    Listed { first: usize },
 }
 
 impl StickBatch {
@@ -73,16 +73,24 @@ impl StickBatch {
     }
 }
 
+/// A stick of no particular pattern.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ListedStick {
+    /// The slots of its ends.
+    pub ends: [u32; 2],
+    /// Metres.
+    pub rest_length: f32,
+}
+
 /// The rest data of a body. Immutable while the body lives, so that equal bodies can share it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
-    pub(crate) particle_count: usize,
-    pub(crate) a: Vec<u32>,
-    pub(crate) b: Vec<u32>,
-    pub(crate) rest_length: Vec<f32>,
+    pub(crate) layout: Layout,
+    /// The two slots and the rest length of each stick that is listed.
+    pub(crate) listed: Vec<ListedStick>,
     pub(crate) batches: Vec<StickBatch>,
-    runs: Vec<StickRun>,
-    pub(crate) tethers: Tethers,
+    stick_count: usize,
+    pub(crate) tethers: TetherPlan,
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) segments: Vec<[u32; 2]>,
     /// Longest side of a face or segment at rest, in metres: how far a contact can be from the nearest corner.
@@ -92,22 +100,39 @@ pub struct Topology {
 impl Topology {
     /// The number of particles that the topology is made for.
     pub fn particle_count(&self) -> usize {
-        self.particle_count
+        self.layout.count()
     }
 
     /// The number of sticks.
     pub fn stick_count(&self) -> usize {
-        self.rest_length.len()
+        self.stick_count
     }
 
     /// The two particles that stick `i` joins.
+    ///
+    /// # Panics
+    /// If `i` is out of range; so does [`rest_length`](Self::rest_length).
     pub fn stick(&self, i: usize) -> [u32; 2] {
-        [self.a[i], self.b[i]]
+        let batch = self.batch_of(i);
+        match &batch.sticks {
+            BatchSticks::Grid { batch: grid, .. } => grid.particles(i - batch.first).map(|end| end as u32),
+            BatchSticks::Listed { first } => self.listed[first + i - batch.first]
+                .ends
+                .map(|slot| self.layout.index(slot as usize).map_or(u32::MAX, |index| index as u32)),
+        }
     }
 
     /// The rest length of stick `i` in metres.
     pub fn rest_length(&self, i: usize) -> f32 {
-        self.rest_length[i]
+        let batch = self.batch_of(i);
+        match &batch.sticks {
+            BatchSticks::Grid { rest_length, .. } => *rest_length,
+            BatchSticks::Listed { first } => self.listed[first + i - batch.first].rest_length,
+        }
+    }
+
+    fn batch_of(&self, stick: usize) -> &StickBatch {
+        &self.batches[self.batches.partition_point(|batch| batch.first + batch.count <= stick)]
     }
 
     /// The batches in the order in which they are relaxed.
@@ -115,14 +140,18 @@ impl Topology {
         &self.batches
     }
 
-    /// The runs of a batch, one after another.
-    pub(crate) fn runs(&self, batch: &StickBatch) -> &[StickRun] {
-        &self.runs[batch.runs.0..batch.runs.1]
+    /// The tethers, each as (particle, pin, length in metres).
+    pub fn tethers(&self) -> Vec<(u32, u32, f32)> {
+        self.tethers.list(self.layout)
     }
 
-    /// The tethers.
-    pub fn tethers(&self) -> &Tethers {
-        &self.tethers
+    /// Memory of sticks and tethers on the heap, in bytes.
+    pub fn bytes(&self) -> usize {
+        let runs = |batch: &StickBatch| match &batch.sticks {
+            BatchSticks::Grid { runs, .. } => runs.bytes(),
+            BatchSticks::Listed { .. } => 0,
+        };
+        size_of_val(&*self.listed) + self.batches.iter().map(runs).sum::<usize>() + self.tethers.bytes()
     }
 
     /// Triangles of the surface, as particle indices, counter-clockwise seen from the front.
@@ -144,7 +173,11 @@ impl Topology {
 pub struct TopologyBuilder {
     rest: Vec<Vec3>,
     topology: Topology,
+    /// The ends of the listed sticks, lower index first.
     joined: Vec<(u32, u32)>,
+    tethers: Tethers,
+    /// Columns and rows, where the particles form a grid.
+    size: [u32; 2],
 }
 
 impl TopologyBuilder {
@@ -152,9 +185,64 @@ impl TopologyBuilder {
     pub fn new(rest: &[Vec3]) -> Self {
         Self {
             rest: rest.to_vec(),
-            topology: Topology { particle_count: rest.len(), ..Topology::default() },
+            topology: Topology { layout: Layout::Linear { count: rest.len() }, ..Topology::default() },
             joined: Vec::new(),
+            tethers: Tethers::none(),
+            size: [rest.len() as u32, 1],
         }
+    }
+
+    /// Starts with a grid of `columns` x `rows` particles, row after row, at `rest` positions (metres).
+    ///
+    /// # Errors
+    /// [`BuildError::NoSuchParticle`] if `rest` does not have so many.
+    pub fn grid(rest: &[Vec3], columns: u32, rows: u32) -> Result<Self, BuildError> {
+        let (columns, rows) = (columns as usize, rows as usize);
+        if columns.checked_mul(rows) != Some(rest.len()) {
+            let (index, count) = (rest.len() as u32, columns.saturating_mul(rows) as u32);
+            return Err(BuildError::NoSuchParticle { what: "a grid", index, count });
+        }
+        let mut builder = Self { size: [columns as u32, rows as u32], ..Self::new(rest) };
+        if let Some(grid) = Grid::new(columns, rows) {
+            builder.topology.layout = Layout::Grid(grid);
+        }
+        Ok(builder)
+    }
+
+    /// Adds a family of equal sticks of a [grid](Self::grid): from every particle to the one `right` columns to the
+    /// right (to the left, if negative) and `down` rows down, all as long as the first of them is at rest. At most
+    /// one column to the side if `down` is not 0.
+    ///
+    /// # Errors
+    /// As [`family`](Self::family).
+    pub fn grid_family(
+        &mut self,
+        material: StickMaterial,
+        [right, down]: [i32; 2],
+    ) -> Result<&mut Self, BuildError> {
+        let [columns, rows] = self.size;
+        let starts = |row: u32| (0..columns).map(move |column| (column, row));
+        let cells = (0..rows.saturating_sub(down.unsigned_abs())).flat_map(starts);
+        let ends = cells.filter_map(|(column, row)| {
+            let to = column.checked_add_signed(right).filter(|&to| to < columns)?;
+            Some([row * columns + column, (row + down.unsigned_abs()) * columns + to])
+        });
+        let Layout::Grid(grid) = self.topology.layout else {
+            return self.family(material, ends);
+        };
+        material.validate()?;
+        let Some([a, b]) = ends.clone().next() else {
+            return Ok(self);
+        };
+        let rest_length = self.rest[a as usize].distance(self.rest[b as usize]);
+        if !(rest_length > 0.0 && rest_length.is_finite()) {
+            return Err(BuildError::ZeroRestLength { a, b });
+        }
+        for batch in GridBatch::halves(grid, right as isize, down.unsigned_abs() as usize) {
+            let sticks = BatchSticks::Grid { batch, runs: batch.runs(), rest_length };
+            self.push_batch(material, batch.count(), sticks);
+        }
+        Ok(self)
     }
 
     /// Adds a family of sticks of one material, at the length that the rest positions give. The family is
@@ -210,30 +298,23 @@ impl TopologyBuilder {
             self.joined.push((a.min(b), a.max(b)));
         }
         for sticks in colours {
-            self.push_batch(material, &sticks);
+            let first = self.topology.listed.len();
+            let layout = self.topology.layout;
+            self.topology.listed.extend(sticks.iter().map(|&(ends, rest_length)| {
+                let ends = ends.map(|end| layout.slot(end as usize) as u32);
+                ListedStick { ends, rest_length }
+            }));
+            self.push_batch(material, sticks.len(), BatchSticks::Listed { first });
         }
         Ok(self)
     }
 
-    fn push_batch(&mut self, material: StickMaterial, sticks: &[([u32; 2], f32)]) {
-        let Topology { a: starts, b: ends, rest_length, batches, runs, .. } = &mut self.topology;
-        let (first, first_run) = (rest_length.len(), runs.len());
-        for &([a, b], length) in sticks {
-            let (place_a, place_b) = (a as usize, b as usize);
-            match runs[first_run..].last_mut() {
-                // The next stick goes on where the run ends, and the two slices still do not overlap.
-                Some(run)
-                    if place_a == run.a + run.count && place_b == run.b + run.count && place_a < run.b =>
-                {
-                    run.count += 1;
-                }
-                _ => runs.push(StickRun { first: rest_length.len(), count: 1, a: place_a, b: place_b }),
-            }
-            starts.push(a);
-            ends.push(b);
-            rest_length.push(length);
+    fn push_batch(&mut self, material: StickMaterial, count: usize, sticks: BatchSticks) {
+        if count > 0 {
+            let first = self.topology.stick_count;
+            self.topology.batches.push(StickBatch { material, first, count, sticks });
+            self.topology.stick_count += count;
         }
-        batches.push(StickBatch { material, first, count: sticks.len(), runs: (first_run, runs.len()) });
     }
 
     /// Adds the triangles of the surface.
@@ -279,14 +360,40 @@ impl TopologyBuilder {
         if let Some(index) = tethers.highest_index() {
             self.check_index("a tether", index)?;
         }
-        self.topology.tethers = tethers;
+        self.tethers = tethers;
         Ok(self)
+    }
+
+    /// Tethers every particle to the nearest of the `pins`, and where sticks do not join them to each other, to the
+    /// nearest of each group, at their distance at rest: for bodies that are flat and convex.
+    ///
+    /// # Errors
+    /// As [`tethers`](Self::tethers).
+    pub fn straight_tethers(&mut self, pins: &[u32]) -> Result<&mut Self, BuildError> {
+        for &pin in pins {
+            self.check_index("a pin", pin)?;
+        }
+        let mut group: Vec<u32> = (0..self.rest.len() as u32).collect();
+        let mut is_pin = vec![false; self.rest.len()];
+        pins.iter().for_each(|&pin| is_pin[pin as usize] = true);
+        for (a, b, _) in self.edges().filter(|&(a, b, _)| is_pin[a as usize] && is_pin[b as usize]) {
+            let (p, q) = (root(&group, a), root(&group, b));
+            group[p.max(q) as usize] = p.min(q);
+        }
+        let mut grouped: Vec<(u32, u32)> = pins.iter().map(|&pin| (pin, root(&group, pin))).collect();
+        grouped.sort_unstable();
+        grouped.dedup();
+        let tethers = Tethers::straight_by_groups(&self.rest, &grouped);
+        self.tethers(tethers)
     }
 
     /// The sticks so far, with their lengths: what geodesic tethers run along.
     pub fn edges(&self) -> impl Iterator<Item = (u32, u32, f32)> + '_ {
         let t = &self.topology;
-        (0..t.stick_count()).map(|i| (t.a[i], t.b[i], t.rest_length[i]))
+        (0..t.stick_count()).map(|i| {
+            let [a, b] = t.stick(i);
+            (a, b, t.rest_length(i))
+        })
     }
 
     /// Finishes the topology.
@@ -296,13 +403,15 @@ impl TopologyBuilder {
     pub fn build(mut self) -> Result<Topology, BuildError> {
         if !self.topology.segments.is_empty() {
             // Sticks that were given their length may be longer at rest than their ends are apart now.
-            self.note_edge(self.topology.rest_length.iter().copied().fold(0.0, f32::max));
+            let lengths = (0..self.topology.stick_count()).map(|i| self.topology.rest_length(i));
+            self.note_edge(lengths.fold(0.0, f32::max));
         }
         self.joined.sort_unstable();
         if let Some(pair) = self.joined.windows(2).find(|pair| pair[0] == pair[1]) {
             let (a, b) = pair[0];
             return Err(BuildError::DuplicateStick { a, b });
         }
+        self.topology.tethers = TetherPlan::new(&self.tethers, self.topology.layout);
         Ok(self.topology)
     }
 
@@ -317,6 +426,14 @@ impl TopologyBuilder {
             Err(BuildError::NoSuchParticle { what, index, count: self.rest.len() as u32 })
         }
     }
+}
+
+/// The first of the group that `i` is in.
+fn root(group: &[u32], mut i: u32) -> u32 {
+    while group[i as usize] != i {
+        i = group[i as usize];
+    }
+    i
 }
 
 #[cfg(test)]
@@ -346,30 +463,6 @@ mod tests {
             ends.dedup();
             assert_eq!(ends.len(), all);
         }
-    }
-
-    #[test]
-    fn runs_cover_every_stick_once_and_their_ends_do_not_overlap() {
-        // A grid of 7 x 5: verticals and diagonals make runs, horizontals do not.
-        let rest: Vec<Vec3> = (0..35).map(|i| Vec3::new((i % 7) as f32, (i / 7) as f32, 0.0)).collect();
-        let mut builder = TopologyBuilder::new(&rest);
-        builder.family(structural(), (0..35).filter(|i| i % 7 < 6).map(|i| [i, i + 1])).expect("valid");
-        builder.family(structural(), (0..28).map(|i| [i, i + 7])).expect("valid");
-        builder.family(structural(), (0..28).filter(|i| i % 7 < 6).map(|i| [i, i + 8])).expect("valid");
-        let topology = builder.build().expect("valid");
-        let mut covered = 0;
-        for batch in topology.batches() {
-            for run in topology.runs(batch) {
-                assert_eq!(run.first, covered);
-                covered += run.count;
-                for k in 0..run.count {
-                    assert_eq!(topology.stick(run.first + k), [(run.a + k) as u32, (run.b + k) as u32]);
-                }
-                assert!(run.count == 1 || run.a + run.count <= run.b);
-            }
-        }
-        assert_eq!(covered, topology.stick_count());
-        assert!(topology.runs.iter().any(|run| run.count >= 6), "whole rows make runs");
     }
 
     #[test]
