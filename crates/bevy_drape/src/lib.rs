@@ -10,6 +10,8 @@ pub mod gizmos;
 pub mod grab;
 pub mod hit;
 pub mod interpolation;
+mod island;
+mod island_systems;
 mod islands;
 #[cfg(feature = "mesh")]
 pub mod mesh;

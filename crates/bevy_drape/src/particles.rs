@@ -37,21 +37,26 @@ pub(crate) struct BodyState {
     pub anchor: Affine3A,
     /// Places of the pinned particles in the entity's own coordinates.
     pub pins: Vec<(u32, Vec3)>,
-    /// Least and greatest corner of the particles' box, as of the last step or edit.
-    pub bounds: (Vec3, Vec3),
-    /// Greatest speed of a particle in m/s, as of the last step or edit.
-    pub greatest_speed: f32,
+    /// Where the particles are and how fast, as of the last step or edit.
+    pub extent: Extent,
     /// Whether the body cannot be simulated; see the log for why.
     pub refused: bool,
     /// Settings of the last step; a change wakes the body.
     pub settings: drape_solver::SolverSettings,
 }
 
-impl BodyState {
-    /// Takes note of where the particles are and how fast.
-    pub fn measure(&mut self, particles: &drape_solver::Particles) {
-        self.bounds = particles.bounds();
-        self.greatest_speed = particles.greatest_speed();
+/// Where the particles of a body are, and how fast.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Extent {
+    /// Least and greatest corner of their box.
+    pub bounds: (Vec3, Vec3),
+    /// Greatest speed of one of them in m/s.
+    pub greatest_speed: f32,
+}
+
+impl Extent {
+    pub fn of(particles: &drape_solver::Particles) -> Self {
+        Self { bounds: particles.bounds(), greatest_speed: particles.greatest_speed() }
     }
 }
 
@@ -78,8 +83,7 @@ pub(crate) fn insert_body(
     let to_local = anchor.inverse();
     let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
     let pins = pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect();
-    let mut state = BodyState { order, anchor, pins, ..default() };
-    state.measure(&particles);
+    let state = BodyState { order, anchor, pins, extent: Extent::of(&particles), ..default() };
     commands.entity(entity).insert((Particles(particles), Sticks(topology), Activity::Active, state));
 }
 

@@ -17,7 +17,8 @@ use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment
 use crate::grab::{Grab, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
-use crate::islands::{Islands, begin_islands, detect_collisions, finish_islands, form_islands};
+use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
+use crate::islands::Islands;
 use crate::obstacle::{Obstacle, StirredSpace, sync_obstacles};
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins, remove_described_body};
 use crate::projectile::{

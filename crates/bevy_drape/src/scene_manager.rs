@@ -6,7 +6,7 @@ use crate::activity::Activity;
 use crate::clock::DrapeClock;
 use crate::environment::SolverEnvironment;
 use crate::obstacle::StirredSpace;
-use crate::particles::{BodyState, CreationOrder, Particles, Sticks};
+use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::settings::{DefaultSolverSettings, SolverSettings, same_settings};
 
@@ -67,7 +67,8 @@ pub(crate) fn ball_reach(ball: &ProjectileState, dt: f32, gravity: f32) -> Bound
 
 /// Where the surface of a body that is simulated can get within a step of `dt` seconds.
 pub(crate) fn body_reach(state: &BodyState, dt: f32, gravity: f32) -> Bounds {
-    grown(state.bounds, state.settings.thickness + (state.greatest_speed + gravity * dt) * dt)
+    let Extent { bounds, greatest_speed } = state.extent;
+    grown(bounds, state.settings.thickness + (greatest_speed + gravity * dt) * dt)
 }
 
 fn ball_bounds(ball: &ProjectileState) -> Bounds {
@@ -145,16 +146,16 @@ pub(crate) fn wake(
         if state.order == 0 {
             // A body that was not built by the plugin.
             state.order = order.next();
-            state.measure(&particles);
+            state.extent = Extent::of(&particles);
         } else if edited && particles.is_changed() {
-            state.measure(&particles);
+            state.extent = Extent::of(&particles);
         }
         let rearranged =
             !same_settings(&state.settings, &settings) || (sticks.is_changed() && !sticks.is_added());
         state.settings = settings;
         let mended = state.refused && (rearranged || particles.is_changed());
         let resting = *activity == Activity::Resting;
-        let bounds = grown(state.bounds, settings.thickness);
+        let bounds = grown(state.extent.bounds, settings.thickness);
         if mended || (resting && (edited || rearranged || solver.changed || is_stirred(bounds))) {
             state.refused = false;
             *activity = Activity::Active;
@@ -225,7 +226,7 @@ pub(crate) fn cull(
         same => same,
     };
     for (mut activity, state) in &mut bodies {
-        let next = next(*activity, state.bounds, state.refused, state.context.still_for());
+        let next = next(*activity, state.extent.bounds, state.refused, state.context.still_for());
         activity.set_if_neq(next);
     }
     for (entity, mut activity, ball, record) in &mut balls {
