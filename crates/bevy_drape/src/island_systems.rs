@@ -16,6 +16,7 @@ use crate::islands::{BallQuery, BodyQuery, Islands, Member, fits};
 use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::refusal::Refusals;
+use crate::scan::collect_rows;
 use crate::scene_manager::{SceneManager, ball_reach, body_reach};
 use crate::schedule::StepTimes;
 
@@ -26,11 +27,16 @@ pub(crate) fn form_islands(
     solver: Res<SolverEnvironment>,
     mut islands: ResMut<Islands>,
     mut refusals: ResMut<Refusals>,
+    mut active: Local<Vec<Entity>>,
 ) {
     let (dt, gravity) = (solver.environment.dt, solver.environment.gravity.length());
     islands.members.clear();
-    for (entity, mut activity, particles, sticks, mut state) in &mut bodies {
-        if *activity != Activity::Active || state.refused {
+    for (entities, activities, ..) in bodies.contiguous_iter().into_iter().flatten() {
+        collect_rows(entities, |rows| Activity::is_any_active(&activities[rows]), &mut active);
+    }
+    for entity in active.drain(..) {
+        let Ok((_, mut activity, particles, sticks, mut state)) = bodies.get_mut(entity) else { continue };
+        if state.refused {
             continue;
         }
         if !fits(particles, sticks) {
@@ -44,8 +50,12 @@ pub(crate) fn form_islands(
         let bounds = body_reach(&state, dt, gravity);
         islands.members.push(Member { order: state.order, entity, is_ball: false, bounds });
     }
-    for (entity, activity, state, record) in &balls {
-        if *activity == Activity::Active && !record.refused {
+    for (entities, activities, ..) in balls.contiguous_iter().into_iter().flatten() {
+        collect_rows(entities, |rows| Activity::is_any_active(&activities[rows]), &mut active);
+    }
+    for entity in active.drain(..) {
+        let Ok((_, _, state, record)) = balls.get(entity) else { continue };
+        if !record.refused {
             let bounds = ball_reach(state, dt, gravity);
             islands.members.push(Member { order: record.order, entity, is_ball: true, bounds });
         }
