@@ -6,7 +6,7 @@
 
 use core::ops::Range;
 
-use bevy::ecs::change_detection::{ContiguousComponentTicksRef, ContiguousRef};
+use bevy::ecs::change_detection::{ContiguousComponentTicksRef, ContiguousRef, MAX_CHANGE_AGE, Tick};
 use bevy::ecs::query::ArchetypeFilter;
 use bevy::prelude::*;
 
@@ -30,8 +30,11 @@ pub(crate) fn collect_rows(
 
 /// Whether any of these rows was added or changed since the system last ran.
 pub(crate) fn is_any_changed(ticks: &ContiguousComponentTicksRef, rows: Range<usize>) -> bool {
-    let (last_run, this_run) = (ticks.last_run(), ticks.this_run());
-    ticks.changed()[rows].iter().fold(false, |any, tick| any | tick.is_newer_than(last_run, this_run))
+    let now = ticks.this_run().get();
+    let age_of_last_run = now.wrapping_sub(ticks.last_run().get()).min(MAX_CHANGE_AGE);
+    // What `Tick::is_newer_than` tells, of many at once.
+    let is_newer = |tick: &Tick| now.wrapping_sub(tick.get()) < age_of_last_run;
+    ticks.changed()[rows].iter().fold(false, |any, tick| any | is_newer(tick))
 }
 
 /// Appends to `found` the entities whose `C` was added or changed since the system last ran.
