@@ -1,5 +1,6 @@
 //! The command line, and the jobs that it asks for.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -7,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::model::Pins;
 use crate::run::Job;
-use crate::scene::{Scene, SceneError, SceneKind};
+use crate::scene::{Scene, SceneKind};
 use crate::solver::{Effort, Projection, Solver};
 
 /// Named scenes, this solver and its peers: what a step costs and how far the cloth stretches.
@@ -27,9 +28,9 @@ pub enum Command {
         /// Size of the scene: particles in a row of a sheet, vertices of a mesh, or number of bodies.
         #[arg(long, visible_alias = "count")]
         n: Option<u32>,
-        /// The solver.
-        #[arg(long, value_enum)]
-        solver: Option<Solver>,
+        /// The solver: drape, naive, coloured or plugin.
+        #[arg(long)]
+        solver: Option<String>,
         /// Threads.
         #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
         threads: u32,
@@ -42,9 +43,9 @@ pub enum Command {
         /// Sizes of the scene.
         #[arg(long, visible_alias = "counts", value_delimiter = ',')]
         sizes: Vec<u32>,
-        /// The solvers.
-        #[arg(long, value_enum, value_delimiter = ',')]
-        solvers: Vec<Solver>,
+        /// The solvers: drape, naive, coloured, plugin.
+        #[arg(long, value_delimiter = ',')]
+        solvers: Vec<String>,
         /// Numbers of threads; solvers that know only one thread run once.
         #[arg(long, value_delimiter = ',', default_values_t = [1], value_parser = clap::value_parser!(u32).range(1..=256))]
         threads: Vec<u32>,
@@ -97,42 +98,55 @@ impl Command {
         }
     }
 
-    /// The jobs, in the order of the table.
+    /// The jobs, in the order of the table, with solvers of `known`.
     ///
     /// # Errors
-    /// [`SceneError`] if a scene cannot be made.
-    pub fn jobs(&self) -> Result<Vec<Job>, SceneError> {
+    /// If a scene cannot be made, or a solver is not known.
+    pub fn jobs(&self, known: &[Solver]) -> Result<Vec<Job>, Box<dyn Error>> {
         let common = self.common();
-        let (scenes, solvers, threads) = match self {
-            Self::Run { n, solver, threads, .. } => {
-                let part = common.scene.parts()[0].0;
-                let scenes = vec![(part, n.unwrap_or(common.scene.usual_size()))];
-                let usual = common.scene.usual_solvers().last().filter(|_| part != common.scene);
-                let usual = usual.unwrap_or(&common.scene.usual_solvers()[0]);
-                (scenes, vec![solver.unwrap_or(*usual)], vec![*threads])
-            }
-            Self::Compare { sizes, solvers, threads, .. } => {
-                let parts = common.scene.parts();
-                let scenes = if sizes.is_empty() {
-                    parts.iter().flat_map(|&(kind, sizes)| sizes.iter().map(move |&n| (kind, n))).collect()
-                } else {
-                    sizes.iter().map(|&n| (parts[0].0, n)).collect()
-                };
-                let usual = common.scene.usual_solvers();
-                let solvers = if solvers.is_empty() { usual.to_vec() } else { solvers.clone() };
-                (scenes, solvers, threads.clone())
-            }
-        };
+        let kind = common.scene;
+        let solvers = self.solver_names().into_iter().map(|name| Solver::find(name, known));
+        let solvers: Vec<Solver> = solvers.collect::<Result<_, _>>()?;
         let mut jobs = Vec::new();
-        for (kind, n) in scenes {
+        for (kind, n) in self.scenes(kind) {
             let scene = Arc::new(Scene::new(kind, n, common.pins)?);
             for &solver in &solvers {
-                let is_single = matches!(self, Self::Compare { .. }) && !solver.has_threads();
-                let threads = if is_single { &[1][..] } else { &threads };
-                jobs.extend(threads.iter().map(|&threads| common.job(&scene, solver, threads)));
+                for &threads in self.threads(&solver) {
+                    jobs.push(common.job(&scene, solver, threads));
+                }
             }
         }
         Ok(jobs)
+    }
+
+    /// Scenes and sizes: those that were asked for, else the usual ones.
+    fn scenes(&self, kind: SceneKind) -> Vec<(SceneKind, u32)> {
+        let parts = kind.parts();
+        let main = parts[0].0;
+        match self {
+            Self::Run { n, .. } => vec![(main, n.unwrap_or(kind.usual_size()))],
+            Self::Compare { sizes, .. } if sizes.is_empty() => {
+                parts.iter().flat_map(|&(kind, sizes)| sizes.iter().map(move |&n| (kind, n))).collect()
+            }
+            Self::Compare { sizes, .. } => sizes.iter().map(|&n| (main, n)).collect(),
+        }
+    }
+
+    fn solver_names(&self) -> Vec<&str> {
+        let kind = self.common().scene;
+        match self {
+            Self::Run { solver, .. } => vec![solver.as_deref().unwrap_or(kind.usual_solver())],
+            Self::Compare { solvers, .. } if solvers.is_empty() => kind.usual_solvers().to_vec(),
+            Self::Compare { solvers, .. } => solvers.iter().map(String::as_str).collect(),
+        }
+    }
+
+    fn threads(&self, solver: &Solver) -> &[u32] {
+        match self {
+            Self::Run { threads, .. } => std::slice::from_ref(threads),
+            Self::Compare { .. } if !solver.has_threads => &[1],
+            Self::Compare { threads, .. } => threads,
+        }
     }
 }
 

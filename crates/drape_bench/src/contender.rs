@@ -55,8 +55,10 @@ pub enum Failure {
     /// The solver refused the step.
     #[error("{0}")]
     Step(#[from] StepError),
+    /// A peer cannot do what was asked for.
+    #[error("{0}")]
+    Peer(String),
     /// The bodies that should be at rest are not.
-    #[cfg(feature = "plugin")]
     #[error("{0} bodies never came to rest")]
     Restless(usize),
 }

@@ -172,3 +172,31 @@ impl Contender for Drape {
         isa()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::model::Pins;
+    use crate::scene::SceneKind;
+
+    #[test]
+    fn the_solver_has_the_models_sticks_at_the_models_lengths() {
+        for (kind, n) in [(SceneKind::Sheet, 9), (SceneKind::Mesh, 300), (SceneKind::Ropes, 2)] {
+            let model = Scene::new(kind, n, Pins::Corners).expect("a scene").model;
+            let topology = topology(&model).expect("valid");
+            let mut lengths: HashMap<[u32; 2], f32> =
+                model.natural_order.iter().map(|&stick| (sorted(stick), model.rest_length(stick))).collect();
+            for i in 0..topology.stick_count() {
+                let length = lengths.remove(&sorted(topology.stick(i))).expect("one of the model's");
+                assert!((topology.rest_length(i) - length).abs() < 1e-6);
+            }
+            assert!(lengths.is_empty());
+        }
+    }
+
+    fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+        [a.min(b), a.max(b)]
+    }
+}

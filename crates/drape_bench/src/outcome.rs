@@ -5,7 +5,6 @@ use serde::Serialize;
 use crate::memory_pass::MemoryPass;
 use crate::model::Pins;
 use crate::run::{Job, Motion, Timing};
-use crate::solver::Solver;
 
 /// One line of the table, in the order of its columns.
 #[derive(Clone, Debug, Serialize)]
@@ -74,7 +73,7 @@ impl Outcome {
         passes.sort_unstable_by_key(|pass| pass.time);
         Self {
             scene: job.scene.kind.name(),
-            solver: job.solver.name(),
+            solver: job.solver.name,
             n: job.scene.n,
             substeps: job.effort.substeps,
             sweeps: job.effort.sweeps,
@@ -107,7 +106,7 @@ impl Outcome {
 
 /// Fills in how many times faster than the naive loop each solver is on the same scene.
 pub fn fill_ratios(outcomes: &mut [Outcome]) {
-    let is_naive = |outcome: &&Outcome| outcome.solver == Solver::Naive.name();
+    let is_naive = |outcome: &&Outcome| outcome.solver == "naive";
     let naive: Vec<Outcome> = outcomes.iter().filter(is_naive).cloned().collect();
     for outcome in outcomes {
         let same = naive.iter().find(|naive| naive.is_same_scene(outcome));

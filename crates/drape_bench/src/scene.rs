@@ -11,7 +11,6 @@ use crate::mesh::mesh;
 use crate::model::{Model, Pins};
 use crate::rope::rope;
 use crate::sheet::{curtain, sheet};
-use crate::solver::Solver;
 
 /// Particles along a side of each of many sheets.
 const SMALL_SHEET: u32 = 16;
@@ -96,13 +95,19 @@ impl SceneKind {
     }
 
     /// The solvers that a comparison has unless told otherwise.
-    pub fn usual_solvers(self) -> &'static [Solver] {
+    pub fn usual_solvers(self) -> &'static [&'static str] {
         match self {
-            #[cfg(feature = "plugin")]
-            Self::Asleep => &[Solver::Plugin],
-            #[cfg(feature = "plugin")]
-            Self::Plugin => &[Solver::Drape, Solver::Plugin],
-            _ => &[Solver::Drape, Solver::Naive, Solver::Coloured],
+            Self::Asleep => &["plugin"],
+            Self::Plugin => &["drape", "plugin"],
+            _ => &["drape", "naive", "coloured"],
+        }
+    }
+
+    /// The solver that a single run has unless told otherwise.
+    pub fn usual_solver(self) -> &'static str {
+        match self {
+            Self::Asleep | Self::Plugin => "plugin",
+            _ => "drape",
         }
     }
 
