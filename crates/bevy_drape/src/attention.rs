@@ -6,7 +6,6 @@ use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;
 
 use crate::activity::Activity;
-use crate::clock::DrapeClock;
 use crate::environment::SolverEnvironment;
 use crate::particles::{Particles, Sticks};
 use crate::projectile::ProjectileState;
@@ -20,8 +19,6 @@ pub(crate) struct Attention {
     pub balls: Vec<Entity>,
     /// What has lost its own settings since the last step.
     lost_settings: Vec<Entity>,
-    /// Longest step so far in seconds: how far a ball at rest was expected to get.
-    longest_step: f32,
 }
 
 /// Lists what is active and what was changed since the last step; all there is, if what concerns all has changed.
@@ -30,13 +27,10 @@ pub(crate) fn pay_attention(
     balls: Query<(Entity, Ref<Activity>, Ref<ProjectileState>), Without<Particles>>,
     defaults: Res<DefaultSolverSettings>,
     solver: Res<SolverEnvironment>,
-    clock: Res<DrapeClock>,
     mut attention: ResMut<Attention>,
 ) {
-    let Attention { bodies: bodies_seen, balls: balls_seen, lost_settings, longest_step } = &mut *attention;
-    let is_longer = clock.delta() > *longest_step;
-    *longest_step = longest_step.max(clock.delta());
-    let is_all_concerned = defaults.is_changed() || solver.changed || is_longer;
+    let Attention { bodies: bodies_seen, balls: balls_seen, lost_settings } = &mut *attention;
+    let is_all_concerned = defaults.is_changed() || solver.changed;
     bodies_seen.clear();
     for (entities, activities, particles, sticks, settings) in bodies.contiguous_iter().into_iter().flatten()
     {

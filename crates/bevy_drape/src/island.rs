@@ -1,11 +1,18 @@
 //! One island on its way through a step.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
-use drape_solver::{Environment, Other, StepError, step};
+use drape_solver::{Ball, Body, Environment, Other, StepError, step};
 
-use crate::particles::Extent;
+use crate::particles::{BodyState, Extent, Particles, Sticks};
+use crate::projectile::{ProjectileRecord, ProjectileState};
+
+pub(crate) type BodyQuery<'w, 's> =
+    Query<'w, 's, (&'static mut Particles, &'static Sticks, &'static mut BodyState)>;
+pub(crate) type BallQuery<'w, 's> =
+    Query<'w, 's, (&'static mut ProjectileState, &'static mut ProjectileRecord)>;
 
 /// The stages of a step, in their order. The three of a substep come once for each substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,6 +35,8 @@ pub(crate) struct Island {
     pub solver: drape_solver::Island,
     pub bodies: Vec<Entity>,
     pub balls: Vec<Entity>,
+    /// How long all of them have been slower than the threshold of rest, in seconds; known at the end of the step.
+    pub still_for: f32,
     /// Where the bodies were at the end of the step and how fast; empty before that.
     pub extents: Vec<Extent>,
     /// Why the next stage cannot be run. Nothing goes on while there is a reason.
@@ -49,6 +58,7 @@ impl Island {
         self.bodies.clear();
         self.balls.clear();
         self.extents.clear();
+        self.still_for = 0.0;
         self.error = None;
         self.detect_time = Duration::ZERO;
         self.substep_time = Duration::ZERO;
@@ -115,6 +125,9 @@ impl Island {
             }
             Stage::Finish => step::finish(solver).map(|()| {
                 self.extents.extend(solver.bodies.iter().map(|body| Extent::of(&body.particles)));
+                let bodies = solver.bodies.iter().map(Body::still_for);
+                self.still_for =
+                    bodies.chain(solver.balls.iter().map(Ball::still_for)).fold(f32::INFINITY, f32::min);
                 Stage::Done
             }),
             Stage::Done => Ok(Stage::Done),
@@ -122,6 +135,58 @@ impl Island {
         match outcome {
             Ok(next) => self.next = next,
             Err(error) => self.error = Some(error),
+        }
+    }
+
+    /// Moves the bodies and balls from their components into the island.
+    pub fn take(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
+        let solver = &mut self.solver;
+        solver.bodies.clear();
+        for entity in &mut self.bodies {
+            let body = match bodies.get_mut(*entity) {
+                Ok((mut particles, sticks, mut state)) if fits(&particles, sticks) => Body {
+                    particles: core::mem::take(&mut particles.bypass_change_detection().0),
+                    topology: Arc::clone(&sticks.0),
+                    settings: state.settings,
+                    context: core::mem::take(&mut state.context),
+                },
+                _ => Body::default(),
+            };
+            let is_gone = body.particles.is_empty();
+            solver.bodies.push(body);
+            if is_gone {
+                // A user's system took the body away in the middle of the step.
+                solver.vacate_body(solver.bodies.len() - 1);
+                *entity = Entity::PLACEHOLDER;
+            }
+        }
+        let is_first_time = solver.balls.is_empty();
+        for (slot, &entity) in self.balls.iter().enumerate() {
+            if let Ok((state, _)) = balls.get(entity) {
+                if is_first_time {
+                    solver.balls.push(state.0.clone());
+                } else {
+                    solver.balls[slot].clone_from(&state.0);
+                }
+            }
+        }
+    }
+
+    /// Moves the bodies and balls back into their components.
+    pub fn give_back(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
+        let mut extents = self.extents.drain(..);
+        for (&entity, body) in self.bodies.iter().zip(self.solver.bodies.drain(..)) {
+            let extent = extents.next();
+            if let Ok((mut particles, _, mut state)) = bodies.get_mut(entity) {
+                particles.0 = body.particles;
+                state.context = body.context;
+                state.extent = extent.unwrap_or(state.extent);
+            }
+        }
+        for (&entity, ball) in self.balls.iter().zip(&self.solver.balls) {
+            if let Ok((mut state, _)) = balls.get_mut(entity) {
+                state.0.clone_from(ball);
+            }
         }
     }
 
@@ -144,4 +209,9 @@ impl Island {
             true
         });
     }
+}
+
+/// Whether these particles and sticks belong together.
+pub(crate) fn fits(particles: &Particles, sticks: &Sticks) -> bool {
+    !particles.is_empty() && particles.len() == sticks.particle_count()
 }

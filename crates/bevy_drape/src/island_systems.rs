@@ -5,14 +5,14 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use drape_solver::{Other, StepError};
+use drape_solver::{Environment, Other, StepError};
 
 use crate::activity::Activity;
 use crate::clock::DrapeClock;
 use crate::environment::SolverEnvironment;
 use crate::hit::{BallHit, HitTarget, Touching};
-use crate::island::{Island, Stage};
-use crate::islands::{BallQuery, BodyQuery, Islands, Member, fits};
+use crate::island::{BallQuery, BodyQuery, Island, Stage, fits};
+use crate::islands::{Islands, Member};
 use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::refusal::Refusals;
@@ -84,10 +84,7 @@ pub(crate) fn run_substeps_of_islands(mut islands: ResMut<Islands>, mut members:
 
 /// One stage of one substep of all islands.
 pub(crate) fn substep_stage(In(stage): In<Stage>, mut islands: ResMut<Islands>, mut members: Members) {
-    let Members { bodies, balls, solver, .. } = &mut members;
-    islands.take(bodies, balls);
-    islands.each(|island| island.run_substep_stage(&solver.environment, stage));
-    islands.give_back(bodies, balls);
+    members.run(&mut islands, |island, environment| island.run_substep_stage(environment, stage));
 }
 
 /// What the islands are filled from, and what it takes to leave something out.
@@ -101,25 +98,46 @@ pub(crate) struct Members<'w, 's> {
 }
 
 impl Members<'_, '_> {
-    /// Brings all islands up to the stage `end`, with their members taken out of their components and given back.
+    /// Brings all islands up to the stage `end`.
     fn advance(&mut self, islands: &mut Islands, end: Stage) {
-        islands.take(&mut self.bodies, &mut self.balls);
-        self.run(islands, end);
-        islands.give_back(&mut self.bodies, &mut self.balls);
+        self.run(islands, |island, environment| island.advance(environment, end));
     }
 
-    /// Runs the stages before `end`. What cannot be stepped is left out, and the others go on.
-    fn run(&mut self, islands: &mut Islands, end: Stage) {
-        islands.each(|island| island.advance(&self.solver.environment, end));
-        for island in islands.live_mut() {
-            while let Some(error) = island.error.take() {
-                if self.refuse(island, &error) {
-                    island.advance(&self.solver.environment, end);
-                } else {
-                    self.refusals.resource("Time<Fixed>, DrapeGravity or Wind", &error);
-                    island.error = Some(error);
-                    break;
-                }
+    /// Runs `stages` on all islands, with their members taken out of their components and given back.
+    fn run(&mut self, islands: &mut Islands, stages: impl Fn(&mut Island, &Environment) + Send + Sync) {
+        if islands.are_for_one_thread() {
+            // Each from beginning to end, through the same memory, while it is in the cache.
+            let mut bodies = core::mem::take(&mut islands.bodies);
+            for island in islands.live_mut() {
+                core::mem::swap(&mut bodies, &mut island.solver.bodies);
+                island.take(&mut self.bodies, &mut self.balls);
+                stages(island, &self.solver.environment);
+                self.refuse_faulty(island, &stages);
+                island.give_back(&mut self.bodies, &mut self.balls);
+                core::mem::swap(&mut bodies, &mut island.solver.bodies);
+            }
+            islands.bodies = bodies;
+        } else {
+            for island in islands.live_mut() {
+                island.take(&mut self.bodies, &mut self.balls);
+            }
+            islands.each(|island| stages(island, &self.solver.environment));
+            for island in islands.live_mut() {
+                self.refuse_faulty(island, &stages);
+                island.give_back(&mut self.bodies, &mut self.balls);
+            }
+        }
+    }
+
+    /// Leaves out what cannot be stepped; the others go on.
+    fn refuse_faulty(&mut self, island: &mut Island, stages: impl Fn(&mut Island, &Environment)) {
+        while let Some(error) = island.error.take() {
+            if self.refuse(island, &error) {
+                stages(island, &self.solver.environment);
+            } else {
+                self.refusals.resource("Time<Fixed>, DrapeGravity or Wind", &error);
+                island.error = Some(error);
+                break;
             }
         }
     }
@@ -177,9 +195,8 @@ pub(crate) fn finish_islands(
     mut hits: MessageWriter<BallHit>,
     mut times: ResMut<StepTimes>,
 ) {
-    islands.take(&mut members.bodies, &mut members.balls);
-    members.run(&mut islands, Stage::Done);
-    let Members { bodies, balls, activities, solver, .. } = &mut members;
+    members.advance(&mut islands, Stage::Done);
+    let Members { activities, solver, .. } = &mut members;
     touching.begin_step(clock.elapsed(), |ball| {
         activities.get(ball).is_ok_and(|activity| *activity != Activity::Active)
     });
@@ -187,11 +204,7 @@ pub(crate) fn finish_islands(
     times.substeps = islands.live().iter().map(|island| island.substep_time).sum();
     for island in islands.live() {
         report_hits(island, &solver.obstacles, clock.elapsed(), &mut touching, &mut hits);
-        let solver = &island.solver;
-        let is_still = |still_for: f32| still_for >= manager.sleep_time;
-        let all_still = solver.bodies.iter().all(|body| is_still(body.still_for()))
-            && solver.balls.iter().all(|ball| is_still(ball.still_for()));
-        if manager.sleeping && all_still {
+        if manager.sleeping && island.still_for >= manager.sleep_time {
             for &entity in island.bodies.iter().chain(&island.balls) {
                 if let Ok(mut activity) = activities.get_mut(entity) {
                     *activity = Activity::Resting;
@@ -199,7 +212,6 @@ pub(crate) fn finish_islands(
             }
         }
     }
-    islands.give_back(bodies, balls);
 }
 
 fn report_hits(

@@ -4,15 +4,11 @@
 //! no copy of the particles), stepped, and moved back. Islands do not depend on each other, so they run on all
 //! threads of the compute pool and give the same bits on any number of them.
 
-use std::sync::Arc;
-
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use drape_solver::Body;
 
 use crate::island::Island;
-use crate::particles::{BodyState, Particles, Sticks};
-use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::scene_manager::{Bounds, overlap};
 
 /// All islands of this step. Slots beyond `live` are kept for their memory.
@@ -24,6 +20,8 @@ pub(crate) struct Islands {
     pub members: Vec<Member>,
     parents: Vec<usize>,
     slot_of: Vec<usize>,
+    /// Memory that bodies are stepped in on one thread, one island after another.
+    pub bodies: Vec<Body>,
     /// Whether nobody has a system of their own between the stages of this step. Each island then goes through all
     /// of them in one go, on its own thread, while its particles are in the cache.
     pub is_fused: bool,
@@ -38,11 +36,6 @@ pub(crate) struct Member {
     /// Where it can get within the step.
     pub bounds: Bounds,
 }
-
-pub(crate) type BodyQuery<'w, 's> =
-    Query<'w, 's, (&'static mut Particles, &'static Sticks, &'static mut BodyState)>;
-pub(crate) type BallQuery<'w, 's> =
-    Query<'w, 's, (&'static mut ProjectileState, &'static mut ProjectileRecord)>;
 
 impl Islands {
     /// The islands of this step.
@@ -59,76 +52,20 @@ impl Islands {
         self.live().iter().map(|island| island.solver.substeps()).max().unwrap_or(0)
     }
 
-    /// Moves all bodies and balls from their components into the islands.
-    pub fn take(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
-        for island in self.live_mut() {
-            let Island { solver, bodies: entities, balls: ball_entities, .. } = island;
-            solver.bodies.clear();
-            for entity in entities.iter_mut() {
-                let body = match bodies.get_mut(*entity) {
-                    Ok((mut particles, sticks, mut state)) if fits(&particles, sticks) => Body {
-                        particles: core::mem::take(&mut particles.bypass_change_detection().0),
-                        topology: Arc::clone(&sticks.0),
-                        settings: state.settings,
-                        context: core::mem::take(&mut state.context),
-                    },
-                    _ => Body::default(),
-                };
-                let is_gone = body.particles.is_empty();
-                solver.bodies.push(body);
-                if is_gone {
-                    // A user's system took the body away in the middle of the step.
-                    solver.vacate_body(solver.bodies.len() - 1);
-                    *entity = Entity::PLACEHOLDER;
-                }
-            }
-            let is_first_time = solver.balls.is_empty();
-            for (slot, &entity) in ball_entities.iter().enumerate() {
-                if let Ok((state, _)) = balls.get(entity) {
-                    if is_first_time {
-                        solver.balls.push(state.0.clone());
-                    } else {
-                        solver.balls[slot].clone_from(&state.0);
-                    }
-                }
-            }
-        }
+    /// Whether the islands are not worth more threads than one, or there is none.
+    pub fn are_for_one_thread(&self) -> bool {
+        self.live < 2 || pool().thread_num() < 2
     }
 
-    /// Moves all bodies and balls back into their components.
-    pub fn give_back(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
-        for island in self.live_mut() {
-            let mut extents = island.extents.drain(..);
-            for (&entity, body) in island.bodies.iter().zip(island.solver.bodies.drain(..)) {
-                let extent = extents.next();
-                if let Ok((mut particles, _, mut state)) = bodies.get_mut(entity) {
-                    particles.0 = body.particles;
-                    state.context = body.context;
-                    state.extent = extent.unwrap_or(state.extent);
-                }
-            }
-            for (&entity, ball) in island.balls.iter().zip(&island.solver.balls) {
-                if let Ok((mut state, _)) = balls.get_mut(entity) {
-                    state.0.clone_from(ball);
-                }
-            }
-        }
-    }
-
-    /// Runs `stage` on every island, on all threads of the compute pool.
-    pub fn each(&mut self, stage: impl Fn(&mut Island) + Send + Sync) {
+    /// Runs `stages` on every island, on all threads of the compute pool.
+    pub fn each(&mut self, stages: impl Fn(&mut Island) + Send + Sync) {
+        let pool = pool();
         let islands = self.live_mut();
-        let pool = ComputeTaskPool::get_or_init(TaskPool::default);
-        let threads = pool.thread_num();
-        if threads < 2 || islands.len() < 2 {
-            islands.iter_mut().for_each(stage);
-            return;
-        }
-        let share = islands.len().div_ceil(threads * 4);
+        let share = islands.len().div_ceil(pool.thread_num() * 4).max(1);
         pool.scope(|scope| {
             for chunk in islands.chunks_mut(share) {
-                let stage = &stage;
-                scope.spawn(async move { chunk.iter_mut().for_each(stage) });
+                let stages = &stages;
+                scope.spawn(async move { chunk.iter_mut().for_each(stages) });
             }
         });
     }
@@ -172,9 +109,8 @@ impl Islands {
     }
 }
 
-/// Whether these particles and sticks belong together.
-pub(crate) fn fits(particles: &Particles, sticks: &Sticks) -> bool {
-    !particles.is_empty() && particles.len() == sticks.particle_count()
+fn pool() -> &'static TaskPool {
+    ComputeTaskPool::get_or_init(TaskPool::default)
 }
 
 /// The oldest member of `i`'s group.
