@@ -219,6 +219,8 @@ fn a_sleeper_comes_back_when_the_far_viewer_is_gone() {
     app.world_mut().resource_mut::<SceneManager>().viewer_distance = 10.0;
     step(&mut app, 1);
     assert_eq!(activity(&app, curtain), Activity::Culled);
+    step(&mut app, 5);
+    assert_eq!(activity(&app, curtain), Activity::Culled);
     app.world_mut().entity_mut(far).despawn();
     step(&mut app, 1);
     assert_eq!(activity(&app, curtain), Activity::Resting);
