@@ -172,3 +172,36 @@ pub fn settle(app: &mut App, entity: Entity) {
     }
     panic!("{entity} did not come to rest within 30 s");
 }
+
+/// Numbers that are no quantity.
+pub const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+
+/// Spawns `bundle` beside a ball in free flight; asserts that it is refused in words that name `words`, and that the
+/// ball flies on. Returns the app and the entity.
+pub fn assert_refused(bundle: impl Bundle, words: &[&str]) -> (App, Entity) {
+    let mut app = app();
+    let witness = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(50.0, 0.0, 0.0))).id();
+    let bad = app.world_mut().spawn(bundle).id();
+    run(&mut app, 0.5);
+    let messages = refusals(&app, bad);
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    for word in [bad.to_string().as_str()].iter().chain(words) {
+        assert!(messages[0].contains(word), "“{}” does not name {word}", messages[0]);
+    }
+    assert_eq!(app.world().resource::<Refusals>().messages().len(), 1);
+    let fallen = -ball_position(&app, witness).y;
+    assert!((fallen - 0.5 * GRAVITY * 0.25).abs() < 1e-3, "the witness fell {fallen} m");
+    let counts = counts(&app);
+    assert_eq!(counts.0, 1, "only the witness is active: {counts:?}");
+    (app, bad)
+}
+
+/// Asserts that nothing is said about `entity` any more and that it is simulated.
+pub fn assert_mended(app: &mut App, entity: Entity) {
+    step(app, 3);
+    assert_eq!(activity(app, entity), Activity::Active);
+    let before = hash(app, &[entity]);
+    step(app, 10);
+    assert_ne!(hash(app, &[entity]), before, "it stands still");
+    assert_eq!(activity(app, entity), Activity::Active);
+}

@@ -203,3 +203,25 @@ fn a_scene_manager_of_nonsense_culls_nothing() {
     run(&mut app, 1.0);
     assert_eq!(activity(&app, curtain), Activity::Resting);
 }
+
+#[test]
+fn a_sleeper_comes_back_when_the_far_viewer_is_gone() {
+    let mut app = app();
+    app.world_mut().resource_mut::<SceneManager>().viewer_distance = 10.0;
+    let curtain = app.world_mut().spawn((curtain(), quiet())).id();
+    settle(&mut app, curtain);
+    let far = app.world_mut().spawn((Viewer, Transform::from_xyz(50.0, 0.0, 0.0))).id();
+    step(&mut app, 2);
+    assert_eq!(activity(&app, curtain), Activity::Culled);
+    app.world_mut().resource_mut::<SceneManager>().viewer_distance = 100.0;
+    step(&mut app, 1);
+    assert_eq!(activity(&app, curtain), Activity::Resting, "a hundred metres are far enough to see it");
+    app.world_mut().resource_mut::<SceneManager>().viewer_distance = 10.0;
+    step(&mut app, 1);
+    assert_eq!(activity(&app, curtain), Activity::Culled);
+    step(&mut app, 5);
+    assert_eq!(activity(&app, curtain), Activity::Culled);
+    app.world_mut().entity_mut(far).despawn();
+    step(&mut app, 1);
+    assert_eq!(activity(&app, curtain), Activity::Resting);
+}

@@ -1,6 +1,8 @@
 //! The Bevy plugin, with exact time: sixty steps a second, one in each update.
 
-mod bad_input;
+mod bad_components;
+mod bad_resources;
+mod bad_states;
 mod cannons;
 mod clock;
 mod common;
@@ -9,6 +11,7 @@ mod culling;
 mod despawning;
 mod hits;
 mod isolation;
+mod logging;
 mod pins;
 mod reflection;
 mod schedule;

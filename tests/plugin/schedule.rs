@@ -216,3 +216,66 @@ fn substeps_one_by_one_give_the_same_bits_as_all_at_once() {
     let hits = fused.world().resource::<Hits>().0.len();
     assert!(hits >= 3, "there were {hits} hits only");
 }
+
+#[test]
+fn a_system_anywhere_in_the_step_finds_the_bodies_in_their_components_and_leaves_the_bits() {
+    use DrapeSystems::*;
+    let mut fused = app();
+    let in_fused = busy_scene(&mut fused);
+    step(&mut fused, 90);
+    for set in [AccumulateForces, FormIslands, DetectCollisions, Substeps, Finish] {
+        for is_before in [false, true] {
+            let mut hooked = app();
+            hooked.init_resource::<Count>();
+            let look = |bodies: Query<(&Particles, &Sticks)>, mut count: ResMut<Count>| {
+                for (particles, sticks) in &bodies {
+                    assert_eq!(particles.len(), sticks.particle_count());
+                    count.0 += 1;
+                }
+            };
+            if is_before {
+                hooked.add_systems(DrapeSchedule, look.before(set));
+            } else {
+                hooked.add_systems(DrapeSchedule, look.in_set(set));
+            }
+            let in_hooked = busy_scene(&mut hooked);
+            step(&mut hooked, 90);
+            assert_eq!(hash(&hooked, &in_hooked), hash(&fused, &in_fused), "with a system in {set:?}");
+            assert!(hooked.world().resource::<Count>().0 >= 3 * 89);
+        }
+    }
+}
+
+#[test]
+fn a_system_right_after_the_substeps_sees_where_they_led() {
+    let mut app = app();
+    app.init_resource::<Heights>();
+    let look = |balls: Query<&ProjectileState>, mut heights: ResMut<Heights>| {
+        heights.0.push((DrapeSystems::Finish, balls.single().expect("one ball").position().y));
+    };
+    let after = DrapeSystems::Substeps;
+    app.add_systems(DrapeSchedule, look.after(after).before(DrapeSystems::Finish));
+    let ball = app.world_mut().spawn(Projectile::default()).id();
+    for _ in 0..3 {
+        step(&mut app, 1);
+        let seen = app.world().resource::<Heights>().0.last().map(|&(_, height)| height);
+        assert_eq!(seen, Some(ball_position(&app, ball).y));
+    }
+}
+
+#[test]
+fn the_time_of_the_stages_is_told_however_they_are_run() {
+    for is_hooked in [false, true] {
+        let mut app = app();
+        if is_hooked {
+            app.add_systems(DrapeSubsteps, (|| {}).in_set(DrapeSystems::Relax));
+        }
+        app.world_mut().spawn(Cloth { particles: UVec2::splat(64), ..default() });
+        step(&mut app, 2);
+        let times = app.world().resource::<bevy_drape::schedule::StepTimes>();
+        assert!(times.substeps > core::time::Duration::ZERO && times.substeps < times.step, "{times:?}");
+        assert!(
+            times.detect_collisions > core::time::Duration::ZERO && times.detect_collisions < times.substeps
+        );
+    }
+}

@@ -306,3 +306,61 @@ fn the_ground_taken_away_wakes_a_ball() {
     assert_wakes(&mut app, ball);
     assert!(ball_position(&app, ball).y < -0.5);
 }
+
+#[test]
+fn settings_that_were_taken_away_long_before_a_step_wake() {
+    let (mut app, curtain) = sleeping_curtain();
+    // A picture takes a tenth of a step.
+    frame_time(&mut app, STEP / 10.0);
+    app.world_mut().entity_mut(curtain).remove::<SolverSettings>();
+    step(&mut app, 25);
+    assert_eq!(activity(&app, curtain), Activity::Active);
+}
+
+#[test]
+fn a_longer_step_lets_a_ball_reach_farther_sleepers() {
+    let mut app = app();
+    weightless(&mut app);
+    let sleeper = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(2.0, 0.0, 0.0))).id();
+    settle(&mut app, sleeper);
+    // 9 m/s are 0.15 m in a step at full speed, too few to get there; at six times the speed they are 0.9 m.
+    let ball = Projectile { velocity: Vec3::X * 9.0, ..default() };
+    app.world_mut().spawn((ball, Transform::from_xyz(1.0, 0.0, 0.0)));
+    step(&mut app, 1);
+    assert_eq!(activity(&app, sleeper), Activity::Resting);
+    app.world_mut().resource_mut::<DrapeClock>().time_scale = 6.0;
+    step(&mut app, 1);
+    assert_eq!(activity(&app, sleeper), Activity::Active);
+}
+
+#[test]
+fn a_ball_wakes_of_many_only_those_in_its_way_also_after_they_slept_again() {
+    let mut app = app();
+    weightless(&mut app);
+    let ropes: Vec<Entity> = (0..60)
+        .map(|i| {
+            let rope = Rope { particles: 4, ..default() };
+            app.world_mut().spawn((rope, quiet(), Transform::from_xyz(i as f32, 0.0, 0.0))).id()
+        })
+        .collect();
+    for crossing in 0..3 {
+        run(&mut app, 3.0);
+        assert_eq!(counts(&app), (0, ropes.len() - crossing.min(1), 0), "all sleep");
+        // Beside the ropes from 9.5 m to 14.9 m, with 0.6 m to where it can get within a step.
+        let ball = Projectile { velocity: Vec3::X * 27.0, ..default() };
+        let ball = app.world_mut().spawn((ball, Transform::from_xyz(9.5, -0.5, 0.3))).id();
+        step(&mut app, 12);
+        let is_awake = |i: &usize| {
+            let activity = app.world().get::<Activity>(ropes[*i]);
+            activity == Some(&Activity::Active)
+        };
+        let awake: Vec<usize> = (0..ropes.len()).filter(is_awake).collect();
+        let expected: Vec<usize> = (9..=15).filter(|&i| i != 12 || crossing == 0).collect();
+        assert_eq!(awake, expected, "at crossing {crossing}");
+        app.world_mut().entity_mut(ball).despawn();
+        if crossing == 0 {
+            run(&mut app, 3.0);
+            app.world_mut().entity_mut(ropes[12]).despawn();
+        }
+    }
+}

@@ -20,6 +20,13 @@ pub enum Activity {
     Culled,
 }
 
+impl Activity {
+    /// Whether any of these is [`Active`](Self::Active).
+    pub(crate) fn is_any_active(activities: &[Self]) -> bool {
+        activities.iter().fold(false, |any, activity| any | (*activity == Self::Active))
+    }
+}
+
 /// How many bodies, balls included, are in each state of [`Activity`] after the last step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
@@ -38,12 +45,13 @@ pub(crate) fn count_activity(
     mut counts: ResMut<ActivityCounts>,
 ) {
     let mut new = ActivityCounts::default();
-    for activity in &bodies {
-        match activity {
-            Activity::Active => new.active += 1,
-            Activity::Resting => new.resting += 1,
-            Activity::Culled => new.culled += 1,
-        }
+    for activities in bodies.contiguous_iter().into_iter().flatten() {
+        // In 32 bits, so that many are counted at once.
+        let count =
+            |state| activities.iter().map(|&activity| u32::from(activity == state)).sum::<u32>() as usize;
+        new.active += count(Activity::Active);
+        new.resting += count(Activity::Resting);
+        new.culled += count(Activity::Culled);
     }
     counts.set_if_neq(new);
 }

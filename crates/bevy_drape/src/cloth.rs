@@ -5,12 +5,11 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, ClothBuilder, ClothMaterial, Edge};
 
-use crate::particles::{CreationOrder, Particles, insert_body, remove_body};
-use crate::refusal::Refusals;
+use crate::description::Description;
 
 /// A rectangular cloth: curtain, flag, sail, table cloth.
 ///
-/// It hangs in the XY plane of its [`Transform`], centred, facing +Z, and is built into [`Particles`] and
+/// It hangs in the XY plane of its [`Transform`], centred, facing +Z, and is built into [`Particles`](crate::particles::Particles) and
 /// [`Sticks`](crate::particles::Sticks) in the first step after it was inserted or changed. Pinned particles stay fixed to the entity: move
 /// the `Transform` and the cloth is pulled along.
 ///
@@ -144,31 +143,13 @@ impl Cloth {
     }
 }
 
-/// Builds what was inserted or changed since the last step, and what could not be built where it was and has moved.
-pub(crate) fn build_cloths(
-    mut commands: Commands,
-    cloths: Query<
-        (Entity, &Cloth, &GlobalTransform),
-        Or<(Changed<Cloth>, (Changed<GlobalTransform>, Without<Particles>))>,
-    >,
-    mut order: ResMut<CreationOrder>,
-    mut refusals: ResMut<Refusals>,
-) {
-    for (entity, cloth, transform) in &cloths {
-        let built = if transform.affine().is_finite() {
-            cloth.build(transform).map_err(|error| ("Cloth", error.to_string()))
-        } else {
-            Err(("Transform", "it must be finite".to_string()))
-        };
-        match built {
-            Ok(parts) => {
-                refusals.forget(entity);
-                insert_body(&mut commands, entity, order.next(), transform, parts);
-            }
-            Err((component, reason)) => {
-                refusals.entity(entity, component, reason);
-                remove_body(&mut commands, entity);
-            }
-        }
+impl Description for Cloth {
+    const NAME: &'static str = "Cloth";
+
+    fn build(
+        &self,
+        transform: &GlobalTransform,
+    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+        self.build(transform)
     }
 }

@@ -1,15 +1,19 @@
 #![doc = include_str!("../README.md")]
 
 pub mod activity;
+mod attention;
 pub mod cannon;
 pub mod clock;
 pub mod cloth;
+mod description;
 pub mod environment;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
 pub mod hit;
 pub mod interpolation;
+mod island;
+mod island_systems;
 mod islands;
 #[cfg(feature = "mesh")]
 pub mod mesh;
@@ -25,13 +29,17 @@ mod rig_body;
 mod rig_compile;
 mod rig_transforms;
 pub mod rope;
+mod scan;
 pub mod scene_manager;
 pub mod schedule;
 pub mod settings;
+mod sleepers;
 #[cfg(feature = "mesh")]
 mod surface;
+mod transforms;
 #[cfg(feature = "mesh")]
 mod visibility;
+mod waking;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;

@@ -10,6 +10,7 @@ use drape_solver::{BodyContext, Topology};
 use crate::activity::Activity;
 use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
+use crate::scan::collect_changed;
 
 /// Where a body's particles are and how they move: the solver's columns, in world coordinates.
 ///
@@ -37,21 +38,26 @@ pub(crate) struct BodyState {
     pub anchor: Affine3A,
     /// Places of the pinned particles in the entity's own coordinates.
     pub pins: Vec<(u32, Vec3)>,
-    /// Least and greatest corner of the particles' box, as of the last step or edit.
-    pub bounds: (Vec3, Vec3),
-    /// Greatest speed of a particle in m/s, as of the last step or edit.
-    pub greatest_speed: f32,
+    /// Where the particles are and how fast, as of the last step or edit.
+    pub extent: Extent,
     /// Whether the body cannot be simulated; see the log for why.
     pub refused: bool,
     /// Settings of the last step; a change wakes the body.
     pub settings: drape_solver::SolverSettings,
 }
 
-impl BodyState {
-    /// Takes note of where the particles are and how fast.
-    pub fn measure(&mut self, particles: &drape_solver::Particles) {
-        self.bounds = particles.bounds();
-        self.greatest_speed = particles.greatest_speed();
+/// Where the particles of a body are, and how fast.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Extent {
+    /// Least and greatest corner of their box.
+    pub bounds: (Vec3, Vec3),
+    /// Greatest speed of one of them in m/s.
+    pub greatest_speed: f32,
+}
+
+impl Extent {
+    pub fn of(particles: &drape_solver::Particles) -> Self {
+        Self { bounds: particles.bounds(), greatest_speed: particles.greatest_speed() }
     }
 }
 
@@ -66,42 +72,19 @@ impl CreationOrder {
     }
 }
 
-/// Puts a newly built body on an entity.
-pub(crate) fn insert_body(
-    commands: &mut Commands,
-    entity: Entity,
-    order: u64,
-    transform: &GlobalTransform,
-    (particles, topology): (drape_solver::Particles, Arc<Topology>),
-) {
-    let anchor = transform.affine();
-    let to_local = anchor.inverse();
-    let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
-    let pins = pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect();
-    let mut state = BodyState { order, anchor, pins, ..default() };
-    state.measure(&particles);
-    commands.entity(entity).insert((Particles(particles), Sticks(topology), Activity::Active, state));
-}
-
-/// Takes off an entity what [`insert_body`] put there.
-pub(crate) fn remove_body(commands: &mut Commands, entity: Entity) {
-    commands.entity(entity).try_remove::<(Particles, Sticks, Activity, BodyState)>();
-}
-
-/// Takes the body off an entity that loses its `C`, the description it was built from.
-pub(crate) fn remove_described_body<C: Component>(removed: On<Remove, C>, mut commands: Commands) {
-    remove_body(&mut commands, removed.entity);
-}
-
 /// Pins are fixed to their entity: where it goes, they go, and pull the cloth along. A jump faster than 300 m/s is a
 /// teleport: it takes the whole body along, and so does every move of a culled body.
 pub(crate) fn move_pins(
-    mut bodies: Query<(Entity, &GlobalTransform, &Activity, &mut Particles, &mut BodyState)>,
+    anchors: Query<(Entity, Ref<GlobalTransform>), With<BodyState>>,
+    mut bodies: Query<(&GlobalTransform, &Activity, &mut Particles, &mut BodyState)>,
     clock: Res<DrapeClock>,
     mut refusals: ResMut<Refusals>,
+    mut moved: Local<Vec<Entity>>,
 ) {
     let longest_pull = TELEPORT_SPEED * clock.delta();
-    for (entity, transform, activity, mut particles, mut state) in &mut bodies {
+    collect_changed(&anchors, &mut moved);
+    for entity in moved.drain(..) {
+        let Ok((transform, activity, mut particles, mut state)) = bodies.get_mut(entity) else { continue };
         let anchor = transform.affine();
         if anchor == state.anchor || state.pins.is_empty() {
             continue;

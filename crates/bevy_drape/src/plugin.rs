@@ -10,16 +10,19 @@ use bevy::transform::systems::{
 };
 
 use crate::activity::{Activity, ActivityCounts, count_activity};
+use crate::attention::{Attention, note_lost_settings, pay_attention};
 use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
 use crate::clock::DrapeClock;
-use crate::cloth::{Cloth, build_cloths};
+use crate::cloth::Cloth;
+use crate::description::{build_described, remove_described_body};
 use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
 use crate::grab::{Grab, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
-use crate::islands::{Islands, begin_islands, detect_collisions, finish_islands, form_islands};
+use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
+use crate::islands::Islands;
 use crate::obstacle::{Obstacle, StirredSpace, sync_obstacles};
-use crate::particles::{CreationOrder, Particles, Sticks, move_pins, remove_described_body};
+use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
     write_projectile_transforms,
@@ -28,10 +31,12 @@ use crate::refusal::{Refusals, forget_despawned_body, forget_removed};
 use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
 use crate::rig_compile::compile_rigs;
 use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
-use crate::rope::{Rope, build_ropes};
-use crate::scene_manager::{SceneManager, Viewer, cull, wake};
+use crate::rope::Rope;
+use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
 use crate::settings::{DefaultSolverSettings, SolverSettings};
+use crate::transforms::{have_loners_moved, have_trees_moved};
+use crate::waking::wake;
 
 /// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
 ///
@@ -92,6 +97,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(Particle, Stick, Rig, InRig, Grab)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
         app.init_resource::<ActivityCounts>()
+            .init_resource::<Attention>()
             .init_resource::<CreationOrder>()
             .init_resource::<DefaultSolverSettings>()
             .init_resource::<DrapeClock>()
@@ -113,6 +119,7 @@ impl Plugin for SolverPlugin {
         app.add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
             .add_observer(remove_ball)
+            .add_observer(note_lost_settings)
             .add_observer(forget_removed::<Cannon>)
             .add_observer(forget_removed::<Cloth>)
             .add_observer(forget_removed::<Obstacle>)
@@ -126,14 +133,17 @@ impl Plugin for SolverPlugin {
             (
                 (
                     // Bevy brings global transforms up to date after the fixed loop only: too late for a step.
-                    (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms).chain(),
+                    (
+                        (mark_dirty_trees, propagate_parent_transforms).chain().run_if(have_trees_moved),
+                        sync_simple_transforms.run_if(have_loners_moved),
+                    )
+                        .chain(),
                     fire_cannons,
-                    (build_cloths, build_ropes, build_projectiles).chain(),
+                    (build_described::<Cloth>, build_described::<Rope>, build_projectiles).chain(),
                     compile_rigs,
                     sync_obstacles,
                     (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
-                    wake,
-                    cull,
+                    (pay_attention, wake, cull).chain(),
                 )
                     .chain()
                     .in_set(DrapeSystems::ManageScene),

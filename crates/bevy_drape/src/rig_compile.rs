@@ -9,7 +9,7 @@ use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 use drape_solver::constants::MAX_MAGNITUDE;
 
-use crate::particles::{BodyState, CreationOrder, Particles, Sticks};
+use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
 use crate::refusal::Refusals;
 use crate::rig::{InRig, Particle, ParticleRecord, Rig, RigEdits, Stick, StickRecord};
 use crate::rig_body::{CompiledRig, Link, Member, connected};
@@ -96,15 +96,15 @@ pub(crate) fn compile_rigs(
                 } else {
                     particles.0 = columns;
                 }
-                state.measure(&particles);
+                state.extent = Extent::of(&particles);
                 state.context = default();
                 sticks.0 = topology;
                 *rig = compiled.rig;
                 body
             }
             None => {
-                let mut state = BodyState { order: order.next(), ..default() };
-                state.measure(&columns);
+                let extent = Extent::of(&columns);
+                let state = BodyState { order: order.next(), extent, ..default() };
                 let name = Name::new("Rig");
                 commands.spawn((name, compiled.rig, Particles(columns), Sticks(topology), state)).id()
             }

@@ -5,12 +5,11 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, RopeBuilder};
 
-use crate::particles::{CreationOrder, Particles, insert_body, remove_body};
-use crate::refusal::Refusals;
+use crate::description::Description;
 
 /// A rope, cable or chain, straight between two points at first.
 ///
-/// It is built into [`Particles`] and [`Sticks`](crate::particles::Sticks) in the first step after it was inserted or changed. Pinned ends
+/// It is built into [`Particles`](crate::particles::Particles) and [`Sticks`](crate::particles::Sticks) in the first step after it was inserted or changed. Pinned ends
 /// stay fixed to the entity. The thickness of its surface is that of its
 /// [`SolverSettings`](crate::settings::SolverSettings).
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
@@ -83,31 +82,13 @@ impl Rope {
     }
 }
 
-/// Builds what was inserted or changed since the last step, and what could not be built where it was and has moved.
-pub(crate) fn build_ropes(
-    mut commands: Commands,
-    ropes: Query<
-        (Entity, &Rope, &GlobalTransform),
-        Or<(Changed<Rope>, (Changed<GlobalTransform>, Without<Particles>))>,
-    >,
-    mut order: ResMut<CreationOrder>,
-    mut refusals: ResMut<Refusals>,
-) {
-    for (entity, rope, transform) in &ropes {
-        let built = if transform.affine().is_finite() {
-            rope.build(transform).map_err(|error| ("Rope", error.to_string()))
-        } else {
-            Err(("Transform", "it must be finite".to_string()))
-        };
-        match built {
-            Ok(parts) => {
-                refusals.forget(entity);
-                insert_body(&mut commands, entity, order.next(), transform, parts);
-            }
-            Err((component, reason)) => {
-                refusals.entity(entity, component, reason);
-                remove_body(&mut commands, entity);
-            }
-        }
+impl Description for Rope {
+    const NAME: &'static str = "Rope";
+
+    fn build(
+        &self,
+        transform: &GlobalTransform,
+    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+        self.build(transform)
     }
 }

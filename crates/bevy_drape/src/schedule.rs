@@ -12,17 +12,26 @@
 //!                 Finish             rest and sleep, hits, transforms, counts
 //! ```
 //!
-//! While nobody has a system of their own in [`DrapeSubsteps`], each island runs its substeps in one go, on its
-//! own thread. As soon as somebody does, the schedule is run substep by substep. Both ways run the same functions
-//! in the same order and give the same bits.
+//! While nobody has a system of their own from [`FormIslands`](DrapeSystems::FormIslands) to
+//! [`Finish`](DrapeSystems::Finish), each island goes through all its stages in one go, on its own thread, within
+//! `Finish`. As soon as somebody does, the stages are run one by one, and bodies and balls are in their components in
+//! between; the substeps still in one go, unless somebody has a system in [`DrapeSubsteps`]. All ways run the same
+//! functions in the same order and give the same bits.
+//!
+//! Both schedules run their systems one after another: they are many and short. The work is spread over threads by
+//! island.
 
 use std::time::{Duration, Instant};
 
-use bevy::ecs::schedule::ScheduleLabel;
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
 use crate::clock::DrapeClock;
-use crate::islands::{Islands, SUBSTEP, SubstepStage, run_fused_substeps, substep_stage};
+use crate::island::Stage;
+use crate::island_systems::{
+    begin_islands, detect_collisions, finish_islands, run_substeps_of_islands, substep_stage,
+};
+use crate::islands::Islands;
 
 /// The schedule of one step. Run by [`DrapePlugins`](crate::DrapePlugins) in `FixedPostUpdate`, or wherever they were told to.
 #[derive(ScheduleLabel, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -61,16 +70,21 @@ pub enum DrapeSystems {
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 pub struct StepTimes {
-    /// The whole step.
+    /// The whole step, by the clock on the wall.
     pub step: Duration,
-    /// The search for what could touch what: [`DrapeSystems::DetectCollisions`].
+    /// The search for what could touch what: [`DrapeSystems::DetectCollisions`]. Summed up over islands, so that it is
+    /// more than by the clock on the wall where several threads are at work.
     pub detect_collisions: Duration,
-    /// All substeps.
+    /// All substeps, summed up likewise.
     pub substeps: Duration,
 }
 
-/// Number of systems that the plugin itself has in [`DrapeSubsteps`].
-const OWN_SUBSTEP_SYSTEMS: usize = SUBSTEP.len();
+/// The plugin's own systems in [`DrapeSubsteps`].
+const SUBSTEP: [(Stage, DrapeSystems); 3] = [
+    (Stage::Integrate, DrapeSystems::Integrate),
+    (Stage::Relax, DrapeSystems::Relax),
+    (Stage::ProjectCollisions, DrapeSystems::ProjectCollisions),
+];
 
 /// Takes a step, if the clock says so.
 pub(crate) fn run_drape_schedule(world: &mut World) {
@@ -79,29 +93,54 @@ pub(crate) fn run_drape_schedule(world: &mut World) {
         return;
     }
     let start = Instant::now();
-    world.run_schedule(DrapeSchedule);
+    world.schedule_scope(DrapeSchedule, |world, schedule| {
+        // What is wrong with the schedule is told when it is run.
+        let _ = schedule.initialize(world);
+        let is_fused = !is_substep_hooked(world) && !is_hooked(schedule);
+        world.resource_mut::<Islands>().is_fused = is_fused;
+        schedule.run(world);
+    });
     world.resource_mut::<StepTimes>().step = start.elapsed();
     world.resource_mut::<DrapeClock>().end_step();
 }
 
-/// Runs the substeps: fused if nobody looks, else one by one.
-pub(crate) fn run_substeps(world: &mut World) {
-    let start = Instant::now();
+/// Whether anybody else has a system where the islands are on their way.
+fn is_hooked(schedule: &Schedule) -> bool {
+    let Ok(systems) = schedule.systems() else { return true };
+    let first = begin_islands.system_type_id();
+    let last = finish_islands.system_type_id();
+    let own = [
+        first,
+        detect_collisions.system_type_id(),
+        run_substeps.system_type_id(),
+        ApplyDeferred.system_type_id(),
+    ];
+    let order = systems.map(|(_, system)| system.system_type());
+    let mut on_their_way = order.skip_while(|system| *system != first).take_while(|system| *system != last);
+    on_their_way.any(|system| !own.contains(&system))
+}
+
+fn is_substep_hooked(world: &World) -> bool {
     let systems = world.resource::<Schedules>().get(DrapeSubsteps).map_or(0, Schedule::systems_len);
-    if systems == OWN_SUBSTEP_SYSTEMS {
-        // The system is cached by its type: nothing is allocated from the second step on.
-        let _ = world.run_system_cached(run_fused_substeps);
-    } else {
+    systems != SUBSTEP.len()
+}
+
+/// Runs the substeps, one by one if somebody looks.
+pub(crate) fn run_substeps(world: &mut World) {
+    if is_substep_hooked(world) {
         for _ in 0..world.resource::<Islands>().substeps() {
             world.run_schedule(DrapeSubsteps);
         }
+    } else if !world.resource::<Islands>().is_fused {
+        // The system is cached by its type: nothing is allocated from the second step on.
+        let _ = world.run_system_cached(run_substeps_of_islands);
     }
-    world.resource_mut::<StepTimes>().substeps = start.elapsed();
 }
 
 /// Gives both schedules their sets and systems.
 pub(crate) fn configure(app: &mut App) {
     app.edit_schedule(DrapeSchedule, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
         schedule.configure_sets(
             (
                 DrapeSystems::ManageScene,
@@ -116,12 +155,12 @@ pub(crate) fn configure(app: &mut App) {
         schedule.add_systems(run_substeps.in_set(DrapeSystems::Substeps));
     });
     app.edit_schedule(DrapeSubsteps, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
         schedule.configure_sets(
             (DrapeSystems::Integrate, DrapeSystems::Relax, DrapeSystems::ProjectCollisions).chain(),
         );
-        let sets = [DrapeSystems::Integrate, DrapeSystems::Relax, DrapeSystems::ProjectCollisions];
-        for (stage, set) in SUBSTEP.into_iter().zip(sets) {
-            let stage_system = (move || -> SubstepStage { stage }).pipe(substep_stage);
+        for (stage, set) in SUBSTEP {
+            let stage_system = (move || -> Stage { stage }).pipe(substep_stage);
             schedule.add_systems(stage_system.in_set(set));
         }
     });

@@ -1,72 +1,102 @@
 //! The naive code with two changes: sticks in independent order, and real substeps.
 
+use std::time::Duration;
+
 use drape_solver::glam::Vec3;
 
-use crate::contender::Contender;
-use crate::naive::{Stick, collide, energy, integrate, relax, sticks};
-use crate::workload::{STEP, Sheet};
+use crate::contender::{Contender, Failure, timed};
+use crate::model::Model;
+use crate::scalar::Scalar;
+use crate::scene::Scene;
+use crate::solver::Effort;
+use crate::world::STEP;
 
 /// As the naive loop, but no stick shares a particle with the ones next to it in the order.
 pub struct Coloured {
-    position: Vec<Vec3>,
-    previous: Vec<Vec3>,
-    inverse_mass: Vec<f32>,
-    sticks: Vec<Stick>,
+    scalar: Scalar,
     substeps: u32,
     sweeps: u32,
 }
 
 impl Coloured {
-    /// The sheet, with each family split into batches that share no particle.
-    pub fn new(sheet: &Sheet, substeps: u32, sweeps: u32) -> Self {
-        let position = sheet.positions();
-        let mut pairs = Vec::new();
-        for family in sheet.families() {
-            // Along a line, a stick of length k meets the ones k before and after it: two colours do.
-            let mut colours = [Vec::new(), Vec::new()];
-            let mut used = vec![[false; 2]; position.len()];
-            for pair in family {
-                let ends = pair.map(|end| end as usize);
-                let colour = usize::from(ends.iter().any(|&end| used[end][0]));
-                for end in ends {
-                    used[end][colour] = true;
-                }
-                colours[colour].push(pair);
-            }
-            pairs.extend(colours.concat());
-        }
-        Self {
-            sticks: sticks(&position, &pairs),
-            previous: position.clone(),
-            position,
-            inverse_mass: sheet.inverse_masses(),
-            substeps,
-            sweeps,
-        }
+    /// Loads `scene`.
+    pub fn new(scene: &Scene, effort: &Effort) -> Self {
+        let scalar = Scalar::new(scene, &independent_order(&scene.model));
+        Self { scalar, substeps: effort.substeps, sweeps: effort.sweeps }
     }
 }
 
-impl Contender for Coloured {
-    fn step(&mut self) {
-        let h = STEP / self.substeps as f32;
-        for _ in 0..self.substeps {
-            integrate(&mut self.position, &mut self.previous, &self.inverse_mass, h);
-            for _ in 0..self.sweeps {
-                relax(&mut self.position, &self.inverse_mass, &self.sticks);
-                collide(&mut self.position, &self.inverse_mass);
+/// All sticks, family by family, each split into batches that share no particle.
+fn independent_order(model: &Model) -> Vec<[u32; 2]> {
+    let mut order = Vec::new();
+    for family in &model.families {
+        let mut batches: Vec<Vec<[u32; 2]>> = Vec::new();
+        // A bit for each batch that a particle is in already.
+        let mut used = vec![0_u64; model.positions.len()];
+        for &stick in &family.sticks {
+            let [a, b] = stick.map(|end| end as usize);
+            let batch = (used[a] | used[b]).trailing_ones().min(u64::BITS - 1) as usize;
+            used[a] |= 1 << batch;
+            used[b] |= 1 << batch;
+            if batches.len() <= batch {
+                batches.resize_with(batch + 1, Vec::new);
             }
+            batches[batch].push(stick);
         }
+        order.extend(batches.concat());
+    }
+    order
+}
+
+impl Contender for Coloured {
+    fn step(&mut self) -> Result<Duration, Failure> {
+        let h = STEP / self.substeps as f32;
+        let Scalar { bodies, frame } = &mut self.scalar;
+        Ok(timed(|| {
+            for points in bodies {
+                for _ in 0..self.substeps {
+                    points.integrate(frame, h);
+                    for _ in 0..self.sweeps {
+                        points.relax(frame);
+                        points.collide(frame);
+                    }
+                }
+            }
+        }))
     }
 
     fn positions(&self) -> Vec<Vec3> {
-        self.position.clone()
+        self.scalar.positions()
     }
 
-    fn energy(&self) -> f64 {
-        energy(&self.position, &self.previous, &self.inverse_mass, STEP / self.substeps as f32)
+    fn energy(&self) -> Option<f64> {
+        Some(self.scalar.energy(STEP / self.substeps as f32))
     }
 
-    fn bytes_per_particle(&self) -> f64 {
-        28.0 + (size_of::<Stick>() * self.sticks.len()) as f64 / self.position.len() as f64
+    fn bytes_per_particle(&self) -> Option<f64> {
+        Some(self.scalar.bytes_per_particle())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Pins;
+    use crate::{mesh, sheet};
+
+    #[test]
+    fn the_order_has_every_stick_once_and_neighbours_share_no_particle() {
+        let mesh = mesh::mesh(1000, Pins::Corners).expect("a mesh");
+        for (model, batches) in [(sheet::sheet(9, Pins::Corners), 12), (mesh, 40)] {
+            let order = independent_order(&model);
+            let sorted = |mut sticks: Vec<[u32; 2]>| {
+                sticks.sort_unstable();
+                sticks
+            };
+            let shares = |pair: &&[[u32; 2]]| pair[0].iter().any(|end| pair[1].contains(end));
+            // Only where one batch ends and the next begins.
+            assert!(order.windows(2).filter(shares).count() < batches);
+            assert_eq!(sorted(order), sorted(model.natural_order));
+        }
     }
 }

@@ -1,58 +1,71 @@
 //! What every solver in the comparison can do.
 
-use clap::ValueEnum;
+use std::time::{Duration, Instant};
+
+use drape_solver::StepError;
 use drape_solver::glam::Vec3;
-use serde::Serialize;
+use thiserror::Error;
 
-use crate::coloured::Coloured;
-use crate::drape::Drape;
-use crate::naive::Naive;
-use crate::workload::Sheet;
-
-/// The solvers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Solver {
-    /// This project's.
-    Drape,
-    /// A sequential Jakobsen loop in natural order, as a reader of the paper would write it.
-    Naive,
-    /// The same scalar code in independent order, with real substeps.
-    Coloured,
-}
-
-/// A solver with the workload loaded.
+/// A solver with a scene loaded.
 pub trait Contender {
-    /// Advances by one step of 1/60 s.
-    fn step(&mut self);
-    /// Positions of all particles.
+    /// Advances by one step of 1/60 s; how long that took.
+    ///
+    /// # Errors
+    /// [`Failure`] if the solver gives up.
+    fn step(&mut self) -> Result<Duration, Failure>;
+    /// Positions of all particles in metres, body after body.
     fn positions(&self) -> Vec<Vec3>;
-    /// Kinetic and potential energy of the free particles in joules.
-    fn energy(&self) -> f64;
-    /// Memory per particle, sticks included, in bytes.
-    fn bytes_per_particle(&self) -> f64;
+    /// Kinetic and potential energy of the free particles in joules, if it can be known.
+    fn energy(&self) -> Option<f64>;
+    /// Memory per particle, sticks included, in bytes, if it can be known.
+    fn bytes_per_particle(&self) -> Option<f64>;
     /// Instruction set that the kernels run on.
     fn isa(&self) -> &'static str {
         "scalar"
     }
 }
 
-impl Solver {
-    /// Loads `sheet` into this solver.
-    pub fn load(self, sheet: &Sheet, substeps: u32, sweeps: u32) -> Box<dyn Contender> {
-        match self {
-            Self::Drape => Box::new(Drape::new(sheet, substeps, sweeps)),
-            Self::Naive => Box::new(Naive::new(sheet, substeps * sweeps)),
-            Self::Coloured => Box::new(Coloured::new(sheet, substeps, sweeps)),
-        }
-    }
+/// Why a solver cannot run a scene.
+#[derive(Debug, Error)]
+pub enum Failure {
+    /// The solver has no way to run the scene.
+    #[error("{solver} cannot run the scene {scene}")]
+    Scene {
+        /// The solver.
+        solver: &'static str,
+        /// The scene.
+        scene: &'static str,
+    },
+    /// The solver has no way to use that many threads.
+    #[error("{solver} steps {scene} on one thread, not on {threads}")]
+    Threads {
+        /// The solver.
+        solver: &'static str,
+        /// What it would step.
+        scene: &'static str,
+        /// What was asked for.
+        threads: u32,
+    },
+    /// The threads cannot be started.
+    #[error("no threads: {0}")]
+    Pool(String),
+    /// The solver refused the bodies: a bug in one of the two.
+    #[error("{0}")]
+    Build(#[from] drape_solver::BuildError),
+    /// The solver refused the step.
+    #[error("{0}")]
+    Step(#[from] StepError),
+    /// A peer cannot do what was asked for.
+    #[error("{0}")]
+    Peer(String),
+    /// The bodies that should be at rest are not.
+    #[error("{0} bodies never came to rest")]
+    Restless(usize),
+}
 
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Drape => "drape",
-            Self::Naive => "naive",
-            Self::Coloured => "coloured",
-        }
-    }
+/// How long `work` takes.
+pub fn timed(work: impl FnOnce()) -> Duration {
+    let start = Instant::now();
+    work();
+    start.elapsed()
 }

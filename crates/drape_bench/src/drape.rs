@@ -1,89 +1,141 @@
-//! This project's solver on the workload.
+//! This project's solver on a scene.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings, StateHasher, StickKind,
-    StickMaterial, Tethers, TopologyBuilder, measure, step,
+    Body, BuildError, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
+    StateHasher, StickMaterial, StickProjection, Tethers, Topology, TopologyBuilder, measure, step,
 };
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::contender::Contender;
-use crate::workload::{GRAVITY, LOWEST, SPHERE_CENTRE, SPHERE_RADIUS, STEP, Sheet};
+use crate::contender::{Contender, Failure};
+use crate::model::Model;
+use crate::scene::Scene;
+use crate::solver::{Effort, Projection};
+use crate::world::{GRAVITY, LOWEST, SPHERE_CENTRE, SPHERE_RADIUS, STEP};
 
-/// The sheet as a body of the solver.
+/// Each body of the scene as an island.
 pub struct Drape {
-    island: Island,
+    islands: Vec<Island>,
     environment: Environment,
+    /// Threads that wait between steps; none to step on this one.
+    pool: Option<ThreadPool>,
 }
 
 impl Drape {
-    /// Loads the sheet: rigid sticks, tethers, no drag, no friction, no thickness.
+    /// Loads `scene`: equal bodies share their topology.
     ///
-    /// # Panics
-    /// If the solver refuses the workload, which would be a bug in one of the two.
-    pub fn new(sheet: &Sheet, substeps: u32, sweeps: u32) -> Self {
-        let positions = sheet.positions();
-        let kinds = [
-            StickKind::Structural,
-            StickKind::Structural,
-            StickKind::Shear,
-            StickKind::Shear,
-            StickKind::Bend,
-            StickKind::Bend,
-        ];
-        let mut builder = TopologyBuilder::new(&positions);
-        for (family, kind) in sheet.families().into_iter().zip(kinds) {
-            builder.family(StickMaterial::rigid(kind), family).expect("a valid family");
-        }
-        builder.tethers(Tethers::straight(&positions, &sheet.pinned())).expect("valid tethers");
-        let topology = builder.build().expect("a valid topology");
-        let particles =
-            Particles::new(Vec3::ZERO, &positions, &sheet.inverse_masses()).expect("valid particles");
-        let settings = SolverSettings {
-            substeps,
-            iterations: sweeps,
-            drag: 0.0,
-            friction: 0.0,
-            thickness: 0.0,
-            ..SolverSettings::default()
-        };
-        let shape = Shape::Sphere { radius: SPHERE_RADIUS };
-        let sphere = Obstacle::new(shape, Placement::at(SPHERE_CENTRE), 0.0).expect("a valid sphere");
-        Self {
-            island: Island::of_body(Body::new(particles, Arc::new(topology), settings)),
-            environment: Environment {
-                dt: STEP,
-                gravity: GRAVITY,
-                obstacles: vec![sphere],
-                ..Environment::default()
-            },
-        }
+    /// # Errors
+    /// [`Failure`] if the solver refuses the bodies, or there are more threads than it can use.
+    pub fn new(scene: &Scene, effort: &Effort) -> Result<Self, Failure> {
+        let topology = Arc::new(topology(&scene.model)?);
+        let settings = settings(effort);
+        let islands = (0..scene.bodies).map(|i| {
+            let particles = particles(&scene.model, scene.offset(i))?;
+            Ok(Island::of_body(Body::new(particles, Arc::clone(&topology), settings)))
+        });
+        let islands: Vec<Island> = islands.collect::<Result<_, BuildError>>()?;
+        Ok(Self { pool: pool(scene, effort.threads)?, islands, environment: environment()? })
     }
 }
 
-impl Contender for Drape {
-    fn step(&mut self) {
-        step(&mut self.island, &self.environment).expect("a finite state");
+/// The threads that [`step_islands`] uses.
+///
+/// A single body is stepped on one thread: the solver has no way yet to share it out.
+fn pool(scene: &Scene, threads: u32) -> Result<Option<ThreadPool>, Failure> {
+    if threads < 2 {
+        return Ok(None);
     }
+    if scene.bodies < 2 {
+        return Err(Failure::Threads { solver: "drape", scene: "a single body", threads });
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(threads as usize).build();
+    pool.map(Some).map_err(|error| Failure::Pool(error.to_string()))
+}
 
-    fn positions(&self) -> Vec<Vec3> {
-        self.island.bodies[0].particles.positions().collect()
+/// One step of all islands: what is timed.
+fn step_islands(
+    islands: &mut [Island],
+    environment: &Environment,
+    pool: Option<&ThreadPool>,
+) -> Result<(), Failure> {
+    match pool {
+        None => islands.iter_mut().try_for_each(|island| step(island, environment))?,
+        Some(pool) => pool.install(|| {
+            let share = islands.len().div_ceil(4 * pool.current_num_threads());
+            let chunks = islands.par_chunks_mut(share);
+            chunks.try_for_each(|chunk| chunk.iter_mut().try_for_each(|island| step(island, environment)))
+        })?,
     }
+    Ok(())
+}
 
-    fn energy(&self) -> f64 {
-        let body = &self.island.bodies[0];
-        let lowest = measure::mass(&body.particles) * f64::from(GRAVITY.y * LOWEST);
-        measure::mechanical_energy(body, GRAVITY) + lowest
+/// The model's sticks, rigid, and its tethers.
+///
+/// # Errors
+/// [`BuildError`] if the solver refuses them.
+pub fn topology(model: &Model) -> Result<Topology, BuildError> {
+    let mut builder = TopologyBuilder::new(&model.positions);
+    for family in &model.families {
+        builder.family(StickMaterial::rigid(family.kind), family.sticks.iter().copied())?;
     }
+    builder.tethers(Tethers::straight(&model.positions, &model.pinned))?;
+    builder.build()
+}
 
-    fn bytes_per_particle(&self) -> f64 {
-        let topology = &self.island.bodies[0].topology;
-        // Position, displacement, start of the substep: nine floats, and the inverse mass; two ends and a length
-        // per stick; particle, pin and length per tether.
-        let bytes = 12 * (topology.stick_count() + topology.tethers().len());
-        40.0 + bytes as f64 / topology.particle_count() as f64
+/// The model's particles, `offset` metres from its own place.
+///
+/// # Errors
+/// [`BuildError`] if the solver refuses them.
+pub fn particles(model: &Model, offset: Vec3) -> Result<Particles, BuildError> {
+    let positions: Vec<Vec3> = model.positions.iter().map(|&position| position + offset).collect();
+    Particles::new(offset, &positions, &model.inverse_masses())
+}
+
+/// Settings without drag, friction or thickness, as the peers have none.
+pub fn settings(effort: &Effort) -> SolverSettings {
+    SolverSettings {
+        substeps: effort.substeps,
+        iterations: effort.sweeps,
+        drag: 0.0,
+        friction: 0.0,
+        thickness: 0.0,
+        projection: match effort.projection {
+            Projection::Exact => StickProjection::Exact,
+            Projection::SquareRootFree => StickProjection::SquareRootFree,
+        },
+        ..SolverSettings::default()
     }
+}
+
+fn environment() -> Result<Environment, BuildError> {
+    let shape = Shape::Sphere { radius: SPHERE_RADIUS };
+    let sphere = Obstacle::new(shape, Placement::at(SPHERE_CENTRE), 0.0)?;
+    Ok(Environment { dt: STEP, gravity: GRAVITY, obstacles: vec![sphere], ..Environment::default() })
+}
+
+/// Energy of the free particles in joules.
+pub fn energy(particles: &Particles) -> f64 {
+    let lowest = measure::mass(particles) * f64::from(GRAVITY.y * LOWEST);
+    measure::kinetic_energy(particles) + measure::potential_energy(particles, GRAVITY) + lowest
+}
+
+/// What `bodies` equal bodies of this topology keep in memory between and during steps, per particle and in bytes.
+///
+/// Counted from the layout, as the solver does not say: position, displacement and start of the substep are nine
+/// floats, and there is the inverse mass; a stick has two ends and a length, a tether its particle, pin and length.
+/// The topology is shared.
+pub fn bytes_per_particle(topology: &Topology, bodies: usize) -> f64 {
+    let shared = 12 * (topology.stick_count() + topology.tethers().len());
+    40.0 + shared as f64 / (topology.particle_count() * bodies) as f64
+}
+
+/// The instruction set that the solver's kernels run on.
+pub fn isa() -> &'static str {
+    "scalar"
 }
 
 /// Hash of `positions`, the same way for all solvers; 0 if one is not finite.
@@ -91,5 +143,60 @@ pub fn state_hash(positions: &[Vec3]) -> u64 {
     match Particles::new(Vec3::ZERO, positions, &vec![0.0; positions.len()]) {
         Ok(particles) => StateHasher::new().particles(&particles).finish(),
         Err(_) => 0,
+    }
+}
+
+impl Contender for Drape {
+    fn step(&mut self) -> Result<Duration, Failure> {
+        let start = Instant::now();
+        step_islands(&mut self.islands, &self.environment, self.pool.as_ref())?;
+        Ok(start.elapsed())
+    }
+
+    fn positions(&self) -> Vec<Vec3> {
+        let bodies = self.islands.iter().flat_map(|island| &island.bodies);
+        bodies.flat_map(|body| body.particles.positions()).collect()
+    }
+
+    fn energy(&self) -> Option<f64> {
+        let bodies = self.islands.iter().flat_map(|island| &island.bodies);
+        Some(bodies.map(|body| energy(&body.particles)).sum())
+    }
+
+    fn bytes_per_particle(&self) -> Option<f64> {
+        let body = self.islands.first()?.bodies.first()?;
+        Some(bytes_per_particle(&body.topology, self.islands.len()))
+    }
+
+    fn isa(&self) -> &'static str {
+        isa()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::model::Pins;
+    use crate::scene::SceneKind;
+
+    #[test]
+    fn the_solver_has_the_models_sticks_at_the_models_lengths() {
+        for (kind, n) in [(SceneKind::Sheet, 9), (SceneKind::Mesh, 300), (SceneKind::Ropes, 2)] {
+            let model = Scene::new(kind, n, Pins::Corners).expect("a scene").model;
+            let topology = topology(&model).expect("valid");
+            let mut lengths: HashMap<[u32; 2], f32> =
+                model.natural_order.iter().map(|&stick| (sorted(stick), model.rest_length(stick))).collect();
+            for i in 0..topology.stick_count() {
+                let length = lengths.remove(&sorted(topology.stick(i))).expect("one of the model's");
+                assert!((topology.rest_length(i) - length).abs() < 1e-6);
+            }
+            assert!(lengths.is_empty());
+        }
+    }
+
+    fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+        [a.min(b), a.max(b)]
     }
 }

@@ -1,0 +1,217 @@
+//! One island on its way through a step.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use drape_solver::{Ball, Body, Environment, Other, StepError, step};
+
+use crate::particles::{BodyState, Extent, Particles, Sticks};
+use crate::projectile::{ProjectileRecord, ProjectileState};
+
+pub(crate) type BodyQuery<'w, 's> =
+    Query<'w, 's, (&'static mut Particles, &'static Sticks, &'static mut BodyState)>;
+pub(crate) type BallQuery<'w, 's> =
+    Query<'w, 's, (&'static mut ProjectileState, &'static mut ProjectileRecord)>;
+
+/// The stages of a step, in their order. The three of a substep come once for each substep.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Stage {
+    #[default]
+    Begin,
+    AccumulateForces,
+    DetectCollisions,
+    Integrate,
+    Relax,
+    ProjectCollisions,
+    Finish,
+    /// The step is over.
+    Done,
+}
+
+/// One island: the solver's, and the entities behind its bodies and balls.
+#[derive(Default)]
+pub(crate) struct Island {
+    pub solver: drape_solver::Island,
+    pub bodies: Vec<Entity>,
+    pub balls: Vec<Entity>,
+    /// How long all of them have been slower than the threshold of rest, in seconds; known at the end of the step.
+    pub still_for: f32,
+    /// Where the bodies were at the end of the step and how fast; empty before that.
+    pub extents: Vec<Extent>,
+    /// Why the next stage cannot be run. Nothing goes on while there is a reason.
+    pub error: Option<StepError>,
+    /// Time that the search for contacts took in this step.
+    pub detect_time: Duration,
+    /// Time that the substeps took.
+    pub substep_time: Duration,
+    /// The stage that comes next.
+    next: Stage,
+    /// Substeps taken of this step.
+    taken: u32,
+}
+
+impl Island {
+    /// Makes it an empty island at the start of a step, keeping the memory.
+    pub fn reset(&mut self) {
+        self.solver.clear();
+        self.bodies.clear();
+        self.balls.clear();
+        self.extents.clear();
+        self.still_for = 0.0;
+        self.error = None;
+        self.detect_time = Duration::ZERO;
+        self.substep_time = Duration::ZERO;
+        self.next = Stage::Begin;
+        self.taken = 0;
+    }
+
+    /// Runs the stages that are left before `end`, however many have been run one by one already.
+    pub fn advance(&mut self, environment: &Environment, end: Stage) {
+        while self.next < end && self.error.is_none() {
+            if self.next == Stage::Integrate && end > Stage::ProjectCollisions {
+                self.run_substeps(environment);
+            } else {
+                self.run_next(environment);
+            }
+        }
+    }
+
+    /// Runs one stage of a substep, if it is that stage's turn. An island that needs fewer substeps than others is
+    /// through before them.
+    pub fn run_substep_stage(&mut self, environment: &Environment, stage: Stage) {
+        if self.next == stage && self.error.is_none() {
+            let start = Instant::now();
+            self.run_next(environment);
+            self.substep_time += start.elapsed();
+        }
+    }
+
+    fn run_substeps(&mut self, environment: &Environment) {
+        let start = Instant::now();
+        for _ in self.taken..self.solver.substeps() {
+            step::substep(&mut self.solver, environment);
+        }
+        self.substep_time += start.elapsed();
+        self.next = Stage::Finish;
+    }
+
+    fn run_next(&mut self, environment: &Environment) {
+        let solver = &mut self.solver;
+        let outcome = match self.next {
+            Stage::Begin => step::begin(solver, environment).map(|()| Stage::AccumulateForces),
+            Stage::AccumulateForces => {
+                step::accumulate_forces(solver, environment);
+                Ok(Stage::DetectCollisions)
+            }
+            Stage::DetectCollisions => {
+                let start = Instant::now();
+                step::detect_collisions(solver, environment);
+                self.detect_time = start.elapsed();
+                Ok(Stage::Integrate)
+            }
+            Stage::Integrate => {
+                step::integrate(solver, environment);
+                Ok(Stage::Relax)
+            }
+            Stage::Relax => {
+                step::relax(solver, environment);
+                Ok(Stage::ProjectCollisions)
+            }
+            Stage::ProjectCollisions => {
+                step::project_collisions(solver, environment);
+                self.taken += 1;
+                Ok(if self.taken < solver.substeps() { Stage::Integrate } else { Stage::Finish })
+            }
+            Stage::Finish => step::finish(solver).map(|()| {
+                self.extents.extend(solver.bodies.iter().map(|body| Extent::of(&body.particles)));
+                let bodies = solver.bodies.iter().map(Body::still_for);
+                self.still_for =
+                    bodies.chain(solver.balls.iter().map(Ball::still_for)).fold(f32::INFINITY, f32::min);
+                Stage::Done
+            }),
+            Stage::Done => Ok(Stage::Done),
+        };
+        match outcome {
+            Ok(next) => self.next = next,
+            Err(error) => self.error = Some(error),
+        }
+    }
+
+    /// Moves the bodies and balls from their components into the island.
+    pub fn take(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
+        let solver = &mut self.solver;
+        solver.bodies.clear();
+        for entity in &mut self.bodies {
+            let body = match bodies.get_mut(*entity) {
+                Ok((mut particles, sticks, mut state)) if fits(&particles, sticks) => Body {
+                    particles: core::mem::take(&mut particles.bypass_change_detection().0),
+                    topology: Arc::clone(&sticks.0),
+                    settings: state.settings,
+                    context: core::mem::take(&mut state.context),
+                },
+                _ => Body::default(),
+            };
+            let is_gone = body.particles.is_empty();
+            solver.bodies.push(body);
+            if is_gone {
+                // A user's system took the body away in the middle of the step.
+                solver.vacate_body(solver.bodies.len() - 1);
+                *entity = Entity::PLACEHOLDER;
+            }
+        }
+        let is_first_time = solver.balls.is_empty();
+        for (slot, &entity) in self.balls.iter().enumerate() {
+            if let Ok((state, _)) = balls.get(entity) {
+                if is_first_time {
+                    solver.balls.push(state.0.clone());
+                } else {
+                    solver.balls[slot].clone_from(&state.0);
+                }
+            }
+        }
+    }
+
+    /// Moves the bodies and balls back into their components.
+    pub fn give_back(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
+        let mut extents = self.extents.drain(..);
+        for (&entity, body) in self.bodies.iter().zip(self.solver.bodies.drain(..)) {
+            let extent = extents.next();
+            if let Ok((mut particles, _, mut state)) = bodies.get_mut(entity) {
+                particles.0 = body.particles;
+                state.context = body.context;
+                state.extent = extent.unwrap_or(state.extent);
+            }
+        }
+        for (&entity, ball) in self.balls.iter().zip(&self.solver.balls) {
+            if let Ok((mut state, _)) = balls.get_mut(entity) {
+                state.0.clone_from(ball);
+            }
+        }
+    }
+
+    /// Drops the touches of a body or ball that has been taken out, and counts down the indices behind it.
+    pub fn forget_touches(&mut self, gone: Other) {
+        self.solver.touches.retain_mut(|touch| {
+            if let Other::Ball(index) = gone {
+                if touch.ball == index {
+                    return false;
+                }
+                touch.ball -= usize::from(touch.ball > index);
+            }
+            match (&mut touch.other, gone) {
+                (other, gone) if *other == gone => return false,
+                (Other::Body(i), Other::Body(gone)) | (Other::Ball(i), Other::Ball(gone)) => {
+                    *i -= usize::from(*i > gone);
+                }
+                _ => {}
+            }
+            true
+        });
+    }
+}
+
+/// Whether these particles and sticks belong together.
+pub(crate) fn fits(particles: &Particles, sticks: &Sticks) -> bool {
+    !particles.is_empty() && particles.len() == sticks.particle_count()
+}

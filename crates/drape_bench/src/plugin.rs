@@ -1,0 +1,136 @@
+//! This project's solver in Bevy, without a renderer. Its time is that of the plugin's own schedule.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bevy::prelude::{App, Entity, MinimalPlugins, Time, Transform};
+use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
+use bevy::time::{Fixed, TimeUpdateStrategy};
+use bevy_drape::prelude::{
+    ActivityCounts, DrapeGravity, DrapePlugins, Obstacle, Particles, SolverSettings, Sticks,
+};
+use bevy_drape::prelude::{SceneManager, StickProjection};
+use bevy_drape::schedule::StepTimes;
+use drape_solver::glam::Vec3;
+
+use crate::contender::{Contender, Failure};
+use crate::drape;
+use crate::scene::{Scene, SceneKind};
+use crate::solver::{Effort, Projection};
+use crate::world::{GRAVITY, SPHERE_CENTRE, SPHERE_RADIUS, STEP};
+
+/// Steps within which bodies must come to rest: a minute.
+const PATIENCE: u32 = 3600;
+/// Drag of sheets that are to come to rest, in 1/s.
+const RESTING_DRAG: f32 = 3.0;
+
+/// An app with the scene in it.
+pub struct Plugin {
+    app: App,
+    bodies: Vec<Entity>,
+}
+
+impl Plugin {
+    /// Loads `scene`. Sheets that are to be at rest are stepped until they are.
+    ///
+    /// # Errors
+    /// [`Failure`] if the solver refuses the bodies, Bevy has another number of threads already, or bodies that
+    /// should come to rest do not.
+    pub fn new(scene: &Scene, effort: &Effort) -> Result<Self, Failure> {
+        let is_asleep = scene.kind == SceneKind::Asleep;
+        let mut app = app(effort.threads)?;
+        app.world_mut().resource_mut::<SceneManager>().sleeping = is_asleep;
+        if !is_asleep {
+            let sphere = Obstacle { friction: 0.0, ..Obstacle::sphere(SPHERE_RADIUS) };
+            app.world_mut().spawn((sphere, Transform::from_translation(SPHERE_CENTRE)));
+        }
+        let topology = Arc::new(drape::topology(&scene.model)?);
+        let mut bodies = Vec::new();
+        for i in 0..scene.bodies {
+            let particles = Particles(drape::particles(&scene.model, scene.offset(i))?);
+            let settings = settings(effort, if is_asleep { RESTING_DRAG } else { 0.0 });
+            bodies.push(app.world_mut().spawn((particles, Sticks(Arc::clone(&topology)), settings)).id());
+        }
+        let mut plugin = Self { app, bodies };
+        if is_asleep {
+            plugin.settle()?;
+        }
+        Ok(plugin)
+    }
+
+    /// Steps until all bodies are at rest.
+    fn settle(&mut self) -> Result<(), Failure> {
+        for _ in 0..PATIENCE {
+            self.app.update();
+            if self.restless() == 0 {
+                return Ok(());
+            }
+        }
+        Err(Failure::Restless(self.restless()))
+    }
+
+    fn restless(&self) -> usize {
+        self.bodies.len() - self.app.world().resource::<ActivityCounts>().resting
+    }
+
+    fn particles(&self) -> impl Iterator<Item = &Particles> {
+        self.bodies.iter().filter_map(|&body| self.app.world().get(body))
+    }
+}
+
+/// An app with the plugin, on `threads` threads, before its first step.
+fn app(threads: u32) -> Result<App, Failure> {
+    // Bevy's pool is made once for a process.
+    let pool = ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(threads as usize).build());
+    if pool.thread_num() != threads as usize {
+        let reason = format!("Bevy runs on {} in this process; give --threads one number", pool.thread_num());
+        return Err(Failure::Pool(reason));
+    }
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, DrapePlugins::default()))
+        .insert_resource(Time::<Fixed>::from_duration(Duration::from_secs_f32(STEP)))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+        .insert_resource(DrapeGravity(GRAVITY));
+    // The first update takes no time and so no step.
+    app.update();
+    Ok(app)
+}
+
+fn settings(effort: &Effort, drag: f32) -> SolverSettings {
+    SolverSettings {
+        substeps: effort.substeps,
+        iterations: effort.sweeps,
+        drag,
+        friction: 0.0,
+        thickness: 0.0,
+        projection: match effort.projection {
+            Projection::Exact => StickProjection::Exact,
+            Projection::SquareRootFree => StickProjection::SquareRootFree,
+        },
+        ..SolverSettings::default()
+    }
+}
+
+impl Contender for Plugin {
+    fn step(&mut self) -> Result<Duration, Failure> {
+        self.app.update();
+        Ok(self.app.world().resource::<StepTimes>().step)
+    }
+
+    fn positions(&self) -> Vec<Vec3> {
+        self.particles().flat_map(|particles| particles.positions()).collect()
+    }
+
+    fn energy(&self) -> Option<f64> {
+        Some(self.particles().map(|particles| drape::energy(particles)).sum())
+    }
+
+    fn bytes_per_particle(&self) -> Option<f64> {
+        let sticks: &Sticks = self.app.world().get(*self.bodies.first()?)?;
+        Some(drape::bytes_per_particle(sticks, self.bodies.len()))
+    }
+
+    fn isa(&self) -> &'static str {
+        drape::isa()
+    }
+}

@@ -1,0 +1,232 @@
+//! Components that cannot be used are refused with one clear message, and all the rest runs on.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+#[test]
+fn cloths_that_cannot_be() {
+    let with = |edit: fn(&mut Cloth)| {
+        let mut cloth = curtain();
+        edit(&mut cloth);
+        cloth
+    };
+    let bad = [
+        (with(|c| c.size.x = f32::NAN), "width"),
+        (with(|c| c.size.y = f32::INFINITY), "height"),
+        (with(|c| c.size.x = 0.0), "width"),
+        (with(|c| c.size.y = -1.0), "height"),
+        (with(|c| c.particles = UVec2::ZERO), "particles"),
+        (with(|c| c.particles = UVec2::ONE), "particles"),
+        (with(|c| c.particles = UVec2::new(1, 9)), "particles"),
+        (with(|c| c.particles = UVec2::MAX), "particles"),
+        (with(|c| c.areal_density = -1.0), "density"),
+        (with(|c| c.areal_density = 0.0), "density"),
+        (with(|c| c.areal_density = f32::NAN), "density"),
+        (with(|c| c.structural_stiffness = 1.5), "stiffness"),
+        (with(|c| c.bend_stiffness = f32::NAN), "stiffness"),
+        (with(|c| c.damping = -1.0), "damping"),
+        (with(|c| c.pins = ClothPins::Indices(vec![81])), "pin"),
+    ];
+    for (cloth, word) in bad {
+        let (mut app, entity) = assert_refused(cloth, &["Cloth", word]);
+        assert!(app.world().get::<Particles>(entity).is_none());
+        *get_mut::<Cloth>(&mut app, entity) = curtain();
+        assert_mended(&mut app, entity);
+        assert!(refusals(&app, entity).is_empty());
+    }
+}
+
+#[test]
+fn a_cloth_that_is_spoilt_later_is_taken_out() {
+    let mut app = app();
+    let cloth = app.world_mut().spawn(curtain()).id();
+    step(&mut app, 5);
+    get_mut::<Cloth>(&mut app, cloth).areal_density = -2.0;
+    step(&mut app, 5);
+    assert!(app.world().get::<Particles>(cloth).is_none());
+    assert_eq!(counts(&app), (0, 0, 0));
+    assert_eq!(refusals(&app, cloth).len(), 1);
+    // A second fault is told, too.
+    get_mut::<Cloth>(&mut app, cloth).areal_density = 0.2;
+    get_mut::<Cloth>(&mut app, cloth).size.x = -1.0;
+    step(&mut app, 5);
+    assert!(refusals(&app, cloth)[0].contains("width"), "{:?}", refusals(&app, cloth));
+    app.world_mut().entity_mut(cloth).despawn();
+    step(&mut app, 1);
+    assert_eq!(app.world().resource::<Refusals>().messages().len(), 0, "who is gone is forgotten");
+}
+
+#[test]
+fn ropes_that_cannot_be() {
+    let good = Rope::default();
+    let bad = [
+        (Rope { particles: 1, ..good.clone() }, "particles"),
+        (Rope { particles: 0, ..good.clone() }, "particles"),
+        (Rope { linear_density: 0.0, ..good.clone() }, "density"),
+        (Rope { linear_density: f32::NAN, ..good.clone() }, "density"),
+        (Rope { end: Vec3::NAN, ..good.clone() }, "end"),
+        (Rope { start: Vec3::splat(f32::INFINITY), ..good.clone() }, "start"),
+        (Rope { end: good.start, ..good.clone() }, ""),
+        (Rope { stretch_stiffness: -0.1, ..good.clone() }, "stiffness"),
+    ];
+    for (rope, word) in bad {
+        let (mut app, entity) = assert_refused(rope, &["Rope", word]);
+        *get_mut::<Rope>(&mut app, entity) = Rope { start: Vec3::X, pin_start: false, ..Rope::default() };
+        assert_mended(&mut app, entity);
+    }
+}
+
+#[test]
+fn balls_that_cannot_be() {
+    let good = Projectile::default();
+    let bad = [
+        (Projectile { radius: 0.0, ..good }, "radius"),
+        (Projectile { radius: f32::NAN, ..good }, "radius"),
+        (Projectile { mass: 0.0, ..good }, "mass"),
+        (Projectile { mass: -1.0, ..good }, "mass"),
+        (Projectile { mass: f32::INFINITY, ..good }, "mass"),
+        (Projectile { velocity: Vec3::NAN, ..good }, "velocity"),
+        (Projectile { drag: -1.0, ..good }, "drag"),
+        (Projectile { friction: f32::NAN, ..good }, "friction"),
+    ];
+    for (ball, word) in bad {
+        let (mut app, entity) = assert_refused(ball, &["Projectile", word]);
+        *get_mut::<Projectile>(&mut app, entity) = good;
+        assert_mended(&mut app, entity);
+        assert!(refusals(&app, entity).is_empty());
+    }
+}
+
+#[test]
+fn obstacles_that_cannot_be() {
+    let ground = Obstacle::ground();
+    let bad = [
+        (Obstacle::sphere(0.0), "radius"),
+        (Obstacle::sphere(f32::NAN), "radius"),
+        (Obstacle::cuboid(1.0, -1.0, 1.0), "extent"),
+        (Obstacle::capsule(-0.1, 1.0), "radius"),
+        (ground.clone().with_friction(-1.0), "friction"),
+        (ground.clone().with_friction(f32::NAN), "friction"),
+    ];
+    for (obstacle, word) in bad {
+        let (mut app, entity) = assert_refused(obstacle, &["Obstacle", word]);
+        *get_mut::<Obstacle>(&mut app, entity) = ground.clone();
+        let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 1.0, 0.0))).id();
+        run(&mut app, 1.0);
+        assert!((ball_position(&app, ball).y - 0.15).abs() < 0.01, "the mended ground holds the ball");
+        assert!(refusals(&app, entity).is_empty());
+    }
+}
+
+#[test]
+fn transforms_that_are_not_finite() {
+    for bad in BAD {
+        let nowhere = Transform::from_xyz(0.0, bad, 0.0);
+        let here = Transform::from_xyz(0.0, 1.0, 0.0);
+        for turned in [nowhere, here.with_scale(Vec3::splat(bad))] {
+            let (mut app, entity) = assert_refused((free_cloth(), turned), &["Transform", "finite"]);
+            *get_mut::<Transform>(&mut app, entity) = here;
+            assert_mended(&mut app, entity);
+
+            let (mut app, entity) = assert_refused((Rope::default(), turned), &["Transform", "finite"]);
+            *get_mut::<Transform>(&mut app, entity) = here.with_rotation(Quat::from_rotation_z(1.0));
+            assert_mended(&mut app, entity);
+
+            let (mut app, entity) = assert_refused((Projectile::default(), turned), &["Transform", "finite"]);
+            *get_mut::<Transform>(&mut app, entity) = here;
+            assert_mended(&mut app, entity);
+
+            let (mut app, entity) = assert_refused((Obstacle::ground(), turned), &["Transform", "finite"]);
+            *get_mut::<Transform>(&mut app, entity) = here;
+            let ball =
+                app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
+            run(&mut app, 1.0);
+            assert!((ball_position(&app, ball).y - 1.15).abs() < 0.01, "the mended ground holds the ball");
+        }
+    }
+}
+
+#[test]
+fn transforms_that_stop_to_be_finite() {
+    let mut app = app();
+    let curtain = app.world_mut().spawn((curtain(), quiet())).id();
+    let ground = app.world_mut().spawn((Obstacle::ground(), Transform::from_xyz(0.0, -1.0, 0.0))).id();
+    let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(3.0, 0.0, 0.0))).id();
+    step(&mut app, 5);
+    let height = ball_position(&app, ball).y;
+    for entity in [curtain, ground, ball] {
+        get_mut::<Transform>(&mut app, entity).translation.y = f32::NAN;
+    }
+    run(&mut app, 3.0);
+    for entity in [curtain, ground, ball] {
+        let messages = refusals(&app, entity);
+        assert_eq!(messages.len(), 1, "{messages:?}");
+        assert!(messages[0].contains("Transform"), "{messages:?}");
+    }
+    assert!(
+        height < 0.0 && (ball_position(&app, ball).y + 0.85).abs() < 0.01,
+        "the ball fell on to the ground"
+    );
+    assert!(get::<Particles>(&app, curtain).position(0).distance(Vec3::new(-0.5, 0.5, 0.0)) < 1e-6);
+    assert!(get::<Transform>(&app, ball).is_finite());
+
+    get_mut::<Transform>(&mut app, curtain).translation = Vec3::new(0.1, 0.0, 0.0);
+    get_mut::<Transform>(&mut app, ground).translation = Vec3::new(0.0, -1.1, 0.0);
+    run(&mut app, 1.0);
+    assert!(get::<Particles>(&app, curtain).position(0).distance(Vec3::new(-0.4, 0.5, 0.0)) < 1e-6);
+    assert!((ball_position(&app, ball).y + 0.95).abs() < 0.01);
+}
+
+#[test]
+fn cannons_that_cannot_fire() {
+    let good = Cannon::default();
+    let bad_ball = Projectile { radius: -1.0, ..default() };
+    let bad = [
+        (Cannon { elevation: f32::NAN, ..good }, Transform::IDENTITY, "Cannon"),
+        (Cannon { muzzle_speed: f32::INFINITY, ..good }, Transform::IDENTITY, "muzzle speed"),
+        (Cannon { barrel_length: f32::NAN, ..good }, Transform::IDENTITY, "barrel length"),
+        (Cannon { muzzle_speed: 1e20, ..good }, Transform::IDENTITY, "velocity"),
+        (Cannon { ball: bad_ball, ..good }, Transform::IDENTITY, "radius"),
+        (good, Transform::from_xyz(f32::NAN, 0.0, 0.0), "Transform"),
+    ];
+    for (cannon, transform, word) in bad {
+        let mut app = app();
+        let entity = app.world_mut().spawn((cannon, transform)).id();
+        for _ in 0..5 {
+            app.world_mut().write_message(FireCannon { cannon: entity });
+            step(&mut app, 2);
+        }
+        let messages = refusals(&app, entity);
+        assert_eq!(messages.len(), 1, "{messages:?}");
+        assert!(messages[0].contains(word) && messages[0].contains(&entity.to_string()), "{messages:?}");
+        assert_eq!(counts(&app), (0, 0, 0));
+        assert!(app.world().resource::<Shots>().0.is_empty());
+        app.world_mut().entity_mut(entity).insert((good, Transform::IDENTITY));
+        app.world_mut().write_message(FireCannon { cannon: entity });
+        step(&mut app, 2);
+        assert_eq!(counts(&app), (1, 0, 0));
+    }
+    let mut app = app();
+    let no_cannon = app.world_mut().spawn_empty().id();
+    app.world_mut().write_message(FireCannon { cannon: no_cannon });
+    step(&mut app, 3);
+    assert_eq!(counts(&app), (0, 0, 0));
+}
+
+#[test]
+fn particles_and_sticks_that_do_not_belong_together() {
+    let mut app = app();
+    let (long, _) = Rope::default().build(&GlobalTransform::IDENTITY).expect("a rope");
+    let (_, short) = Rope { particles: 4, ..default() }.build(&GlobalTransform::IDENTITY).expect("a rope");
+    let mismatch = app.world_mut().spawn((Particles(long.clone()), Sticks(short))).id();
+    let empty = app.world_mut().spawn((Particles::default(), Sticks::default())).id();
+    let alone = app.world_mut().spawn(Particles(long)).id();
+    let witness = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(9.0, 0.0, 0.0))).id();
+    run(&mut app, 0.5);
+    assert!(refusals(&app, mismatch)[0].contains("32") && refusals(&app, mismatch)[0].contains('4'));
+    assert_eq!(refusals(&app, empty).len(), 1);
+    assert!(refusals(&app, alone).is_empty(), "it is no body yet");
+    assert!(ball_position(&app, witness).y < -1.0);
+}

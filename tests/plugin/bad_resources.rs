@@ -1,0 +1,65 @@
+//! Settings, gravity and wind that cannot be used are refused with one clear message, and all the rest runs on.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+#[test]
+fn settings_out_of_range() {
+    let good = SolverSettings::default();
+    let bad = [
+        (SolverSettings { substeps: 0, ..good }, "substeps"),
+        (SolverSettings { substeps: u32::MAX, ..good }, "substeps"),
+        (SolverSettings { iterations: 0, ..good }, "iterations"),
+        (SolverSettings { drag: f32::NAN, ..good }, "drag"),
+        (SolverSettings { drag: -1.0, ..good }, "drag"),
+        (SolverSettings { friction: f32::INFINITY, ..good }, "friction"),
+        (SolverSettings { thickness: f32::NAN, ..good }, "thickness"),
+    ];
+    for (settings, word) in bad {
+        let (mut app, entity) = assert_refused((free_cloth(), settings), &["SolverSettings", word]);
+        assert_eq!(activity(&app, entity), Activity::Culled);
+        app.world_mut().entity_mut(entity).insert(good);
+        assert_mended(&mut app, entity);
+    }
+    // The same as the settings of all.
+    let mut app = app();
+    app.insert_resource(DefaultSolverSettings(SolverSettings { substeps: 0, ..good }));
+    let a = app.world_mut().spawn(free_cloth()).id();
+    let b = app.world_mut().spawn((free_cloth(), good, Transform::from_xyz(5.0, 0.0, 0.0))).id();
+    run(&mut app, 0.5);
+    assert_eq!((activity(&app, a), activity(&app, b)), (Activity::Culled, Activity::Active));
+    app.insert_resource(DefaultSolverSettings::default());
+    assert_mended(&mut app, a);
+}
+
+#[test]
+fn gravity_and_wind_that_are_not_finite() {
+    for bad in BAD.into_iter().chain([1e30]) {
+        let mut app = app();
+        let cloth = app.world_mut().spawn((free_cloth(), dragless())).id();
+        step(&mut app, 1);
+        app.insert_resource(DrapeGravity(Vec3::new(0.0, bad, 0.0)));
+        app.world_mut().resource_mut::<Wind>().velocity.x = bad;
+        // A ball that is launched meanwhile flies under the last good gravity.
+        let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(9.0, 0.0, 0.0))).id();
+        run(&mut app, 1.0);
+        let messages: Vec<&str> = app.world().resource::<Refusals>().messages().collect();
+        assert_eq!(messages.len(), 2, "{messages:?}");
+        for word in ["DrapeGravity", "Wind"] {
+            assert!(messages.iter().any(|message| message.contains(word)), "{messages:?} do not name {word}");
+        }
+        let fallen = (-centre(&app, cloth).y, -ball_position(&app, ball).y);
+        assert!(
+            (fallen.0 - 0.5 * GRAVITY).abs() < 0.2 && (fallen.1 - 0.5 * GRAVITY).abs() < 1e-3,
+            "{fallen:?}"
+        );
+        app.insert_resource(DrapeGravity(Vec3::ZERO));
+        app.world_mut().resource_mut::<Wind>().velocity.x = 0.0;
+        let speed = get::<ProjectileState>(&app, ball).velocity().y;
+        run(&mut app, 1.0);
+        assert!((get::<ProjectileState>(&app, ball).velocity().y - speed).abs() < 0.2, "weightless again");
+        assert_eq!(app.world().resource::<Refusals>().messages().len(), 0);
+    }
+}
