@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, BuildError, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StateHasher, StickMaterial, StickProjection, Tethers, Topology, TopologyBuilder, measure, step,
+    Body, BuildError, Environment, Isa, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
+    StateHasher, StickMaterial, StickProjection, Topology, TopologyBuilder, measure, step,
 };
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -78,11 +78,18 @@ fn step_islands(
 /// # Errors
 /// [`BuildError`] if the solver refuses them.
 pub fn topology(model: &Model) -> Result<Topology, BuildError> {
-    let mut builder = TopologyBuilder::new(&model.positions);
+    let mut builder = match model.grid {
+        Some([columns, rows]) => TopologyBuilder::grid(&model.positions, columns, rows)?,
+        None => TopologyBuilder::new(&model.positions),
+    };
     for family in &model.families {
-        builder.family(StickMaterial::rigid(family.kind), family.sticks.iter().copied())?;
+        let material = StickMaterial::rigid(family.kind);
+        match model.grid {
+            Some(_) => builder.grid_family(material, family.offset)?,
+            None => builder.family(material, family.sticks.iter().copied())?,
+        };
     }
-    builder.tethers(Tethers::straight(&model.positions, &model.pinned))?;
+    builder.straight_tethers(&model.pinned)?;
     builder.build()
 }
 
@@ -123,19 +130,15 @@ pub fn energy(particles: &Particles) -> f64 {
     measure::kinetic_energy(particles) + measure::potential_energy(particles, GRAVITY) + lowest
 }
 
-/// What `bodies` equal bodies of this topology keep in memory between and during steps, per particle and in bytes.
-///
-/// Counted from the layout, as the solver does not say: position, displacement and start of the substep are nine
-/// floats, and there is the inverse mass; a stick has two ends and a length, a tether its particle, pin and length.
-/// The topology is shared.
-pub fn bytes_per_particle(topology: &Topology, bodies: usize) -> f64 {
-    let shared = 12 * (topology.stick_count() + topology.tethers().len());
-    40.0 + shared as f64 / (topology.particle_count() * bodies) as f64
+/// What the solver says that the bodies keep in memory, per particle and in bytes. Equal bodies share their topology.
+pub fn bytes_per_particle(body: &Body, bodies: usize) -> f64 {
+    let shared = body.topology.bytes();
+    ((body.bytes() - shared) as f64 + shared as f64 / bodies as f64) / body.particles.len() as f64
 }
 
 /// The instruction set that the solver's kernels run on.
 pub fn isa() -> &'static str {
-    "scalar"
+    Isa::detected().name()
 }
 
 /// Hash of `positions`, the same way for all solvers; 0 if one is not finite.
@@ -165,7 +168,7 @@ impl Contender for Drape {
 
     fn bytes_per_particle(&self) -> Option<f64> {
         let body = self.islands.first()?.bodies.first()?;
-        Some(bytes_per_particle(&body.topology, self.islands.len()))
+        Some(bytes_per_particle(body, self.islands.len()))
     }
 
     fn isa(&self) -> &'static str {

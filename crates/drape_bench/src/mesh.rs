@@ -42,10 +42,10 @@ pub fn mesh(count: u32, pins: Pins) -> Result<Model, InsertionError> {
     let (edges, bends) = sticks(&faces);
     let natural_order = [edges.as_slice(), &bends].concat();
     let families = vec![
-        Family { kind: StickKind::Structural, sticks: edges },
-        Family { kind: StickKind::Bend, sticks: bends },
+        Family { kind: StickKind::Structural, sticks: edges, offset: [0, 0] },
+        Family { kind: StickKind::Bend, sticks: bends, offset: [0, 0] },
     ];
-    Ok(Model { positions, pinned, families, natural_order })
+    Ok(Model { positions, grid: None, pinned, families, natural_order })
 }
 
 /// `count` points in rows of unequal places. Those on the border stay on it.

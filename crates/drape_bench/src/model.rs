@@ -27,6 +27,8 @@ pub struct Family {
     pub kind: StickKind,
     /// Their ends.
     pub sticks: Vec<[u32; 2]>,
+    /// On a grid, how many columns to the right and rows down each leads.
+    pub offset: [i32; 2],
 }
 
 /// A body: particles, pins and sticks.
@@ -34,6 +36,8 @@ pub struct Family {
 pub struct Model {
     /// Starting positions in metres: the rest pose.
     pub positions: Vec<Vec3>,
+    /// Columns and rows, if the particles form a grid.
+    pub grid: Option<[u32; 2]>,
     /// The pinned particles, ascending.
     pub pinned: Vec<u32>,
     /// The sticks, in an order of families that gains no energy.

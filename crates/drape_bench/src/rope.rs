@@ -12,8 +12,9 @@ pub fn rope(count: u32) -> Model {
     let links: Vec<[u32; 2]> = (0..count - 1).map(|i| [i, i + 1]).collect();
     Model {
         positions: (0..count).map(|i| Vec3::X * place(i)).collect(),
+        grid: Some([count, 1]),
         pinned: vec![0],
-        families: vec![Family { kind: StickKind::Structural, sticks: links.clone() }],
+        families: vec![Family { kind: StickKind::Structural, sticks: links.clone(), offset: [1, 0] }],
         natural_order: links,
     }
 }

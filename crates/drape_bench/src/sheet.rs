@@ -34,7 +34,10 @@ fn grid(n: u32, pins: Pins, position: impl Fn(u32, u32) -> Vec3) -> Model {
         Pins::Edge => (0..n).collect(),
         Pins::Start => vec![0],
     };
-    let family = |kind, cells, from, to| Family { kind, sticks: pairs(n, cells, from, to) };
+    let family = |kind, cells, from: [u32; 2], to: [u32; 2]| {
+        let offset = [0, 1].map(|axis| to[axis] as i32 - from[axis] as i32);
+        Family { kind, sticks: pairs(n, cells, from, to), offset }
+    };
     let families = vec![
         family(StickKind::Structural, [n - 1, n], [0, 0], [1, 0]),
         family(StickKind::Structural, [n, n - 1], [0, 0], [0, 1]),
@@ -46,7 +49,7 @@ fn grid(n: u32, pins: Pins, position: impl Fn(u32, u32) -> Vec3) -> Model {
     // The sticks of each particle together, row by row.
     let mut natural_order: Vec<[u32; 2]> = families.iter().flat_map(|f| f.sticks.iter().copied()).collect();
     natural_order.sort_unstable_by_key(|&[a, b]| (a.min(b), a.max(b)));
-    Model { positions, pinned, families, natural_order }
+    Model { positions, grid: Some([n, n]), pinned, families, natural_order }
 }
 
 /// For each of `columns` x `rows` cells, the pair of particles at the offsets `from` and `to`.

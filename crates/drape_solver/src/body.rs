@@ -109,7 +109,9 @@ impl Body {
             return 0.0;
         }
         let pins = self.particles.pin_targets.iter();
-        let ways = pins.map(|&(i, target)| target.distance(self.particles.origin + self.particles.position.get(i as usize)));
+        let ways = pins.map(|&(i, target)| {
+            target.distance(self.particles.origin + self.particles.position.get(i as usize))
+        });
         ways.fold(greatest_error(&self.particles, &self.topology), f32::max)
     }
 

@@ -35,14 +35,19 @@ pub(crate) struct ObstacleContacts {
     layout: Layout,
     groups: Vec<Group>,
     candidates: Vec<Candidate>,
+    /// One for each candidate.
+    pushes: Vec<Pushes>,
     planes: Vec<LanePlanes>,
+    /// For each group the candidates before each row of cells.
+    first_of_row: Vec<u32>,
 }
 
 /// Candidates of one obstacle, and its pose at the ends of the current substep.
 #[derive(Clone, Debug)]
 struct Group {
     obstacle: usize,
-    candidates: Range<usize>,
+    /// Place of its first row in the list of rows.
+    rows: usize,
     friction: f32,
     is_moving: bool,
     before: Pose,
@@ -50,13 +55,20 @@ struct Group {
 }
 
 /// The particles of one cell that may touch one obstacle.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Candidate {
     cell: u32,
     lanes: u16,
+    /// Whether any of them has been pushed in this substep.
+    is_touching: bool,
     /// The surface near each particle as a plane, by its place in the list, where asking the shape each time would be
     /// slow or wrong.
     planes: Option<u32>,
+}
+
+/// How far the particles of a candidate were pushed in this substep.
+#[derive(Clone, Debug)]
+struct Pushes {
     /// Depth that motion made, summed over the projections of the substep, in metres.
     depth: [f32; LANES],
     /// What may be left of an old overlap at the end of the substep, in metres: see [`crate::overlap`]. Negative until
@@ -64,6 +76,14 @@ struct Candidate {
     left: [f32; LANES],
     /// World normals of the last projection.
     normal: Cell,
+}
+
+impl Pushes {
+    const NONE: Self = Self {
+        depth: [0.0; LANES],
+        left: [-1.0; LANES],
+        normal: Cell { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES] },
+    };
 }
 
 /// The columns that contacts read and write.
@@ -79,11 +99,12 @@ impl BodyContext {
     /// surface in the world, and the depth in metres, summed over the projections of the substep.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
         let layout = self.contacts.layout;
-        self.contacts.candidates.iter().flat_map(move |candidate| {
-            let touching = (0..LANES).filter(|&lane| candidate.depth[lane] > 0.0);
+        let candidates = self.contacts.candidates.iter().zip(&self.contacts.pushes);
+        candidates.filter(|(candidate, _)| candidate.is_touching).flat_map(move |(candidate, pushes)| {
+            let touching = (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0);
             touching.filter_map(move |lane| {
                 let index = layout.index(candidate.cell as usize * LANES + lane)?;
-                Some((index, candidate.normal.get(lane), candidate.depth[lane]))
+                Some((index, pushes.normal.get(lane), pushes.depth[lane]))
             })
         })
     }
@@ -99,6 +120,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
     contacts.groups.clear();
     contacts.candidates.clear();
     contacts.planes.clear();
+    contacts.first_of_row.clear();
     for (index, obstacle) in obstacles.iter().enumerate() {
         let reach = reach + settings.thickness;
         let (obstacle_low, obstacle_high) = obstacle.swept_bounds();
@@ -125,13 +147,22 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
             shape @ Shape::Parry(_) => search_by_query(contacts, particles, shape, pose, reach),
             shape => {
                 let candidates = &mut contacts.candidates;
-                isa.run(Search { particles, solid: Solid::Formula(shape), pose, reach, planes: None, candidates });
+                isa.run(Search {
+                    particles,
+                    solid: Solid::Formula(shape),
+                    pose,
+                    reach,
+                    planes: None,
+                    candidates,
+                });
             }
         }
         if contacts.candidates.len() > first {
+            let rows = contacts.first_of_row.len();
+            contacts.note_rows(first);
             contacts.groups.push(Group {
                 obstacle: index,
-                candidates: first..contacts.candidates.len(),
+                rows,
                 friction: combined(settings.friction, obstacle.friction()),
                 is_moving: obstacle.is_moving(),
                 before: pose,
@@ -139,15 +170,21 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
             });
         }
     }
+    contacts.pushes.resize(contacts.candidates.len(), Pushes::NONE);
 }
 
 fn candidate(cell: usize, lanes: u16, planes: Option<u32>) -> Candidate {
-    let (depth, left) = ([0.0; LANES], [-1.0; LANES]);
-    Candidate { cell: cell as u32, lanes, planes, depth, left, normal: Cell::default() }
+    Candidate { cell: cell as u32, lanes, is_touching: false, planes }
 }
 
 /// Asks a shape without a formula for the nearest point of every particle in its reach.
-fn search_by_query(contacts: &mut ObstacleContacts, particles: &Particles, shape: &Shape, pose: Pose, reach: f32) {
+fn search_by_query(
+    contacts: &mut ObstacleContacts,
+    particles: &Particles,
+    shape: &Shape,
+    pose: Pose,
+    reach: f32,
+) {
     let (low, high) = shape.local_bounds();
     for (cell, positions) in particles.position.cells.iter().enumerate() {
         let mut lanes = 0;
@@ -201,6 +238,23 @@ impl Kernel for Search<'_> {
 }
 
 impl ObstacleContacts {
+    /// Whether no particle can touch an obstacle in this step.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// Notes where each row's candidates begin, of those from `first` on.
+    fn note_rows(&mut self, first: usize) {
+        let (cells_of_row, rows) = self.layout.rows();
+        let mut next = first;
+        for row in 0..rows {
+            self.first_of_row.push(next as u32);
+            let is_of_row = |candidate: &Candidate| (candidate.cell as usize) < (row + 1) * cells_of_row;
+            next += self.candidates[next..].iter().take_while(|candidate| is_of_row(candidate)).count();
+        }
+        self.first_of_row.push(next as u32);
+    }
+
     /// Brings the obstacles to the end of substep `index` of `count`.
     pub fn begin_substep(&mut self, obstacles: &[Obstacle], origin: Vec3, index: u32, count: u32) {
         for group in &mut self.groups {
@@ -210,46 +264,50 @@ impl ObstacleContacts {
         }
     }
 
-    /// Moves every particle of these cells that lies inside an obstacle out to its surface. `is_first` says that this
+    /// Moves every particle of this row of cells that lies inside an obstacle out to its surface. `is_first` says that this
     /// is the first projection of the substep.
     #[inline(always)]
     pub fn project<S: Simd>(
         &mut self,
         simd: S,
-        cells: Range<usize>,
+        row: usize,
         moving: &mut Moving,
         obstacles: &[Obstacle],
         thickness: f32,
         pace: Pace,
         is_first: bool,
     ) {
-        let Self { groups, candidates, planes, .. } = self;
+        let Self { groups, candidates, pushes, planes, first_of_row, .. } = self;
         for group in groups {
+            let range = row_of(first_of_row, group, row);
+            if range.is_empty() {
+                continue;
+            }
             let (before, now) = (LanePose::new(simd, &group.before), LanePose::new(simd, &group.now));
-            for candidate in of_cells(&mut candidates[group.candidates.clone()], &cells) {
+            for (candidate, pushes) in candidates[range.clone()].iter_mut().zip(&mut pushes[range]) {
                 let solid = match candidate.planes {
                     Some(place) => Solid::Planes(&planes[place as usize]),
                     None => Solid::Formula(obstacles[group.obstacle].shape()),
                 };
-                let contact = Contact { solid, before, now, is_moving: group.is_moving, thickness, pace, is_first };
-                contact.project(simd, candidate, moving);
+                let contact =
+                    Contact { solid, before, now, is_moving: group.is_moving, thickness, pace, is_first };
+                contact.project(simd, candidate, pushes, moving);
             }
         }
     }
 
-    /// Takes tangential displacement from every particle of these cells that was projected. Comes last in the substep,
+    /// Takes tangential displacement from every particle of this row of cells that was projected. Comes last in the substep,
     /// after displacements were brought up to date.
     #[inline(always)]
-    pub fn apply_friction<S: Simd>(&mut self, simd: S, cells: Range<usize>, moving: &mut Moving) {
-        let Self { groups, candidates, .. } = self;
+    pub fn apply_friction<S: Simd>(&mut self, simd: S, row: usize, moving: &mut Moving) {
+        let Self { groups, candidates, pushes, first_of_row, .. } = self;
         for group in groups.iter().filter(|group| group.friction > 0.0) {
+            let range = row_of(first_of_row, group, row);
             let (before, now) = (LanePose::new(simd, &group.before), LanePose::new(simd, &group.now));
-            for candidate in of_cells(&mut candidates[group.candidates.clone()], &cells) {
-                let depth = load(simd, &candidate.depth);
+            let touching = candidates[range.clone()].iter().zip(&pushes[range]);
+            for (candidate, pushes) in touching.filter(|(candidate, _)| candidate.is_touching) {
+                let depth = load(simd, &pushes.depth);
                 let is_touching = depth.simd_gt(f32x16::splat(simd, 0.0));
-                if is_touching.all_false() {
-                    continue;
-                }
                 let cell = candidate.cell as usize;
                 let position = Lanes3::load(simd, &moving.position[cell]);
                 let displacement = Lanes3::load(simd, &moving.displacement[cell]);
@@ -258,7 +316,7 @@ impl ObstacleContacts {
                     // The surface point under the particle came from where the same local point was before.
                     slip = slip.minus(position.minus(before.point_to_world(now.to_local(position))));
                 }
-                let normal = Lanes3::load(simd, &candidate.normal);
+                let normal = Lanes3::load(simd, &pushes.normal);
                 // Coulomb: at most the coefficient times the depth, and never more than there is. See `friction.rs`.
                 let tangential = slip.minus(normal.times(slip.dot(normal)));
                 let length = tangential.dot(tangential).sqrt();
@@ -274,12 +332,10 @@ impl ObstacleContacts {
     }
 }
 
-/// The candidates in these cells, of candidates in order of their cells.
+/// The places of a group's candidates in this row of cells.
 #[inline(always)]
-fn of_cells<'a>(candidates: &'a mut [Candidate], cells: &Range<usize>) -> &'a mut [Candidate] {
-    let first = candidates.partition_point(|candidate| (candidate.cell as usize) < cells.start);
-    let count = candidates[first..].partition_point(|candidate| (candidate.cell as usize) < cells.end);
-    &mut candidates[first..first + count]
+fn row_of(first_of_row: &[u32], group: &Group, row: usize) -> Range<usize> {
+    first_of_row[group.rows + row] as usize..first_of_row[group.rows + row + 1] as usize
 }
 
 /// One obstacle, as the particles of a cell meet it in one projection.
@@ -295,21 +351,27 @@ struct Contact<'a, S: Simd> {
 
 impl<S: Simd> Contact<'_, S> {
     #[inline(always)]
-    fn project(&self, simd: S, candidate: &mut Candidate, moving: &mut Moving) {
+    fn project(&self, simd: S, candidate: &mut Candidate, pushes: &mut Pushes, moving: &mut Moving) {
         let zero = f32x16::splat(simd, 0.0);
         let cell = candidate.cell as usize;
         if self.is_first {
-            candidate.depth = [0.0; LANES];
-            candidate.left = [-1.0; LANES];
+            candidate.is_touching = false;
         }
         let position = Lanes3::load(simd, &moving.position[cell]);
         let local = self.now.to_local(position);
+        if self.solid.is_beyond(simd, local, self.thickness) {
+            return;
+        }
         let (distance, normal) = self.solid.surface(simd, local);
         let depth = f32x16::splat(simd, self.thickness) - distance;
         let lanes = mask32x16::from_bitmask(simd, u64::from(candidate.lanes));
         let is_inside = depth.simd_gt(zero) & lanes;
         if is_inside.all_false() {
             return;
+        }
+        if !candidate.is_touching {
+            *pushes = Pushes::NONE;
+            candidate.is_touching = true;
         }
         let normal = self.now.direction_to_world(normal);
         let displacement = Lanes3::load(simd, &moving.displacement[cell]);
@@ -328,7 +390,7 @@ impl<S: Simd> Contact<'_, S> {
             let overlap = overlap.simd_gt(zero).select(overlap, zero);
             old = may_be_old.select(overlap.simd_lt(depth).select(overlap, depth), zero);
         }
-        let known = load(simd, &candidate.left);
+        let known = load(simd, &pushes.left);
         let left = known.simd_lt(zero).select(self.pace.left_in_lanes(simd, old), known);
         let taken = old - left;
         let taken = taken.simd_gt(zero).select(taken, zero);
@@ -338,9 +400,9 @@ impl<S: Simd> Contact<'_, S> {
         with_velocity.or(is_inside, displacement).store(&mut moving.displacement[cell]);
         position.plus(out).or(is_inside, position).store(&mut moving.position[cell]);
         integrated.plus(out).or(is_inside, integrated).store(&mut moving.integrated[cell]);
-        let summed = load(simd, &candidate.depth);
-        candidate.depth = is_inside.select(summed + fresh, summed).to_array();
-        candidate.left = is_inside.select(left, known).to_array();
-        normal.or(is_inside, Lanes3::load(simd, &candidate.normal)).store(&mut candidate.normal);
+        let summed = load(simd, &pushes.depth);
+        pushes.depth = is_inside.select(summed + fresh, summed).to_array();
+        pushes.left = is_inside.select(left, known).to_array();
+        normal.or(is_inside, Lanes3::load(simd, &pushes.normal)).store(&mut pushes.normal);
     }
 }

@@ -102,7 +102,8 @@ fn blow(
     dt: f32,
 ) {
     let share = 1.0 / corners.len() as f32;
-    let velocity: Vec3 = corners.iter().map(|&slot| particles.displacement.get(slot)).sum::<Vec3>() * (share / particles.substep);
+    let velocity: Vec3 = corners.iter().map(|&slot| particles.displacement.get(slot)).sum::<Vec3>()
+        * (share / particles.substep);
     let inverse_mass: f32 = corners.iter().map(|&i| particles.inverse_mass[i]).sum::<f32>() * share;
     let speed = (wind.velocity - velocity).dot(normal);
     let force = strength * speed * speed.abs();

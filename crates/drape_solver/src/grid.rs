@@ -32,7 +32,8 @@ impl GridBatch {
     /// The places along the axis of the split that this half has: `(number, width of a group)`.
     fn split(self) -> (usize, usize) {
         let [across, down] = self.starts();
-        let (places, width) = if self.down == 0 { (across, self.right.unsigned_abs()) } else { (down, self.down) };
+        let (places, width) =
+            if self.down == 0 { (across, self.right.unsigned_abs()) } else { (down, self.down) };
         let (whole, rest) = (places / (2 * width), places % (2 * width));
         (whole * width + rest.saturating_sub(self.phase * width).min(width), width)
     }
@@ -53,7 +54,8 @@ impl GridBatch {
         let (number, width) = self.split();
         let place = |i: usize| i / width * 2 * width + self.phase * width + i % width;
         let [across, _] = self.starts();
-        let (column, row) = if self.down == 0 { (place(k % number), k / number) } else { (k % across, place(k / across)) };
+        let (column, row) =
+            if self.down == 0 { (place(k % number), k / number) } else { (k % across, place(k / across)) };
         // Sticks that lean to the left begin one column further to the right.
         let from = if self.right < 0 { column + self.right.unsigned_abs() } else { column };
         [[from, row], [from.wrapping_add_signed(self.right), row + self.down]]
@@ -188,7 +190,8 @@ mod tests {
                 for run in half.runs().all() {
                     for k in 0..run.count {
                         let lanes = (0..LANES).filter(|lane| run.lanes & (1 << lane) != 0);
-                        let [a, b] = [run.a, run.b].map(|cell| (cell + k * u32::from(run.step)) as usize * LANES);
+                        let [a, b] =
+                            [run.a, run.b].map(|cell| (cell + k * u32::from(run.step)) as usize * LANES);
                         found.extend(lanes.map(|lane| [a + lane, b + lane + usize::from(run.shift)]));
                     }
                 }

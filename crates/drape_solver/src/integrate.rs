@@ -118,7 +118,8 @@ pub(crate) fn drift(body: &Body) -> Vec3 {
     }
     let mut sum = glam::DVec3::ZERO;
     for slot in particles.layout.slots() {
-        let moved = (particles.position.get(slot) - context.integrated.get(slot)) / particles.inverse_mass[slot];
+        let moved =
+            (particles.position.get(slot) - context.integrated.get(slot)) / particles.inverse_mass[slot];
         sum += moved.as_dvec3();
     }
     (sum / particles.masses.free_mass).as_vec3()

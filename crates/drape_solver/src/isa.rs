@@ -1,10 +1,24 @@
 //! Instruction sets: the same kernels, compiled once for each, chosen when the program runs.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 
 /// An instruction set that the kernels were compiled for. All give the same bits; they differ in speed alone.
 #[derive(Clone, Copy, Debug)]
-pub struct Isa(Level);
+#[non_exhaustive]
+pub enum Isa {
+    /// Registers of four numbers, which every x86-64 has.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    Sse2(fearless_simd::x86::Sse2),
+    /// Registers of eight.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    Avx2(fearless_simd::x86::Avx2),
+    /// Registers of sixteen.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    Avx512(fearless_simd::x86::Avx512),
+    /// What the machine has, where it is no x86.
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    Native(Level),
+}
 
 impl Default for Isa {
     fn default() -> Self {
@@ -12,46 +26,74 @@ impl Default for Isa {
     }
 }
 
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 impl Isa {
     /// The best that this machine has.
+    ///
+    /// # Panics
+    /// On an x86 older than SSE2, of the year 2000.
     pub fn detected() -> Self {
-        Self(Level::new())
+        let level = Level::new();
+        let widest = level.as_avx512().map(Self::Avx512).or(level.as_avx2().map(Self::Avx2));
+        widest.or(level.as_sse2().map(Self::Sse2)).expect("every x86 since 2000 has SSE2")
     }
 
     /// All that this machine has, the narrowest first.
     pub fn available() -> Vec<Self> {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        let levels = {
-            let best = Level::new();
-            let narrow = [best.as_sse2().map(Simd::level), best.as_sse4_2().map(Simd::level)];
-            let wide = [best.as_avx2().map(Simd::level), best.as_avx512().map(Simd::level)];
-            narrow.into_iter().chain(wide).flatten()
-        };
-        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-        let levels = core::iter::once(Level::new());
-        levels.map(Self).collect()
+        let level = Level::new();
+        let narrow = [level.as_sse2().map(Self::Sse2), level.as_avx2().map(Self::Avx2)];
+        narrow.into_iter().chain([level.as_avx512().map(Self::Avx512)]).flatten().collect()
     }
 
     /// Its name, as in tables of figures.
     pub fn name(self) -> &'static str {
-        match self.0 {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Sse2(_) => "sse2",
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Sse4_2(_) => "sse4.2",
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Avx2(_) => "avx2",
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Avx512(_) => "avx512",
-            #[cfg(target_arch = "aarch64")]
-            Level::Neon(_) => "neon",
-            _ => "scalar",
+        match self {
+            Self::Sse2(_) => "sse2",
+            Self::Avx2(_) => "avx2",
+            Self::Avx512(_) => "avx512",
         }
     }
 
     /// Runs `kernel`, compiled for this instruction set.
     pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        dispatch!(self.0, simd => kernel.run(simd))
+        match self {
+            Self::Sse2(simd) => simd.vectorize(
+                #[inline(always)]
+                || kernel.run(simd),
+            ),
+            Self::Avx2(simd) => simd.vectorize(
+                #[inline(always)]
+                || kernel.run(simd),
+            ),
+            Self::Avx512(simd) => simd.vectorize(
+                #[inline(always)]
+                || kernel.run(simd),
+            ),
+        }
+    }
+}
+
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+impl Isa {
+    /// The best that this machine has.
+    pub fn detected() -> Self {
+        Self::Native(Level::new())
+    }
+
+    /// All that this machine has.
+    pub fn available() -> Vec<Self> {
+        vec![Self::detected()]
+    }
+
+    /// Its name, as in tables of figures.
+    pub fn name(self) -> &'static str {
+        "native"
+    }
+
+    /// Runs `kernel`, compiled for this instruction set.
+    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        let Self::Native(level) = self;
+        fearless_simd::dispatch!(level, simd => kernel.run(simd))
     }
 }
 

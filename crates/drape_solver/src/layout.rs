@@ -60,6 +60,14 @@ impl Layout {
         }
     }
 
+    /// The number of cells in a row of cells, and the number of such rows.
+    pub fn rows(self) -> (usize, usize) {
+        match self {
+            Self::Linear { .. } => (self.cells(), 1),
+            Self::Grid(grid) => (grid.width, grid.height),
+        }
+    }
+
     /// The slot of particle `index`.
     #[inline]
     pub fn slot(self, index: usize) -> usize {
@@ -114,8 +122,14 @@ impl Grid {
                 // No empty patch in the middle of a row of few columns, and no more than a third of ghosts.
                 patches == 1 || (size >= LEAST_PATCH && 2 * size * patches <= 3 * count)
             };
-            (is_fit(across, width, columns) && is_fit(down, height, rows))
-                .then_some(Self { columns, rows, across, down, width, height })
+            (is_fit(across, width, columns) && is_fit(down, height, rows)).then_some(Self {
+                columns,
+                rows,
+                across,
+                down,
+                width,
+                height,
+            })
         };
         CUTS.iter().find_map(cut)
     }

@@ -22,8 +22,8 @@ use crate::error::StepError;
 use crate::isa::Isa;
 use crate::island::{Environment, Island, IslandContext};
 use crate::overlap::Pace;
-use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
 use crate::sweep::{self, Surroundings};
+use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
 use crate::{contact_ball_obstacle as ball_obstacle, force, integrate as verlet, rest, stick};
 
 /// Advances an island by `environment.dt` seconds.

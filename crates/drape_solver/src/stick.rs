@@ -141,13 +141,32 @@ pub(crate) fn project_run<S: Simd>(
     stiffness: f32,
     projection: impl Projection,
 ) {
+    // Each a function of its own, as one function of all would take the compiler minutes.
     match run.shift {
-        0 if run.lanes == u16::MAX => project_cells::<S, 0, true>(simd, joined, run, rest, stiffness, projection),
-        0 => project_cells::<S, 0, false>(simd, joined, run, rest, stiffness, projection),
-        1 => project_cells::<S, 1, false>(simd, joined, run, rest, stiffness, projection),
-        3 => project_cells::<S, 3, false>(simd, joined, run, rest, stiffness, projection),
-        4 => project_cells::<S, 4, false>(simd, joined, run, rest, stiffness, projection),
-        _ => project_cells::<S, 5, false>(simd, joined, run, rest, stiffness, projection),
+        0 if run.lanes == u16::MAX => simd.vectorize(
+            #[inline(always)]
+            || project_cells::<S, 0, true>(simd, joined, run, rest, stiffness, projection),
+        ),
+        0 => simd.vectorize(
+            #[inline(always)]
+            || project_cells::<S, 0, false>(simd, joined, run, rest, stiffness, projection),
+        ),
+        1 => simd.vectorize(
+            #[inline(always)]
+            || project_cells::<S, 1, false>(simd, joined, run, rest, stiffness, projection),
+        ),
+        3 => simd.vectorize(
+            #[inline(always)]
+            || project_cells::<S, 3, false>(simd, joined, run, rest, stiffness, projection),
+        ),
+        4 => simd.vectorize(
+            #[inline(always)]
+            || project_cells::<S, 4, false>(simd, joined, run, rest, stiffness, projection),
+        ),
+        _ => simd.vectorize(
+            #[inline(always)]
+            || project_cells::<S, 5, false>(simd, joined, run, rest, stiffness, projection),
+        ),
     }
 }
 
@@ -248,9 +267,8 @@ mod tests {
 
     use crate::body::Body;
     use crate::isa::{Isa, Kernel};
-    use crate::overlap::Pace;
     use crate::settings::{SolverSettings, StickProjection};
-    use crate::sweep;
+    use crate::sweep::{self, Surroundings};
     use crate::topology::{StickKind, TopologyBuilder};
 
     fn stick_of_rest_length_one() -> Topology {
@@ -264,8 +282,9 @@ mod tests {
         let particles = Particles::new(Vec3::ZERO, &positions, &w).expect("valid");
         let settings = SolverSettings { projection, tethers: false, ..SolverSettings::default() };
         let mut body = Body::new(particles, Arc::new(stick_of_rest_length_one()), settings);
+        body.prepare();
         body.begin_step(1.0, 1, 1);
-        sweep::relax(&mut body, &[], 0, Pace::default(), Isa::detected());
+        sweep::relax(&mut body, Surroundings::default(), 0);
         [body.particles.position(0), body.particles.position(1)]
     }
 
@@ -328,15 +347,20 @@ mod tests {
         let spread = |i: usize, k: f32| libm::sinf(i as f32 * k) * 3.0;
         let mut start = [Cell::default(); 4];
         for slot in 0..4 * LANES {
-            start[slot / LANES].set(slot % LANES, Vec3::new(spread(slot, 0.7), spread(slot, 1.3), spread(slot, 2.9)));
+            start[slot / LANES]
+                .set(slot % LANES, Vec3::new(spread(slot, 0.7), spread(slot, 1.3), spread(slot, 2.9)));
         }
         let uneven: Vec<[f32; LANES]> = (0..4)
-            .map(|cell| core::array::from_fn(|lane| if (cell + lane) % 7 == 0 { 0.0 } else { 1.0 + lane as f32 }))
+            .map(|cell| {
+                core::array::from_fn(|lane| if (cell + lane) % 7 == 0 { 0.0 } else { 1.0 + lane as f32 })
+            })
             .collect();
         let even = vec![[2.5; LANES]; 4];
         for isa in Isa::available() {
             for (inverse_mass, common) in [(&uneven, [0.0; 4]), (&even, [2.5; 4]), (&even, [0.0; 4])] {
-                for (shift, lanes) in [(0, u16::MAX), (0, 0x0ff3), (1, 0x7fff), (3, 0x1fff), (4, 0x0fff), (5, 0x07ff)] {
+                for (shift, lanes) in
+                    [(0, u16::MAX), (0, 0x0ff3), (1, 0x7fff), (3, 0x1fff), (4, 0x0fff), (5, 0x07ff)]
+                {
                     let run = GridRun { a: 0, b: 2, count: 2, step: 1, shift, lanes };
                     let (mut whole, mut single) = (start, start);
                     let mut joined = Joined { position: &mut whole, inverse_mass, common: &common };
@@ -346,7 +370,12 @@ mod tests {
                         if lanes & (1 << lane) != 0 {
                             let a = cell * LANES + lane;
                             let ends = [a as u32, (a + 2 * LANES) as u32 + u32::from(shift)];
-                            project_listed(&mut joined, &[ListedStick { ends, rest_length: 0.7 }], 0.8, projection);
+                            project_listed(
+                                &mut joined,
+                                &[ListedStick { ends, rest_length: 0.7 }],
+                                0.8,
+                                projection,
+                            );
                         }
                     }
                     assert_eq!(whole, single, "shift {shift} on {}", isa.name());

@@ -26,7 +26,17 @@ pub(crate) struct LanePlanes {
     pub offset: [f32; LANES],
 }
 
-impl<'a> Solid<'a> {
+impl Solid<'_> {
+    /// Whether all points are farther than `distance` (metres) from it, where that is quickly told.
+    #[inline(always)]
+    pub fn is_beyond<S: Simd>(self, simd: S, point: Lanes3<S>, distance: f32) -> bool {
+        let Self::Formula(Shape::Sphere { radius }) = self else {
+            return false;
+        };
+        let reach = f32x16::splat(simd, (radius + distance) * (radius + distance));
+        point.dot(point).simd_gt(reach).all_true()
+    }
+
     /// Distance (negative inside) and unit normal of the surface nearest to each point, in the shape's coordinates.
     #[inline(always)]
     pub fn surface<S: Simd>(self, simd: S, point: Lanes3<S>) -> (f32x16<S>, Lanes3<S>) {
@@ -70,11 +80,8 @@ fn cuboid<S: Simd>(simd: S, point: Lanes3<S>, half: Vec3) -> (f32x16<S>, Lanes3<
     let one = f32x16::splat(simd, 1.0);
     let sign = |v: f32x16<S>| v.simd_lt(zero).select(-one, one);
     let side = Lanes3 { x: sign(point.x), y: sign(point.y), z: sign(point.z) };
-    let beyond = Lanes3 {
-        x: point.x * side.x - half.x,
-        y: point.y * side.y - half.y,
-        z: point.z * side.z - half.z,
-    };
+    let beyond =
+        Lanes3 { x: point.x * side.x - half.x, y: point.y * side.y - half.y, z: point.z * side.z - half.z };
     let positive = |v: f32x16<S>| v.simd_gt(zero).select(v, zero);
     let outside = Lanes3 { x: positive(beyond.x), y: positive(beyond.y), z: positive(beyond.z) };
     let distance = outside.dot(outside).sqrt();
@@ -106,7 +113,10 @@ impl<S: Simd> LanePose<S> {
     #[inline(always)]
     pub fn new(simd: S, pose: &Pose) -> Self {
         let (axes, translation) = pose.parts();
-        Self { axes: axes.map(|axis| Lanes3::splat(simd, axis)), translation: Lanes3::splat(simd, translation) }
+        Self {
+            axes: axes.map(|axis| Lanes3::splat(simd, axis)),
+            translation: Lanes3::splat(simd, translation),
+        }
     }
 
     #[inline(always)]
@@ -156,7 +166,9 @@ mod tests {
             Shape::Capsule { half_length: 0.8, radius: 0.3 },
             Shape::HalfSpace { normal: Vec3::Y },
         ];
-        for (shape, isa) in shapes.iter().flat_map(|shape| Isa::available().into_iter().map(move |isa| (shape, isa))) {
+        for (shape, isa) in
+            shapes.iter().flat_map(|shape| Isa::available().into_iter().map(move |isa| (shape, isa)))
+        {
             for step in 0..500 {
                 let mut points = Cell::default();
                 for lane in 0..LANES {

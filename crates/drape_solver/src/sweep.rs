@@ -63,11 +63,14 @@ pub(crate) struct Plan {
 impl Plan {
     /// Writes down the order of work for a body with this `stiffness` of its batches, whose island takes `projections`
     /// iterations.
-    pub fn make(&mut self, topology: &Topology, settings: &SolverSettings, stiffness: &[f32], projections: u32) {
-        (self.cells_of_row, self.rows) = match topology.layout {
-            Layout::Grid(grid) => (grid.width, grid.height),
-            Layout::Linear { .. } => (topology.layout.cells(), 1),
-        };
+    pub fn make(
+        &mut self,
+        topology: &Topology,
+        settings: &SolverSettings,
+        stiffness: &[f32],
+        projections: u32,
+    ) {
+        (self.cells_of_row, self.rows) = topology.layout.rows();
         let active = stiffness.iter().filter(|&&s| s > 0.0).count();
         self.stages.clear();
         self.projections.clear();
@@ -116,7 +119,7 @@ impl Plan {
 }
 
 /// What is the same for all stages of a substep, and comes from outside the body.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Surroundings<'a> {
     pub obstacles: &'a [Obstacle],
     pub pace: Pace,
@@ -260,11 +263,15 @@ impl<P: Projection> Kernel for Run<'_, P> {
         let Plan { stages, lags, cells_of_row, rows, .. } = self.plan;
         let (stages, lags) = (&stages[self.stages.clone()], &lags[self.stages.clone()]);
         let (first_lag, last_lag) = (lags[0], lags[lags.len() - 1]);
-        let (outer, inner) =
-            if self.is_pipelined { (rows + last_lag - first_lag, stages.len()) } else { (stages.len(), *rows) };
+        let (outer, inner) = if self.is_pipelined {
+            (rows + last_lag - first_lag, stages.len())
+        } else {
+            (stages.len(), *rows)
+        };
         for i in 0..outer {
             for j in 0..inner {
-                let (stage, row) = if self.is_pipelined { (j, (i + first_lag).wrapping_sub(lags[j])) } else { (i, j) };
+                let (stage, row) =
+                    if self.is_pipelined { (j, (i + first_lag).wrapping_sub(lags[j])) } else { (i, j) };
                 if row < *rows {
                     let cells = row * cells_of_row..(row + 1) * cells_of_row;
                     self.work.stage(simd, stages[stage], row, cells, self.projection);
@@ -277,15 +284,31 @@ impl<P: Projection> Kernel for Run<'_, P> {
 impl Work<'_> {
     /// One stage on one row.
     #[inline(always)]
-    fn stage<S: Simd>(&mut self, simd: S, stage: Stage, row: usize, cells: Range<usize>, projection: impl Projection) {
+    fn stage<S: Simd>(
+        &mut self,
+        simd: S,
+        stage: Stage,
+        row: usize,
+        cells: Range<usize>,
+        projection: impl Projection,
+    ) {
         match stage {
             Stage::Integrate => {
-                self.flight.integrate(simd, cells, &mut self.moving, self.varying, self.inverse_mass);
+                let Self { flight, moving, varying, inverse_mass, .. } = self;
+                simd.vectorize(
+                    #[inline(always)]
+                    || flight.integrate(simd, cells, moving, varying, inverse_mass),
+                );
             }
             Stage::Contacts { is_first } => {
                 let Surroundings { obstacles, pace, .. } = self.around;
-                let (contacts, moving) = (&mut self.contacts, &mut self.moving);
-                contacts.project(simd, cells, moving, obstacles, self.thickness, pace, is_first);
+                let Self { contacts, moving, thickness, .. } = self;
+                if !contacts.is_empty() {
+                    simd.vectorize(
+                        #[inline(always)]
+                        || contacts.project(simd, row, moving, obstacles, *thickness, pace, is_first),
+                    );
+                }
             }
             Stage::Sticks(batch) => {
                 let stiffness = self.stiffness[batch];
@@ -307,10 +330,28 @@ impl Work<'_> {
             }
             Stage::Tethers => {
                 let tethers = &self.topology.tethers;
-                tethers.project(simd, cells, self.moving.position, self.inverse_mass, self.tether_reach);
+                let Self { moving, inverse_mass, tether_reach, .. } = self;
+                simd.vectorize(
+                    #[inline(always)]
+                    || tethers.project(simd, cells, moving.position, inverse_mass, *tether_reach),
+                );
             }
-            Stage::Update => update_displacements(simd, cells, &mut self.moving, self.drift),
-            Stage::Friction => self.contacts.apply_friction(simd, cells, &mut self.moving),
+            Stage::Update => {
+                let Self { moving, drift, .. } = self;
+                simd.vectorize(
+                    #[inline(always)]
+                    || update_displacements(simd, cells, moving, *drift),
+                );
+            }
+            Stage::Friction => {
+                let Self { contacts, moving, .. } = self;
+                if !contacts.is_empty() {
+                    simd.vectorize(
+                        #[inline(always)]
+                        || contacts.apply_friction(simd, row, moving),
+                    );
+                }
+            }
         }
     }
 }

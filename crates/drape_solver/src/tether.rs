@@ -200,7 +200,9 @@ impl TetherPlan {
                         TiePins::One(slot) => slot as usize,
                         TiePins::Lanes(cell) => cell as usize * LANES + lane,
                     };
-                    if let [Some(particle), Some(pin)] = [cell * LANES + lane, pin].map(|slot| layout.index(slot)) {
+                    if let [Some(particle), Some(pin)] =
+                        [cell * LANES + lane, pin].map(|slot| layout.index(slot))
+                    {
                         list.push((particle as u32, pin as u32, tie.length[lane]));
                     }
                 }
@@ -269,7 +271,8 @@ fn ties_of_cell(tethers: &[(usize, usize, usize, f32)]) -> Vec<Tie> {
         let is_aligned = |tether: &(usize, usize, usize, f32)| {
             pin % LANES == lane && tether.2 / LANES == pin / LANES && tether.2 % LANES == tether.1
         };
-        let count = |is_in: &dyn Fn(&(usize, usize, usize, f32)) -> bool| rest.iter().filter(|t| is_in(t)).count();
+        let count =
+            |is_in: &dyn Fn(&(usize, usize, usize, f32)) -> bool| rest.iter().filter(|t| is_in(t)).count();
         let aligned = count(&is_aligned) > count(&shares_pin);
         let mut length = [f32::INFINITY; LANES];
         rest.retain(|tether| {
@@ -316,7 +319,14 @@ impl PartialOrd for Visit {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::body::Body;
+    use crate::particles::Particles;
+    use crate::settings::SolverSettings;
+    use crate::sweep::{self, Surroundings};
+    use crate::topology::TopologyBuilder;
 
     #[test]
     fn geodesic_tethers_run_along_the_chain_and_not_through_the_air() {
@@ -341,13 +351,32 @@ mod tests {
     #[test]
     fn a_taut_tether_brings_the_particle_back_and_a_freed_pin_lets_go() {
         let positions = [Vec3::ZERO, Vec3::new(3.0, 4.0, 0.0)];
-        let mut particles = Particles::new(Vec3::ZERO, &positions, &[0.0, 1.0]).expect("valid");
-        let tethers = Tethers::geodesic(2, [(0, 1, 2.5)], &[0]);
-        tethers.project(&mut particles, f32::INFINITY);
-        assert!((particles.position(1) - Vec3::new(1.5, 2.0, 0.0)).length() < 1e-6);
-        particles.set_inverse_mass(0, 1.0);
-        particles.set_position(1, positions[1]);
-        tethers.project(&mut particles, f32::INFINITY);
-        assert_eq!(particles.position(1), positions[1]);
+        let particles = Particles::new(Vec3::ZERO, &positions, &[0.0, 1.0]).expect("valid");
+        let mut builder = TopologyBuilder::new(&positions);
+        builder.tethers(Tethers::geodesic(2, [(0, 1, 2.5)], &[0])).expect("valid");
+        let topology = Arc::new(builder.build().expect("valid"));
+        let mut body = Body::new(particles, topology, SolverSettings::default());
+        let mut project = |body: &mut Body| {
+            body.prepare();
+            body.begin_step(1.0, 1, 1);
+            sweep::tether(body, Surroundings::default(), 0);
+            body.particles.position(1)
+        };
+        assert!((project(&mut body) - Vec3::new(1.5, 2.0, 0.0)).length() < 1e-6);
+        body.particles.set_inverse_mass(0, 1.0);
+        body.particles.set_position(1, positions[1]);
+        assert_eq!(project(&mut body), positions[1]);
+    }
+
+    #[test]
+    fn of_an_edge_of_pins_the_nearest_alone_holds() {
+        let rest: Vec<Vec3> = (0..12).map(|i| Vec3::new((i % 4) as f32, (i / 4) as f32, 0.0)).collect();
+        let mut builder = TopologyBuilder::grid(&rest, 4, 3).expect("a grid");
+        let material = crate::topology::StickMaterial::rigid(crate::topology::StickKind::Structural);
+        builder.grid_family(material, [1, 0]).expect("valid");
+        builder.straight_tethers(&[0, 1, 3]).expect("valid");
+        let topology = builder.build().expect("valid");
+        let of_nine: Vec<_> = topology.tethers().into_iter().filter(|tether| tether.0 == 9).collect();
+        assert_eq!(of_nine.iter().map(|tether| tether.1).collect::<Vec<_>>(), [1, 3]);
     }
 }
