@@ -9,7 +9,6 @@
 //!   ===|=========== surface     depth = thickness - distance; moved by depth along the normal
 //!      x
 //! ```
-#![expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
 
 use core::ops::Range;
 
@@ -169,6 +168,13 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
                 now: pose,
             });
         }
+    }
+    if !contacts.groups.is_empty() {
+        // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
+        let (cells, (_, rows)) = (particles.layout.cells(), particles.layout.rows());
+        contacts.candidates.reserve(cells.saturating_sub(contacts.candidates.len()));
+        contacts.pushes.reserve(cells.saturating_sub(contacts.pushes.len()));
+        contacts.first_of_row.reserve((2 * (rows + 1)).saturating_sub(contacts.first_of_row.len()));
     }
     contacts.pushes.resize(contacts.candidates.len(), Pushes::NONE);
 }
@@ -358,10 +364,10 @@ impl<S: Simd> Contact<'_, S> {
             candidate.is_touching = false;
         }
         let position = Lanes3::load(simd, &moving.position[cell]);
-        let local = self.now.to_local(position);
-        if self.solid.is_beyond(simd, local, self.thickness) {
+        if self.solid.is_beyond(simd, position, self.now, self.thickness) {
             return;
         }
+        let local = self.now.to_local(position);
         let (distance, normal) = self.solid.surface(simd, local);
         let depth = f32x16::splat(simd, self.thickness) - distance;
         let lanes = mask32x16::from_bitmask(simd, u64::from(candidate.lanes));

@@ -65,7 +65,6 @@ pub(crate) struct Flight {
 impl Flight {
     /// Flies the free particles of these cells. `varying` holds the accelerations of single particles, or nothing.
     /// Pinned ones stay: their pins have taken them where they go.
-    #[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
     #[inline(always)]
     pub fn integrate<S: Simd>(
         self,
@@ -98,7 +97,6 @@ impl Flight {
 
 /// Carries what the projections moved into the displacements of these cells: this is where a contact takes the normal
 /// part of the velocity, and where restitution zero falls out by itself.
-#[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
 #[inline(always)]
 pub(crate) fn update_displacements<S: Simd>(simd: S, cells: Range<usize>, moving: &mut Moving, drift: Vec3) {
     let drift = Lanes3::splat(simd, drift);

@@ -16,7 +16,6 @@ pub(crate) struct Lanes3<S: Simd> {
     pub z: f32x16<S>,
 }
 
-#[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
 impl<S: Simd> Lanes3<S> {
     #[inline(always)]
     pub fn load(simd: S, cell: &Cell) -> Self {
@@ -77,7 +76,6 @@ impl<S: Simd> Lanes3<S> {
 }
 
 /// The numbers of one column of a cell.
-#[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
 #[inline(always)]
 pub(crate) fn load<S: Simd>(simd: S, values: &[f32; LANES]) -> f32x16<S> {
     f32x16::load_array_ref(simd, values)

@@ -94,9 +94,8 @@ impl Layout {
     pub fn real_lanes(self, cell: usize) -> u16 {
         match self {
             Self::Linear { count } if (cell + 1) * LANES <= count => u16::MAX,
-            Self::Linear { .. } => self.real_lanes_one_by_one(cell),
             Self::Grid(grid) if grid.is_full() => u16::MAX,
-            Self::Grid(_) => self.real_lanes_one_by_one(cell),
+            _ => self.real_lanes_one_by_one(cell),
         }
     }
 

@@ -56,7 +56,6 @@ impl Pace {
 
 impl Pace {
     /// What may be left of `old` overlaps (metres) at the end of the substep, for the particles of a cell.
-    #[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
     #[inline(always)]
     pub fn left_in_lanes<S: Simd>(self, simd: S, old: f32x16<S>) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);

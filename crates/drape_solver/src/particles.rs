@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::columns::{Columns, LANES};
+use crate::columns::{Cell, Columns, LANES};
 use crate::constants::INITIAL_SUBSTEP;
 use crate::error::{BuildError, finite_vector};
 use crate::layout::Layout;
@@ -281,7 +281,7 @@ impl Particles {
 
     /// Whether every position, velocity, force and pin target is finite.
     pub fn is_finite(&self) -> bool {
-        let forces = self.force.cells.iter().flat_map(|cell| cell.axes());
+        let forces = self.force.cells.iter().flat_map(Cell::axes);
         self.surveyed().is_finite
             && forces.flatten().all(|value| value.is_finite())
             && self.origin.is_finite()

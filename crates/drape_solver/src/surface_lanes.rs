@@ -1,6 +1,5 @@
 //! The shapes worked out by hand, for the particles of a whole cell at once: the same formulas as
 //! [`Shape::surface`](crate::shape::Shape).
-#![expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
 
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
@@ -27,14 +26,15 @@ pub(crate) struct LanePlanes {
 }
 
 impl Solid<'_> {
-    /// Whether all points are farther than `distance` (metres) from it, where that is quickly told.
+    /// Whether all `points` (world) are farther than `distance` (metres) from it at `pose`, where that is quickly told.
     #[inline(always)]
-    pub fn is_beyond<S: Simd>(self, simd: S, point: Lanes3<S>, distance: f32) -> bool {
+    pub fn is_beyond<S: Simd>(self, simd: S, points: Lanes3<S>, pose: LanePose<S>, distance: f32) -> bool {
         let Self::Formula(Shape::Sphere { radius }) = self else {
             return false;
         };
         let reach = f32x16::splat(simd, (radius + distance) * (radius + distance));
-        point.dot(point).simd_gt(reach).all_true()
+        let from_centre = points.minus(pose.translation);
+        from_centre.dot(from_centre).simd_gt(reach).all_true()
     }
 
     /// Distance (negative inside) and unit normal of the surface nearest to each point, in the shape's coordinates.
@@ -176,9 +176,9 @@ mod tests {
                     points.set(lane, Vec3::new(spread(0.7), spread(1.3), spread(2.9)));
                 }
                 let (distance, normal) = isa.run(Measure(shape, &points));
-                for lane in 0..LANES {
+                for (lane, distance) in distance.into_iter().enumerate() {
                     let one = shape.surface(points.get(lane));
-                    assert!((distance[lane] - one.distance).abs() < 1e-6, "{shape:?}");
+                    assert!((distance - one.distance).abs() < 1e-6, "{shape:?}");
                     assert!((normal.get(lane) - one.normal).length() < 1e-6, "{shape:?}");
                 }
             }

@@ -59,10 +59,10 @@ impl crate::isa::Kernel for Look<'_> {
                 z: real.select(x.z.max(high.z), high.z),
             };
             let squared = d.dot(d);
-            odd = odd + (x.x + x.y + x.z + squared) * zero;
+            odd += (x.x + x.y + x.z + squared) * zero;
             greatest = squared.max(greatest);
-            sum = sum + free.select(squared, zero);
-            count = count + free.select(f32x16::splat(simd, 1.0), zero);
+            sum += free.select(squared, zero);
+            count += free.select(f32x16::splat(simd, 1.0), zero);
         }
         let least = |v: f32x16<S>| v.to_array().into_iter().fold(f32::INFINITY, f32::min);
         let most = |v: f32x16<S>| v.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max);

@@ -11,7 +11,6 @@
 //!         2 |     integrate contacts ...                   a stage lags behind the one before
 //!         3 |       integrate ...                          by as many rows as its sticks reach down
 //! ```
-#![expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
 
 use core::ops::Range;
 
@@ -268,10 +267,12 @@ impl<P: Projection> Kernel for Run<'_, P> {
         } else {
             (stages.len(), *rows)
         };
+        let place = |i: usize, j: usize| {
+            if self.is_pipelined { (j, (i + first_lag).wrapping_sub(lags[j])) } else { (i, j) }
+        };
         for i in 0..outer {
             for j in 0..inner {
-                let (stage, row) =
-                    if self.is_pipelined { (j, (i + first_lag).wrapping_sub(lags[j])) } else { (i, j) };
+                let (stage, row) = place(i, j);
                 if row < *rows {
                     let cells = row * cells_of_row..(row + 1) * cells_of_row;
                     self.work.stage(simd, stages[stage], row, cells, self.projection);

@@ -219,7 +219,6 @@ impl TetherPlan {
 
     /// Brings every particle of these cells back to within its tethers' lengths, but by no more than `most` (metres)
     /// at once. A tether whose pin has been freed is slack.
-    #[expect(clippy::inline_always, reason = "kernels must be compiled as one, for one instruction set")]
     #[inline(always)]
     pub fn project<S: Simd>(
         &self,
@@ -356,7 +355,7 @@ mod tests {
         builder.tethers(Tethers::geodesic(2, [(0, 1, 2.5)], &[0])).expect("valid");
         let topology = Arc::new(builder.build().expect("valid"));
         let mut body = Body::new(particles, topology, SolverSettings::default());
-        let mut project = |body: &mut Body| {
+        let project = |body: &mut Body| {
             body.prepare();
             body.begin_step(1.0, 1, 1);
             sweep::tether(body, Surroundings::default(), 0);
