@@ -3,7 +3,7 @@
 use std::alloc::System;
 use std::time::Duration;
 
-use bevy::ecs::schedule::ScheduleLabel;
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use bevy::time::TimeUpdateStrategy;
@@ -25,6 +25,10 @@ fn a_warm_step_allocates_nothing() {
     app.add_plugins((MinimalPlugins, DrapePlugins::new(Steps)))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(1.0 / 60.0)))
         .insert_resource(Wind { velocity: Vec3::Z, ..default() });
+    // So are the systems of a schedule on Bevy's executor for several threads.
+    app.edit_schedule(Steps, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    });
     app.update();
     app.update();
     let world = app.world_mut();
