@@ -99,6 +99,11 @@ impl Plan {
         self.lag(topology);
     }
 
+    /// Where the contacts, sticks and tethers of a projection are in the stages.
+    fn places(&self, projection: u32) -> [usize; 3] {
+        self.projections.get(projection as usize).copied().unwrap_or_default()
+    }
+
     /// How far each stage must stay behind the one before, and whether that works for this body.
     fn lag(&mut self, topology: &Topology) {
         let has_whole_rows = matches!(topology.layout, Layout::Grid(grid) if grid.has_whole_rows());
@@ -138,21 +143,21 @@ pub(crate) fn integrate(body: &mut Body, around: Surroundings) {
 
 /// Contacts with obstacles, before the sticks of projection `index` or, after the last, at the end of the substep.
 pub(crate) fn project_contacts(body: &mut Body, around: Surroundings, index: u32) {
-    let [contacts, sticks, _] = body.context.plan.projections[index as usize];
+    let [contacts, sticks, _] = body.context.plan.places(index);
     run(body, around, contacts..sticks, false);
 }
 
 /// The sticks of projection `index`.
 pub(crate) fn relax(body: &mut Body, around: Surroundings, index: u32) {
-    let [_, sticks, tethers] = body.context.plan.projections[index as usize];
+    let [_, sticks, tethers] = body.context.plan.places(index);
     run(body, around, sticks..tethers, false);
 }
 
 /// The tethers of projection `index`.
 pub(crate) fn tether(body: &mut Body, around: Surroundings, index: u32) {
     let plan = &body.context.plan;
-    let tethers = plan.projections[index as usize][2];
-    if plan.stages[tethers] == Stage::Tethers {
+    let [_, _, tethers] = plan.places(index);
+    if plan.stages.get(tethers) == Some(&Stage::Tethers) {
         run(body, around, tethers..tethers + 1, false);
     }
 }
@@ -160,13 +165,13 @@ pub(crate) fn tether(body: &mut Body, around: Surroundings, index: u32) {
 /// Velocities follow positions.
 pub(crate) fn update(body: &mut Body, around: Surroundings) {
     let count = body.context.plan.stages.len();
-    run(body, around, count - 2..count - 1, false);
+    run(body, around, count.saturating_sub(2)..count.saturating_sub(1), false);
 }
 
 /// Friction against obstacles.
 pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
     let count = body.context.plan.stages.len();
-    run(body, around, count - 1..count, false);
+    run(body, around, count.saturating_sub(1)..count, false);
 }
 
 /// Whether [`substep`] may be called for the body.
@@ -191,7 +196,8 @@ fn begin_contacts(body: &mut Body, around: Surroundings) {
 }
 
 fn run(body: &mut Body, around: Surroundings, stages: Range<usize>, is_pipelined: bool) {
-    if stages.is_empty() {
+    // A body that was taken out in the middle of the step has no plan.
+    if stages.is_empty() || stages.end > body.context.plan.stages.len() {
         return;
     }
     let drift = if stages.end + 1 == body.context.plan.stages.len() { drift(body) } else { Vec3::ZERO };
