@@ -37,8 +37,14 @@ pub struct SolverSettings {
 
 impl Default for SolverSettings {
     fn default() -> Self {
+        solver::SolverSettings::default().into()
+    }
+}
+
+impl From<solver::SolverSettings> for SolverSettings {
+    fn from(settings: solver::SolverSettings) -> Self {
         let solver::SolverSettings { substeps, iterations, drag, friction, thickness, projection, tethers } =
-            solver::SolverSettings::default();
+            settings;
         let projection = match projection {
             solver::StickProjection::Exact => StickProjection::Exact,
             solver::StickProjection::SquareRootFree => StickProjection::SquareRootFree,

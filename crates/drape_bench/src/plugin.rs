@@ -7,16 +7,15 @@ use bevy::prelude::{App, Entity, MinimalPlugins, Time, Transform};
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use bevy::time::{Fixed, TimeUpdateStrategy};
 use bevy_drape::prelude::{
-    ActivityCounts, DrapeGravity, DrapePlugins, Obstacle, Particles, SolverSettings, Sticks,
+    ActivityCounts, DrapeGravity, DrapePlugins, Obstacle, Particles, SceneManager, SolverSettings, Sticks,
 };
-use bevy_drape::prelude::{SceneManager, StickProjection};
 use bevy_drape::schedule::StepTimes;
 use drape_solver::glam::Vec3;
 
 use crate::contender::{Contender, Failure};
 use crate::drape;
 use crate::scene::{Scene, SceneKind};
-use crate::solver::{Effort, Projection};
+use crate::solver::Effort;
 use crate::world::{GRAVITY, SPHERE_CENTRE, SPHERE_RADIUS, STEP};
 
 /// Steps within which bodies must come to rest: a minute.
@@ -48,7 +47,8 @@ impl Plugin {
         let mut bodies = Vec::new();
         for i in 0..scene.bodies {
             let particles = Particles(drape::particles(&scene.model, scene.offset(i))?);
-            let settings = settings(effort, if is_asleep { RESTING_DRAG } else { 0.0 });
+            let drag = if is_asleep { RESTING_DRAG } else { 0.0 };
+            let settings = SolverSettings { drag, ..drape::settings(effort).into() };
             bodies.push(app.world_mut().spawn((particles, Sticks(Arc::clone(&topology)), settings)).id());
         }
         let mut plugin = Self { app, bodies };
@@ -94,21 +94,6 @@ fn app(threads: u32) -> Result<App, Failure> {
     // The first update takes no time and so no step.
     app.update();
     Ok(app)
-}
-
-fn settings(effort: &Effort, drag: f32) -> SolverSettings {
-    SolverSettings {
-        substeps: effort.substeps,
-        iterations: effort.sweeps,
-        drag,
-        friction: 0.0,
-        thickness: 0.0,
-        projection: match effort.projection {
-            Projection::Exact => StickProjection::Exact,
-            Projection::SquareRootFree => StickProjection::SquareRootFree,
-        },
-        ..SolverSettings::default()
-    }
 }
 
 impl Contender for Plugin {

@@ -107,7 +107,7 @@ impl Projection for SquareRootFree {
     }
 }
 
-/// One stick at a time: the documentation of [`project_cells`], and what irregular meshes run.
+/// One stick at a time: the documentation of [`project_lanes`], and what irregular meshes run.
 #[inline(always)]
 pub(crate) fn project_listed(
     joined: &mut Joined,
@@ -141,33 +141,31 @@ pub(crate) fn project_run<S: Simd>(
     stiffness: f32,
     projection: impl Projection,
 ) {
-    // Each a function of its own, as one function of all would take the compiler minutes.
     match run.shift {
-        0 if run.lanes == u16::MAX => simd.vectorize(
-            #[inline(always)]
-            || project_cells::<S, 0, true>(simd, joined, run, rest, stiffness, projection),
-        ),
-        0 => simd.vectorize(
-            #[inline(always)]
-            || project_cells::<S, 0, false>(simd, joined, run, rest, stiffness, projection),
-        ),
-        1 => simd.vectorize(
-            #[inline(always)]
-            || project_cells::<S, 1, false>(simd, joined, run, rest, stiffness, projection),
-        ),
-        3 => simd.vectorize(
-            #[inline(always)]
-            || project_cells::<S, 3, false>(simd, joined, run, rest, stiffness, projection),
-        ),
-        4 => simd.vectorize(
-            #[inline(always)]
-            || project_cells::<S, 4, false>(simd, joined, run, rest, stiffness, projection),
-        ),
-        _ => simd.vectorize(
-            #[inline(always)]
-            || project_cells::<S, 5, false>(simd, joined, run, rest, stiffness, projection),
-        ),
+        0 if run.lanes == u16::MAX => {
+            project_cells::<S, 0, true>(simd, joined, run, rest, stiffness, projection);
+        }
+        0 => project_cells::<S, 0, false>(simd, joined, run, rest, stiffness, projection),
+        1 => project_cells::<S, 1, false>(simd, joined, run, rest, stiffness, projection),
+        3 => project_cells::<S, 3, false>(simd, joined, run, rest, stiffness, projection),
+        4 => project_cells::<S, 4, false>(simd, joined, run, rest, stiffness, projection),
+        _ => project_cells::<S, 5, false>(simd, joined, run, rest, stiffness, projection),
     }
+}
+
+/// [`project_lanes`] as a function of its own: one function of all kernels would take the compiler minutes.
+fn project_cells<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
+    simd: S,
+    joined: &mut Joined,
+    run: &GridRun,
+    rest: f32,
+    stiffness: f32,
+    projection: impl Projection,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || project_lanes::<S, SHIFT, ALL_LANES>(simd, joined, run, rest, stiffness, projection),
+    );
 }
 
 /// The kernel: lane `l` of cell `a` against lane `l + SHIFT` of cell `b`, in the lanes that have a stick.
@@ -175,7 +173,7 @@ pub(crate) fn project_run<S: Simd>(
 /// Where all particles weigh the same, each end moves half the way. That is what the general formula gives, to the
 /// last bit, without its divisions.
 #[inline(always)]
-fn project_cells<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
+fn project_lanes<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
     simd: S,
     joined: &mut Joined,
     run: &GridRun,
