@@ -8,6 +8,7 @@ use crate::columns::Columns;
 use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::integrate::Drag;
 use crate::particles::Particles;
+use crate::rows::Rows;
 use crate::settings::SolverSettings;
 use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
 use crate::sweep::Plan;
@@ -55,6 +56,8 @@ pub struct BodyContext {
     pub(crate) damping: Vec<f32>,
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
+    /// What listed sticks are relaxed in.
+    pub(crate) rows: Rows,
     /// The order of work of a substep.
     pub(crate) plan: Plan,
     pub(crate) still_for: f32,
@@ -71,8 +74,8 @@ impl Body {
     /// Puts the particles where the topology looks for them, and takes a look at them where something has changed.
     pub(crate) fn prepare(&mut self) {
         let Self { particles, topology, .. } = self;
-        particles.arrange(topology.layout);
-        particles.masses.update(&particles.inverse_mass, particles.layout);
+        particles.arrange(&topology.layout);
+        particles.masses.update(&particles.inverse_mass, &particles.layout);
         particles.take_survey();
     }
 
@@ -94,6 +97,7 @@ impl Body {
         if context.integrated.cells.len() != particles.layout.cells() {
             context.integrated.reset(particles.layout.cells());
         }
+        context.rows.reset(topology.window(), particles.layout.cells());
         context.plan.make(topology, settings, &context.stiffness, projections);
         context.pin_shifts.clear();
         for &(i, target) in &particles.pin_targets {
@@ -142,6 +146,6 @@ impl Body {
         let columns = [&particles.position, &particles.displacement, &context.integrated];
         let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
         let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
-        cells + masses + topology.bytes()
+        cells + masses + context.rows.bytes() + topology.bytes()
     }
 }

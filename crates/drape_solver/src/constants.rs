@@ -25,6 +25,9 @@ pub const HIT_SUBSTEPS_KEPT: f32 = 0.9;
 /// Cells from which on a sweep runs down the rows of a grid: smaller bodies stay in the nearest cache anyway.
 pub const LEAST_PIPELINED_CELLS: usize = 512;
 
+/// Particles from which on an irregular body is renumbered: smaller ones stay in the nearest cache anyway.
+pub const LEAST_RENUMBERED: usize = 256;
+
 /// Tethers pull a particle home at this speed at most, in metres per second. What hangs from a pin is pulled by
 /// millimetres; what something has dragged a metre away is not to come back as a bullet.
 pub const TETHER_SPEED: f32 = 50.0;

@@ -24,10 +24,12 @@ use crate::contact_particle_obstacle::{Moving, ObstacleContacts};
 use crate::integrate::{Flight, drift, update_displacements};
 use crate::isa::{Isa, Kernel};
 use crate::layout::Layout;
+use crate::listed::Sweep;
 use crate::obstacle::Obstacle;
 use crate::overlap::Pace;
+use crate::rows::Rows;
 use crate::settings::{SolverSettings, StickProjection};
-use crate::stick::{Exact, Joined, Projection, SquareRootFree, project_listed, project_run};
+use crate::stick::{Exact, Joined, Projection, SquareRootFree, project_run};
 use crate::topology::{BatchSticks, Topology};
 
 /// A piece of a substep's work that can be done row by row.
@@ -38,12 +40,28 @@ enum Stage {
     Contacts {
         is_first: bool,
     },
-    /// One batch of sticks.
+    /// One batch of a grid's sticks.
     Sticks(usize),
+    /// Batches of listed sticks from `first` up to `end`, the last first if `backwards`. They have a sweep of their own
+    /// through the whole body.
+    Listed {
+        first: usize,
+        end: usize,
+        backwards: bool,
+    },
     Tethers,
     /// Displacements follow positions.
     Update,
     Friction,
+}
+
+impl Stage {
+    /// The same work the other way round.
+    fn turn(&mut self) {
+        if let Self::Listed { backwards, .. } = self {
+            *backwards = true;
+        }
+    }
 }
 
 /// The stages of a substep in their order.
@@ -79,12 +97,14 @@ impl Plan {
             self.stages.push(Stage::Contacts { is_first: projection == 0 });
             let mut tethers = self.stages.len();
             if projection < settings.iterations {
-                let sticks = (0..stiffness.len()).filter(|&batch| stiffness[batch] > 0.0).map(Stage::Sticks);
-                self.stages.extend(sticks);
+                for batch in (0..stiffness.len()).filter(|&batch| stiffness[batch] > 0.0) {
+                    self.push_batch(topology, batch);
+                }
                 // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
                 // back would begin with the one just done, which does nothing.
                 if projection % 2 == 1 && active > 2 {
                     self.stages[first + 1..].reverse();
+                    self.stages[first + 1..].iter_mut().for_each(Stage::turn);
                 }
                 tethers = self.stages.len();
                 if settings.tethers && !topology.tethers.is_empty() {
@@ -99,6 +119,17 @@ impl Plan {
         self.lag(topology);
     }
 
+    /// Adds a batch of sticks, to the listed ones before if it is listed as well.
+    fn push_batch(&mut self, topology: &Topology, batch: usize) {
+        match (&topology.batches[batch].sticks, self.stages.last_mut()) {
+            (BatchSticks::Grid { .. }, _) => self.stages.push(Stage::Sticks(batch)),
+            (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) => *end = batch + 1,
+            (BatchSticks::Listed(_), _) => {
+                self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
+            }
+        }
+    }
+
     /// Where the contacts, sticks and tethers of a projection are in the stages.
     fn places(&self, projection: u32) -> [usize; 3] {
         self.projections.get(projection as usize).copied().unwrap_or_default()
@@ -111,11 +142,14 @@ impl Plan {
         self.lags.clear();
         let mut lag = 0;
         for stage in &self.stages {
-            if let Stage::Sticks(batch) = *stage {
-                match &topology.batches[batch].sticks {
-                    BatchSticks::Grid { batch, .. } => lag += batch.reach(),
-                    BatchSticks::Listed { .. } => self.can_pipeline = false,
+            match *stage {
+                Stage::Sticks(batch) => {
+                    if let BatchSticks::Grid { batch, .. } = &topology.batches[batch].sticks {
+                        lag += batch.reach();
+                    }
                 }
+                Stage::Listed { .. } => self.can_pipeline = false,
+                _ => {}
             }
             self.lags.push(lag);
         }
@@ -211,6 +245,7 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>, is_pipelined
         },
         inverse_mass,
         common: &particles.masses.common,
+        rows: &mut context.rows,
         topology,
         stiffness: &context.stiffness,
         flight: Flight {
@@ -239,6 +274,7 @@ struct Work<'a> {
     moving: Moving<'a>,
     inverse_mass: &'a [[f32; LANES]],
     common: &'a [f32],
+    rows: &'a mut Rows,
     topology: &'a Topology,
     stiffness: &'a [f32],
     flight: Flight,
@@ -321,19 +357,23 @@ impl Work<'_> {
                 let stiffness = self.stiffness[batch];
                 let (position, inverse_mass) = (&mut *self.moving.position, self.inverse_mass);
                 let mut joined = Joined { position, inverse_mass, common: self.common };
-                let batch = &self.topology.batches[batch];
-                match &batch.sticks {
-                    BatchSticks::Grid { runs, rest_length, .. } => {
-                        for run in runs.of_row(row) {
-                            project_run(simd, &mut joined, run, *rest_length, stiffness, projection);
-                        }
+                if let BatchSticks::Grid { runs, rest_length, .. } = &self.topology.batches[batch].sticks {
+                    for run in runs.of_row(row) {
+                        project_run(simd, &mut joined, run, *rest_length, stiffness, projection);
                     }
-                    BatchSticks::Listed { first } if row == 0 => {
-                        let sticks = &self.topology.listed[*first..*first + batch.count];
-                        project_listed(&mut joined, sticks, stiffness, projection);
-                    }
-                    BatchSticks::Listed { .. } => {}
                 }
+            }
+            Stage::Listed { .. } if row > 0 => {}
+            Stage::Listed { first, end, backwards } => {
+                let (topology, stiffness) = (self.topology, self.stiffness);
+                let batches = (first..end).map(move |i| if backwards { end - 1 - (i - first) } else { i });
+                let batches = batches.filter_map(move |batch| match &topology.batches[batch].sticks {
+                    BatchSticks::Listed(listed) if stiffness[batch] > 0.0 => Some((listed, stiffness[batch])),
+                    _ => None,
+                });
+                let (position, inverse_mass) = (&mut *self.moving.position, self.inverse_mass);
+                let sweep = Sweep { rows: self.rows, position, inverse_mass, sticks: &topology.listed };
+                sweep.relax(simd, batches, projection);
             }
             Stage::Tethers => {
                 let tethers = &self.topology.tethers;

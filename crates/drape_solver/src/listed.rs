@@ -1,0 +1,261 @@
+//! Listed sticks: those of irregular meshes and rigs, whose ends are stored.
+//!
+//! The batches of a body are relaxed in one sweep through its memory. They are cut at the blocks of particles where
+//! their sticks begin, in the order of slots; a batch works on a block as soon as the batch before is done with all
+//! blocks that its sticks reach. Each particle so sees its sticks in the order of the batches, as it would if each
+//! batch went through the whole body, but only a [window](crate::rows) of the body is in use at a time.
+
+use fearless_simd::{Simd, f32x4, prelude::*};
+use glam::Vec3;
+
+use crate::columns::{Cell, LANES};
+use crate::rows::{BLOCK, Rows, block_count, transposed};
+use crate::stick::Projection;
+
+/// The ends and lengths of all listed sticks of a body, batch after batch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ListedSticks {
+    /// Slots; before the body is finished, indices.
+    pub ends: Vec<[u32; 2]>,
+    /// Metres.
+    pub rest_lengths: Vec<f32>,
+}
+
+impl ListedSticks {
+    /// Adds a stick.
+    pub fn push(&mut self, ends: [u32; 2], rest_length: f32) {
+        self.ends.push(ends);
+        self.rest_lengths.push(rest_length);
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.ends) + size_of_val(&*self.rest_lengths)
+    }
+}
+
+/// The sticks of one batch.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ListedBatch {
+    /// Place of the first in the list of all.
+    pub first: usize,
+    /// Whether no two of them share a particle.
+    pub is_independent: bool,
+    /// For each block the place of the first stick that begins there or beyond; one more at the end.
+    first_of_block: Vec<u32>,
+    /// How many blocks a stick ends beyond the one where it begins, at most.
+    reach: usize,
+}
+
+impl ListedBatch {
+    /// A batch of sticks from place `first` on, yet to be [arranged](Self::arrange).
+    pub fn new(first: usize, is_independent: bool) -> Self {
+        Self { first, is_independent, first_of_block: Vec::new(), reach: 0 }
+    }
+
+    /// Brings the batch's sticks, `count` in number, into the order of their slots.
+    pub fn arrange(
+        &mut self,
+        sticks: &mut ListedSticks,
+        count: usize,
+        cells: usize,
+        slot: impl Fn(u32) -> u32,
+    ) {
+        let places = self.first..self.first + count;
+        let (ends, lengths) = (&mut sticks.ends[places.clone()], &mut sticks.rest_lengths[places]);
+        let mut order: Vec<([u32; 2], f32)> =
+            ends.iter().zip(&*lengths).map(|(ends, &length)| (ends.map(&slot), length)).collect();
+        order.sort_by_key(|&([a, b], _)| (a.min(b), a.max(b)));
+        for ((ends, length), &stick) in ends.iter_mut().zip(lengths).zip(&order) {
+            (*ends, *length) = stick;
+        }
+        let block_of = |slot: u32| slot as usize / BLOCK;
+        let begin = |&([a, b], _): &([u32; 2], f32)| block_of(a.min(b));
+        let firsts = (0..=block_count(cells))
+            .map(|block| (self.first + order.partition_point(|stick| begin(stick) < block)) as u32);
+        self.first_of_block = firsts.collect();
+        self.reach = ends.iter().map(|&[a, b]| block_of(a).abs_diff(block_of(b))).max().unwrap_or(0);
+    }
+
+    /// How many blocks a stick ends beyond the one where it begins, at most.
+    pub fn reach(&self) -> usize {
+        self.reach
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.first_of_block)
+    }
+}
+
+/// The columns and lists that a sweep reads and writes.
+pub(crate) struct Sweep<'a> {
+    pub rows: &'a mut Rows,
+    pub position: &'a mut [Cell],
+    pub inverse_mass: &'a [[f32; LANES]],
+    pub sticks: &'a ListedSticks,
+}
+
+impl Sweep<'_> {
+    /// Relaxes these batches, each with its stiffness, in their order.
+    #[inline(always)]
+    pub fn relax<'b, S: Simd>(
+        self,
+        simd: S,
+        batches: impl Iterator<Item = (&'b ListedBatch, f32)> + Clone,
+        projection: impl Projection,
+    ) {
+        let Self { rows, position, inverse_mass, sticks } = self;
+        let blocks = block_count(position.len());
+        let last_lag: usize = batches.clone().map(|(batch, _)| batch.reach).sum();
+        for time in 0..blocks + last_lag {
+            if time < blocks {
+                take(simd, rows, time, position, inverse_mass);
+            }
+            let mut lag = 0;
+            for (batch, stiffness) in batches.clone() {
+                lag += batch.reach;
+                if let Some(block) = time.checked_sub(lag).filter(|&block| block < blocks) {
+                    relax_block(simd, rows, sticks, batch, block, stiffness, projection);
+                }
+            }
+            if let Some(block) = time.checked_sub(last_lag) {
+                put_back(simd, rows, block, position);
+            }
+        }
+    }
+}
+
+/// [`Rows::take`] as a function of its own: one function of all kernels would take the compiler minutes.
+fn take<S: Simd>(
+    simd: S,
+    rows: &mut Rows,
+    block: usize,
+    position: &[Cell],
+    inverse_mass: &[[f32; LANES]],
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || rows.take(simd, block, position, inverse_mass),
+    );
+}
+
+/// [`Rows::put_back`] likewise.
+fn put_back<S: Simd>(simd: S, rows: &Rows, block: usize, position: &mut [Cell]) {
+    simd.vectorize(
+        #[inline(always)]
+        || rows.put_back(simd, block, position),
+    );
+}
+
+/// The sticks of a batch that begin in one block.
+fn relax_block<S: Simd>(
+    simd: S,
+    rows: &mut Rows,
+    sticks: &ListedSticks,
+    batch: &ListedBatch,
+    block: usize,
+    stiffness: f32,
+    projection: impl Projection,
+) {
+    let [first, end] = [block, block + 1].map(|block| batch.first_of_block[block] as usize);
+    let (ends, lengths) = (&sticks.ends[first..end], &sticks.rest_lengths[first..end]);
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (fours, single) = if batch.is_independent { ends.as_chunks() } else { (&[][..], ends) };
+            let (lengths_of_fours, single_lengths) = lengths.split_at(4 * fours.len());
+            for (ends, lengths) in fours.iter().zip(lengths_of_fours.as_chunks().0) {
+                project_four(simd, rows, ends, lengths, stiffness, projection);
+            }
+            for (&ends, &length) in single.iter().zip(single_lengths) {
+                project_row(rows, ends, length, stiffness, projection);
+            }
+        },
+    );
+}
+
+/// One stick between `ends` with these inverse masses: the documentation of all kernels. Gives the places to which its
+/// ends move.
+#[inline(always)]
+pub(crate) fn project(
+    [p, q]: [Vec3; 2],
+    [wp, wq]: [f32; 2],
+    rest_length: f32,
+    stiffness: f32,
+    projection: impl Projection,
+) -> [Vec3; 2] {
+    let weight = wp + wq;
+    if weight > 0.0 {
+        let delta = q - p;
+        let error = projection.error(delta.length_squared(), rest_length);
+        // Equal masses are the rule, and halving is quicker than two divisions.
+        let [share_p, share_q] = if wp == wq { [0.5; 2] } else { [wp / weight, wq / weight] };
+        [p + delta * (error * (stiffness * share_p)), q - delta * (error * (stiffness * share_q))]
+    } else {
+        [p, q]
+    }
+}
+
+/// One stick in rows.
+#[inline(always)]
+fn project_row(
+    rows: &mut Rows,
+    ends: [u32; 2],
+    rest_length: f32,
+    stiffness: f32,
+    projection: impl Projection,
+) {
+    let [[px, py, pz, wp], [qx, qy, qz, wq]] = ends.map(|slot| *rows.of(slot));
+    let positions = [Vec3::new(px, py, pz), Vec3::new(qx, qy, qz)];
+    let masses = [wp, wq].map(|w| if w < f32::INFINITY { w } else { 0.0 });
+    let [p, q] = project(positions, masses, rest_length, stiffness, projection);
+    *rows.of(ends[0]) = [p.x, p.y, p.z, wp];
+    *rows.of(ends[1]) = [q.x, q.y, q.z, wq];
+}
+
+/// The kernel: four sticks that share no particle. Differences and moves are worked out in rows, errors in lanes.
+///
+/// Where the two masses of each stick are equal, each end moves half the way. That is what the general formula gives,
+/// to the last bit, without its divisions.
+#[inline(always)]
+fn project_four<S: Simd>(
+    simd: S,
+    rows: &mut Rows,
+    ends: &[[u32; 2]; 4],
+    rest_lengths: &[f32; 4],
+    stiffness: f32,
+    projection: impl Projection,
+) {
+    let p = ends.map(|[slot, _]| f32x4::load_array_ref(simd, rows.of(slot)));
+    let q = ends.map(|[_, slot]| f32x4::load_array_ref(simd, rows.of(slot)));
+    let delta: [_; 4] = core::array::from_fn(|i| q[i] - p[i]);
+    let [x, y, z, w] = transposed(delta);
+    let rest = f32x4::load_array_ref(simd, rest_lengths);
+    let error = projection.errors_of_four(simd, x * x + y * y + z * z, rest);
+    let zero = f32x4::splat(simd, 0.0);
+    if w.simd_eq(zero).all_true() {
+        let error = (error * (stiffness * 0.5)).to_array();
+        for i in 0..4 {
+            // The fourth number, the inverse mass, moves by nothing.
+            let both = delta[i] * error[i];
+            *rows.of(ends[i][0]) = (p[i] + both).to_array();
+            *rows.of(ends[i][1]) = (q[i] - both).to_array();
+        }
+        return;
+    }
+    let mass = |rows| {
+        let [_, _, _, w] = transposed(rows);
+        w.simd_lt(f32x4::splat(simd, f32::INFINITY)).select(w, zero)
+    };
+    let (wp, wq) = (mass(p), mass(q));
+    // Where both are pinned, nothing is divided by zero.
+    let weight = (wp + wq).max(f32x4::splat(simd, f32::MIN_POSITIVE));
+    let error_p = (error * (wp / weight * stiffness)).to_array();
+    let error_q = (error * (wq / weight * stiffness)).to_array();
+    let delta = transposed([x, y, z, zero]);
+    for i in 0..4 {
+        *rows.of(ends[i][0]) = (p[i] + delta[i] * error_p[i]).to_array();
+        *rows.of(ends[i][1]) = (q[i] - delta[i] * error_q[i]).to_array();
+    }
+}
