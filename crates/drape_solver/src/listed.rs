@@ -5,11 +5,11 @@
 //! blocks that its sticks reach. Each particle so sees its sticks in the order of the batches, as it would if each
 //! batch went through the whole body, but only a [window](crate::rows) of the body is in use at a time.
 
-use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
 
 use crate::columns::{Cell, LANES};
-use crate::rows::{BLOCK, Rows, block_count, transposed};
+use crate::rows::{BLOCK, Rows, Window, block_count, columns_of_eight, rows_of_eight};
 use crate::stick::Projection;
 
 /// The ends and lengths of all listed sticks of a body, batch after batch.
@@ -71,10 +71,15 @@ impl ListedBatch {
         }
         let block_of = |slot: u32| slot as usize / BLOCK;
         let begin = |&([a, b], _): &([u32; 2], f32)| block_of(a.min(b));
-        let firsts = (0..=block_count(cells))
-            .map(|block| (self.first + order.partition_point(|stick| begin(stick) < block)) as u32);
-        self.first_of_block = firsts.collect();
-        self.reach = ends.iter().map(|&[a, b]| block_of(a).abs_diff(block_of(b))).max().unwrap_or(0);
+        // Groups of eight are not cut.
+        let blocks = block_count(cells);
+        let first = |block| order.partition_point(|stick| begin(stick) < block).next_multiple_of(8).min(count);
+        self.first_of_block = (0..=blocks).map(|block| (self.first + first(block)) as u32).collect();
+        for block in 0..blocks {
+            let [from, to] = [block, block + 1].map(|block| self.first_of_block[block] as usize - self.first);
+            let last = ends[from..to].iter().map(|&[a, b]| block_of(a.max(b))).max();
+            self.reach = self.reach.max(last.map_or(0, |last| last - block));
+        }
     }
 
     /// How many blocks a stick ends beyond the one where it begins, at most.
@@ -163,13 +168,14 @@ fn relax_block<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let (fours, single) = if batch.is_independent { ends.as_chunks() } else { (&[][..], ends) };
-            let (lengths_of_fours, single_lengths) = lengths.split_at(4 * fours.len());
-            for (ends, lengths) in fours.iter().zip(lengths_of_fours.as_chunks().0) {
-                project_four(simd, rows, ends, lengths, stiffness, projection);
+            let (eights, single) = if batch.is_independent { ends.as_chunks() } else { (&[][..], ends) };
+            let (lengths, single_lengths) = lengths.split_at(8 * eights.len());
+            let mut window = rows.window();
+            for (ends, lengths) in eights.iter().zip(lengths.as_chunks().0) {
+                project_eight(simd, &mut window, ends, lengths, stiffness, projection);
             }
             for (&ends, &length) in single.iter().zip(single_lengths) {
-                project_row(rows, ends, length, stiffness, projection);
+                project_row(&mut window, ends, length, stiffness, projection);
             }
         },
     );
@@ -200,62 +206,65 @@ pub(crate) fn project(
 /// One stick in rows.
 #[inline(always)]
 fn project_row(
-    rows: &mut Rows,
+    window: &mut Window,
     ends: [u32; 2],
     rest_length: f32,
     stiffness: f32,
     projection: impl Projection,
 ) {
-    let [[px, py, pz, wp], [qx, qy, qz, wq]] = ends.map(|slot| *rows.of(slot));
+    let [a, b] = ends.map(|slot| window.place(slot));
+    let [[px, py, pz, wp], [qx, qy, qz, wq]] = [a, b].map(|place| *window.get(place));
     let positions = [Vec3::new(px, py, pz), Vec3::new(qx, qy, qz)];
     let masses = [wp, wq].map(|w| if w < f32::INFINITY { w } else { 0.0 });
     let [p, q] = project(positions, masses, rest_length, stiffness, projection);
-    *rows.of(ends[0]) = [p.x, p.y, p.z, wp];
-    *rows.of(ends[1]) = [q.x, q.y, q.z, wq];
+    window.set(a, [p.x, p.y, p.z, wp]);
+    window.set(b, [q.x, q.y, q.z, wq]);
 }
 
-/// The kernel: four sticks that share no particle. Differences and moves are worked out in rows, errors in lanes.
+/// The kernel: eight sticks that share no particle. Differences and moves are worked out in rows, errors in lanes.
 ///
 /// Where the two masses of each stick are equal, each end moves half the way. That is what the general formula gives,
 /// to the last bit, without its divisions.
 #[inline(always)]
-fn project_four<S: Simd>(
+fn project_eight<S: Simd>(
     simd: S,
-    rows: &mut Rows,
-    ends: &[[u32; 2]; 4],
-    rest_lengths: &[f32; 4],
+    window: &mut Window,
+    ends: &[[u32; 2]; 8],
+    rest_lengths: &[f32; 8],
     stiffness: f32,
     projection: impl Projection,
 ) {
-    let p = ends.map(|[slot, _]| f32x4::load_array_ref(simd, rows.of(slot)));
-    let q = ends.map(|[_, slot]| f32x4::load_array_ref(simd, rows.of(slot)));
+    let [a, b] = [0, 1].map(|end| ends.map(|ends| window.place(ends[end])));
+    let pairs = |places: [usize; 8]| [0, 2, 4, 6].map(|i| window.pair(simd, places[i], places[i + 1]));
+    let [p, q] = [a, b].map(pairs);
     let delta: [_; 4] = core::array::from_fn(|i| q[i] - p[i]);
-    let [x, y, z, w] = transposed(delta);
-    let rest = f32x4::load_array_ref(simd, rest_lengths);
-    let error = projection.errors_of_four(simd, x * x + y * y + z * z, rest);
-    let zero = f32x4::splat(simd, 0.0);
+    let [x, y, z, w] = columns_of_eight(delta);
+    let rest = f32x8::load_array_ref(simd, rest_lengths);
+    let error = projection.errors_of_eight(simd, x * x + y * y + z * z, rest);
+    let zero = f32x8::splat(simd, 0.0);
     if w.simd_eq(zero).all_true() {
-        let error = (error * (stiffness * 0.5)).to_array();
+        let error = error * (stiffness * 0.5);
+        let errors = rows_of_eight([error; 4]);
         for i in 0..4 {
             // The fourth number, the inverse mass, moves by nothing.
-            let both = delta[i] * error[i];
-            *rows.of(ends[i][0]) = (p[i] + both).to_array();
-            *rows.of(ends[i][1]) = (q[i] - both).to_array();
+            let both = delta[i] * errors[i];
+            window.set_pair(a[2 * i], a[2 * i + 1], p[i] + both);
+            window.set_pair(b[2 * i], b[2 * i + 1], q[i] - both);
         }
         return;
     }
     let mass = |rows| {
-        let [_, _, _, w] = transposed(rows);
-        w.simd_lt(f32x4::splat(simd, f32::INFINITY)).select(w, zero)
+        let [_, _, _, w] = columns_of_eight(rows);
+        w.simd_lt(f32x8::splat(simd, f32::INFINITY)).select(w, zero)
     };
     let (wp, wq) = (mass(p), mass(q));
     // Where both are pinned, nothing is divided by zero.
-    let weight = (wp + wq).max(f32x4::splat(simd, f32::MIN_POSITIVE));
-    let error_p = (error * (wp / weight * stiffness)).to_array();
-    let error_q = (error * (wq / weight * stiffness)).to_array();
-    let delta = transposed([x, y, z, zero]);
+    let weight = (wp + wq).max(f32x8::splat(simd, f32::MIN_POSITIVE));
+    let errors_p = rows_of_eight([error * (wp / weight * stiffness); 4]);
+    let errors_q = rows_of_eight([error * (wq / weight * stiffness); 4]);
+    let delta = rows_of_eight([x, y, z, zero]);
     for i in 0..4 {
-        *rows.of(ends[i][0]) = (p[i] + delta[i] * error_p[i]).to_array();
-        *rows.of(ends[i][1]) = (q[i] - delta[i] * error_q[i]).to_array();
+        window.set_pair(a[2 * i], a[2 * i + 1], p[i] + delta[i] * errors_p[i]);
+        window.set_pair(b[2 * i], b[2 * i + 1], q[i] - delta[i] * errors_q[i]);
     }
 }

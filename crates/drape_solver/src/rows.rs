@@ -9,7 +9,7 @@
 //!             done     put back   sticks    sticks    taken
 //! ```
 
-use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 
 use crate::columns::{Cell, LANES};
 
@@ -24,22 +24,17 @@ pub(crate) fn block_count(cells: usize) -> usize {
     cells.div_ceil(BLOCK_CELLS)
 }
 
-/// A window of blocks as rows. Blocks take turns in it; their number is a power of two, or all that there are.
+/// A window of blocks as rows. Blocks take turns in it; their number is a power of two.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
     rows: Vec<[f32; 4]>,
-    /// Which bits of a slot tell its row.
-    mask: usize,
 }
 
 impl Rows {
     /// Makes room for `window` blocks of a body of `cells` cells, reusing what is allocated.
     pub fn reset(&mut self, window: usize, cells: usize) {
-        let all = block_count(cells);
-        let ring = window.next_power_of_two();
-        let (count, mask) = if ring < all { (ring, ring * BLOCK - 1) } else { (all, usize::MAX) };
-        self.mask = mask;
-        self.rows.resize(if window == 0 { 0 } else { count * BLOCK }, [0.0; 4]);
+        let blocks = if window == 0 { 0 } else { window.min(block_count(cells)).next_power_of_two() };
+        self.rows.resize(blocks * BLOCK, [0.0; 4]);
     }
 
     /// Bytes on the heap.
@@ -58,7 +53,7 @@ impl Rows {
         position: &[Cell],
         inverse_mass: &[[f32; LANES]],
     ) {
-        let first = (block * BLOCK) & self.mask;
+        let first = (block * BLOCK) & (self.rows.len() - 1);
         let rows = self.rows[first..first + BLOCK].as_chunks_mut::<4>().0.as_chunks_mut::<4>().0;
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
         for ((cell, masses), rows) in position[cells.clone()].iter().zip(&inverse_mass[cells]).zip(rows) {
@@ -78,7 +73,7 @@ impl Rows {
     /// Puts the positions of a block back into their cells.
     #[inline(always)]
     pub fn put_back<S: Simd>(&self, simd: S, block: usize, position: &mut [Cell]) {
-        let first = (block * BLOCK) & self.mask;
+        let first = (block * BLOCK) & (self.rows.len() - 1);
         let rows = self.rows[first..first + BLOCK].as_chunks::<4>().0.as_chunks::<4>().0;
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
         for (cell, rows) in position[cells].iter_mut().zip(rows) {
@@ -91,20 +86,76 @@ impl Rows {
         }
     }
 
-    /// The row of a slot.
+    /// The rows as sticks see them.
     #[inline(always)]
-    pub fn of(&mut self, slot: u32) -> &mut [f32; 4] {
-        &mut self.rows[slot as usize & self.mask]
+    pub fn window(&mut self) -> Window<'_> {
+        Window(&mut self.rows)
     }
 }
 
-/// Rows as columns, and columns as rows.
+/// Rows by slot.
+pub(crate) struct Window<'a>(&'a mut [[f32; 4]]);
+
+impl Window<'_> {
+    /// The place of a slot's row.
+    #[inline(always)]
+    pub fn place(&self, slot: u32) -> usize {
+        slot as usize & (self.0.len() - 1)
+    }
+
+    #[inline(always)]
+    pub fn get(&self, place: usize) -> &[f32; 4] {
+        &self.0[place]
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, place: usize, row: [f32; 4]) {
+        self.0[place] = row;
+    }
+
+    /// The rows of two places.
+    #[inline(always)]
+    pub fn pair<S: Simd>(&self, simd: S, a: usize, b: usize) -> f32x8<S> {
+        let [a, b] = [a, b].map(|place| f32x4::load_array_ref(simd, &self.0[place]));
+        a.combine(b)
+    }
+
+    #[inline(always)]
+    pub fn set_pair<S: Simd>(&mut self, a: usize, b: usize, rows: f32x8<S>) {
+        let (row_a, row_b) = rows.split();
+        self.0[a] = row_a.to_array();
+        self.0[b] = row_b.to_array();
+    }
+}
+
+/// Four rows as columns, and four columns as rows.
 #[inline(always)]
-pub(crate) fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
-    // Each zip brings two numbers side by side that are to be two apart.
+fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
+    // Each interleaving brings numbers that were two vectors apart side by side.
     let (ac_low, ac_high) = a.interleave(c);
     let (bd_low, bd_high) = b.interleave(d);
     let (x, y) = ac_low.interleave(bd_low);
     let (z, w) = ac_high.interleave(bd_high);
     [x, y, z, w]
+}
+
+/// Eight rows, two to a vector, as columns.
+#[inline(always)]
+pub(crate) fn columns_of_eight<S: Simd>([ab, cd, ef, gh]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+    // Each deinterleaving halves the distance of numbers of one column.
+    let (low_xz, low_yw) = ab.deinterleave(cd);
+    let (high_xz, high_yw) = ef.deinterleave(gh);
+    let (x, z) = low_xz.deinterleave(high_xz);
+    let (y, w) = low_yw.deinterleave(high_yw);
+    [x, y, z, w]
+}
+
+/// Eight columns' numbers as rows, two to a vector: the way back.
+#[inline(always)]
+pub(crate) fn rows_of_eight<S: Simd>([x, y, z, w]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+    let (low_xz, high_xz) = x.interleave(z);
+    let (low_yw, high_yw) = y.interleave(w);
+    let (ab, cd) = low_xz.interleave(low_yw);
+    let (ef, gh) = high_xz.interleave(high_yw);
+    [ab, cd, ef, gh]
 }

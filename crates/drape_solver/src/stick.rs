@@ -9,7 +9,7 @@
 //! the rest length (Jakobsen 2001, section 5). Printed copies of the latter have a sign reversed; the one here
 //! takes a stick of length `e` rest lengths to `1 - (e - 1)^2 / (1 + e^2)`.
 
-use fearless_simd::{Simd, f32x4, f32x16, mask32x16, prelude::*};
+use fearless_simd::{Simd, f32x8, f32x16, mask32x16, prelude::*};
 
 use crate::columns::{Cell, LANES};
 use crate::constants::REFERENCE_STEP;
@@ -68,8 +68,8 @@ pub(crate) trait Projection: Copy {
     fn error(self, length_squared: f32, rest: f32) -> f32;
     /// The same in lanes.
     fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32) -> f32x16<S>;
-    /// The same for four sticks of different lengths.
-    fn errors_of_four<S: Simd>(self, simd: S, length_squared: f32x4<S>, rest: f32x4<S>) -> f32x4<S>;
+    /// The same for eight sticks of different lengths.
+    fn errors_of_eight<S: Simd>(self, simd: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S>;
 }
 
 /// With a square root. A stick of zero length has no direction to push in: it is left alone.
@@ -91,8 +91,8 @@ impl Projection for Exact {
     }
 
     #[inline(always)]
-    fn errors_of_four<S: Simd>(self, simd: S, length_squared: f32x4<S>, rest: f32x4<S>) -> f32x4<S> {
-        let zero = f32x4::splat(simd, 0.0);
+    fn errors_of_eight<S: Simd>(self, simd: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
+        let zero = f32x8::splat(simd, 0.0);
         let length = length_squared.sqrt();
         length.simd_gt(zero).select((length - rest) / length, zero)
     }
@@ -116,7 +116,7 @@ impl Projection for SquareRootFree {
     }
 
     #[inline(always)]
-    fn errors_of_four<S: Simd>(self, _: S, length_squared: f32x4<S>, rest: f32x4<S>) -> f32x4<S> {
+    fn errors_of_eight<S: Simd>(self, _: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
         let rest_squared = rest * rest;
         (length_squared - rest_squared) / (length_squared + rest_squared)
     }
