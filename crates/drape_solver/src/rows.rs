@@ -14,7 +14,7 @@ use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 use crate::columns::{Cell, LANES};
 
 /// Particles of a block.
-pub(crate) const BLOCK: usize = 256;
+pub(crate) const BLOCK: usize = 8192;
 
 /// Cells of a block.
 const BLOCK_CELLS: usize = BLOCK / LANES;
@@ -89,42 +89,46 @@ impl Rows {
     /// The rows as sticks see them.
     #[inline(always)]
     pub fn window(&mut self) -> Window<'_> {
-        Window(&mut self.rows)
+        let mask = (self.rows.len() as u32).wrapping_sub(1);
+        Window { rows: &mut self.rows[..mask as usize + 1], mask }
     }
 }
 
 /// Rows by slot.
-pub(crate) struct Window<'a>(&'a mut [[f32; 4]]);
+pub(crate) struct Window<'a> {
+    rows: &'a mut [[f32; 4]],
+    mask: u32,
+}
 
 impl Window<'_> {
     /// The place of a slot's row.
     #[inline(always)]
     pub fn place(&self, slot: u32) -> usize {
-        slot as usize & (self.0.len() - 1)
+        (slot & self.mask) as usize
     }
 
     #[inline(always)]
     pub fn get(&self, place: usize) -> &[f32; 4] {
-        &self.0[place]
+        &self.rows[place]
     }
 
     #[inline(always)]
     pub fn set(&mut self, place: usize, row: [f32; 4]) {
-        self.0[place] = row;
+        self.rows[place] = row;
     }
 
     /// The rows of two places.
     #[inline(always)]
     pub fn pair<S: Simd>(&self, simd: S, a: usize, b: usize) -> f32x8<S> {
-        let [a, b] = [a, b].map(|place| f32x4::load_array_ref(simd, &self.0[place]));
+        let [a, b] = [a, b].map(|place| f32x4::load_array_ref(simd, &self.rows[place]));
         a.combine(b)
     }
 
     #[inline(always)]
     pub fn set_pair<S: Simd>(&mut self, a: usize, b: usize, rows: f32x8<S>) {
         let (row_a, row_b) = rows.split();
-        self.0[a] = row_a.to_array();
-        self.0[b] = row_b.to_array();
+        self.rows[a] = row_a.to_array();
+        self.rows[b] = row_b.to_array();
     }
 }
 
