@@ -5,7 +5,7 @@
 //! blocks that its sticks reach. Each particle so sees its sticks in the order of the batches, as it would if each
 //! batch went through the whole body, but only a [window](crate::rows) of the body is in use at a time.
 
-use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 use glam::Vec3;
 
 use crate::columns::{Cell, LANES};
@@ -15,17 +15,32 @@ use crate::stick::Projection;
 /// The ends and lengths of all listed sticks of a body, batch after batch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ListedSticks {
-    /// Slots; before the body is finished, indices.
-    pub ends: Vec<[u32; 2]>,
+    /// Where the rows of the two ends begin: four times their slots.
+    ends: Vec<[u32; 2]>,
     /// Metres.
-    pub rest_lengths: Vec<f32>,
+    rest_lengths: Vec<f32>,
 }
 
 impl ListedSticks {
-    /// Adds a stick.
-    pub fn push(&mut self, ends: [u32; 2], rest_length: f32) {
-        self.ends.push(ends);
+    /// The number of sticks.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Adds a stick between two slots, `rest_length` metres apart.
+    pub fn push(&mut self, slots: [u32; 2], rest_length: f32) {
+        self.ends.push(slots.map(|slot| 4 * slot));
         self.rest_lengths.push(rest_length);
+    }
+
+    /// The slots of stick `i`.
+    pub fn slots(&self, i: usize) -> [u32; 2] {
+        self.ends[i].map(|first| first / 4)
+    }
+
+    /// The rest length of stick `i` in metres.
+    pub fn rest_length(&self, i: usize) -> f32 {
+        self.rest_lengths[i]
     }
 
     /// Bytes on the heap.
@@ -64,10 +79,10 @@ impl ListedBatch {
         let places = self.first..self.first + count;
         let (ends, lengths) = (&mut sticks.ends[places.clone()], &mut sticks.rest_lengths[places]);
         let mut order: Vec<([u32; 2], f32)> =
-            ends.iter().zip(&*lengths).map(|(ends, &length)| (ends.map(&slot), length)).collect();
+            ends.iter().zip(&*lengths).map(|(ends, &length)| (ends.map(|end| slot(end / 4)), length)).collect();
         order.sort_by_key(|&([a, b], _)| (a.min(b), a.max(b)));
         for ((ends, length), &stick) in ends.iter_mut().zip(lengths).zip(&order) {
-            (*ends, *length) = stick;
+            (*ends, *length) = (stick.0.map(|slot| 4 * slot), stick.1);
         }
         let block_of = |slot: u32| slot as usize / BLOCK;
         let begin = |&([a, b], _): &([u32; 2], f32)| block_of(a.min(b));
@@ -77,7 +92,7 @@ impl ListedBatch {
         self.first_of_block = (0..=blocks).map(|block| (self.first + first(block)) as u32).collect();
         for block in 0..blocks {
             let [from, to] = [block, block + 1].map(|block| self.first_of_block[block] as usize - self.first);
-            let last = ends[from..to].iter().map(|&[a, b]| block_of(a.max(b))).max();
+            let last = order[from..to].iter().map(|&([a, b], _)| block_of(a.max(b))).max();
             self.reach = self.reach.max(last.map_or(0, |last| last - block));
         }
     }
@@ -175,7 +190,7 @@ fn relax_block<S: Simd>(
                 project_eight(simd, &mut window, ends, lengths, stiffness, projection);
             }
             for (&ends, &length) in single.iter().zip(single_lengths) {
-                project_row(&mut window, ends, length, stiffness, projection);
+                project_row(simd, &mut window, ends, length, stiffness, projection);
             }
         },
     );
@@ -205,20 +220,21 @@ pub(crate) fn project(
 
 /// One stick in rows.
 #[inline(always)]
-fn project_row(
+fn project_row<S: Simd>(
+    simd: S,
     window: &mut Window,
     ends: [u32; 2],
     rest_length: f32,
     stiffness: f32,
     projection: impl Projection,
 ) {
-    let [a, b] = ends.map(|slot| window.place(slot));
-    let [[px, py, pz, wp], [qx, qy, qz, wq]] = [a, b].map(|place| *window.get(place));
+    let [a, b] = ends.map(|first| window.place(first));
+    let [[px, py, pz, wp], [qx, qy, qz, wq]] = [a, b].map(|place| window.get(simd, place).to_array());
     let positions = [Vec3::new(px, py, pz), Vec3::new(qx, qy, qz)];
     let masses = [wp, wq].map(|w| if w < f32::INFINITY { w } else { 0.0 });
     let [p, q] = project(positions, masses, rest_length, stiffness, projection);
-    window.set(a, [p.x, p.y, p.z, wp]);
-    window.set(b, [q.x, q.y, q.z, wq]);
+    window.set(a, f32x4::load_array(simd, [p.x, p.y, p.z, wp]));
+    window.set(b, f32x4::load_array(simd, [q.x, q.y, q.z, wq]));
 }
 
 /// The kernel: eight sticks that share no particle. Differences and moves are worked out in rows, errors in lanes.
@@ -235,7 +251,9 @@ fn project_eight<S: Simd>(
     projection: impl Projection,
 ) {
     let [a, b] = [0, 1].map(|end| ends.map(|ends| window.place(ends[end])));
-    let pairs = |places: [usize; 8]| [0, 2, 4, 6].map(|i| window.pair(simd, places[i], places[i + 1]));
+    let pairs = |places: [usize; 8]| {
+        [0, 2, 4, 6].map(|i| window.get(simd, places[i]).combine(window.get(simd, places[i + 1])))
+    };
     let [p, q] = [a, b].map(pairs);
     let delta: [_; 4] = core::array::from_fn(|i| q[i] - p[i]);
     let [x, y, z, w] = columns_of_eight(delta);
@@ -248,8 +266,8 @@ fn project_eight<S: Simd>(
         for i in 0..4 {
             // The fourth number, the inverse mass, moves by nothing.
             let both = delta[i] * errors[i];
-            window.set_pair(a[2 * i], a[2 * i + 1], p[i] + both);
-            window.set_pair(b[2 * i], b[2 * i + 1], q[i] - both);
+            set_pair(window, a, i, p[i] + both);
+            set_pair(window, b, i, q[i] - both);
         }
         return;
     }
@@ -264,7 +282,15 @@ fn project_eight<S: Simd>(
     let errors_q = rows_of_eight([error * (wq / weight * stiffness); 4]);
     let delta = rows_of_eight([x, y, z, zero]);
     for i in 0..4 {
-        window.set_pair(a[2 * i], a[2 * i + 1], p[i] + delta[i] * errors_p[i]);
-        window.set_pair(b[2 * i], b[2 * i + 1], q[i] - delta[i] * errors_q[i]);
+        set_pair(window, a, i, p[i] + delta[i] * errors_p[i]);
+        set_pair(window, b, i, q[i] - delta[i] * errors_q[i]);
     }
+}
+
+/// Stores rows 2 `i` and 2 `i` + 1 of eight.
+#[inline(always)]
+fn set_pair<S: Simd>(window: &mut Window, places: [usize; 8], i: usize, rows: f32x8<S>) {
+    let (first, second) = rows.split();
+    window.set(places[2 * i], first);
+    window.set(places[2 * i + 1], second);
 }

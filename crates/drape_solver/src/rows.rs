@@ -14,7 +14,7 @@ use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 use crate::columns::{Cell, LANES};
 
 /// Particles of a block.
-pub(crate) const BLOCK: usize = 8192;
+pub(crate) const BLOCK: usize = 512;
 
 /// Cells of a block.
 const BLOCK_CELLS: usize = BLOCK / LANES;
@@ -89,46 +89,33 @@ impl Rows {
     /// The rows as sticks see them.
     #[inline(always)]
     pub fn window(&mut self) -> Window<'_> {
-        let mask = (self.rows.len() as u32).wrapping_sub(1);
-        Window { rows: &mut self.rows[..mask as usize + 1], mask }
+        // So that it can be seen that no place lies outside.
+        let mask = (4 * self.rows.len() as u32).saturating_sub(4);
+        Window { rows: &mut self.rows.as_flattened_mut()[..mask as usize + 4], mask }
     }
 }
 
-/// Rows by slot.
+/// Rows by the place of their first number, which is four times the slot.
 pub(crate) struct Window<'a> {
-    rows: &'a mut [[f32; 4]],
+    rows: &'a mut [f32],
     mask: u32,
 }
 
 impl Window<'_> {
-    /// The place of a slot's row.
+    /// Where in the window a row is.
     #[inline(always)]
-    pub fn place(&self, slot: u32) -> usize {
-        (slot & self.mask) as usize
+    pub fn place(&self, first: u32) -> usize {
+        (first & self.mask) as usize
     }
 
     #[inline(always)]
-    pub fn get(&self, place: usize) -> &[f32; 4] {
-        &self.rows[place]
+    pub fn get<S: Simd>(&self, simd: S, place: usize) -> f32x4<S> {
+        f32x4::from_slice(simd, &self.rows[place..place + 4])
     }
 
     #[inline(always)]
-    pub fn set(&mut self, place: usize, row: [f32; 4]) {
-        self.rows[place] = row;
-    }
-
-    /// The rows of two places.
-    #[inline(always)]
-    pub fn pair<S: Simd>(&self, simd: S, a: usize, b: usize) -> f32x8<S> {
-        let [a, b] = [a, b].map(|place| f32x4::load_array_ref(simd, &self.rows[place]));
-        a.combine(b)
-    }
-
-    #[inline(always)]
-    pub fn set_pair<S: Simd>(&mut self, a: usize, b: usize, rows: f32x8<S>) {
-        let (row_a, row_b) = rows.split();
-        self.rows[a] = row_a.to_array();
-        self.rows[b] = row_b.to_array();
+    pub fn set<S: Simd>(&mut self, place: usize, row: f32x4<S>) {
+        row.store_slice(&mut self.rows[place..place + 4]);
     }
 }
 

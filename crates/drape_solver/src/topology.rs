@@ -110,7 +110,9 @@ impl Topology {
         let batch = self.batch_of(i);
         match &batch.sticks {
             BatchSticks::Grid { batch: grid, .. } => grid.particles(i - batch.first).map(|end| end as u32),
-            BatchSticks::Listed(listed) => self.listed.ends[listed.first + i - batch.first]
+            BatchSticks::Listed(listed) => self
+                .listed
+                .slots(listed.first + i - batch.first)
                 .map(|slot| self.layout.index(slot as usize).map_or(u32::MAX, |index| index as u32)),
         }
     }
@@ -123,7 +125,7 @@ impl Topology {
                 grid.particles(i - batch.first).map(|end| self.layout.slot(end))
             }
             BatchSticks::Listed(listed) => {
-                self.listed.ends[listed.first + i - batch.first].map(|slot| slot as usize)
+                self.listed.slots(listed.first + i - batch.first).map(|slot| slot as usize)
             }
         }
     }
@@ -133,7 +135,7 @@ impl Topology {
         let batch = self.batch_of(i);
         match &batch.sticks {
             BatchSticks::Grid { rest_length, .. } => *rest_length,
-            BatchSticks::Listed(listed) => self.listed.rest_lengths[listed.first + i - batch.first],
+            BatchSticks::Listed(listed) => self.listed.rest_length(listed.first + i - batch.first),
         }
     }
 
@@ -171,7 +173,7 @@ impl Topology {
             BatchSticks::Listed(listed) => Some(listed),
             BatchSticks::Grid { .. } => None,
         });
-        if self.listed.ends.is_empty() { 0 } else { 1 + listed.map(ListedBatch::reach).sum::<usize>() }
+        if self.listed.len() == 0 { 0 } else { 1 + listed.map(ListedBatch::reach).sum::<usize>() }
     }
 
     /// Triangles of the surface, as particle indices, counter-clockwise seen from the front.
@@ -318,7 +320,7 @@ impl TopologyBuilder {
             self.joined.push((a.min(b), a.max(b)));
         }
         for (colour, sticks) in colours.iter().enumerate() {
-            let listed = ListedBatch::new(self.topology.listed.ends.len(), colour < MAX_COLOURS - 1);
+            let listed = ListedBatch::new(self.topology.listed.len(), colour < MAX_COLOURS - 1);
             sticks.iter().for_each(|&(ends, length)| self.topology.listed.push(ends, length));
             self.push_batch(material, sticks.len(), BatchSticks::Listed(listed));
         }
@@ -432,12 +434,22 @@ impl TopologyBuilder {
         Ok(self.topology)
     }
 
+    /// The sticks that join neighbours, or all if there are no such: bend sticks skip a particle.
+    fn nearest_neighbours(&self) -> Vec<(u32, u32)> {
+        let t = &self.topology;
+        let structural = t.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural);
+        let ends = |i: usize| t.stick(i).into();
+        let sticks: Vec<(u32, u32)> = structural.flat_map(StickBatch::range).map(ends).collect();
+        if sticks.is_empty() { self.joined.clone() } else { sticks }
+    }
+
     /// Settles which particle is in which slot, and brings the listed sticks into the order of slots.
     fn arrange(&mut self) {
+        let sticks = self.nearest_neighbours();
         let Topology { layout, batches, listed, .. } = &mut self.topology;
         if let Layout::Linear { count } = *layout
             && count >= LEAST_RENUMBERED
-            && let Some(renumbering) = Renumbering::new(count, &self.joined)
+            && let Some(renumbering) = Renumbering::new(count, &sticks)
         {
             *layout = Layout::Renumbered(Arc::new(renumbering));
         }
