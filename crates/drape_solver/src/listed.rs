@@ -16,7 +16,7 @@ use crate::stick::Projection;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ListedSticks {
     /// Where the rows of the two ends begin: four times their slots.
-    ends: Vec<[u32; 2]>,
+    ends: [Vec<u32>; 2],
     /// Metres.
     rest_lengths: Vec<f32>,
 }
@@ -24,18 +24,27 @@ pub(crate) struct ListedSticks {
 impl ListedSticks {
     /// The number of sticks.
     pub fn len(&self) -> usize {
-        self.ends.len()
+        self.rest_lengths.len()
     }
 
     /// Adds a stick between two slots, `rest_length` metres apart.
     pub fn push(&mut self, slots: [u32; 2], rest_length: f32) {
-        self.ends.push(slots.map(|slot| 4 * slot));
+        for (ends, slot) in self.ends.iter_mut().zip(slots) {
+            ends.push(4 * slot);
+        }
         self.rest_lengths.push(rest_length);
+    }
+
+    fn set(&mut self, i: usize, slots: [u32; 2], rest_length: f32) {
+        for (ends, slot) in self.ends.iter_mut().zip(slots) {
+            ends[i] = 4 * slot;
+        }
+        self.rest_lengths[i] = rest_length;
     }
 
     /// The slots of stick `i`.
     pub fn slots(&self, i: usize) -> [u32; 2] {
-        self.ends[i].map(|first| first / 4)
+        self.ends.each_ref().map(|ends| ends[i] / 4)
     }
 
     /// The rest length of stick `i` in metres.
@@ -45,7 +54,7 @@ impl ListedSticks {
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.ends) + size_of_val(&*self.rest_lengths)
+        self.ends.iter().map(|ends| size_of_val(&**ends)).sum::<usize>() + size_of_val(&*self.rest_lengths)
     }
 }
 
@@ -77,12 +86,11 @@ impl ListedBatch {
         slot: impl Fn(u32) -> u32,
     ) {
         let places = self.first..self.first + count;
-        let (ends, lengths) = (&mut sticks.ends[places.clone()], &mut sticks.rest_lengths[places]);
-        let mut order: Vec<([u32; 2], f32)> =
-            ends.iter().zip(&*lengths).map(|(ends, &length)| (ends.map(|end| slot(end / 4)), length)).collect();
+        let moved = |i: usize| (sticks.slots(i).map(&slot), sticks.rest_length(i));
+        let mut order: Vec<([u32; 2], f32)> = places.clone().map(moved).collect();
         order.sort_by_key(|&([a, b], _)| (a.min(b), a.max(b)));
-        for ((ends, length), &stick) in ends.iter_mut().zip(lengths).zip(&order) {
-            (*ends, *length) = (stick.0.map(|slot| 4 * slot), stick.1);
+        for (i, &(slots, rest_length)) in places.zip(&order) {
+            sticks.set(i, slots, rest_length);
         }
         let block_of = |slot: u32| slot as usize / BLOCK;
         let begin = |&([a, b], _): &([u32; 2], f32)| block_of(a.min(b));
@@ -179,18 +187,21 @@ fn relax_block<S: Simd>(
     projection: impl Projection,
 ) {
     let [first, end] = [block, block + 1].map(|block| batch.first_of_block[block] as usize);
-    let (ends, lengths) = (&sticks.ends[first..end], &sticks.rest_lengths[first..end]);
+    let [a, b] = sticks.ends.each_ref().map(|ends| &ends[first..end]);
+    let lengths = &sticks.rest_lengths[first..end];
     simd.vectorize(
         #[inline(always)]
         || {
-            let (eights, single) = if batch.is_independent { ends.as_chunks() } else { (&[][..], ends) };
-            let (lengths, single_lengths) = lengths.split_at(8 * eights.len());
             let mut window = rows.window();
-            for (ends, lengths) in eights.iter().zip(lengths.as_chunks().0) {
-                project_eight(simd, &mut window, ends, lengths, stiffness, projection);
+            let in_eights = if batch.is_independent { lengths.len() / 8 * 8 } else { 0 };
+            let [(a, single_a), (b, single_b)] = [a, b].map(|ends| ends.split_at(in_eights));
+            let (lengths, single_lengths) = lengths.split_at(in_eights);
+            let (a, b) = (a.as_chunks().0, b.as_chunks().0);
+            for ((a, b), lengths) in a.iter().zip(b).zip(lengths.as_chunks().0) {
+                project_eight(simd, &mut window, [a, b], lengths, stiffness, projection);
             }
-            for (&ends, &length) in single.iter().zip(single_lengths) {
-                project_row(simd, &mut window, ends, length, stiffness, projection);
+            for ((&a, &b), &length) in single_a.iter().zip(single_b).zip(single_lengths) {
+                project_row(simd, &mut window, [a, b], length, stiffness, projection);
             }
         },
     );
@@ -245,12 +256,12 @@ fn project_row<S: Simd>(
 fn project_eight<S: Simd>(
     simd: S,
     window: &mut Window,
-    ends: &[[u32; 2]; 8],
+    ends: [&[u32; 8]; 2],
     rest_lengths: &[f32; 8],
     stiffness: f32,
     projection: impl Projection,
 ) {
-    let [a, b] = [0, 1].map(|end| ends.map(|ends| window.place(ends[end])));
+    let [a, b] = ends.map(|ends| ends.map(|first| window.place(first)));
     let pairs = |places: [usize; 8]| {
         [0, 2, 4, 6].map(|i| window.get(simd, places[i]).combine(window.get(simd, places[i + 1])))
     };
