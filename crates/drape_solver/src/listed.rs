@@ -92,17 +92,13 @@ impl ListedBatch {
         for (i, &(slots, rest_length)) in places.zip(&order) {
             sticks.set(i, slots, rest_length);
         }
-        let block_of = |slot: u32| slot as usize / BLOCK;
-        let begin = |&([a, b], _): &([u32; 2], f32)| block_of(a.min(b));
-        // Groups of eight are not cut.
-        let blocks = block_count(cells);
-        let first = |block| order.partition_point(|stick| begin(stick) < block).next_multiple_of(8).min(count);
-        self.first_of_block = (0..=blocks).map(|block| (self.first + first(block)) as u32).collect();
-        for block in 0..blocks {
-            let [from, to] = [block, block + 1].map(|block| self.first_of_block[block] as usize - self.first);
-            let last = order[from..to].iter().map(|&([a, b], _)| block_of(a.max(b))).max();
-            self.reach = self.reach.max(last.map_or(0, |last| last - block));
-        }
+        let cuts = [1, 8].map(|group| cut(&order, block_count(cells), group));
+        let reaches = cuts.each_ref().map(|cuts| reach(&order, cuts));
+        // Groups of eight are not cut, unless they are so long that they would reach farther.
+        let [whole, eights] = cuts;
+        let cuts = if reaches[1] > reaches[0] { whole } else { eights };
+        self.reach = reaches[0].min(reaches[1]);
+        self.first_of_block = cuts.into_iter().map(|place| (self.first + place) as u32).collect();
     }
 
     /// How many blocks a stick ends beyond the one where it begins, at most.
@@ -114,6 +110,25 @@ impl ListedBatch {
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.first_of_block)
     }
+}
+
+/// Where the sticks of each block begin, in sticks in order of their lower ends; one more at the end. Groups of so many
+/// are not cut.
+fn cut(order: &[([u32; 2], f32)], blocks: usize, group: usize) -> Vec<usize> {
+    let is_before = |block: usize| move |&([a, b], _): &([u32; 2], f32)| (a.min(b) as usize) < block * BLOCK;
+    let first = |block| order.partition_point(is_before(block)).next_multiple_of(group).min(order.len());
+    (0..=blocks).map(first).collect()
+}
+
+/// How many blocks a stick ends beyond the one that it was put into, at most.
+fn reach(order: &[([u32; 2], f32)], cuts: &[usize]) -> usize {
+    let block_of_end = |&([a, b], _): &([u32; 2], f32)| a.max(b) as usize / BLOCK;
+    let blocks = cuts.windows(2).enumerate();
+    let reaches = blocks.map(|(block, cut)| {
+        let last = order[cut[0]..cut[1]].iter().map(block_of_end).max();
+        last.map_or(0, |last| last.saturating_sub(block))
+    });
+    reaches.max().unwrap_or(0)
 }
 
 /// The columns and lists that a sweep reads and writes.
