@@ -9,9 +9,10 @@
 //!             done     put back   sticks    sticks    taken
 //! ```
 
-use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, f32x16, prelude::*};
 
 use crate::columns::{Cell, LANES};
+use crate::lanes::{Lanes3, load};
 
 /// Particles of a block.
 pub(crate) const BLOCK: usize = 512;
@@ -54,18 +55,20 @@ impl Rows {
         inverse_mass: &[[f32; LANES]],
     ) {
         let first = (block * BLOCK) & (self.rows.len() - 1);
-        let rows = self.rows[first..first + BLOCK].as_chunks_mut::<4>().0.as_chunks_mut::<4>().0;
+        let rows = self.rows[first..first + BLOCK].as_chunks_mut::<LANES>().0;
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
+        let pinned = f32x16::splat(simd, f32::INFINITY);
         for ((cell, masses), rows) in position[cells.clone()].iter().zip(&inverse_mass[cells]).zip(rows) {
-            for (quarter, rows) in rows.iter_mut().enumerate() {
-                let column =
-                    |values: &[f32; LANES]| f32x4::load_array_ref(simd, &values.as_chunks::<4>().0[quarter]);
-                let w = column(masses);
-                let w = w.simd_gt(f32x4::splat(simd, 0.0)).select(w, f32x4::splat(simd, f32::INFINITY));
-                let columns = [column(&cell.x), column(&cell.y), column(&cell.z), w];
-                for (row, values) in rows.iter_mut().zip(transposed(columns)) {
-                    *row = values.to_array();
-                }
+            let Lanes3 { x, y, z } = Lanes3::load(simd, cell);
+            let w = load(simd, masses);
+            let w = w.simd_gt(f32x16::splat(simd, 0.0)).select(w, pinned);
+            let (low_xz, high_xz) = x.interleave(z);
+            let (low_yw, high_yw) = y.interleave(w);
+            let (first, second) = low_xz.interleave(low_yw);
+            let (third, fourth) = high_xz.interleave(high_yw);
+            let quarters = rows.as_flattened_mut().as_chunks_mut::<LANES>().0;
+            for (quarter, values) in quarters.iter_mut().zip([first, second, third, fourth]) {
+                *quarter = values.to_array();
             }
         }
     }
@@ -74,15 +77,16 @@ impl Rows {
     #[inline(always)]
     pub fn put_back<S: Simd>(&self, simd: S, block: usize, position: &mut [Cell]) {
         let first = (block * BLOCK) & (self.rows.len() - 1);
-        let rows = self.rows[first..first + BLOCK].as_chunks::<4>().0.as_chunks::<4>().0;
+        let rows = self.rows[first..first + BLOCK].as_chunks::<LANES>().0;
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
         for (cell, rows) in position[cells].iter_mut().zip(rows) {
-            for (quarter, rows) in rows.iter().enumerate() {
-                let [x, y, z, _] = transposed(rows.each_ref().map(|row| f32x4::load_array_ref(simd, row)));
-                cell.x.as_chunks_mut::<4>().0[quarter] = x.to_array();
-                cell.y.as_chunks_mut::<4>().0[quarter] = y.to_array();
-                cell.z.as_chunks_mut::<4>().0[quarter] = z.to_array();
-            }
+            let quarters = rows.as_flattened().as_chunks::<LANES>().0;
+            let [first, second, third, fourth] = [0, 1, 2, 3].map(|i| load(simd, &quarters[i]));
+            let (low_xz, low_yw) = first.deinterleave(second);
+            let (high_xz, high_yw) = third.deinterleave(fourth);
+            let (x, z) = low_xz.deinterleave(high_xz);
+            let (y, _) = low_yw.deinterleave(high_yw);
+            Lanes3 { x, y, z }.store(cell);
         }
     }
 
@@ -117,17 +121,6 @@ impl Window<'_> {
     pub fn set<S: Simd>(&mut self, place: usize, row: f32x4<S>) {
         row.store_slice(&mut self.rows[place..place + 4]);
     }
-}
-
-/// Four rows as columns, and four columns as rows.
-#[inline(always)]
-fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
-    // Each interleaving brings numbers that were two vectors apart side by side.
-    let (ac_low, ac_high) = a.interleave(c);
-    let (bd_low, bd_high) = b.interleave(d);
-    let (x, y) = ac_low.interleave(bd_low);
-    let (z, w) = ac_high.interleave(bd_high);
-    [x, y, z, w]
 }
 
 /// Eight rows, two to a vector, as columns.
