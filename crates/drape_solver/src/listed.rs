@@ -170,13 +170,7 @@ impl Sweep<'_> {
 }
 
 /// [`Rows::take`] as a function of its own: one function of all kernels would take the compiler minutes.
-fn take<S: Simd>(
-    simd: S,
-    rows: &mut Rows,
-    block: usize,
-    position: &[Cell],
-    inverse_mass: &[[f32; LANES]],
-) {
+fn take<S: Simd>(simd: S, rows: &mut Rows, block: usize, position: &[Cell], inverse_mass: &[[f32; LANES]]) {
     simd.vectorize(
         #[inline(always)]
         || rows.take(simd, block, position, inverse_mass),
@@ -319,4 +313,124 @@ fn set_pair<S: Simd>(window: &mut Window, places: [usize; 8], i: usize, rows: f3
     let (first, second) = rows.split();
     window.set(places[2 * i], first);
     window.set(places[2 * i + 1], second);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::isa::{Isa, Kernel};
+    use crate::stick::{Exact, SquareRootFree};
+
+    const COUNT: u32 = 3 * BLOCK as u32 + 77;
+
+    struct Relax<'a, 'b, P>(Sweep<'a>, &'b [(&'b ListedBatch, f32)], P);
+
+    impl<P: Projection> Kernel for Relax<'_, '_, P> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) {
+            self.0.relax(simd, self.1.iter().copied(), self.2);
+        }
+    }
+
+    /// Batches of `step` as the distance between the ends of a stick, each of which keeps its particles to itself.
+    fn batches(sticks: &mut ListedSticks, steps: &[u32]) -> Vec<ListedBatch> {
+        let cells = (COUNT as usize).div_ceil(LANES);
+        let batch = |&step: &u32| {
+            let first = sticks.len();
+            let starts = (0..COUNT - step).filter(|i| i / step % 2 == 0 && i % 9 != 4);
+            for i in starts {
+                sticks.push([i, i + step], 0.3 + (i % 5) as f32 * 0.1);
+            }
+            let mut batch = ListedBatch::new(first, true);
+            batch.arrange(sticks, sticks.len() - first, cells, |slot| slot);
+            batch
+        };
+        steps.iter().map(batch).collect()
+    }
+
+    fn check(projection: impl Projection) {
+        let mut sticks = ListedSticks::default();
+        let batches = batches(&mut sticks, &[1, 3, 40, 600, 700, 2]);
+        let cells = (COUNT as usize).div_ceil(LANES);
+        let mut start = vec![Cell::default(); cells];
+        for slot in 0..COUNT as usize {
+            let spread = |k: f32| libm::sinf(slot as f32 * k) * 3.0;
+            start[slot / LANES].set(slot % LANES, Vec3::new(spread(0.7), spread(1.3), spread(2.9)));
+        }
+        let uneven = |slot: usize| if slot.is_multiple_of(7) { 0.0 } else { 1.0 + (slot % 4) as f32 };
+        for mass in [&|_| 2.5, &uneven, &|_| 0.0] as [&dyn Fn(usize) -> f32; 3] {
+            let masses: Vec<[f32; LANES]> =
+                (0..cells).map(|cell| core::array::from_fn(|lane| mass(cell * LANES + lane))).collect();
+            for backwards in [false, true] {
+                let mut order: Vec<(&ListedBatch, f32)> =
+                    batches.iter().zip([0.9, 0.5, 1.0, 0.3, 0.8, 1.0]).collect();
+                if backwards {
+                    order.reverse();
+                }
+                let mut expected = start.clone();
+                for &(batch, stiffness) in &order {
+                    let last = batch.first_of_block.last().map_or(0, |&last| last as usize);
+                    for i in batch.first..last {
+                        let ends = sticks.slots(i).map(|slot| (slot as usize / LANES, slot as usize % LANES));
+                        let places = ends.map(|(cell, lane)| expected[cell].get(lane));
+                        let weights = ends.map(|(cell, lane)| masses[cell][lane]);
+                        let moved = project(places, weights, sticks.rest_length(i), stiffness, projection);
+                        for ((cell, lane), place) in ends.into_iter().zip(moved) {
+                            expected[cell].set(lane, place);
+                        }
+                    }
+                }
+                let window = 1 + batches.iter().map(ListedBatch::reach).sum::<usize>();
+                for (isa, window) in Isa::available().into_iter().flat_map(|isa| [(isa, window), (isa, 100)])
+                {
+                    let (mut position, mut rows) = (start.clone(), Rows::default());
+                    rows.reset(window, cells);
+                    let sweep = Sweep {
+                        rows: &mut rows,
+                        position: &mut position,
+                        inverse_mass: &masses,
+                        sticks: &sticks,
+                    };
+                    isa.run(Relax(sweep, &order, projection));
+                    assert!(position == expected, "{} backwards: {backwards}", isa.name());
+                }
+            }
+        }
+    }
+
+    /// The sweep, eight sticks at a time and block after block, must move every particle as one stick after another does,
+    /// batch after batch, to the last bit.
+    #[test]
+    fn the_sweep_and_single_sticks_give_the_same_bits() {
+        check(Exact);
+        check(SquareRootFree);
+    }
+
+    /// A body longer than its window: blocks take turns in it.
+    #[test]
+    fn a_window_smaller_than_the_body_is_enough() {
+        let cells = 40 * BLOCK / LANES;
+        let mut sticks = ListedSticks::default();
+        let first = |i: u32| [2 * i, 2 * i + 1];
+        (0..20 * BLOCK as u32).for_each(|i| sticks.push(first(i), 1.0));
+        let mut batch = ListedBatch::new(0, true);
+        batch.arrange(&mut sticks, 20 * BLOCK, cells, |slot| slot);
+        let mut rows = Rows::default();
+        rows.reset(1 + batch.reach(), cells);
+        assert_eq!(rows.bytes(), BLOCK * size_of::<[f32; 4]>());
+        let mut position = vec![Cell::default(); cells];
+        for slot in 0..40 * BLOCK {
+            position[slot / LANES].set(slot % LANES, Vec3::X * (slot * 3) as f32);
+        }
+        let masses = vec![[1.0; LANES]; cells];
+        let sweep =
+            Sweep { rows: &mut rows, position: &mut position, inverse_mass: &masses, sticks: &sticks };
+        Isa::detected().run(Relax(sweep, &[(&batch, 1.0)], Exact));
+        for slot in (0..40 * BLOCK).step_by(2) {
+            let [a, b] = [slot, slot + 1].map(|slot| position[slot / LANES].get(slot % LANES));
+            assert!((a.distance(b) - 1.0).abs() < 0.01);
+        }
+    }
 }

@@ -143,3 +143,66 @@ impl Graph {
 }
 
 const UNSEEN: u32 = u32::MAX;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_permutation(numbers: &Renumbering) -> bool {
+        (0..numbers.count()).all(|index| numbers.index(numbers.slot(index)) == Some(index))
+            && numbers.index(numbers.count()).is_none()
+    }
+
+    /// The numbers 0 to `count` in an order without order.
+    fn shuffled(count: u32) -> Vec<u32> {
+        let mut order: Vec<u32> = (0..count).collect();
+        order.sort_by_key(|&i| (i.wrapping_mul(0x9e37_79b9), i));
+        order
+    }
+
+    fn greatest_gap(numbers: &Renumbering, sticks: &[(u32, u32)]) -> usize {
+        let gap = |&(a, b): &(u32, u32)| numbers.slot(a as usize).abs_diff(numbers.slot(b as usize));
+        sticks.iter().map(gap).max().unwrap_or(0)
+    }
+
+    #[test]
+    fn a_chain_stays_a_chain() {
+        let links: Vec<(u32, u32)> = (0..999).map(|i| (i, i + 1)).collect();
+        assert!(Renumbering::new(1000, &links).is_none(), "in order already");
+        let order = shuffled(1000);
+        let links: Vec<(u32, u32)> =
+            links.iter().map(|&(a, b)| (order[a as usize], order[b as usize])).collect();
+        let numbers = Renumbering::new(1000, &links).expect("a better order");
+        assert!(is_permutation(&numbers));
+        assert_eq!(greatest_gap(&numbers, &links), 1);
+    }
+
+    #[test]
+    fn neighbours_of_a_shuffled_sheet_are_about_a_row_apart() {
+        let (side, order) = (50_u32, shuffled(2500));
+        let at = |column: u32, row: u32| order[(row * side + column) as usize];
+        let mut sticks = Vec::new();
+        for (column, row) in (0..side).flat_map(|row| (0..side).map(move |column| (column, row))) {
+            if column + 1 < side {
+                sticks.push((at(column, row), at(column + 1, row)));
+            }
+            if row + 1 < side {
+                sticks.push((at(column, row), at(column, row + 1)));
+            }
+        }
+        let numbers = Renumbering::new(2500, &sticks).expect("a better order");
+        assert!(is_permutation(&numbers));
+        assert!(greatest_gap(&numbers, &sticks) <= 2 * side as usize);
+    }
+
+    /// Two parts and loose particles: all have a slot, and parts are not mixed.
+    #[test]
+    fn parts_follow_each_other() {
+        let even: Vec<(u32, u32)> = (0..99).map(|i| (2 * i, 2 * i + 2)).collect();
+        let odd = (0..49).map(|i| (2 * i + 1, 2 * i + 3));
+        let sticks: Vec<(u32, u32)> = even.into_iter().chain(odd).collect();
+        let numbers = Renumbering::new(210, &sticks).expect("a better order");
+        assert!(is_permutation(&numbers));
+        assert_eq!(greatest_gap(&numbers, &sticks), 1);
+    }
+}

@@ -47,13 +47,7 @@ impl Rows {
     ///
     /// The inverse mass of a pin is kept as infinity: it so equals no other, not even that of a second pin.
     #[inline(always)]
-    pub fn take<S: Simd>(
-        &mut self,
-        simd: S,
-        block: usize,
-        position: &[Cell],
-        inverse_mass: &[[f32; LANES]],
-    ) {
+    pub fn take<S: Simd>(&mut self, simd: S, block: usize, position: &[Cell], inverse_mass: &[[f32; LANES]]) {
         let first = (block * BLOCK) & (self.rows.len() - 1);
         let rows = self.rows[first..first + BLOCK].as_chunks_mut::<LANES>().0;
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
