@@ -1,9 +1,9 @@
 //! Listed sticks: those of irregular meshes and rigs, whose ends are stored.
 //!
-//! The batches of a body are relaxed in one sweep through its memory. They are cut at the blocks of particles where
-//! their sticks begin, in the order of slots; a batch works on a block as soon as the batch before is done with all
-//! blocks that its sticks reach. Each particle so sees its sticks in the order of the batches, as it would if each
-//! batch went through the whole body, but only a [window](crate::rows) of the body is in use at a time.
+//! The batches of a body are relaxed in one sweep through its memory. A batch has its sticks in the order of slots, cut
+//! into the blocks of particles where they begin, and works on a block as soon as the batch before is done with all
+//! blocks that its sticks reach. Each particle so sees its sticks in the order of the batches, as if each batch went
+//! through the whole body; but only a [window](crate::rows) of the body is in use at a time.
 
 use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 use glam::Vec3;
@@ -65,9 +65,10 @@ pub(crate) struct ListedBatch {
     pub first: usize,
     /// Whether no two of them share a particle.
     pub is_independent: bool,
-    /// For each block the place of the first stick that begins there or beyond; one more at the end.
+    /// Place of the first stick of each block; one more at the end. A stick is in the block of its lower end, or, so that
+    /// groups of eight stay whole, in one before.
     first_of_block: Vec<u32>,
-    /// How many blocks a stick ends beyond the one where it begins, at most.
+    /// How many blocks a stick ends beyond the one that it is in, at most.
     reach: usize,
 }
 
@@ -101,7 +102,7 @@ impl ListedBatch {
         self.first_of_block = cuts.into_iter().map(|place| (self.first + place) as u32).collect();
     }
 
-    /// How many blocks a stick ends beyond the one where it begins, at most.
+    /// How many blocks a stick ends beyond the one that it is in, at most.
     pub fn reach(&self) -> usize {
         self.reach
     }

@@ -1,15 +1,16 @@
 //! Renumbering: an order of the particles of an irregular mesh in which neighbours are near each other in memory.
 //!
-//! A modeller may number vertices in any order; sticks then jump about in memory. The order of Cuthill and McKee
-//! ("Reducing the bandwidth of sparse symmetric matrices", 1969) goes through the mesh breadth first, from a vertex at
-//! its rim: level by level, so that a stick never reaches farther than to the next level but one's end.
+//! A modeller may number vertices in any order; sticks then jump about in memory. The order of Cuthill and `McKee` (1969,
+//! "Reducing the bandwidth of sparse symmetric matrices") goes through the mesh breadth first, from a vertex at its rim,
+//! level by level. A stick ends in the level where it begins, or in the next.
 //!
 //! ```text
-//!   0---2---5---9      levels 0 | 1 2 | 3 4 5 | 6 7 8 9 | ...
-//!   |   |   |   |
-//!   1---4---8---c      the ends of a stick are at most two levels apart in memory: here 4 slots,
-//!   |   |   |   |      however the modeller numbered the vertices
-//!   3---7---b---e
+//!   as it was      renumbered     levels
+//!   7---2---6      0---2---5      0 | 1 2 | 3 4 5 | 6 7 | 8
+//!   |   |   |      |   |   |
+//!   4---0---3      1---4---7      the ends of a stick are at most 3 apart, and not 7
+//!   |   |   |      |   |   |
+//!   8---5---1      3---6---8
 //! ```
 
 /// Which slot each particle has, and back.

@@ -9,6 +9,8 @@
 //!             done     put back   sticks    sticks    taken
 //! ```
 
+use core::ops::Range;
+
 use fearless_simd::{Simd, f32x4, f32x8, f32x16, prelude::*};
 
 use crate::columns::{Cell, LANES};
@@ -25,7 +27,7 @@ pub(crate) fn block_count(cells: usize) -> usize {
     cells.div_ceil(BLOCK_CELLS)
 }
 
-/// A window of blocks as rows. Blocks take turns in it; their number is a power of two.
+/// A window of blocks as rows, in which blocks take turns. The number of rows is a power of two.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
     rows: Vec<[f32; 4]>,
@@ -34,8 +36,9 @@ pub(crate) struct Rows {
 impl Rows {
     /// Makes room for `window` blocks of a body of `cells` cells, reusing what is allocated.
     pub fn reset(&mut self, window: usize, cells: usize) {
-        let blocks = if window == 0 { 0 } else { window.min(block_count(cells)).next_power_of_two() };
-        self.rows.resize(blocks * BLOCK, [0.0; 4]);
+        let blocks = window.min(block_count(cells));
+        let count = (blocks * BLOCK).min(cells * LANES);
+        self.rows.resize(if count == 0 { 0 } else { count.next_power_of_two() }, [0.0; 4]);
     }
 
     /// Bytes on the heap.
@@ -43,13 +46,20 @@ impl Rows {
         size_of_val(&*self.rows)
     }
 
+    /// The rows of a block.
+    #[inline(always)]
+    fn place(&self, block: usize) -> Range<usize> {
+        let first = (block * BLOCK) & (self.rows.len() - 1);
+        first..self.rows.len().min(first + BLOCK)
+    }
+
     /// Takes the particles of a block out of their cells.
     ///
     /// The inverse mass of a pin is kept as infinity: it so equals no other, not even that of a second pin.
     #[inline(always)]
     pub fn take<S: Simd>(&mut self, simd: S, block: usize, position: &[Cell], inverse_mass: &[[f32; LANES]]) {
-        let first = (block * BLOCK) & (self.rows.len() - 1);
-        let rows = self.rows[first..first + BLOCK].as_chunks_mut::<LANES>().0;
+        let rows = self.place(block);
+        let rows = self.rows[rows].as_chunks_mut::<LANES>().0;
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
         let pinned = f32x16::splat(simd, f32::INFINITY);
         for ((cell, masses), rows) in position[cells.clone()].iter().zip(&inverse_mass[cells]).zip(rows) {
@@ -70,8 +80,7 @@ impl Rows {
     /// Puts the positions of a block back into their cells.
     #[inline(always)]
     pub fn put_back<S: Simd>(&self, simd: S, block: usize, position: &mut [Cell]) {
-        let first = (block * BLOCK) & (self.rows.len() - 1);
-        let rows = self.rows[first..first + BLOCK].as_chunks::<LANES>().0;
+        let rows = self.rows[self.place(block)].as_chunks::<LANES>().0;
         let cells = block * BLOCK_CELLS..position.len().min((block + 1) * BLOCK_CELLS);
         for (cell, rows) in position[cells].iter_mut().zip(rows) {
             let quarters = rows.as_flattened().as_chunks::<LANES>().0;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::cloth::MAX_PARTICLES;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
 use crate::error::{BuildError, in_range};
 use crate::grid::{GridBatch, GridRuns};
@@ -298,6 +299,9 @@ impl TopologyBuilder {
         sticks: impl IntoIterator<Item = ([u32; 2], f32)>,
     ) -> Result<&mut Self, BuildError> {
         material.validate()?;
+        if self.rest.len() as u64 > MAX_PARTICLES {
+            return Err(BuildError::TooManyParticles { found: self.rest.len() as u64, limit: MAX_PARTICLES });
+        }
         let mut colours: Vec<Vec<([u32; 2], f32)>> = Vec::new();
         let mut used = vec![0u64; self.rest.len()];
         for ([a, b], length) in sticks {

@@ -177,12 +177,12 @@ fn a_mesh_keeps_the_state_of_its_vertices() {
     let mut island = Island::of_body(body);
     let dt = 1e-3;
     step(&mut island, &weightless(dt)).expect("a good step");
-    for i in 0..900 {
+    for (i, &mass) in masses.iter().enumerate() {
         let particles = particles(&island);
         let (place, is_pin) = (particles.position(i), pins.contains(&i));
         assert_eq!(particles.is_pinned(i), is_pin);
-        assert_eq!(particles.inverse_mass(i), masses[i]);
-        let gained = if i == 42 { Vec3::Z * (1e6 * masses[i] * dt) } else { Vec3::ZERO };
+        assert_eq!(particles.inverse_mass(i), mass);
+        let gained = if i == 42 { Vec3::Z * (1e6 * mass * dt) } else { Vec3::ZERO };
         let expected = if is_pin { target(i) } else { mesh.positions[i] + (velocity(i) + gained) * dt };
         assert!(place.distance(expected) < 1e-4 * expected.length(), "{i}: {place} and not {expected}");
     }
