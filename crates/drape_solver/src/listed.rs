@@ -12,49 +12,76 @@ use crate::columns::{Cell, LANES};
 use crate::rows::{BLOCK, Rows, Window, block_count, columns_of_eight, rows_of_eight};
 use crate::stick::Projection;
 
-/// The ends and lengths of all listed sticks of a body, batch after batch.
+/// Sticks that are relaxed at once.
+pub(crate) const GROUP: usize = 8;
+
+/// The ends and lengths of some sticks, side by side, so that they come into the cache together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(32))]
+struct Group {
+    /// Where the rows of the two ends begin: four times their slots.
+    ends: [[u32; GROUP]; 2],
+    /// Metres.
+    rest_lengths: [f32; GROUP],
+}
+
+/// All listed sticks of a body, batch after batch. A batch begins with a new group.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ListedSticks {
-    /// Where the rows of the two ends begin: four times their slots.
-    ends: [Vec<u32>; 2],
-    /// Metres.
-    rest_lengths: Vec<f32>,
+    groups: Vec<Group>,
+    /// Place of the next stick.
+    next: usize,
 }
 
 impl ListedSticks {
-    /// The number of sticks.
-    pub fn len(&self) -> usize {
-        self.rest_lengths.len()
+    /// Whether there are no sticks.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// The place where a new batch begins.
+    pub fn begin_batch(&mut self) -> usize {
+        self.next = self.groups.len() * GROUP;
+        self.next
     }
 
     /// Adds a stick between two slots, `rest_length` metres apart.
     pub fn push(&mut self, slots: [u32; 2], rest_length: f32) {
-        for (ends, slot) in self.ends.iter_mut().zip(slots) {
-            ends.push(4 * slot);
+        if self.next == self.groups.len() * GROUP {
+            self.groups.push(Group::default());
         }
-        self.rest_lengths.push(rest_length);
+        self.set(self.next, slots, rest_length);
+        self.next += 1;
     }
 
-    fn set(&mut self, i: usize, slots: [u32; 2], rest_length: f32) {
-        for (ends, slot) in self.ends.iter_mut().zip(slots) {
-            ends[i] = 4 * slot;
+    fn set(&mut self, place: usize, slots: [u32; 2], rest_length: f32) {
+        let (group, lane) = (&mut self.groups[place / GROUP], place % GROUP);
+        for (ends, slot) in group.ends.iter_mut().zip(slots) {
+            ends[lane] = 4 * slot;
         }
-        self.rest_lengths[i] = rest_length;
+        group.rest_lengths[lane] = rest_length;
     }
 
-    /// The slots of stick `i`.
-    pub fn slots(&self, i: usize) -> [u32; 2] {
-        self.ends.each_ref().map(|ends| ends[i] / 4)
+    /// Where the rows of the ends of the stick in this place begin.
+    #[inline(always)]
+    fn ends(&self, place: usize) -> [u32; 2] {
+        self.groups[place / GROUP].ends.map(|ends| ends[place % GROUP])
     }
 
-    /// The rest length of stick `i` in metres.
-    pub fn rest_length(&self, i: usize) -> f32 {
-        self.rest_lengths[i]
+    /// The slots of the stick in this place.
+    pub fn slots(&self, place: usize) -> [u32; 2] {
+        self.ends(place).map(|first| first / 4)
+    }
+
+    /// Its rest length in metres.
+    #[inline(always)]
+    pub fn rest_length(&self, place: usize) -> f32 {
+        self.groups[place / GROUP].rest_lengths[place % GROUP]
     }
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        self.ends.iter().map(|ends| size_of_val(&**ends)).sum::<usize>() + size_of_val(&*self.rest_lengths)
+        size_of_val(&*self.groups)
     }
 }
 
@@ -66,7 +93,7 @@ pub(crate) struct ListedBatch {
     /// Whether no two of them share a particle.
     pub is_independent: bool,
     /// Place of the first stick of each block; one more at the end. A stick is in the block of its lower end, or, so that
-    /// groups of eight stay whole, in one before.
+    /// groups stay whole, in one before.
     first_of_block: Vec<u32>,
     /// How many blocks a stick ends beyond the one that it is in, at most.
     reach: usize,
@@ -93,11 +120,11 @@ impl ListedBatch {
         for (i, &(slots, rest_length)) in places.zip(&order) {
             sticks.set(i, slots, rest_length);
         }
-        let cuts = [1, 8].map(|group| cut(&order, block_count(cells), group));
+        let cuts = [1, GROUP].map(|group| cut(&order, block_count(cells), group));
         let reaches = cuts.each_ref().map(|cuts| reach(&order, cuts));
-        // Groups of eight are not cut, unless they are so long that they would reach farther.
-        let [whole, eights] = cuts;
-        let cuts = if reaches[1] > reaches[0] { whole } else { eights };
+        // Groups are not cut, unless they are so long that they would reach farther.
+        let [anywhere, at_groups] = cuts;
+        let cuts = if reaches[1] > reaches[0] { anywhere } else { at_groups };
         self.reach = reaches[0].min(reaches[1]);
         self.first_of_block = cuts.into_iter().map(|place| (self.first + place) as u32).collect();
     }
@@ -197,21 +224,22 @@ fn relax_block<S: Simd>(
     projection: impl Projection,
 ) {
     let [first, end] = [block, block + 1].map(|block| batch.first_of_block[block] as usize);
-    let [a, b] = sticks.ends.each_ref().map(|ends| &ends[first..end]);
-    let lengths = &sticks.rest_lengths[first..end];
+    let groups = first.div_ceil(GROUP)..end / GROUP;
+    let (before, groups, after) = if batch.is_independent && !groups.is_empty() {
+        (first..groups.start * GROUP, &sticks.groups[groups.clone()], groups.end * GROUP..end)
+    } else {
+        (first..end, &[][..], end..end)
+    };
     simd.vectorize(
         #[inline(always)]
         || {
             let mut window = rows.window();
-            let in_eights = if batch.is_independent { lengths.len() / 8 * 8 } else { 0 };
-            let [(a, single_a), (b, single_b)] = [a, b].map(|ends| ends.split_at(in_eights));
-            let (lengths, single_lengths) = lengths.split_at(in_eights);
-            let (a, b) = (a.as_chunks().0, b.as_chunks().0);
-            for ((a, b), lengths) in a.iter().zip(b).zip(lengths.as_chunks().0) {
-                project_eight(simd, &mut window, [a, b], lengths, stiffness, projection);
+            for group in groups {
+                project_group(simd, &mut window, group, stiffness, projection);
             }
-            for ((&a, &b), &length) in single_a.iter().zip(single_b).zip(single_lengths) {
-                project_row(simd, &mut window, [a, b], length, stiffness, projection);
+            for place in before.chain(after) {
+                let (ends, rest_length) = (sticks.ends(place), sticks.rest_length(place));
+                project_row(simd, &mut window, ends, rest_length, stiffness, projection);
             }
         },
     );
@@ -263,22 +291,21 @@ fn project_row<S: Simd>(
 /// Where the two masses of each stick are equal, each end moves half the way. That is what the general formula gives,
 /// to the last bit, without its divisions.
 #[inline(always)]
-fn project_eight<S: Simd>(
+fn project_group<S: Simd>(
     simd: S,
     window: &mut Window,
-    ends: [&[u32; 8]; 2],
-    rest_lengths: &[f32; 8],
+    group: &Group,
     stiffness: f32,
     projection: impl Projection,
 ) {
-    let [a, b] = ends.map(|ends| ends.map(|first| window.place(first)));
-    let pairs = |places: [usize; 8]| {
+    let [a, b] = group.ends.map(|ends| ends.map(|first| window.place(first)));
+    let pairs = |places: [usize; GROUP]| {
         [0, 2, 4, 6].map(|i| window.get(simd, places[i]).combine(window.get(simd, places[i + 1])))
     };
     let [p, q] = [a, b].map(pairs);
     let delta: [_; 4] = core::array::from_fn(|i| q[i] - p[i]);
     let [x, y, z, w] = columns_of_eight(delta);
-    let rest = f32x8::load_array_ref(simd, rest_lengths);
+    let rest = f32x8::load_array_ref(simd, &group.rest_lengths);
     let error = projection.errors_of_eight(simd, x * x + y * y + z * z, rest);
     let zero = f32x8::splat(simd, 0.0);
     if w.simd_eq(zero).all_true() {
@@ -310,7 +337,7 @@ fn project_eight<S: Simd>(
 
 /// Stores rows 2 `i` and 2 `i` + 1 of eight.
 #[inline(always)]
-fn set_pair<S: Simd>(window: &mut Window, places: [usize; 8], i: usize, rows: f32x8<S>) {
+fn set_pair<S: Simd>(window: &mut Window, places: [usize; GROUP], i: usize, rows: f32x8<S>) {
     let (first, second) = rows.split();
     window.set(places[2 * i], first);
     window.set(places[2 * i + 1], second);
@@ -339,13 +366,13 @@ mod tests {
     fn batches(sticks: &mut ListedSticks, steps: &[u32]) -> Vec<ListedBatch> {
         let cells = (COUNT as usize).div_ceil(LANES);
         let batch = |&step: &u32| {
-            let first = sticks.len();
+            let first = sticks.begin_batch();
             let starts = (0..COUNT - step).filter(|i| i / step % 2 == 0 && i % 9 != 4);
             for i in starts {
                 sticks.push([i, i + step], 0.3 + (i % 5) as f32 * 0.1);
             }
             let mut batch = ListedBatch::new(first, true);
-            batch.arrange(sticks, sticks.len() - first, cells, |slot| slot);
+            batch.arrange(sticks, sticks.next - first, cells, |slot| slot);
             batch
         };
         steps.iter().map(batch).collect()

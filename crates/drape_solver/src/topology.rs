@@ -174,7 +174,7 @@ impl Topology {
             BatchSticks::Listed(listed) => Some(listed),
             BatchSticks::Grid { .. } => None,
         });
-        if self.listed.len() == 0 { 0 } else { 1 + listed.map(ListedBatch::reach).sum::<usize>() }
+        if self.listed.is_empty() { 0 } else { 1 + listed.map(ListedBatch::reach).sum::<usize>() }
     }
 
     /// Triangles of the surface, as particle indices, counter-clockwise seen from the front.
@@ -324,7 +324,7 @@ impl TopologyBuilder {
             self.joined.push((a.min(b), a.max(b)));
         }
         for (colour, sticks) in colours.iter().enumerate() {
-            let listed = ListedBatch::new(self.topology.listed.len(), colour < MAX_COLOURS - 1);
+            let listed = ListedBatch::new(self.topology.listed.begin_batch(), colour < MAX_COLOURS - 1);
             sticks.iter().for_each(|&(ends, length)| self.topology.listed.push(ends, length));
             self.push_batch(material, sticks.len(), BatchSticks::Listed(listed));
         }
