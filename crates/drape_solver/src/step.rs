@@ -41,10 +41,10 @@ pub fn step(island: &mut Island, environment: &Environment) -> Result<(), StepEr
     finish(island)
 }
 
-/// One substep: the three stages that a schedule may run one by one. A body that no ball is near runs down its rows
-/// with all three at once.
+/// One substep: the three stages that a schedule may run one by one. Bodies that no ball is near go through all three at
+/// once.
 pub fn substep(island: &mut Island, environment: &Environment) {
-    if island.balls.is_empty() && island.bodies.iter().all(sweep::can_pipeline) {
+    if island.balls.is_empty() && island.bodies.iter().all(sweep::is_all_stages) {
         let around = surroundings(&island.context, island.isa, environment);
         for body in &mut island.bodies {
             sweep::substep(body, around);

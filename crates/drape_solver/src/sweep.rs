@@ -209,18 +209,19 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
 }
 
 /// Whether [`substep`] may be called for the body.
-pub(crate) fn can_pipeline(body: &Body) -> bool {
+pub(crate) fn is_all_stages(body: &Body) -> bool {
     let Body { context, particles, .. } = body;
-    // The drift of a free body is a sum over all rows, and damping is not done row by row.
-    context.plan.can_pipeline && particles.masses.has_pins && context.damping.iter().all(|&d| d == 0.0)
+    // The drift of a free body is a sum over all rows, and damping is no stage.
+    particles.masses.has_pins && context.damping.iter().all(|&d| d == 0.0)
 }
 
-/// The whole substep of a body that no ball is near.
+/// The whole substep of a body that no ball is near: all stages at once, down the rows of a large grid.
 pub(crate) fn substep(body: &mut Body, around: Surroundings) {
     body.move_pins();
     begin_contacts(body, around);
     let count = body.context.plan.stages.len();
-    run(body, around, 0..count, true);
+    let is_pipelined = body.context.plan.can_pipeline;
+    run(body, around, 0..count, is_pipelined);
     body.note_pin_travel();
 }
 
