@@ -53,6 +53,8 @@ pub struct BodyContext {
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
     pub(crate) damping: Vec<f32>,
+    /// Where the pins are that tethers hold on to.
+    pub(crate) anchors: Columns,
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
     /// The order of work of a substep.

@@ -23,7 +23,14 @@ pub const MAX_HIT_SUBSTEPS: f32 = 64.0;
 pub const HIT_SUBSTEPS_KEPT: f32 = 0.9;
 
 /// Cells from which on a sweep runs down the rows of a grid: smaller bodies stay in the nearest cache anyway.
-pub const LEAST_PIPELINED_CELLS: usize = 512;
+pub const LEAST_PIPELINED_CELLS: usize = 128;
+
+/// Cells that a stage takes at once in a sweep down the rows: enough to be worth the call, and few enough that those of
+/// all stages stay in the nearest cache.
+pub const CELLS_AT_ONCE: usize = 32;
+
+/// Overlaps of particles and obstacles below this, in metres, are rounding.
+pub const LEAST_OVERLAP: f32 = 1e-6;
 
 /// Tethers pull a particle home at this speed at most, in metres per second. What hangs from a pin is pulled by
 /// millimetres; what something has dragged a metre away is not to come back as a bullet.

@@ -17,6 +17,7 @@ use glam::Vec3;
 
 use crate::body::{Body, BodyContext};
 use crate::columns::{Cell, LANES};
+use crate::constants::LEAST_OVERLAP;
 use crate::friction::combined;
 use crate::isa::{Isa, Kernel};
 use crate::lanes::{Lanes3, load};
@@ -270,13 +271,13 @@ impl ObstacleContacts {
         }
     }
 
-    /// Moves every particle of this row of cells that lies inside an obstacle out to its surface. `is_first` says that this
+    /// Moves every particle of these rows of cells that lies inside an obstacle out to its surface. `is_first` says that this
     /// is the first projection of the substep.
     #[inline(always)]
     pub fn project<S: Simd>(
         &mut self,
         simd: S,
-        row: usize,
+        rows: Range<usize>,
         moving: &mut Moving,
         obstacles: &[Obstacle],
         thickness: f32,
@@ -285,7 +286,7 @@ impl ObstacleContacts {
     ) {
         let Self { groups, candidates, pushes, planes, first_of_row, .. } = self;
         for group in groups {
-            let range = row_of(first_of_row, group, row);
+            let range = of_rows(first_of_row, group, &rows);
             if range.is_empty() {
                 continue;
             }
@@ -302,13 +303,16 @@ impl ObstacleContacts {
         }
     }
 
-    /// Takes tangential displacement from every particle of this row of cells that was projected. Comes last in the substep,
+    /// Takes tangential displacement from every particle of these rows of cells that was projected. Comes last in the substep,
     /// after displacements were brought up to date.
     #[inline(always)]
-    pub fn apply_friction<S: Simd>(&mut self, simd: S, row: usize, moving: &mut Moving) {
+    pub fn apply_friction<S: Simd>(&mut self, simd: S, rows: Range<usize>, moving: &mut Moving) {
         let Self { groups, candidates, pushes, first_of_row, .. } = self;
         for group in groups.iter().filter(|group| group.friction > 0.0) {
-            let range = row_of(first_of_row, group, row);
+            let range = of_rows(first_of_row, group, &rows);
+            if range.is_empty() {
+                continue;
+            }
             let (before, now) = (LanePose::new(simd, &group.before), LanePose::new(simd, &group.now));
             let touching = candidates[range.clone()].iter().zip(&pushes[range]);
             for (candidate, pushes) in touching.filter(|(candidate, _)| candidate.is_touching) {
@@ -338,10 +342,10 @@ impl ObstacleContacts {
     }
 }
 
-/// The places of a group's candidates in this row of cells.
+/// The places of a group's candidates in these rows of cells.
 #[inline(always)]
-fn row_of(first_of_row: &[u32], group: &Group, row: usize) -> Range<usize> {
-    first_of_row[group.rows + row] as usize..first_of_row[group.rows + row + 1] as usize
+fn of_rows(first_of_row: &[u32], group: &Group, rows: &Range<usize>) -> Range<usize> {
+    first_of_row[group.rows + rows.start] as usize..first_of_row[group.rows + rows.end] as usize
 }
 
 /// One obstacle, as the particles of a cell meet it in one projection.
@@ -367,8 +371,7 @@ impl<S: Simd> Contact<'_, S> {
         if self.solid.is_beyond(simd, position, self.now, self.thickness) {
             return;
         }
-        let local = self.now.to_local(position);
-        let (distance, normal) = self.solid.surface(simd, local);
+        let (distance, normal) = self.solid.surface_at(simd, position, self.now);
         let depth = f32x16::splat(simd, self.thickness) - distance;
         let lanes = mask32x16::from_bitmask(simd, u64::from(candidate.lanes));
         let is_inside = depth.simd_gt(zero) & lanes;
@@ -379,36 +382,36 @@ impl<S: Simd> Contact<'_, S> {
             *pushes = Pushes::NONE;
             candidate.is_touching = true;
         }
-        let normal = self.now.direction_to_world(normal);
         let displacement = Lanes3::load(simd, &moving.displacement[cell]);
         let integrated = Lanes3::load(simd, &moving.integrated[cell]);
         let travel = displacement.plus(position.minus(integrated));
         let mut outward = travel;
         if self.is_moving {
-            outward = outward.minus(self.now.point_to_world(local).minus(self.before.point_to_world(local)));
+            let local = self.now.to_local(position);
+            outward = outward.minus(position.minus(self.before.point_to_world(local)));
         }
         // The tangent plane rules out an overlap at the start of the substep, or the shape is asked for it.
-        let may_be_old = (depth + outward.dot(normal)).simd_gt(zero) & is_inside;
-        let mut old = zero;
+        let may_be_old = (depth + outward.dot(normal)).simd_gt(LEAST_OVERLAP) & is_inside;
+        let (mut fresh, mut out) = (depth, depth);
         if may_be_old.any_true() {
-            let (distance, _) = self.solid.surface(simd, self.before.to_local(position.minus(travel)));
+            let (distance, _) = self.solid.surface_at(simd, position.minus(travel), self.before);
             let overlap = f32x16::splat(simd, self.thickness) - distance;
             let overlap = overlap.simd_gt(zero).select(overlap, zero);
-            old = may_be_old.select(overlap.simd_lt(depth).select(overlap, depth), zero);
+            let old = may_be_old.select(overlap.simd_lt(depth).select(overlap, depth), zero);
+            let known = load(simd, &pushes.left);
+            let left = known.simd_lt(zero).select(self.pace.left_in_lanes(simd, old), known);
+            let taken = old - left;
+            fresh = depth - old;
+            out = fresh + taken.simd_gt(zero).select(taken, zero);
+            pushes.left = may_be_old.select(left, known).to_array();
         }
-        let known = load(simd, &pushes.left);
-        let left = known.simd_lt(zero).select(self.pace.left_in_lanes(simd, old), known);
-        let taken = old - left;
-        let taken = taken.simd_gt(zero).select(taken, zero);
-        let fresh = depth - old;
-        let out = normal.times(fresh + taken);
+        let out = normal.times(out);
         let with_velocity = displacement.plus(normal.times(fresh));
         with_velocity.or(is_inside, displacement).store(&mut moving.displacement[cell]);
         position.plus(out).or(is_inside, position).store(&mut moving.position[cell]);
         integrated.plus(out).or(is_inside, integrated).store(&mut moving.integrated[cell]);
         let summed = load(simd, &pushes.depth);
         pushes.depth = is_inside.select(summed + fresh, summed).to_array();
-        pushes.left = is_inside.select(left, known).to_array();
         normal.or(is_inside, Lanes3::load(simd, &pushes.normal)).store(&mut pushes.normal);
     }
 }

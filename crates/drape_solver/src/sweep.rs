@@ -6,10 +6,10 @@
 //! order, and ends at the same bits, but one trip through memory carries a whole substep.
 //!
 //! ```text
-//!   rows  0 | integrate contacts rows(even) rows(odd) columns(even) ... friction
-//!         1 |   integrate contacts rows(even) ...          time runs to the right;
-//!         2 |     integrate contacts ...                   a stage lags behind the one before
-//!         3 |       integrate ...                          by as many rows as its sticks reach down
+//!   rows  0..4 | integrate contacts rows(even) rows(odd) columns(even) ... friction
+//!         4..8 |   integrate contacts rows(even) ...       time runs to the right;
+//!        8..12 |     integrate contacts ...                a stage lags behind the one before
+//!       12..16 |       integrate ...                       by as many rows as its sticks reach down
 //! ```
 
 use core::ops::Range;
@@ -19,7 +19,7 @@ use glam::Vec3;
 
 use crate::body::Body;
 use crate::columns::{Cell, LANES};
-use crate::constants::{LEAST_PIPELINED_CELLS, TETHER_SPEED};
+use crate::constants::{CELLS_AT_ONCE, LEAST_PIPELINED_CELLS, TETHER_SPEED};
 use crate::contact_particle_obstacle::{Moving, ObstacleContacts};
 use crate::integrate::{Flight, drift, update_displacements};
 use crate::isa::{Isa, Kernel};
@@ -27,7 +27,7 @@ use crate::layout::Layout;
 use crate::obstacle::Obstacle;
 use crate::overlap::Pace;
 use crate::settings::{SolverSettings, StickProjection};
-use crate::stick::{Exact, Joined, Projection, SquareRootFree, project_listed, project_run};
+use crate::stick::{Alike, Exact, Joined, Projection, SquareRootFree, project_listed, project_runs};
 use crate::topology::{BatchSticks, Topology};
 
 /// A piece of a substep's work that can be done row by row.
@@ -135,8 +135,7 @@ pub(crate) struct Surroundings<'a> {
 
 /// Free flight for one substep.
 pub(crate) fn integrate(body: &mut Body, around: Surroundings) {
-    body.move_pins();
-    begin_contacts(body, around);
+    begin(body, around);
     run(body, around, 0..1, false);
     body.note_pin_travel();
 }
@@ -183,14 +182,16 @@ pub(crate) fn can_pipeline(body: &Body) -> bool {
 
 /// The whole substep of a body that no ball is near.
 pub(crate) fn substep(body: &mut Body, around: Surroundings) {
-    body.move_pins();
-    begin_contacts(body, around);
+    begin(body, around);
     let count = body.context.plan.stages.len();
     run(body, around, 0..count, true);
     body.note_pin_travel();
 }
 
-fn begin_contacts(body: &mut Body, around: Surroundings) {
+/// Takes pins and obstacles to the end of the substep.
+fn begin(body: &mut Body, around: Surroundings) {
+    body.move_pins();
+    body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
     let origin = body.particles.origin;
     body.context.contacts.begin_substep(around.obstacles, origin, around.substep_index, around.substeps);
 }
@@ -219,6 +220,7 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>, is_pipelined
             uniform: context.uniform_acceleration,
         },
         varying: &context.acceleration.cells,
+        anchors: &context.anchors.cells,
         contacts: &mut context.contacts,
         thickness: settings.thickness,
         around,
@@ -243,6 +245,7 @@ struct Work<'a> {
     stiffness: &'a [f32],
     flight: Flight,
     varying: &'a [Cell],
+    anchors: &'a [Cell],
     contacts: &'a mut ObstacleContacts,
     thickness: f32,
     around: Surroundings<'a>,
@@ -265,23 +268,16 @@ impl<P: Projection> Kernel for Run<'_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
-        let Plan { stages, lags, cells_of_row, rows, .. } = self.plan;
-        let (stages, lags) = (&stages[self.stages.clone()], &lags[self.stages.clone()]);
-        let (first_lag, last_lag) = (lags[0], lags[lags.len() - 1]);
-        let (outer, inner) = if self.is_pipelined {
-            (rows + last_lag - first_lag, stages.len())
-        } else {
-            (stages.len(), *rows)
-        };
-        let place = |i: usize, j: usize| {
-            if self.is_pipelined { (j, (i + first_lag).wrapping_sub(lags[j])) } else { (i, j) }
-        };
-        for i in 0..outer {
-            for j in 0..inner {
-                let (stage, row) = place(i, j);
-                if row < *rows {
-                    let cells = row * cells_of_row..(row + 1) * cells_of_row;
-                    self.work.stage(simd, stages[stage], row, cells, self.projection);
+        let Plan { ref lags, cells_of_row, rows, .. } = *self.plan;
+        let lag_of = |i: usize| if self.is_pipelined { lags[i] - lags[self.stages.start] } else { 0 };
+        let at_once = if self.is_pipelined { CELLS_AT_ONCE.div_ceil(cells_of_row) } else { rows };
+        let end = rows + lag_of(self.stages.end - 1);
+        for first in (0..end).step_by(at_once) {
+            for i in self.stages.clone() {
+                let place = |row: usize| row.saturating_sub(lag_of(i)).min(rows);
+                let window = place(first)..place(first + at_once);
+                if !window.is_empty() {
+                    self.work.stage(simd, self.plan.stages[i], window, cells_of_row, self.projection);
                 }
             }
         }
@@ -289,16 +285,17 @@ impl<P: Projection> Kernel for Run<'_, P> {
 }
 
 impl Work<'_> {
-    /// One stage on one row.
+    /// One stage on some rows.
     #[inline(always)]
     fn stage<S: Simd>(
         &mut self,
         simd: S,
         stage: Stage,
-        row: usize,
-        cells: Range<usize>,
+        rows: Range<usize>,
+        cells_of_row: usize,
         projection: impl Projection,
     ) {
+        let cells = rows.start * cells_of_row..rows.end * cells_of_row;
         match stage {
             Stage::Integrate => {
                 let Self { flight, moving, varying, inverse_mass, .. } = self;
@@ -313,7 +310,7 @@ impl Work<'_> {
                 if !contacts.is_empty() {
                     simd.vectorize(
                         #[inline(always)]
-                        || contacts.project(simd, row, moving, obstacles, *thickness, pace, is_first),
+                        || contacts.project(simd, rows, moving, obstacles, *thickness, pace, is_first),
                     );
                 }
             }
@@ -323,12 +320,14 @@ impl Work<'_> {
                 let mut joined = Joined { position, inverse_mass, common: self.common };
                 let batch = &self.topology.batches[batch];
                 match &batch.sticks {
-                    BatchSticks::Grid { runs, rest_length, .. } => {
-                        for run in runs.of_row(row) {
-                            project_run(simd, &mut joined, run, *rest_length, stiffness, projection);
+                    &BatchSticks::Grid { ref runs, rest_length, .. } => {
+                        let alike = Alike { rest_length, stiffness, projection };
+                        for (band, runs) in runs.bands() {
+                            let first_cells = band.rows_among(&rows).map(|row| row * cells_of_row);
+                            project_runs(simd, &mut joined, runs, first_cells, alike);
                         }
                     }
-                    BatchSticks::Listed { first } if row == 0 => {
+                    BatchSticks::Listed { first } if rows.start == 0 => {
                         let sticks = &self.topology.listed[*first..*first + batch.count];
                         project_listed(&mut joined, sticks, stiffness, projection);
                     }
@@ -336,11 +335,12 @@ impl Work<'_> {
                 }
             }
             Stage::Tethers => {
-                let tethers = &self.topology.tethers;
-                let Self { moving, inverse_mass, tether_reach, .. } = self;
+                let (tethers, anchors, most) = (&self.topology.tethers, self.anchors, self.tether_reach);
+                let (position, inverse_mass) = (&mut *self.moving.position, self.inverse_mass);
+                let mut joined = Joined { position, inverse_mass, common: self.common };
                 simd.vectorize(
                     #[inline(always)]
-                    || tethers.project(simd, cells, moving.position, inverse_mass, *tether_reach),
+                    || tethers.project(simd, cells, &mut joined, anchors, most, projection),
                 );
             }
             Stage::Update => {
@@ -355,7 +355,7 @@ impl Work<'_> {
                 if !contacts.is_empty() {
                     simd.vectorize(
                         #[inline(always)]
-                        || contacts.apply_friction(simd, row, moving),
+                        || contacts.apply_friction(simd, rows, moving),
                     );
                 }
             }
