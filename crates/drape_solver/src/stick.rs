@@ -164,7 +164,7 @@ pub(crate) fn project_runs<S: Simd>(
 }
 
 /// [`project_lanes`] as a function of its own: one function of all kernels would take the compiler minutes.
-#[inline(never)]
+#[inline(always)]
 fn project_run<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
     simd: S,
     joined: &mut Joined,
