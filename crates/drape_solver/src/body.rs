@@ -8,9 +8,9 @@ use crate::columns::Columns;
 use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::integrate::Drag;
 use crate::particles::Particles;
+use crate::plan::Plan;
 use crate::settings::SolverSettings;
 use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
-use crate::sweep::Plan;
 use crate::topology::Topology;
 
 /// A cloth, a rope or a rig, ready to be stepped.

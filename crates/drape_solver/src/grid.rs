@@ -40,11 +40,6 @@ impl GridBatch {
         (whole * width + rest.saturating_sub(self.phase * width).min(width), width)
     }
 
-    /// How many rows of cells its sticks reach down, where a row of the grid is a row of cells.
-    pub fn reach(self) -> usize {
-        self.down
-    }
-
     /// The number of sticks.
     pub fn count(self) -> usize {
         let [across, down] = self.starts();
@@ -68,38 +63,42 @@ impl GridBatch {
         self.ends(k).map(|[column, row]| row * self.grid.columns + column)
     }
 
-    /// Puts the sticks into runs of cells, and rows of cells whose runs are alike into bands.
+    /// Puts the sticks into runs of cells, and strips whose runs are alike into bands.
     pub fn runs(self) -> GridRuns {
-        let width = self.grid.width;
+        let cells_of_strip = self.grid.cells_of_strip();
+        // Skip-one sticks along a row begin in two cells of four: every fourth cell makes the longer run.
+        let period = if self.down == 0 { 2 * self.right.unsigned_abs() } else { 1 };
         let mut pairs = Vec::with_capacity(self.count());
         for k in 0..self.count() {
             let [a, b] = self.ends(k).map(|[column, row]| self.grid.slot(column, row));
             // The lane of the second end is never the lower one, so that there is one direction to shift in.
             let [a, b] = if a % LANES <= b % LANES { [a, b] } else { [b, a] };
-            let row = (a / LANES).min(b / LANES) / width;
-            let [cell_a, cell_b] = [a, b].map(|slot| (slot / LANES - row * width) as u32);
-            pairs.push((row, (b % LANES - a % LANES) as u8, cell_a, cell_b, a % LANES));
+            let strip = (a / LANES).min(b / LANES) / cells_of_strip;
+            let [cell_a, cell_b] = [a, b].map(|slot| (slot / LANES - strip * cells_of_strip) as u32);
+            let shift = (b % LANES - a % LANES) as u8;
+            pairs.push((strip, (shift, cell_a as usize % period, cell_a, cell_b), a % LANES));
         }
         pairs.sort_unstable();
         let mut runs = GridRuns::default();
-        for of_row in pairs.chunk_by(|p, q| p.0 == q.0) {
+        for of_strip in pairs.chunk_by(|p, q| p.0 == q.0) {
             let mut found: Vec<GridRun> = Vec::new();
-            for same in of_row.chunk_by(|p, q| (p.1, p.2, p.3) == (q.1, q.2, q.3)) {
-                let (_, shift, a, b, _) = same[0];
-                let lanes = same.iter().fold(0, |bits, pair| bits | (1 << pair.4));
+            for same in of_strip.chunk_by(|p, q| p.1 == q.1) {
+                let (shift, _, a, b) = same[0].1;
+                let lanes = same.iter().fold(0, |bits, pair| bits | (1 << pair.2));
                 let cell = GridRun { a, b, count: 1, step: 1, shift, lanes };
                 if !found.last_mut().is_some_and(|last| last.extend(&cell)) {
                     found.push(cell);
                 }
+                runs.reach = runs.reach.max(a.max(b) as usize / cells_of_strip);
             }
-            runs.push(of_row[0].0 as u32, &found);
+            runs.push(of_strip[0].0 as u32, &found);
         }
         runs
     }
 }
 
 /// Cells whose sticks lie alike: cell `a + k step` is joined to cell `b + k step`, lane `l` to lane `l + shift`. Cells
-/// are counted from the first of a row of cells.
+/// are counted from the first of a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct GridRun {
     pub a: u32,
@@ -124,7 +123,7 @@ impl GridRun {
     }
 }
 
-/// Rows of cells whose runs are alike: `first`, `first + step`, ... `count` of them.
+/// Strips whose runs are alike: `first`, `first + step`, ... `count` of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Band {
     first: u32,
@@ -135,18 +134,18 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Its rows among `rows`.
+    /// Its strips among `strips`.
     #[inline]
-    pub fn rows_among(&self, rows: &Range<usize>) -> impl ExactSizeIterator<Item = usize> + Clone + use<> {
+    pub fn among(&self, strips: &Range<usize>) -> impl ExactSizeIterator<Item = usize> + Clone + use<> {
         let &Self { first, step, count, .. } = self;
-        let place = |row: usize| (row as u32).saturating_sub(first).div_ceil(step).min(count);
-        (place(rows.start)..place(rows.end)).map(move |k| (first + k * step) as usize)
+        let place = |strip: usize| (strip as u32).saturating_sub(first).div_ceil(step).min(count);
+        (place(strips.start)..place(strips.end)).map(move |k| (first + k * step) as usize)
     }
 
-    /// Takes in one more row, if it goes on as the others do.
-    fn extend(&mut self, row: u32) -> bool {
-        let step = if self.count == 1 { row - self.first } else { self.step };
-        let goes_on = self.first + step * self.count == row;
+    /// Takes in one more strip, if it goes on as the others do.
+    fn extend(&mut self, strip: u32) -> bool {
+        let step = if self.count == 1 { strip - self.first } else { self.step };
+        let goes_on = self.first + step * self.count == strip;
         if goes_on {
             (self.step, self.count) = (step, self.count + 1);
         }
@@ -154,15 +153,17 @@ impl Band {
     }
 }
 
-/// The runs of a batch. A run of row `r` reaches no row above.
+/// The runs of a batch. Those of a strip reach no strip above.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct GridRuns {
     bands: Vec<Band>,
     runs: Vec<GridRun>,
+    /// How many strips they reach down.
+    pub reach: usize,
 }
 
 impl GridRuns {
-    /// Bands of rows, each with the runs of every one of its rows.
+    /// Bands of strips, each with the runs of every one of its strips.
     #[inline]
     pub fn bands(&self) -> impl Iterator<Item = (&Band, &[GridRun])> {
         self.bands.iter().map(|band| (band, &self.runs[band.runs[0] as usize..band.runs[1] as usize]))
@@ -173,18 +174,18 @@ impl GridRuns {
         size_of_val(&*self.bands) + size_of_val(&*self.runs)
     }
 
-    /// Adds the runs of one more row.
-    fn push(&mut self, row: u32, runs: &[GridRun]) {
-        // Skip-one sticks begin in two rows of every four: two bands take turns.
+    /// Adds the runs of one more strip.
+    fn push(&mut self, strip: u32, runs: &[GridRun]) {
+        // Where patches are an odd number of rows high, bands take turns.
         for band in self.bands.iter_mut().rev().take(MOST_OPEN_BANDS) {
             let [from, to] = band.runs.map(|place| place as usize);
-            if self.runs[from..to] == *runs && band.extend(row) {
+            if self.runs[from..to] == *runs && band.extend(strip) {
                 return;
             }
         }
         let from = self.runs.len() as u32;
         self.runs.extend_from_slice(runs);
-        self.bands.push(Band { first: row, step: 1, count: 1, runs: [from, self.runs.len() as u32] });
+        self.bands.push(Band { first: strip, step: 1, count: 1, runs: [from, self.runs.len() as u32] });
     }
 }
 
@@ -194,6 +195,7 @@ const MOST_OPEN_BANDS: usize = 8;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::Layout;
 
     const FAMILIES: [(isize, usize); 6] = [(1, 0), (0, 1), (1, 1), (-1, 1), (2, 0), (0, 2)];
 
@@ -231,19 +233,20 @@ mod tests {
             let grid = Grid::new(columns, rows).expect("large enough");
             for half in FAMILIES.into_iter().flat_map(|(right, down)| GridBatch::halves(grid, right, down)) {
                 let mut found = Vec::new();
-                // In two windows, as a sweep down the rows takes them.
-                let half_way = grid.height / 2;
-                for window in [0..half_way, half_way..grid.height] {
-                    let runs = half.runs();
-                    let rows = runs.bands().flat_map(|(band, runs)| {
-                        band.rows_among(&window).flat_map(move |row| runs.iter().map(move |run| (row, run)))
-                    });
-                    for (row, run) in rows {
-                        for k in 0..run.count {
-                            let lanes = (0..LANES).filter(|lane| run.lanes & (1 << lane) != 0);
-                            let first = (row * grid.width) as u32 + k * run.step;
-                            let [a, b] = [run.a, run.b].map(|cell| (first + cell) as usize * LANES);
-                            found.extend(lanes.map(|lane| [a + lane, b + lane + usize::from(run.shift)]));
+                // In two windows, as a sweep down the strips takes them.
+                let runs = half.runs();
+                let (_, strips) = Layout::Grid(grid).strips();
+                for window in [0..strips / 2, strips / 2..strips] {
+                    for (band, runs) in runs.bands() {
+                        for (strip, run) in
+                            band.among(&window).flat_map(|strip| runs.iter().map(move |run| (strip, run)))
+                        {
+                            for k in 0..run.count {
+                                let lanes = (0..LANES).filter(|lane| run.lanes & (1 << lane) != 0);
+                                let first = (strip * grid.cells_of_strip()) as u32 + k * run.step;
+                                let [a, b] = [run.a, run.b].map(|cell| (first + cell) as usize * LANES);
+                                found.extend(lanes.map(|lane| [a + lane, b + lane + usize::from(run.shift)]));
+                            }
                         }
                     }
                 }

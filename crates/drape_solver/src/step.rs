@@ -6,7 +6,7 @@
 //!       -> finish
 //! ```
 //!
-//! The stages are public so that a schedule can run its own systems between them; [`step`] and [`substep`] are
+//! The stages are public so that a schedule can run its own systems between them; [`step`] and [`substeps`] are
 //! the same stages in the same order, and give the same bits.
 //!
 //! Friction comes last in *each* substep, on the substep's whole tangential displacement, with the depth summed
@@ -21,37 +21,53 @@ use crate::contact_particle_obstacle as particle_obstacle;
 use crate::error::StepError;
 use crate::isa::Isa;
 use crate::island::{Environment, Island, IslandContext};
-use crate::overlap::Pace;
 use crate::sweep::{self, Surroundings};
+use crate::threads::{Alone, Threads};
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
 use crate::{contact_ball_obstacle as ball_obstacle, force, integrate as verlet, rest, stick};
 
-/// Advances an island by `environment.dt` seconds.
+/// Advances an island by `environment.dt` seconds, on this thread.
 ///
 /// # Errors
 /// [`StepError`] if the time step, the environment or a body's settings are invalid: nothing has moved then; or
 /// if the state of a body or ball is no longer finite.
 pub fn step(island: &mut Island, environment: &Environment) -> Result<(), StepError> {
+    step_on(island, environment, &Alone)
+}
+
+/// The same on several threads, to the same bits: large bodies are shared out.
+///
+/// # Errors
+/// As [`step`].
+pub fn step_on(
+    island: &mut Island,
+    environment: &Environment,
+    threads: &dyn Threads,
+) -> Result<(), StepError> {
     begin(island, environment)?;
     accumulate_forces(island, environment);
     detect_collisions(island, environment);
-    for _ in 0..island.substeps() {
-        substep(island, environment);
-    }
+    substeps(island, environment, threads);
     finish(island)
 }
 
-/// One substep: the three stages that a schedule may run one by one. A body that no ball is near runs down its rows
-/// with all three at once.
-pub fn substep(island: &mut Island, environment: &Environment) {
-    if island.balls.is_empty() && island.bodies.iter().all(sweep::can_pipeline) {
+/// All substeps that are left of the step that was [begun](begin). Where no ball is near, a large body runs down its
+/// strips with the stages of several substeps at once.
+pub fn substeps(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
+    if island.balls.is_empty() && island.bodies.iter().all(sweep::can_sweep) {
         let around = surroundings(&island.context, island.isa, environment);
         for body in &mut island.bodies {
-            sweep::substep(body, around);
+            sweep::substeps(body, around, threads);
         }
-        island.context.substep_index += 1;
-        return;
+        island.context.substep_index = island.context.substeps;
     }
+    while island.context.substep_index < island.context.substeps {
+        substep(island, environment);
+    }
+}
+
+/// One substep: the three stages that a schedule may run one by one.
+pub fn substep(island: &mut Island, environment: &Environment) {
     integrate(island, environment);
     relax(island, environment);
     project_collisions(island, environment);
@@ -222,9 +238,9 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
 fn surroundings<'a>(context: &IslandContext, isa: Isa, environment: &'a Environment) -> Surroundings<'a> {
     Surroundings {
         obstacles: &environment.obstacles,
-        pace: Pace::of(context),
         substep_index: context.substep_index,
         substeps: context.substeps,
+        substep: context.substep,
         isa,
     }
 }

@@ -17,6 +17,7 @@ use crate::grid::GridRun;
 use crate::lanes::{Lanes3, load};
 use crate::particles::Particles;
 use crate::topology::{ListedStick, StickBatch, StickMaterial, Topology};
+use crate::work::Common;
 
 /// The part of a stick's error that one relaxation iteration removes, for a `stiffness` in 0..=1, a substep of
 /// `substep` seconds and `iterations` iterations per substep.
@@ -54,12 +55,21 @@ pub(crate) fn greatest_error(particles: &Particles, topology: &Topology) -> f32 
     sticks.flat_map(StickBatch::range).map(error).fold(0.0, f32::max)
 }
 
-/// The columns that sticks read and write.
+/// The columns of some cells, as sticks read and write them.
 pub(crate) struct Joined<'a> {
     pub position: &'a mut [Cell],
     pub inverse_mass: &'a [[f32; LANES]],
     /// For each cell the inverse mass that all its particles share, or 0.
-    pub common: &'a [f32],
+    pub common_mass: &'a [f32],
+}
+
+impl<'a> Joined<'a> {
+    /// Those cells whose positions these are, of a body's, from `first_cell` on.
+    #[inline(always)]
+    pub fn new(position: &'a mut [Cell], rest: &Common<'a>, first_cell: usize) -> Self {
+        let (inverse_mass, common_mass) = (&rest.inverse_mass[first_cell..], &rest.common_mass[first_cell..]);
+        Self { position, inverse_mass, common_mass }
+    }
 }
 
 /// Which formula gives the relative error `(|delta| - rest) / |delta|`, for one stick and for a cell of them.
@@ -141,7 +151,7 @@ pub(crate) struct Alike<P> {
     pub projection: P,
 }
 
-/// The sticks of some rows of cells that begin at `first_cells`, a cell at a time.
+/// The sticks of some strips that begin at `first_cells`, a cell at a time.
 #[inline(always)]
 pub(crate) fn project_runs<S: Simd>(
     simd: S,
@@ -206,8 +216,8 @@ fn project_lanes<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
             if !ALL_LANES {
                 error = lanes.select(error, zero);
             }
-            let common = joined.common[a];
-            let (move_a, move_b) = if common > 0.0 && common == joined.common[b] {
+            let common = joined.common_mass[a];
+            let (move_a, move_b) = if common > 0.0 && common == joined.common_mass[b] {
                 let both = delta.times(error * half);
                 (both, both)
             } else {
@@ -377,9 +387,9 @@ mod tests {
                 {
                     let run = GridRun { a: 0, b: 2, count: 2, step: 1, shift, lanes };
                     let (mut whole, mut single) = (start, start);
-                    let mut joined = Joined { position: &mut whole, inverse_mass, common: &common };
+                    let mut joined = Joined { position: &mut whole, inverse_mass, common_mass: &common };
                     isa.run(ProjectRun(&mut joined, run, projection));
-                    let mut joined = Joined { position: &mut single, inverse_mass, common: &common };
+                    let mut joined = Joined { position: &mut single, inverse_mass, common_mass: &common };
                     for (cell, lane) in (0..2).flat_map(|cell| (0..LANES).map(move |lane| (cell, lane))) {
                         if lanes & (1 << lane) != 0 {
                             let a = cell * LANES + lane;

@@ -253,13 +253,14 @@ impl TetherPlan {
         }
     }
 
-    /// Brings every particle of these cells back to within its tethers' lengths, but by no more than `most` (metres)
-    /// at once: sticks that only pull. `anchors` are the places of the pins.
+    /// Brings every particle of `cells` back to within its tethers' lengths, but by no more than `most` (metres) at once:
+    /// sticks that only pull. The cells are at `places` in the columns; `anchors` are the places of the pins.
     #[inline(always)]
     pub fn project<S: Simd>(
         &self,
         simd: S,
         cells: Range<usize>,
+        places: Range<usize>,
         joined: &mut Joined,
         anchors: &[Cell],
         most: f32,
@@ -267,14 +268,21 @@ impl TetherPlan {
     ) {
         let zero = f32x16::splat(simd, 0.0);
         let most_squared = f32x16::splat(simd, most * most);
-        for cell in cells {
-            let free: mask32x16<S> = load(simd, &joined.inverse_mass[cell]).simd_gt(zero);
-            let mut position = Lanes3::load(simd, &joined.position[cell]);
-            for tie in &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize] {
+        for (cell, place) in cells.zip(places) {
+            let ties = &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize];
+            if ties.is_empty() {
+                continue;
+            }
+            let is_all_free = joined.common_mass[place] > 0.0;
+            let mut position = Lanes3::load(simd, &joined.position[place]);
+            for tie in ties {
                 let delta = position.minus(Lanes3::load(simd, &anchors[tie.anchor as usize]));
                 let distance_squared = delta.dot(delta);
                 let length = load(simd, &tie.length);
-                let is_taut = distance_squared.simd_gt(length * length) & free;
+                let mut is_taut: mask32x16<S> = distance_squared.simd_gt(length * length);
+                if !is_all_free {
+                    is_taut &= load(simd, &joined.inverse_mass[place]).simd_gt(zero);
+                }
                 let mut part = projection.errors(simd, distance_squared, length);
                 let is_too_far = (part * part * distance_squared).simd_gt(most_squared) & is_taut;
                 if is_too_far.any_true() {
@@ -282,7 +290,7 @@ impl TetherPlan {
                 }
                 position = position.minus(delta.times(part)).or(is_taut, position);
             }
-            position.store(&mut joined.position[cell]);
+            position.store(&mut joined.position[place]);
         }
     }
 }
