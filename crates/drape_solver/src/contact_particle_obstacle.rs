@@ -297,7 +297,8 @@ impl<'a> Meeting<'a> {
             return [group.pose; 2];
         }
         let obstacle = &self.obstacles[group.obstacle];
-        [self.substep, self.substep + 1].map(|k| obstacle.pose_at(k as f32 / self.substeps as f32, self.origin))
+        [self.substep, self.substep + 1]
+            .map(|k| obstacle.pose_at(k as f32 / self.substeps as f32, self.origin))
     }
 }
 

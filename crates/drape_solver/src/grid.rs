@@ -113,8 +113,9 @@ pub(crate) struct GridRun {
 impl GridRun {
     /// Takes in one more cell, if it goes on as the others do.
     fn extend(&mut self, cell: &Self) -> bool {
-        let step = if self.count == 1 { cell.a.wrapping_sub(self.a) } else { self.step };
-        let goes_on = (self.a + step * self.count, self.b + step * self.count) == (cell.a, cell.b)
+        let step = if self.count == 1 { cell.a.saturating_sub(self.a) } else { self.step };
+        let goes_on = step > 0
+            && (self.a + step * self.count, self.b + step * self.count) == (cell.a, cell.b)
             && (self.shift, self.lanes) == (cell.shift, cell.lanes);
         if goes_on {
             (self.step, self.count) = (step, self.count + 1);

@@ -99,12 +99,7 @@ impl Flight {
 /// Carries what the projections moved into the displacements of these cells: this is where a contact takes the normal
 /// part of the velocity, and where restitution zero falls out by itself.
 #[inline(always)]
-pub(crate) fn update_displacements<S: Simd>(
-    simd: S,
-    places: Range<usize>,
-    moving: &mut Moving,
-    drift: Vec3,
-) {
+pub(crate) fn update_displacements<S: Simd>(simd: S, places: Range<usize>, moving: &mut Moving, drift: Vec3) {
     let drift = Lanes3::splat(simd, drift);
     for cell in places {
         let position = Lanes3::load(simd, &moving.position[cell]);

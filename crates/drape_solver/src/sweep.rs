@@ -273,10 +273,9 @@ impl Region {
         let [upper, lower, wedge] = [(self.top, up), (down, self.bottom), (up, down)]
             .map(|(top, bottom)| Self { stages: self.stages.clone(), top, bottom });
         let (mut work_above, mut work_below) = work.split_at(strip);
-        threads.join(
-            &mut || upper.share(&mut work_above, plan, projection, threads, above),
-            &mut || lower.share(&mut work_below, plan, projection, threads, count - above),
-        );
+        threads.join(&mut || upper.share(&mut work_above, plan, projection, threads, above), &mut || {
+            lower.share(&mut work_below, plan, projection, threads, count - above)
+        });
         wedge.sweep(work, plan, projection, plan.strips_at_once());
     }
 

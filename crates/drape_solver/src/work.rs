@@ -62,10 +62,8 @@ impl Work<'_> {
         let displacement = displacement.split_at_mut(cells);
         let integrated = integrated.split_at_mut(cells);
         let contacts = self.contacts.split_at(strip);
-        let above =
-            Moving { position: position.0, displacement: displacement.0, integrated: integrated.0 };
-        let below =
-            Moving { position: position.1, displacement: displacement.1, integrated: integrated.1 };
+        let above = Moving { position: position.0, displacement: displacement.0, integrated: integrated.0 };
+        let below = Moving { position: position.1, displacement: displacement.1, integrated: integrated.1 };
         (
             Work { first_strip, cells_of_strip, moving: above, contacts: contacts.0, rest },
             Work { first_strip: strip, cells_of_strip, moving: below, contacts: contacts.1, rest },
