@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use drape_solver::glam::Vec3;
 use drape_solver::{
     Body, BuildError, Environment, Isa, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StateHasher, StickMaterial, StickProjection, Topology, TopologyBuilder, measure, step,
+    StateHasher, StickMaterial, StickProjection, Threads, Topology, TopologyBuilder, measure, step, step_on,
 };
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -29,7 +29,7 @@ impl Drape {
     /// Loads `scene`: equal bodies share their topology.
     ///
     /// # Errors
-    /// [`Failure`] if the solver refuses the bodies, or there are more threads than it can use.
+    /// [`Failure`] if the solver refuses the bodies, or the threads cannot be started.
     pub fn new(scene: &Scene, effort: &Effort) -> Result<Self, Failure> {
         let topology = Arc::new(topology(&scene.model)?);
         let settings = settings(effort);
@@ -38,33 +38,42 @@ impl Drape {
             Ok(Island::of_body(Body::new(particles, Arc::clone(&topology), settings)))
         });
         let islands: Vec<Island> = islands.collect::<Result<_, BuildError>>()?;
-        Ok(Self { pool: pool(scene, effort.threads)?, islands, environment: environment()? })
+        Ok(Self { pool: pool(effort.threads)?, islands, environment: environment()? })
     }
 }
 
 /// The threads that [`step_islands`] uses.
-///
-/// A single body is stepped on one thread: the solver has no way yet to share it out.
-fn pool(scene: &Scene, threads: u32) -> Result<Option<ThreadPool>, Failure> {
+fn pool(threads: u32) -> Result<Option<ThreadPool>, Failure> {
     if threads < 2 {
         return Ok(None);
-    }
-    if scene.bodies < 2 {
-        return Err(Failure::Threads { solver: "drape", scene: "a single body", threads });
     }
     let pool = ThreadPoolBuilder::new().num_threads(threads as usize).build();
     pool.map(Some).map_err(|error| Failure::Pool(error.to_string()))
 }
 
-/// One step of all islands: what is timed.
+/// The threads of the pool that it is called in.
+struct OfPool;
+
+impl Threads for OfPool {
+    fn count(&self) -> usize {
+        rayon::current_num_threads()
+    }
+
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+        rayon::join(one, other);
+    }
+}
+
+/// One step of all islands: what is timed. Several are shared out to the threads; a single one shares its body out.
 fn step_islands(
     islands: &mut [Island],
     environment: &Environment,
     pool: Option<&ThreadPool>,
 ) -> Result<(), Failure> {
-    match pool {
-        None => islands.iter_mut().try_for_each(|island| step(island, environment))?,
-        Some(pool) => pool.install(|| {
+    match (pool, islands) {
+        (None, islands) => islands.iter_mut().try_for_each(|island| step(island, environment))?,
+        (Some(pool), [island]) => pool.install(|| step_on(island, environment, &OfPool))?,
+        (Some(pool), islands) => pool.install(|| {
             let share = islands.len().div_ceil(4 * pool.current_num_threads());
             let chunks = islands.par_chunks_mut(share);
             chunks.try_for_each(|chunk| chunk.iter_mut().try_for_each(|island| step(island, environment)))

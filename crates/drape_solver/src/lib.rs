@@ -12,6 +12,7 @@ mod contact_ball_ball;
 mod contact_ball_cloth;
 mod contact_ball_obstacle;
 mod contact_particle_obstacle;
+mod crew;
 pub mod error;
 pub mod force;
 mod friction;

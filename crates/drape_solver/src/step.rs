@@ -18,6 +18,7 @@ use glam::Vec3;
 use crate::body::Body;
 use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS};
 use crate::contact_particle_obstacle as particle_obstacle;
+use crate::crew::Crew;
 use crate::error::StepError;
 use crate::isa::Isa;
 use crate::island::{Environment, Island, IslandContext};
@@ -56,8 +57,13 @@ pub fn step_on(
 pub fn substeps(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
     if island.balls.is_empty() && island.bodies.iter().all(sweep::can_sweep) {
         let around = surroundings(&island.context, island.isa, environment);
-        for body in &mut island.bodies {
-            sweep::substeps(body, around, threads);
+        let bodies = &mut island.bodies;
+        if threads.count() > 1 {
+            Crew::run(threads, &mut |crew| {
+                bodies.iter_mut().for_each(|body| sweep::substeps(body, around, crew));
+            });
+        } else {
+            bodies.iter_mut().for_each(|body| sweep::substeps(body, around, &Alone));
         }
         island.context.substep_index = island.context.substeps;
     }

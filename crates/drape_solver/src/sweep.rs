@@ -129,8 +129,8 @@ fn substeps_at_once(body: &Body, threads: &dyn Threads) -> u32 {
     let lag = plan.lag_of_substep().max(1);
     let strips = SWEPT_BYTES / (BYTES_OF_CELL * plan.cells_of_strip);
     let by_cache = strips.saturating_sub(plan.strips_at_once()) / lag;
-    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * threads.count() * lag);
-    let most = if threads.count() > 1 { by_cache.min(by_wedge) } else { by_cache };
+    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * threads.most() * lag);
+    let most = if threads.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
     most.max(1) as u32
 }
 
