@@ -38,6 +38,9 @@ pub const SWEPT_BYTES: usize = 3 << 19;
 /// Where threads share a body, strips for each thread and strip of lag: the wedges between them are done by one alone.
 pub const LEAST_STRIPS_PER_LAG: usize = 8;
 
+/// What the contacts of a cell that may touch an obstacle cost, compared with all else that is done to a cell.
+pub const WORK_OF_CONTACTS: f32 = 0.5;
+
 /// Overlaps of particles and obstacles below this, in metres, are rounding.
 pub const LEAST_OVERLAP: f32 = 1e-6;
 

@@ -308,6 +308,11 @@ impl ObstacleRows<'_> {
         self.candidates.is_empty()
     }
 
+    /// Candidates of the body above `strip`.
+    pub fn candidates_above(&self, strip: usize) -> usize {
+        self.first_of_strip.get(strip).map_or(0, |&first| first as usize)
+    }
+
     /// Cuts them in two above `strip`.
     pub fn split_at(&mut self, strip: usize) -> (ObstacleRows<'_>, ObstacleRows<'_>) {
         let &mut Self { groups, planes, first_of_strip, before, .. } = self;

@@ -108,17 +108,19 @@ impl Crew {
     }
 }
 
-impl Threads for Crew {
-    /// With the helpers that are there and have nothing to do.
-    fn count(&self) -> usize {
+impl Crew {
+    /// How many there are now, with the leader: those that have come and have nothing to do.
+    pub fn count(&self) -> usize {
         1 + self.places.iter().filter(|place| place.state.load(Ordering::Relaxed) == IDLE).count()
     }
 
-    fn most(&self) -> usize {
+    /// How many there may be in a moment.
+    pub fn most(&self) -> usize {
         1 + self.called
     }
 
-    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+    /// Runs both, at the same time if a helper has nothing to do, and returns when both are through.
+    pub fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
         let is_claimed = |place: &&Place| {
             place.state.compare_exchange(IDLE, CLAIMED, Ordering::AcqRel, Ordering::Relaxed).is_ok()
         };

@@ -6,7 +6,7 @@
 //!       -> finish
 //! ```
 //!
-//! The stages are public so that a schedule can run its own systems between them; [`step`] and [`substeps`] are
+//! The stages are public so that a schedule can run its own systems between them; [`step`] and [`substeps_on`] are
 //! the same stages in the same order, and give the same bits.
 //!
 //! Friction comes last in *each* substep, on the substep's whole tangential displacement, with the depth summed
@@ -45,25 +45,29 @@ pub fn step_on(
     environment: &Environment,
     threads: &dyn Threads,
 ) -> Result<(), StepError> {
-    begin(island, environment)?;
-    accumulate_forces(island, environment);
-    detect_collisions(island, environment);
-    substeps(island, environment, threads);
-    finish(island)
+    let mut outcome = Ok(());
+    Crew::run(threads, &mut |crew| {
+        outcome = begin(island, environment).and_then(|()| {
+            accumulate_forces(island, environment);
+            detect_collisions(island, environment);
+            substeps(island, environment, crew);
+            finish(island)
+        });
+    });
+    outcome
 }
 
 /// All substeps that are left of the step that was [begun](begin). Where no ball is near, a large body runs down its
 /// strips with the stages of several substeps at once.
-pub fn substeps(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
+pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
+    Crew::run(threads, &mut |crew| substeps(island, environment, crew));
+}
+
+fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
     if island.balls.is_empty() && island.bodies.iter().all(sweep::can_sweep) {
         let around = surroundings(&island.context, island.isa, environment);
-        let bodies = &mut island.bodies;
-        if threads.count() > 1 {
-            Crew::run(threads, &mut |crew| {
-                bodies.iter_mut().for_each(|body| sweep::substeps(body, around, crew));
-            });
-        } else {
-            bodies.iter_mut().for_each(|body| sweep::substeps(body, around, &Alone));
+        for body in &mut island.bodies {
+            sweep::substeps(body, around, crew);
         }
         island.context.substep_index = island.context.substeps;
     }

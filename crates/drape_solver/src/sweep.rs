@@ -33,13 +33,13 @@ use glam::Vec3;
 use crate::body::Body;
 use crate::columns::LANES;
 use crate::constants::{BYTES_OF_CELL, LEAST_STRIPS_PER_LAG, SWEPT_BYTES, TETHER_SPEED};
+use crate::crew::Crew;
 use crate::integrate::{Flight, drift};
 use crate::isa::{Isa, Kernel};
 use crate::obstacle::Obstacle;
 use crate::plan::{Plan, Stage};
 use crate::settings::StickProjection;
 use crate::stick::{Exact, Projection, SquareRootFree};
-use crate::threads::Threads;
 use crate::work::{Common, Moving, Work};
 
 /// What is the same for all stages of a substep, and comes from outside the body.
@@ -101,18 +101,18 @@ pub(crate) fn can_sweep(body: &Body) -> bool {
 }
 
 /// All substeps that are left, of a body that no ball is near.
-pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, threads: &dyn Threads) {
+pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
     let count = body.context.plan.stages.len();
-    let at_once = substeps_at_once(body, threads);
+    let at_once = substeps_at_once(body, crew);
     while around.substep_index < around.substeps {
         let taken = at_once.min(around.substeps - around.substep_index);
         begin(body);
         if body.particles.masses.has_pins {
-            sweep(body, around, 0..taken as usize * count, threads);
+            sweep(body, around, 0..taken as usize * count, crew);
         } else {
             // The drift of a free body is a sum over all of it.
-            sweep(body, around, 0..count - 2, threads);
-            sweep(body, around, count - 2..count, threads);
+            sweep(body, around, 0..count - 2, crew);
+            sweep(body, around, count - 2..count, crew);
         }
         body.note_pin_travel();
         around.substep_index += taken;
@@ -121,7 +121,7 @@ pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, threads: &dyn 
 
 /// How many substeps one trip through memory carries: as many as the strips between its first stage and its last fit
 /// the cache.
-fn substeps_at_once(body: &Body, threads: &dyn Threads) -> u32 {
+fn substeps_at_once(body: &Body, crew: &Crew) -> u32 {
     let plan = &body.context.plan;
     if !body.particles.masses.has_pins || !body.context.pin_shifts.is_empty() {
         return 1;
@@ -129,8 +129,8 @@ fn substeps_at_once(body: &Body, threads: &dyn Threads) -> u32 {
     let lag = plan.lag_of_substep().max(1);
     let strips = SWEPT_BYTES / (BYTES_OF_CELL * plan.cells_of_strip);
     let by_cache = strips.saturating_sub(plan.strips_at_once()) / lag;
-    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * threads.most() * lag);
-    let most = if threads.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
+    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * crew.most() * lag);
+    let most = if crew.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
     most.max(1) as u32
 }
 
@@ -156,10 +156,10 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
 }
 
 /// Some stages, counted through several substeps, in a sweep.
-fn sweep(body: &mut Body, around: Surroundings, stages: Range<usize>, threads: &dyn Threads) {
+fn sweep(body: &mut Body, around: Surroundings, stages: Range<usize>, crew: &Crew) {
     with_work(body, around, stages.start, |work, plan, projection| {
         let region = Region { stages, top: Edge::level(0), bottom: Edge::level(plan.strips) };
-        region.share(work, plan, projection, threads, threads.count());
+        region.share(work, plan, projection, crew, crew.count());
     });
 }
 
@@ -254,27 +254,23 @@ impl Region {
     }
 
     /// Sweeps it on up to `count` threads.
-    fn share(
-        &self,
-        work: &mut Work,
-        plan: &Plan,
-        projection: StickProjection,
-        threads: &dyn Threads,
-        count: usize,
-    ) {
+    fn share(&self, work: &mut Work, plan: &Plan, projection: StickProjection, crew: &Crew, count: usize) {
         let (top, bottom) = (self.top.strip, self.bottom.strip);
-        // Each half must hold its two slopes.
-        if count < 2 || bottom - top < 4 * (self.lag(plan, self.stages.end - 1) + 1) {
+        let steepest = self.lag(plan, self.stages.end - 1) + 1;
+        if count < 2 || bottom - top < 4 * steepest {
             return self.sweep(work, plan, projection, plan.strips_at_once());
         }
         let above = count / 2;
-        let strip = top + (bottom - top) * above / count;
+        // Each half must hold its two slopes.
+        let strip = work
+            .balanced_cut(top..bottom, above as f32 / count as f32)
+            .clamp(top + 2 * steepest, bottom - 2 * steepest);
         let (up, down) = (Edge { strip, slope: Slope::Up }, Edge { strip, slope: Slope::Down });
         let [upper, lower, wedge] = [(self.top, up), (down, self.bottom), (up, down)]
             .map(|(top, bottom)| Self { stages: self.stages.clone(), top, bottom });
         let (mut work_above, mut work_below) = work.split_at(strip);
-        threads.join(&mut || upper.share(&mut work_above, plan, projection, threads, above), &mut || {
-            lower.share(&mut work_below, plan, projection, threads, count - above)
+        crew.join(&mut || upper.share(&mut work_above, plan, projection, crew, above), &mut || {
+            lower.share(&mut work_below, plan, projection, crew, count - above)
         });
         wedge.sweep(work, plan, projection, plan.strips_at_once());
     }

@@ -7,11 +7,6 @@ pub trait Threads: Sync {
     /// How many there are, with the one that calls.
     fn count(&self) -> usize;
 
-    /// How many there may be in a moment.
-    fn most(&self) -> usize {
-        self.count()
-    }
-
     /// Runs both, at the same time if it can, and returns when both are through. Must not allocate where a step shall
     /// not.
     fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send));

@@ -6,6 +6,7 @@ use fearless_simd::Simd;
 use glam::Vec3;
 
 use crate::columns::{Cell, LANES};
+use crate::constants::WORK_OF_CONTACTS;
 use crate::contact_particle_obstacle::{Meeting, ObstacleRows};
 use crate::integrate::{Flight, update_displacements};
 use crate::plan::Stage;
@@ -53,6 +54,22 @@ pub(crate) struct Common<'a> {
 }
 
 impl Work<'_> {
+    /// The strip above which there is this `part` of the work of some strips.
+    pub fn balanced_cut(&self, strips: Range<usize>, part: f32) -> usize {
+        let work_above = |strip: usize| {
+            let cells = (strip * self.cells_of_strip) as f32;
+            cells + self.contacts.candidates_above(strip) as f32 * WORK_OF_CONTACTS
+        };
+        let [first, last] = [strips.start, strips.end].map(work_above);
+        let wanted = first + (last - first) * part;
+        let (mut low, mut high) = (strips.start, strips.end);
+        while low < high {
+            let middle = low.midpoint(high);
+            if work_above(middle) < wanted { low = middle + 1 } else { high = middle }
+        }
+        low
+    }
+
     /// Cuts it in two above `strip`.
     pub fn split_at(&mut self, strip: usize) -> (Work<'_>, Work<'_>) {
         let &mut Self { first_strip, cells_of_strip, rest, .. } = self;
