@@ -35,6 +35,9 @@ pub const BYTES_OF_CELL: usize = 800;
 /// What the strips between the first stage of a sweep and its last may take up, in bytes: the second cache of a core.
 pub const SWEPT_BYTES: usize = 3 << 19;
 
+/// Cells for each thread from which on threads share a body.
+pub const LEAST_SHARED_CELLS: usize = 400;
+
 /// Where threads share a body, strips for each thread and strip of lag: the wedges between them are done by one alone.
 pub const LEAST_STRIPS_PER_LAG: usize = 8;
 

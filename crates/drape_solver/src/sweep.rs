@@ -32,7 +32,7 @@ use glam::Vec3;
 
 use crate::body::Body;
 use crate::columns::LANES;
-use crate::constants::{BYTES_OF_CELL, LEAST_STRIPS_PER_LAG, SWEPT_BYTES, TETHER_SPEED};
+use crate::constants::{BYTES_OF_CELL, LEAST_SHARED_CELLS, LEAST_STRIPS_PER_LAG, SWEPT_BYTES, TETHER_SPEED};
 use crate::crew::Crew;
 use crate::integrate::{Flight, drift};
 use crate::isa::{Isa, Kernel};
@@ -257,7 +257,8 @@ impl Region {
     fn share(&self, work: &mut Work, plan: &Plan, projection: StickProjection, crew: &Crew, count: usize) {
         let (top, bottom) = (self.top.strip, self.bottom.strip);
         let steepest = self.lag(plan, self.stages.end - 1) + 1;
-        if count < 2 || bottom - top < 4 * steepest {
+        let is_small = (bottom - top) * plan.cells_of_strip < count * LEAST_SHARED_CELLS;
+        if count < 2 || is_small || bottom - top < 4 * steepest {
             return self.sweep(work, plan, projection, plan.strips_at_once());
         }
         let above = count / 2;
