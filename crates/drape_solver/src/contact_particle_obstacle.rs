@@ -17,7 +17,8 @@ use glam::Vec3;
 
 use crate::body::{Body, BodyContext};
 use crate::columns::{Cell, LANES};
-use crate::constants::LEAST_OVERLAP;
+use crate::constants::{LEAST_OVERLAP, LEAST_SHARED_CELLS};
+use crate::crew::Crew;
 use crate::friction::combined;
 use crate::isa::{Isa, Kernel};
 use crate::lanes::{Lanes3, load};
@@ -37,6 +38,8 @@ pub(crate) struct ObstacleContacts {
     layout: Layout,
     groups: Vec<Group>,
     candidates: Vec<Candidate>,
+    /// Room for what a helper finds.
+    found_by_helper: Vec<Candidate>,
     /// One for each candidate.
     pushes: Vec<Pushes>,
     planes: Vec<LanePlanes>,
@@ -105,7 +108,7 @@ impl BodyContext {
 
 /// Lists the particles that could touch each obstacle if nothing moves more than `reach` (metres) on top of
 /// the obstacle's own travel.
-pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: Isa) {
+pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: Isa, crew: &Crew) {
     let (low, high) = body.particles.bounds();
     let Body { particles, settings, context, .. } = body;
     let contacts = &mut context.contacts;
@@ -130,25 +133,17 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
                     (0..LANES).for_each(|lane| normal.set(lane, wall.normal));
                     contacts.planes.push(LanePlanes { normal, offset: [wall.offset; LANES] });
                     let plane = contacts.planes.len() - 1;
-                    let planes = &contacts.planes[plane];
-                    let candidates = &mut contacts.candidates;
-                    let solid = Solid::Planes(planes);
+                    let solid = Solid::Planes(&contacts.planes[plane]);
                     let planes = Some(plane as u32);
-                    isa.run(Search { particles, solid, pose, reach, group, planes, candidates });
+                    let search = Search { particles, solid, pose, reach, group, planes };
+                    search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
                 }
             }
             shape @ Shape::Parry(_) => search_by_query(contacts, particles, shape, pose, reach, group),
             shape => {
-                let candidates = &mut contacts.candidates;
-                isa.run(Search {
-                    particles,
-                    solid: Solid::Formula(shape),
-                    pose,
-                    reach,
-                    group,
-                    planes: None,
-                    candidates,
-                });
+                let solid = Solid::Formula(shape);
+                let search = Search { particles, solid, pose, reach, group, planes: None };
+                search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
             }
         }
         if contacts.candidates.len() > first {
@@ -201,6 +196,7 @@ fn search_by_query(
 }
 
 /// The search for cells within reach of a shape with a formula.
+#[derive(Clone, Copy)]
 struct Search<'a> {
     particles: &'a Particles,
     solid: Solid<'a>,
@@ -208,24 +204,52 @@ struct Search<'a> {
     reach: f32,
     group: u16,
     planes: Option<u32>,
-    candidates: &'a mut Vec<Candidate>,
 }
 
-impl Kernel for Search<'_> {
+impl Search<'_> {
+    /// Adds what it finds to `candidates`. Where there is help, the second half of the cells is searched by the helper.
+    fn run(
+        self,
+        candidates: &mut Vec<Candidate>,
+        found_by_helper: &mut Vec<Candidate>,
+        isa: Isa,
+        crew: &Crew,
+    ) {
+        let cells = self.particles.position.cells.len();
+        if crew.count() < 2 || cells < 2 * LEAST_SHARED_CELLS {
+            return isa.run(SearchCells { search: self, cells: 0..cells, candidates });
+        }
+        let middle = cells / 2;
+        found_by_helper.clear();
+        crew.join(&mut || isa.run(SearchCells { search: self, cells: 0..middle, candidates }), &mut || {
+            isa.run(SearchCells { search: self, cells: middle..cells, candidates: found_by_helper })
+        });
+        candidates.extend_from_slice(found_by_helper);
+    }
+}
+
+struct SearchCells<'a, 'b> {
+    search: Search<'a>,
+    cells: Range<usize>,
+    candidates: &'b mut Vec<Candidate>,
+}
+
+impl Kernel for SearchCells<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let pose = LanePose::new(simd, &self.pose);
-        let reach = f32x16::splat(simd, self.reach);
-        let (masses, _) = self.particles.inverse_mass.as_chunks::<LANES>();
-        for (cell, (position, mass)) in self.particles.position.cells.iter().zip(masses).enumerate() {
-            let local = pose.to_local(Lanes3::load(simd, position));
-            let (distance, _) = self.solid.surface(simd, local);
-            let near = distance.simd_lt(reach) & load(simd, mass).simd_gt(f32x16::splat(simd, 0.0));
+        let Self { search: Search { particles, solid, pose, reach, group, planes }, cells, candidates } =
+            self;
+        let pose = LanePose::new(simd, &pose);
+        let reach = f32x16::splat(simd, reach);
+        let (masses, _) = particles.inverse_mass.as_chunks::<LANES>();
+        for cell in cells {
+            let position = Lanes3::load(simd, &particles.position.cells[cell]);
+            let (distance, _) = solid.surface(simd, pose.to_local(position));
+            let near = distance.simd_lt(reach) & load(simd, &masses[cell]).simd_gt(f32x16::splat(simd, 0.0));
             if near.any_true() {
-                let lanes = near.to_bitmask() as u16;
-                self.candidates.push(candidate(cell, self.group, lanes, self.planes));
+                candidates.push(candidate(cell, group, near.to_bitmask() as u16, planes));
             }
         }
     }
@@ -243,10 +267,14 @@ impl ObstacleContacts {
             candidates.reserve(cells.saturating_sub(candidates.len()));
             pushes.reserve(cells.saturating_sub(pushes.len()));
             first_of_strip.reserve(strips + 1);
-            let strip_of = |candidate: &Candidate| candidate.cell as usize / cells_of_strip;
-            candidates.sort_unstable_by_key(|c| (strip_of(c), c.group, c.cell, c.planes));
+            // The search for a single obstacle finds them in order.
+            if !candidates.is_sorted_by_key(|c| c.cell) {
+                let strip_of = |c: &Candidate| c.cell as usize / cells_of_strip;
+                candidates.sort_unstable_by_key(|c| (strip_of(c), c.group, c.cell, c.planes));
+            }
             for strip in 0..=strips {
-                first_of_strip.push(candidates.partition_point(|c| strip_of(c) < strip) as u32);
+                let is_above = |c: &Candidate| (c.cell as usize) < strip * cells_of_strip;
+                first_of_strip.push(candidates.partition_point(is_above) as u32);
             }
         }
         pushes.resize(candidates.len(), Pushes::NONE);

@@ -49,9 +49,9 @@ pub fn step_on(
     Crew::run(threads, &mut |crew| {
         outcome = begin(island, environment).and_then(|()| {
             accumulate_forces(island, environment);
-            detect_collisions(island, environment);
+            detect(island, environment, crew);
             substeps(island, environment, crew);
-            finish(island)
+            finish_with(island, crew)
         });
     });
     outcome
@@ -138,6 +138,10 @@ pub fn accumulate_forces(island: &mut Island, environment: &Environment) {
 
 /// Lists what could touch what within the step.
 pub fn detect_collisions(island: &mut Island, environment: &Environment) {
+    detect(island, environment, &Crew::default());
+}
+
+fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     let (dt, gravity) = (environment.dt, environment.gravity.length());
     let fastest_ball = island.balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
     // A ball can bring the cloth to its own speed within the step, and what was edited is pulled into place.
@@ -145,7 +149,7 @@ pub fn detect_collisions(island: &mut Island, environment: &Environment) {
     let speed = island.bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + crate::constants::CONTACT_MARGIN;
     for body in &mut island.bodies {
-        particle_obstacle::detect(body, &environment.obstacles, reach, island.isa);
+        particle_obstacle::detect(body, &environment.obstacles, reach, island.isa, crew);
     }
     ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
     ball_ball::detect(island, dt, gravity);
@@ -212,9 +216,12 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
 /// # Errors
 /// [`StepError::NonFiniteBody`] or [`StepError::NonFiniteBall`].
 pub fn finish(island: &mut Island) -> Result<(), StepError> {
+    finish_with(island, &Crew::default())
+}
+
+fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
     for body in &mut island.bodies {
-        body.particles.survey = None;
-        body.particles.take_survey();
+        body.particles.renew_survey(crew);
     }
     check_finite(island)?;
     let dt = island.context.substep * island.context.substeps as f32;
