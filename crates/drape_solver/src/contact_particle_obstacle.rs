@@ -222,7 +222,7 @@ impl Search<'_> {
         let middle = cells / 2;
         found_by_helper.clear();
         crew.join(&mut || isa.run(SearchCells { search: self, cells: 0..middle, candidates }), &mut || {
-            isa.run(SearchCells { search: self, cells: middle..cells, candidates: found_by_helper })
+            isa.run(SearchCells { search: self, cells: middle..cells, candidates: found_by_helper });
         });
         candidates.extend_from_slice(found_by_helper);
     }

@@ -16,7 +16,7 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS};
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS};
 use crate::contact_particle_obstacle as particle_obstacle;
 use crate::crew::Crew;
 use crate::error::StepError;
@@ -46,7 +46,7 @@ pub fn step_on(
     threads: &dyn Threads,
 ) -> Result<(), StepError> {
     let mut outcome = Ok(());
-    Crew::run(threads, &mut |crew| {
+    Crew::run(lent(island, threads), &mut |crew| {
         outcome = begin(island, environment).and_then(|()| {
             accumulate_forces(island, environment);
             detect(island, environment, crew);
@@ -60,7 +60,13 @@ pub fn step_on(
 /// All substeps that are left of the step that was [begun](begin). Where no ball is near, a large body runs down its
 /// strips with the stages of several substeps at once.
 pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
-    Crew::run(threads, &mut |crew| substeps(island, environment, crew));
+    Crew::run(lent(island, threads), &mut |crew| substeps(island, environment, crew));
+}
+
+/// The threads, if the island has a body that is worth sharing out.
+fn lent<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
+    let is_large = |body: &Body| body.topology.layout.cells() >= 2 * LEAST_SHARED_CELLS;
+    if island.bodies.iter().any(is_large) { threads } else { &Alone }
 }
 
 fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {

@@ -271,7 +271,7 @@ impl Region {
             .map(|(top, bottom)| Self { stages: self.stages.clone(), top, bottom });
         let (mut work_above, mut work_below) = work.split_at(strip);
         crew.join(&mut || upper.share(&mut work_above, plan, projection, crew, above), &mut || {
-            lower.share(&mut work_below, plan, projection, crew, count - above)
+            lower.share(&mut work_below, plan, projection, crew, count - above);
         });
         wedge.sweep(work, plan, projection, plan.strips_at_once());
     }

@@ -7,8 +7,8 @@ pub trait Threads: Sync {
     /// How many there are, with the one that calls.
     fn count(&self) -> usize;
 
-    /// Runs both, at the same time if it can, and returns when both are through. Must not allocate where a step shall
-    /// not.
+    /// Runs both, and returns when both are through: `one` at once, on the thread that calls; `other` on another at the
+    /// same time, or after `one`. Never the other way round, as `other` may wait for what `one` does.
     fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send));
 }
 
