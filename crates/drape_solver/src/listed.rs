@@ -159,15 +159,15 @@ fn reach(order: &[([u32; 2], f32)], cuts: &[usize]) -> usize {
     reaches.max().unwrap_or(0)
 }
 
-/// The columns and lists that a sweep reads and writes.
-pub(crate) struct Sweep<'a> {
+/// The way of all batches down a body: the columns and lists that it reads and writes.
+pub(crate) struct Descent<'a> {
     pub rows: &'a mut Rows,
     pub position: &'a mut [Cell],
     pub inverse_mass: &'a [[f32; LANES]],
     pub sticks: &'a ListedSticks,
 }
 
-impl Sweep<'_> {
+impl Descent<'_> {
     /// Relaxes these batches, each with its stiffness, in their order.
     #[inline(always)]
     pub fn relax<'b, S: Simd>(
@@ -351,7 +351,7 @@ mod tests {
 
     const COUNT: u32 = 3 * BLOCK as u32 + 77;
 
-    struct Relax<'a, 'b, P>(Sweep<'a>, &'b [(&'b ListedBatch, f32)], P);
+    struct Relax<'a, 'b, P>(Descent<'a>, &'b [(&'b ListedBatch, f32)], P);
 
     impl<P: Projection> Kernel for Relax<'_, '_, P> {
         type Output = ();
@@ -415,7 +415,7 @@ mod tests {
                 {
                     let (mut position, mut rows) = (start.clone(), Rows::default());
                     rows.reset(window, cells);
-                    let sweep = Sweep {
+                    let sweep = Descent {
                         rows: &mut rows,
                         position: &mut position,
                         inverse_mass: &masses,
@@ -454,7 +454,7 @@ mod tests {
         }
         let masses = vec![[1.0; LANES]; cells];
         let sweep =
-            Sweep { rows: &mut rows, position: &mut position, inverse_mass: &masses, sticks: &sticks };
+            Descent { rows: &mut rows, position: &mut position, inverse_mass: &masses, sticks: &sticks };
         Isa::detected().run(Relax(sweep, &[(&batch, 1.0)], Exact));
         for slot in (0..40 * BLOCK).step_by(2) {
             let [a, b] = [slot, slot + 1].map(|slot| position[slot / LANES].get(slot % LANES));

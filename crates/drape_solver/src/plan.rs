@@ -1,0 +1,146 @@
+//! The order of a substep's work for one body.
+
+use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
+use crate::settings::SolverSettings;
+use crate::topology::{BatchSticks, Topology};
+
+/// A piece of a substep's work that can be done strip by strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Stage {
+    Integrate,
+    /// Contacts with obstacles.
+    Contacts {
+        is_first: bool,
+    },
+    /// One batch of a grid's sticks.
+    Sticks(usize),
+    /// Batches of listed sticks from `first` up to `end`, the last first if `backwards`. They have a sweep of their own
+    /// through the whole body.
+    Listed {
+        first: usize,
+        end: usize,
+        backwards: bool,
+    },
+    Tethers,
+    /// Displacements follow positions.
+    Update,
+    Friction,
+}
+
+impl Stage {
+    /// The same work the other way round.
+    fn turn(&mut self) {
+        if let Self::Listed { backwards, .. } = self {
+            *backwards = true;
+        }
+    }
+}
+
+/// The stages of a substep in their order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Plan {
+    pub stages: Vec<Stage>,
+    /// Strips that each stage must stay behind the first, in a sweep.
+    lags: Vec<usize>,
+    /// Place of each projection's contacts, sticks and tethers in the stages, in turn.
+    projections: Vec<[usize; 3]>,
+    pub cells_of_strip: usize,
+    pub strips: usize,
+    /// Whether the body may be swept strip by strip, and is large enough for that to pay.
+    pub can_sweep: bool,
+}
+
+impl Plan {
+    /// Writes down the order of work for a body with this `stiffness` of its batches, whose island takes `projections`
+    /// iterations.
+    pub fn make(
+        &mut self,
+        topology: &Topology,
+        settings: &SolverSettings,
+        stiffness: &[f32],
+        projections: u32,
+    ) {
+        (self.cells_of_strip, self.strips) = topology.layout.strips();
+        let active = stiffness.iter().filter(|&&s| s > 0.0).count();
+        self.stages.clear();
+        self.projections.clear();
+        self.stages.push(Stage::Integrate);
+        for projection in 0..projections {
+            let first = self.stages.len();
+            self.stages.push(Stage::Contacts { is_first: projection == 0 });
+            let mut tethers = self.stages.len();
+            if projection < settings.iterations {
+                for batch in (0..stiffness.len()).filter(|&batch| stiffness[batch] > 0.0) {
+                    self.push_batch(topology, batch);
+                }
+                // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
+                // back would begin with the one just done, which does nothing.
+                if projection % 2 == 1 && active > 2 {
+                    self.stages[first + 1..].reverse();
+                    self.stages[first + 1..].iter_mut().for_each(Stage::turn);
+                }
+                tethers = self.stages.len();
+                if settings.tethers && !topology.tethers.is_empty() {
+                    self.stages.push(Stage::Tethers);
+                }
+            }
+            self.projections.push([first, first + 1, tethers]);
+        }
+        let last = self.stages.len();
+        self.projections.push([last, last + 1, last + 1]);
+        self.stages.extend([Stage::Contacts { is_first: false }, Stage::Update, Stage::Friction]);
+        self.lag(topology);
+    }
+
+    /// Adds a batch of sticks, to the listed ones before if it is listed as well.
+    fn push_batch(&mut self, topology: &Topology, batch: usize) {
+        match (&topology.batches[batch].sticks, self.stages.last_mut()) {
+            (BatchSticks::Grid { .. }, _) => self.stages.push(Stage::Sticks(batch)),
+            (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) => *end = batch + 1,
+            (BatchSticks::Listed(_), _) => {
+                self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
+            }
+        }
+    }
+
+    /// Where the contacts, sticks and tethers of a projection are in the stages.
+    pub fn places(&self, projection: u32) -> [usize; 3] {
+        self.projections.get(projection as usize).copied().unwrap_or_default()
+    }
+
+    /// How far each stage must stay behind the one before, and whether that works for this body.
+    fn lag(&mut self, topology: &Topology) {
+        self.can_sweep =
+            topology.layout.has_whole_rows() && self.cells_of_strip * self.strips >= LEAST_SWEPT_CELLS;
+        self.lags.clear();
+        let mut lag = 0;
+        for stage in &self.stages {
+            match *stage {
+                Stage::Sticks(batch) => {
+                    if let BatchSticks::Grid { runs, .. } = &topology.batches[batch].sticks {
+                        lag += runs.reach;
+                    }
+                }
+                Stage::Listed { .. } => self.can_sweep = false,
+                _ => {}
+            }
+            self.lags.push(lag);
+        }
+    }
+
+    /// Strips that a whole substep needs between the first stage and the last.
+    pub fn lag_of_substep(&self) -> usize {
+        self.lags.last().copied().unwrap_or_default()
+    }
+
+    /// Strips that stage `place` must stay behind the first, where places are counted through several substeps.
+    pub fn lag_of(&self, place: usize) -> usize {
+        let count = self.stages.len();
+        place / count * self.lag_of_substep() + self.lags[place % count]
+    }
+
+    /// Strips that a stage takes at once in a sweep.
+    pub fn strips_at_once(&self) -> usize {
+        CELLS_AT_ONCE.div_ceil(self.cells_of_strip)
+    }
+}
