@@ -95,24 +95,31 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
 }
 
 /// Whether [`substeps`] may be called for the body.
-pub(crate) fn can_sweep(body: &Body) -> bool {
-    // Damping is not done strip by strip.
-    body.context.plan.can_sweep && body.context.damping.iter().all(|&d| d == 0.0)
+pub(crate) fn is_all_stages(body: &Body) -> bool {
+    // Damping is no stage.
+    body.context.damping.iter().all(|&d| d == 0.0)
 }
 
-/// All substeps that are left, of a body that no ball is near.
+/// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.
 pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
     let count = body.context.plan.stages.len();
     let at_once = substeps_at_once(body, crew);
+    let stages = |body: &mut Body, around: Surroundings, stages: Range<usize>| {
+        if body.context.plan.can_sweep {
+            sweep(body, around, stages, crew);
+        } else {
+            run(body, around, stages);
+        }
+    };
     while around.substep_index < around.substeps {
         let taken = at_once.min(around.substeps - around.substep_index);
         begin(body);
         if body.particles.masses.has_pins {
-            sweep(body, around, 0..taken as usize * count, crew);
+            stages(body, around, 0..taken as usize * count);
         } else {
             // The drift of a free body is a sum over all of it.
-            sweep(body, around, 0..count - 2, crew);
-            sweep(body, around, count - 2..count, crew);
+            stages(body, around, 0..count - 2);
+            stages(body, around, count - 2..count);
         }
         body.note_pin_travel();
         around.substep_index += taken;
@@ -123,7 +130,7 @@ pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
 /// the cache.
 fn substeps_at_once(body: &Body, crew: &Crew) -> u32 {
     let plan = &body.context.plan;
-    if !body.particles.masses.has_pins || !body.context.pin_shifts.is_empty() {
+    if !plan.can_sweep || !body.particles.masses.has_pins || !body.context.pin_shifts.is_empty() {
         return 1;
     }
     let lag = plan.lag_of_substep().max(1);
