@@ -15,6 +15,7 @@ mod mesh;
 mod momentum;
 mod obstacles;
 mod property;
+mod reference;
 mod relaxation;
 mod rope;
 mod stability;
