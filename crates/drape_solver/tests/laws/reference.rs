@@ -13,7 +13,7 @@ use crate::common::*;
 const FRICTION: f32 = 0.5;
 const RADIUS: f32 = 0.5;
 const CENTRE: Vec3 = Vec3::new(0.1, -0.7, 0.05);
-const GROUND: f32 = -1.6;
+const GROUND: f32 = -1.25;
 
 /// What a particle has, and what a substep notes of it.
 #[derive(Clone, Copy)]
