@@ -16,6 +16,7 @@
 use std::sync::Arc;
 
 use crate::columns::LANES;
+use crate::constants::CELLS_AT_ONCE;
 use crate::renumbering::Renumbering;
 
 /// The arrangement of a body's particles in memory.
@@ -69,7 +70,10 @@ impl Layout {
     /// The number of cells in a strip, and the number of strips. The last one may have fewer cells.
     pub fn strips(&self) -> (usize, usize) {
         match self {
-            Self::Linear { .. } | Self::Renumbered(_) => (self.cells(), 1),
+            Self::Linear { .. } | Self::Renumbered(_) => {
+                let cells = self.cells().clamp(1, CELLS_AT_ONCE);
+                (cells, self.cells().div_ceil(cells))
+            }
             Self::Grid(grid) => (grid.cells_of_strip(), grid.height.div_ceil(ROWS_OF_STRIP)),
         }
     }

@@ -1,5 +1,7 @@
 //! The order of a substep's work for one body.
 
+use core::ops::Range;
+
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
 use crate::settings::SolverSettings;
 use crate::topology::{BatchSticks, Topology};
@@ -126,6 +128,19 @@ impl Plan {
             }
             self.lags.push(lag);
         }
+    }
+
+    /// Stages in as few passes over the body as there can be without a sweep: one for each, unless no stick reaches from
+    /// strip to strip; then one for all up to listed sticks, and so on.
+    pub fn passes(&self, stages: Range<usize>) -> impl Iterator<Item = Range<usize>> + '_ {
+        let (mut next, end) = (stages.start, stages.end);
+        let is_alone =
+            |place: usize| self.lag_of_substep() > 0 || matches!(self.stages[place], Stage::Listed { .. });
+        core::iter::from_fn(move || {
+            let first = next;
+            next = (first + 1..end).find(|&place| is_alone(place - 1) || is_alone(place)).unwrap_or(end);
+            (first < end).then_some(first..next)
+        })
     }
 
     /// Strips that a whole substep needs between the first stage and the last.

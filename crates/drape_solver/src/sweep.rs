@@ -147,7 +147,7 @@ fn begin(body: &mut Body) {
     body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
 }
 
-/// Some stages of a substep one by one, each over the whole body.
+/// Some stages of a substep, pass after pass over the whole body.
 fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
     // A body that was taken out in the middle of the step has no plan.
     if stages.is_empty() || stages.end > body.context.plan.stages.len() {
@@ -155,9 +155,10 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
     }
     with_work(body, around, stages.start, |work, plan, projection| {
         let (top, bottom) = (Edge::level(0), Edge::level(plan.strips));
-        for stage in stages {
-            let region = Region { stages: stage..stage + 1, top, bottom };
-            region.sweep(work, plan, projection, plan.strips);
+        for stages in plan.passes(stages) {
+            // Listed sticks go down the body by themselves.
+            let at_once = if stages.len() == 1 { plan.strips } else { plan.strips_at_once() };
+            Region { stages, top, bottom }.sweep(work, plan, projection, at_once);
         }
     });
 }
