@@ -96,8 +96,9 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
 
 /// Whether [`substeps`] may be called for the body.
 pub(crate) fn is_all_stages(body: &Body) -> bool {
-    // Damping is no stage.
-    body.context.damping.iter().all(|&d| d == 0.0)
+    // Damping is no stage, and how many iterations a tolerance takes is not known beforehand.
+    let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
+    is_fixed && body.context.damping.iter().all(|&d| d == 0.0)
 }
 
 /// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.
