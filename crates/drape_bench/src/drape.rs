@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use drape_solver::glam::Vec3;
 use drape_solver::{
     Body, BuildError, Environment, Isa, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StateHasher, StickMaterial, StickProjection, Topology, TopologyBuilder, measure, step,
+    StateHasher, StickMaterial, StickProjection, StructuralSolve, Topology, TopologyBuilder, measure, step,
 };
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -114,6 +114,7 @@ pub fn settings(effort: &Effort) -> SolverSettings {
             Projection::Exact => StickProjection::Exact,
             Projection::SquareRootFree => StickProjection::SquareRootFree,
         },
+        structural: if effort.lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
         ..SolverSettings::default()
     }
 }

@@ -7,8 +7,9 @@ use glam::Vec3;
 use crate::columns::Columns;
 use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::integrate::Drag;
+use crate::line::LineScratch;
 use crate::particles::Particles;
-use crate::settings::SolverSettings;
+use crate::settings::{SolverSettings, StructuralSolve};
 use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
 use crate::sweep::Plan;
 use crate::topology::Topology;
@@ -55,6 +56,7 @@ pub struct BodyContext {
     pub(crate) damping: Vec<f32>,
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
+    pub(crate) lines: LineScratch,
     /// The order of work of a substep.
     pub(crate) plan: Plan,
     pub(crate) still_for: f32,
@@ -93,6 +95,9 @@ impl Body {
         context.damping.extend(materials.map(|m| substep_damping(m, substep)));
         if context.integrated.cells.len() != particles.layout.cells() {
             context.integrated.reset(particles.layout.cells());
+        }
+        if settings.structural == StructuralSolve::Lines {
+            context.lines.reserve(topology.layout);
         }
         context.plan.make(topology, settings, &context.stiffness, projections);
         context.pin_shifts.clear();
@@ -142,6 +147,6 @@ impl Body {
         let columns = [&particles.position, &particles.displacement, &context.integrated];
         let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
         let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
-        cells + masses + topology.bytes()
+        cells + masses + context.lines.bytes() + topology.bytes()
     }
 }

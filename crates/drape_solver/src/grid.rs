@@ -38,6 +38,11 @@ impl GridBatch {
         (whole * width + rest.saturating_sub(self.phase * width).min(width), width)
     }
 
+    /// Columns to the right and rows down from one end of a stick to the other.
+    pub fn offset(self) -> (isize, usize) {
+        (self.right, self.down)
+    }
+
     /// How many rows of cells its sticks reach down, where a row of the grid is a row of cells.
     pub fn reach(self) -> usize {
         self.down

@@ -24,6 +24,7 @@ use crate::contact_particle_obstacle::{Moving, ObstacleContacts};
 use crate::integrate::{Flight, drift, update_displacements};
 use crate::isa::{Isa, Kernel};
 use crate::layout::Layout;
+use crate::line::{LineScratch, LineSolve, Lines};
 use crate::obstacle::Obstacle;
 use crate::overlap::Pace;
 use crate::settings::{SolverSettings, StickProjection};
@@ -41,6 +42,11 @@ enum Stage {
     /// One batch of sticks.
     Sticks(usize),
     Tethers,
+    /// All rows or all columns, as chains of sticks of this length in metres.
+    Lines {
+        lines: Lines,
+        rest_length: f32,
+    },
     /// Displacements follow positions.
     Update,
     Friction,
@@ -52,8 +58,8 @@ pub(crate) struct Plan {
     stages: Vec<Stage>,
     /// Rows that each stage is behind the first, where they are pipelined.
     lags: Vec<usize>,
-    /// Place of each projection's contacts, sticks and tethers in the stages, in turn.
-    projections: Vec<[usize; 3]>,
+    /// Place of each projection's contacts, sticks, tethers and lines in the stages, in turn.
+    projections: Vec<[usize; 4]>,
     cells_of_row: usize,
     rows: usize,
     can_pipeline: bool,
@@ -70,17 +76,20 @@ impl Plan {
         projections: u32,
     ) {
         (self.cells_of_row, self.rows) = topology.layout.rows();
-        let active = stiffness.iter().filter(|&&s| s > 0.0).count();
+        let is_swept = |&batch: &usize| {
+            stiffness[batch] > 0.0
+                && Lines::of(&topology.batches[batch], stiffness[batch], settings).is_none()
+        };
+        let active = (0..stiffness.len()).filter(is_swept).count();
         self.stages.clear();
         self.projections.clear();
         self.stages.push(Stage::Integrate);
         for projection in 0..projections {
             let first = self.stages.len();
             self.stages.push(Stage::Contacts { is_first: projection == 0 });
-            let mut tethers = self.stages.len();
+            let (mut tethers, mut lines) = (self.stages.len(), self.stages.len());
             if projection < settings.iterations {
-                let sticks = (0..stiffness.len()).filter(|&batch| stiffness[batch] > 0.0).map(Stage::Sticks);
-                self.stages.extend(sticks);
+                self.stages.extend((0..stiffness.len()).filter(is_swept).map(Stage::Sticks));
                 // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
                 // back would begin with the one just done, which does nothing.
                 if projection % 2 == 1 && active > 2 {
@@ -90,18 +99,32 @@ impl Plan {
                 if settings.tethers && !topology.tethers.is_empty() {
                     self.stages.push(Stage::Tethers);
                 }
+                lines = self.stages.len();
+                // The others would undo what lines have done, and columns hang from the pins.
+                for lines in [Lines::Columns, Lines::Rows] {
+                    if let Some(rest_length) = lines.rest_length(topology, stiffness, settings) {
+                        self.stages.push(Stage::Lines { lines, rest_length });
+                    }
+                }
             }
-            self.projections.push([first, first + 1, tethers]);
+            self.projections.push([first, first + 1, tethers, lines]);
         }
         let last = self.stages.len();
-        self.projections.push([last, last + 1, last + 1]);
+        self.projections.push([last, last + 1, last + 1, last + 1]);
         self.stages.extend([Stage::Contacts { is_first: false }, Stage::Update, Stage::Friction]);
         self.lag(topology);
     }
 
-    /// Where the contacts, sticks and tethers of a projection are in the stages.
-    fn places(&self, projection: u32) -> [usize; 3] {
+    /// Where the contacts, sticks, tethers and lines of a projection are in the stages.
+    fn places(&self, projection: u32) -> [usize; 4] {
         self.projections.get(projection as usize).copied().unwrap_or_default()
+    }
+
+    /// The first stage from `first` on that solves lines.
+    fn next_lines(&self, first: usize) -> Option<usize> {
+        let stages = self.stages.get(first..)?;
+        let place = stages.iter().position(|stage| matches!(stage, Stage::Lines { .. }))?;
+        Some(first + place)
     }
 
     /// How far each stage must stay behind the one before, and whether that works for this body.
@@ -143,23 +166,27 @@ pub(crate) fn integrate(body: &mut Body, around: Surroundings) {
 
 /// Contacts with obstacles, before the sticks of projection `index` or, after the last, at the end of the substep.
 pub(crate) fn project_contacts(body: &mut Body, around: Surroundings, index: u32) {
-    let [contacts, sticks, _] = body.context.plan.places(index);
+    let [contacts, sticks, ..] = body.context.plan.places(index);
     run(body, around, contacts..sticks, false);
 }
 
 /// The sticks of projection `index`.
 pub(crate) fn relax(body: &mut Body, around: Surroundings, index: u32) {
-    let [_, sticks, tethers] = body.context.plan.places(index);
+    let [_, sticks, tethers, _] = body.context.plan.places(index);
     run(body, around, sticks..tethers, false);
 }
 
 /// The tethers of projection `index`.
 pub(crate) fn tether(body: &mut Body, around: Surroundings, index: u32) {
+    let [.., tethers, lines] = body.context.plan.places(index);
+    run(body, around, tethers..lines, false);
+}
+
+/// The lines of projection `index`.
+pub(crate) fn solve_lines(body: &mut Body, around: Surroundings, index: u32) {
     let plan = &body.context.plan;
-    let [_, _, tethers] = plan.places(index);
-    if plan.stages.get(tethers) == Some(&Stage::Tethers) {
-        run(body, around, tethers..tethers + 1, false);
-    }
+    let ([.., lines], [next, ..]) = (plan.places(index), plan.places(index + 1));
+    run(body, around, lines..next, false);
 }
 
 /// Velocities follow positions.
@@ -185,8 +212,15 @@ pub(crate) fn can_pipeline(body: &Body) -> bool {
 pub(crate) fn substep(body: &mut Body, around: Surroundings) {
     body.move_pins();
     begin_contacts(body, around);
+    // Lines run through all rows: what comes before them and what comes after is pipelined.
+    let mut first = 0;
+    while let Some(lines) = body.context.plan.next_lines(first) {
+        run(body, around, first..lines, true);
+        run(body, around, lines..lines + 1, false);
+        first = lines + 1;
+    }
     let count = body.context.plan.stages.len();
-    run(body, around, 0..count, true);
+    run(body, around, first..count, true);
     body.note_pin_travel();
 }
 
@@ -220,6 +254,7 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>, is_pipelined
         },
         varying: &context.acceleration.cells,
         contacts: &mut context.contacts,
+        lines: &mut context.lines,
         thickness: settings.thickness,
         around,
         drift,
@@ -244,6 +279,7 @@ struct Work<'a> {
     flight: Flight,
     varying: &'a [Cell],
     contacts: &'a mut ObstacleContacts,
+    lines: &'a mut LineScratch,
     thickness: f32,
     around: Surroundings<'a>,
     drift: Vec3,
@@ -342,6 +378,19 @@ impl Work<'_> {
                     #[inline(always)]
                     || tethers.project(simd, cells, moving.position, inverse_mass, *tether_reach),
                 );
+            }
+            Stage::Lines { lines, rest_length } => {
+                let Layout::Grid(grid) = self.topology.layout else {
+                    return;
+                };
+                if row == 0 {
+                    let (position, inverse_mass) = (&mut *self.moving.position, self.inverse_mass);
+                    let mut solve = LineSolve { grid, position, inverse_mass, scratch: self.lines };
+                    simd.vectorize(
+                        #[inline(always)]
+                        || solve.solve(simd, lines, rest_length, projection),
+                    );
+                }
             }
             Stage::Update => {
                 let Self { moving, drift, .. } = self;

@@ -1,0 +1,184 @@
+//! Chains of sticks, solved directly: all sticks of a chain at once, sixteen chains side by side in the lanes.
+//!
+//! ```text
+//!   x0 o---C0---o x1 ---C1---o x2 --- ...      C_i = |x_{i+1} - x_i| - r,   n_i = (x_{i+1} - x_i) / |x_{i+1} - x_i|
+//! ```
+//!
+//! Moving the particles by `w_i (lambda_i n_i - lambda_{i-1} n_{i-1})` brings every `C_i` to zero, to first order, if
+//!
+//! ```text
+//!   - w_i n_{i-1}.n_i lambda_{i-1}  +  (w_i + w_{i+1}) lambda_i  -  w_{i+1} n_i.n_{i+1} lambda_{i+1}  =  C_i
+//! ```
+//!
+//! which is a tridiagonal system: one elimination down the chain and one substitution back up (Thomas). Sweeps carry a
+//! pull by a few sticks; this carries it through the whole chain. It is the projection onto the manifold of the
+//! constraints of Goldenthal et al. 2007, "Efficient Simulation of Inextensible Cloth", equation 9, with one Newton step,
+//! for a matrix that needs no sparse solver.
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+
+use crate::columns::{Cell, LANES};
+use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP};
+use crate::lanes::{Lanes3, load};
+use crate::stick::Projection;
+
+/// Inverse masses beyond this count as this, and what weighs less than its inverse as pinned: the ends of single
+/// precision are as far again.
+const GREATEST_INVERSE_MASS: f32 = 1e30;
+
+/// Sixteen chains: particle `i` of the chain in lane `l` is in lane `l` of cell `first + i stride`.
+///
+/// A lane whose inverse masses are all zero stays as it is.
+pub(crate) struct Chains<'a> {
+    pub position: &'a mut [Cell],
+    pub inverse_mass: &'a [[f32; LANES]],
+    pub first: usize,
+    pub stride: usize,
+    /// Particles of a chain.
+    pub count: usize,
+}
+
+/// What a solve keeps of each stick and particle. Only its memory outlives the solve.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ChainScratch {
+    /// Directions of the sticks on the way down; moves of the particles on the way up.
+    move_by: Vec<Cell>,
+    /// Of the eliminated system: the factor of the next multiplier, and the right-hand side.
+    upper: Vec<[f32; LANES]>,
+    right: Vec<[f32; LANES]>,
+}
+
+impl ChainScratch {
+    /// Makes room for chains of `count` particles.
+    pub fn reserve(&mut self, count: usize) {
+        if self.move_by.len() < count {
+            self.move_by.resize(count, Cell::default());
+            self.upper.resize(count, [0.0; LANES]);
+            self.right.resize(count, [0.0; LANES]);
+        }
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.move_by) + size_of_val(&*self.upper) + size_of_val(&*self.right)
+    }
+}
+
+impl Chains<'_> {
+    /// One Newton step on all sticks of these chains, of length `rest` (metres) at rest.
+    ///
+    /// Where the step is too long for the sticks to be taken as straight, a chain goes only a part of the way, and its
+    /// sticks are relaxed one by one from there.
+    #[inline(always)]
+    pub fn solve<S: Simd>(
+        &mut self,
+        simd: S,
+        scratch: &mut ChainScratch,
+        rest: f32,
+        projection: impl Projection,
+    ) {
+        if self.count < 2 {
+            return;
+        }
+        self.eliminate(simd, scratch, rest);
+        let turn = self.substitute(simd, scratch);
+        let limit = CHAIN_STEP * rest;
+        let is_too_long = turn.simd_gt(f32x16::splat(simd, limit * limit));
+        let one = f32x16::splat(simd, 1.0);
+        let part = is_too_long.select(limit / turn.max(f32x16::splat(simd, f32::MIN_POSITIVE)).sqrt(), one);
+        for i in 0..self.count {
+            let cell = &mut self.position[self.first + i * self.stride];
+            let step = Lanes3::load(simd, &scratch.move_by[i]).times(part);
+            Lanes3::load(simd, cell).plus(step).store(cell);
+        }
+        if is_too_long.any_true() {
+            self.sweep(simd, is_too_long, rest, projection);
+        }
+    }
+
+    /// Down the chain: leaves `lambda_i = right_i + upper_i lambda_{i+1}`, and the direction of each stick.
+    #[inline(always)]
+    fn eliminate<S: Simd>(&self, simd: S, scratch: &mut ChainScratch, rest: f32) {
+        let zero = f32x16::splat(simd, 0.0);
+        let one = f32x16::splat(simd, 1.0);
+        let least = f32x16::splat(simd, 1.0 / GREATEST_INVERSE_MASS);
+        let mut a = Lanes3::load(simd, &self.position[self.first]);
+        let mut wa = self.inverse_mass(simd, 0);
+        let mut above = Lanes3 { x: zero, y: zero, z: zero };
+        let (mut inverse_above, mut right_above) = (zero, zero);
+        for i in 0..self.count - 1 {
+            let b = Lanes3::load(simd, &self.position[self.first + (i + 1) * self.stride]);
+            let wb = self.inverse_mass(simd, i + 1);
+            let delta = b.minus(a);
+            let length = delta.dot(delta).sqrt();
+            let weight = wa + wb;
+            // Without a length there is no direction, and where both ends are pinned nothing to be done.
+            let has_length: mask32x16<S> = length.simd_gt(zero);
+            let is_free: mask32x16<S> = weight.simd_gt(least);
+            let direction = delta.times(has_length.select(one / length, zero));
+            let error = (has_length & is_free).select(length - rest, zero);
+            let lower = wa * above.dot(direction);
+            let upper_above = lower * inverse_above;
+            let pivot = (weight * (1.0 + CHAIN_REGULARISER)).max(least) - lower * upper_above;
+            let inverse = one / pivot;
+            let right = (error + lower * right_above) * inverse;
+            if i > 0 {
+                scratch.upper[i - 1] = upper_above.to_array();
+            }
+            direction.store(&mut scratch.move_by[i]);
+            scratch.right[i] = right.to_array();
+            (a, wa, above, inverse_above, right_above) = (b, wb, direction, inverse, right);
+        }
+        scratch.upper[self.count - 2] = [0.0; LANES];
+    }
+
+    /// Up the chain: leaves the move of each particle. Gives the square of the most that any stick's two ends move
+    /// against each other.
+    #[inline(always)]
+    fn substitute<S: Simd>(&self, simd: S, scratch: &mut ChainScratch) -> f32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let none = Lanes3 { x: zero, y: zero, z: zero };
+        let (mut multiplier, mut pull, mut move_below) = (zero, none, none);
+        let mut greatest = zero;
+        for i in (0..self.count).rev() {
+            // The particle is pulled down by the stick below it, and up by the one above.
+            let mut pull_above = none;
+            if i > 0 {
+                multiplier =
+                    load(simd, &scratch.right[i - 1]) + load(simd, &scratch.upper[i - 1]) * multiplier;
+                pull_above = Lanes3::load(simd, &scratch.move_by[i - 1]).times(multiplier);
+            }
+            let step = pull.minus(pull_above).times(self.inverse_mass(simd, i));
+            step.store(&mut scratch.move_by[i]);
+            if i + 1 < self.count {
+                let turn = move_below.minus(step);
+                greatest = greatest.max(turn.dot(turn));
+            }
+            (pull, move_below) = (pull_above, step);
+        }
+        greatest
+    }
+
+    /// Every second stick, then the others, in the lanes that `is_swept` has.
+    #[inline(always)]
+    fn sweep<S: Simd>(&mut self, simd: S, is_swept: mask32x16<S>, rest: f32, projection: impl Projection) {
+        let zero = f32x16::splat(simd, 0.0);
+        let least = f32x16::splat(simd, 1.0 / GREATEST_INVERSE_MASS);
+        for i in (0..self.count - 1).step_by(2).chain((1..self.count - 1).step_by(2)) {
+            let [a, b] = [i, i + 1].map(|i| self.first + i * self.stride);
+            let (wa, wb) = (self.inverse_mass(simd, i), self.inverse_mass(simd, i + 1));
+            let (p, q) = (Lanes3::load(simd, &self.position[a]), Lanes3::load(simd, &self.position[b]));
+            let delta = q.minus(p);
+            let error = is_swept.select(projection.errors(simd, delta.dot(delta), rest), zero);
+            let scale = error / (wa + wb).max(least);
+            p.plus(delta.times(scale * wa)).store(&mut self.position[a]);
+            q.minus(delta.times(scale * wb)).store(&mut self.position[b]);
+        }
+    }
+
+    #[inline(always)]
+    fn inverse_mass<S: Simd>(&self, simd: S, i: usize) -> f32x16<S> {
+        let greatest = f32x16::splat(simd, GREATEST_INVERSE_MASS);
+        load(simd, &self.inverse_mass[self.first + i * self.stride]).min(greatest)
+    }
+}

@@ -1,0 +1,239 @@
+//! Line solves: the rows and the columns of a grid, each solved as one [chain](crate::chain).
+//!
+//! ```text
+//!   columns, patches side by side         rows, the same                         patches in a square
+//!   lane = column: solved in place        sixteen rows at a time are turned:     sixteen lines at a time are
+//!                                         lane = row; solved; turned back        gathered, solved, scattered
+//! ```
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
+
+use crate::chain::{ChainScratch, Chains};
+use crate::columns::{Cell, LANES};
+use crate::lanes::load;
+use crate::layout::{Grid, Layout};
+use crate::settings::{SolverSettings, StructuralSolve};
+use crate::stick::Projection;
+use crate::topology::{BatchSticks, StickBatch, StickKind, Topology};
+use crate::transpose::transpose;
+
+/// Which lines of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lines {
+    Rows,
+    Columns,
+}
+
+impl Lines {
+    /// The lines that the sticks of `batch` make, where they are to be solved as such: structural sticks of a grid that
+    /// lose all of their error, at a stiffness of `stiffness` an iteration.
+    pub fn of(batch: &StickBatch, stiffness: f32, settings: &SolverSettings) -> Option<Self> {
+        if settings.structural == StructuralSolve::Sweeps
+            || batch.material.kind != StickKind::Structural
+            || stiffness < 1.0
+        {
+            return None;
+        }
+        let BatchSticks::Grid { batch, .. } = &batch.sticks else {
+            return None;
+        };
+        match batch.offset() {
+            (1, 0) => Some(Self::Rows),
+            (0, 1) => Some(Self::Columns),
+            _ => None,
+        }
+    }
+
+    /// The length at rest of the sticks of these lines, in metres; none where there are no such sticks to be solved.
+    pub fn rest_length(
+        self,
+        topology: &Topology,
+        stiffness: &[f32],
+        settings: &SolverSettings,
+    ) -> Option<f32> {
+        let batches = topology.batches.iter().zip(stiffness);
+        let mut own =
+            batches.filter(|&(batch, &stiffness)| Self::of(batch, stiffness, settings) == Some(self));
+        own.find_map(|(batch, _)| match batch.sticks {
+            BatchSticks::Grid { rest_length, .. } => Some(rest_length),
+            BatchSticks::Listed { .. } => None,
+        })
+    }
+
+    /// Number of lines, and of particles in a line.
+    fn size(self, grid: Grid) -> (usize, usize) {
+        match self {
+            Self::Rows => (grid.rows, grid.columns),
+            Self::Columns => (grid.columns, grid.rows),
+        }
+    }
+
+    /// The slot of particle `i` of line `line`.
+    fn slot(self, grid: Grid, line: usize, i: usize) -> usize {
+        match self {
+            Self::Rows => grid.slot(i, line),
+            Self::Columns => grid.slot(line, i),
+        }
+    }
+}
+
+/// Where a lane has no line.
+const NO_SLOT: u32 = u32::MAX;
+
+/// What line solves keep. Only its memory outlives a solve, and the list of slots the step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LineScratch {
+    chain: ChainScratch,
+    /// The particles of sixteen lines, lane by lane.
+    position: Vec<Cell>,
+    inverse_mass: Vec<[f32; LANES]>,
+    /// Where lines are gathered: the slot of each of their particles, sixteen lines at a time; [`NO_SLOT`] where a
+    /// lane has no line.
+    slots: [Vec<[u32; LANES]>; 2],
+    grid: Option<Grid>,
+}
+
+impl LineScratch {
+    /// Makes room for the lines of a body.
+    pub fn reserve(&mut self, layout: Layout) {
+        let Layout::Grid(grid) = layout else {
+            return;
+        };
+        if self.grid == Some(grid) {
+            return;
+        }
+        // Rows are turned with the ghosts at their end.
+        let count = grid.rows.max(grid.across * grid.width);
+        self.chain.reserve(count);
+        self.position.resize(count, Cell::default());
+        self.inverse_mass.resize(count, [0.0; LANES]);
+        self.slots = [Lines::Rows, Lines::Columns].map(|lines| slots(grid, lines));
+        self.grid = Some(grid);
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        let slots = self.slots.iter().map(|slots| size_of_val(&**slots)).sum::<usize>();
+        self.chain.bytes() + size_of_val(&*self.position) + size_of_val(&*self.inverse_mass) + slots
+    }
+}
+
+/// The slots of the particles of all lines, where they must be gathered.
+fn slots(grid: Grid, lines: Lines) -> Vec<[u32; LANES]> {
+    if grid.has_whole_rows() {
+        return Vec::new();
+    }
+    let (number, count) = lines.size(grid);
+    let bundles = (0..number).step_by(LANES);
+    let slot = |line: usize, i: usize| if line < number { lines.slot(grid, line, i) as u32 } else { NO_SLOT };
+    let cells = bundles.flat_map(|first| (0..count).map(move |i| (first, i)));
+    cells.map(|(first, i)| core::array::from_fn(|lane| slot(first + lane, i))).collect()
+}
+
+/// The particles whose lines are to be solved.
+pub(crate) struct LineSolve<'a> {
+    pub grid: Grid,
+    pub position: &'a mut [Cell],
+    pub inverse_mass: &'a [[f32; LANES]],
+    pub scratch: &'a mut LineScratch,
+}
+
+impl LineSolve<'_> {
+    /// Solves all `lines`, whose sticks are `rest` metres long at rest.
+    #[inline(always)]
+    pub fn solve<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
+        if !self.grid.has_whole_rows() {
+            return self.gathered(simd, lines, rest, projection);
+        }
+        match lines {
+            Lines::Rows => self.turned_rows(simd, rest, projection),
+            Lines::Columns => self.columns_in_place(simd, rest, projection),
+        }
+    }
+
+    #[inline(always)]
+    fn columns_in_place<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
+        let Self { grid, position, inverse_mass, scratch } = self;
+        for first in 0..grid.width {
+            Chains { position, inverse_mass, first, stride: grid.width, count: grid.rows }.solve(
+                simd,
+                &mut scratch.chain,
+                rest,
+                projection,
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn turned_rows<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
+        let zero = f32x16::splat(simd, 0.0);
+        let Self { grid, position, inverse_mass, scratch } = self;
+        let width = grid.width;
+        let LineScratch { chain, position: turned, inverse_mass: turned_mass, .. } = &mut **scratch;
+        for top in (0..grid.rows).step_by(LANES) {
+            let rows = LANES.min(grid.rows - top);
+            // A cell of the row for each place in a patch; after the turn, a cell of the chains for each patch.
+            for column in 0..width {
+                let cell = |row: usize| (top + row) * width + column;
+                for axis in 0..3 {
+                    let of_rows = core::array::from_fn(|row| {
+                        if row < rows { load(simd, position[cell(row)].axes()[axis]) } else { zero }
+                    });
+                    for (patch, of_patch) in transpose(of_rows).into_iter().enumerate() {
+                        *turned[patch * width + column].axes_mut()[axis] = of_patch.to_array();
+                    }
+                }
+                let of_rows = core::array::from_fn(|row| {
+                    if row < rows { load(simd, &inverse_mass[cell(row)]) } else { zero }
+                });
+                for (patch, of_patch) in transpose(of_rows).into_iter().enumerate() {
+                    turned_mass[patch * width + column] = of_patch.to_array();
+                }
+            }
+            Chains { position: turned, inverse_mass: turned_mass, first: 0, stride: 1, count: grid.columns }
+                .solve(simd, chain, rest, projection);
+            for column in 0..width {
+                for axis in 0..3 {
+                    let of_patches =
+                        core::array::from_fn(|patch| load(simd, turned[patch * width + column].axes()[axis]));
+                    for (row, of_row) in transpose(of_patches).into_iter().enumerate().take(rows) {
+                        *position[(top + row) * width + column].axes_mut()[axis] = of_row.to_array();
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn gathered<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
+        let Self { grid, position, inverse_mass, scratch } = self;
+        let (_, count) = lines.size(*grid);
+        let LineScratch { chain, position: gathered, inverse_mass: gathered_mass, slots, .. } =
+            &mut **scratch;
+        let slots = &slots[lines as usize];
+        for bundle in slots.chunks_exact(count) {
+            for (i, slots) in bundle.iter().enumerate() {
+                for (lane, &slot) in slots.iter().enumerate() {
+                    let (from, in_lane) = (slot as usize / LANES, slot as usize % LANES);
+                    if let Some(cell) = position.get(from) {
+                        gathered[i].set(lane, cell.get(in_lane));
+                        gathered_mass[i][lane] = inverse_mass[from][in_lane];
+                    } else {
+                        gathered[i].set(lane, Vec3::ZERO);
+                        gathered_mass[i][lane] = 0.0;
+                    }
+                }
+            }
+            Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count }
+                .solve(simd, chain, rest, projection);
+            for (i, slots) in bundle.iter().enumerate() {
+                for (lane, &slot) in slots.iter().enumerate() {
+                    if let Some(cell) = position.get_mut(slot as usize / LANES) {
+                        cell.set(slot as usize % LANES, gathered[i].get(lane));
+                    }
+                }
+            }
+        }
+    }
+}
