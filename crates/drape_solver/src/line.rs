@@ -6,7 +6,7 @@
 //!                                         lane = row; solved; turned back        gathered, solved, scattered
 //! ```
 
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, prelude::*};
 use glam::Vec3;
 
 use crate::chain::{ChainScratch, Chains};
@@ -167,39 +167,46 @@ impl LineSolve<'_> {
 
     #[inline(always)]
     fn turned_rows<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
-        let zero = f32x16::splat(simd, 0.0);
         let Self { grid, position, inverse_mass, scratch } = self;
         let width = grid.width;
         let LineScratch { chain, position: turned, inverse_mass: turned_mass, .. } = &mut **scratch;
         for top in (0..grid.rows).step_by(LANES) {
             let rows = LANES.min(grid.rows - top);
-            // A cell of the row for each place in a patch; after the turn, a cell of the chains for each patch.
+            // Lanes to spare solve the last row again.
+            let cell = |row: usize, column: usize| (top + row.min(rows - 1)) * width + column;
+            // A cell of the rows for each place in a patch; after the turn, a cell of the chains for each patch.
             for column in 0..width {
-                let cell = |row: usize| (top + row) * width + column;
                 for axis in 0..3 {
-                    let of_rows = core::array::from_fn(|row| {
-                        if row < rows { load(simd, position[cell(row)].axes()[axis]) } else { zero }
-                    });
-                    for (patch, of_patch) in transpose(of_rows).into_iter().enumerate() {
-                        *turned[patch * width + column].axes_mut()[axis] = of_patch.to_array();
-                    }
+                    transpose(
+                        #[inline(always)]
+                        |row| load(simd, position[cell(row, column)].axes()[axis]),
+                        #[inline(always)]
+                        |patch, of_rows| {
+                            *turned[patch * width + column].axes_mut()[axis] = of_rows.to_array();
+                        },
+                    );
                 }
-                let of_rows = core::array::from_fn(|row| {
-                    if row < rows { load(simd, &inverse_mass[cell(row)]) } else { zero }
-                });
-                for (patch, of_patch) in transpose(of_rows).into_iter().enumerate() {
-                    turned_mass[patch * width + column] = of_patch.to_array();
-                }
+                transpose(
+                    #[inline(always)]
+                    |row| load(simd, &inverse_mass[cell(row, column)]),
+                    #[inline(always)]
+                    |patch, of_rows| turned_mass[patch * width + column] = of_rows.to_array(),
+                );
             }
             Chains { position: turned, inverse_mass: turned_mass, first: 0, stride: 1, count: grid.columns }
                 .solve(simd, chain, rest, projection);
             for column in 0..width {
                 for axis in 0..3 {
-                    let of_patches =
-                        core::array::from_fn(|patch| load(simd, turned[patch * width + column].axes()[axis]));
-                    for (row, of_row) in transpose(of_patches).into_iter().enumerate().take(rows) {
-                        *position[(top + row) * width + column].axes_mut()[axis] = of_row.to_array();
-                    }
+                    transpose(
+                        #[inline(always)]
+                        |patch| load(simd, turned[patch * width + column].axes()[axis]),
+                        #[inline(always)]
+                        |row, of_patches| {
+                            if row < rows {
+                                *position[cell(row, column)].axes_mut()[axis] = of_patches.to_array();
+                            }
+                        },
+                    );
                 }
             }
         }

@@ -4,21 +4,66 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::columns::LANES;
 
-/// Lane `j` of vector `i` becomes lane `i` of vector `j`.
+/// Reads sixteen vectors and writes sixteen: lane `j` of the one that is read as `i` is lane `i` of the one that is
+/// written as `j`.
 ///
 /// A perfect shuffle of the 256 numbers, cut into halves, moves the highest bit of a number's place to the lowest. After
 /// four of them the two halves of the eight bits, which are vector and lane, have changed places.
 #[inline(always)]
-pub(crate) fn transpose<S: Simd>(mut vectors: [f32x16<S>; LANES]) -> [f32x16<S>; LANES] {
-    for _ in 0..LANES.ilog2() {
-        let before = vectors;
-        for (i, pair) in vectors.chunks_exact_mut(2).enumerate() {
-            let (a, b) = (before[i], before[i + LANES / 2]);
-            pair[0] = a.zip_low(b);
-            pair[1] = a.zip_high(b);
-        }
-    }
-    vectors
+pub(crate) fn transpose<S: Simd>(read: impl Fn(usize) -> f32x16<S>, mut write: impl FnMut(usize, f32x16<S>)) {
+    let rows = each(read);
+    let columns = shuffle(shuffle(shuffle(shuffle(rows))));
+    // Written out, as all the following: a loop would take the vectors through memory.
+    let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = columns;
+    write(0, a);
+    write(1, b);
+    write(2, c);
+    write(3, d);
+    write(4, e);
+    write(5, f);
+    write(6, g);
+    write(7, h);
+    write(8, i);
+    write(9, j);
+    write(10, k);
+    write(11, l);
+    write(12, m);
+    write(13, n);
+    write(14, o);
+    write(15, p);
+}
+
+#[inline(always)]
+fn each<T>(of: impl Fn(usize) -> T) -> [T; LANES] {
+    [
+        of(0),
+        of(1),
+        of(2),
+        of(3),
+        of(4),
+        of(5),
+        of(6),
+        of(7),
+        of(8),
+        of(9),
+        of(10),
+        of(11),
+        of(12),
+        of(13),
+        of(14),
+        of(15),
+    ]
+}
+
+#[inline(always)]
+fn shuffle<S: Simd>(v: [f32x16<S>; LANES]) -> [f32x16<S>; LANES] {
+    each(
+        #[inline(always)]
+        |i| {
+            let (a, b) = (v[i / 2], v[i / 2 + LANES / 2]);
+            if i % 2 == 0 { a.zip_low(b) } else { a.zip_high(b) }
+        },
+    )
 }
 
 #[cfg(test)]
@@ -34,7 +79,9 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
-            transpose(self.0.map(|row| load(simd, &row))).map(|column| column.to_array())
+            let mut columns = [[0.0; LANES]; LANES];
+            transpose(|row| load(simd, &self.0[row]), |column, vector| columns[column] = vector.to_array());
+            columns
         }
     }
 
