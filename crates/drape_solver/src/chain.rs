@@ -69,7 +69,6 @@ impl Chains<'_> {
     ///
     /// Where the step is too long for the sticks to be taken as straight, a chain goes only a part of the way, and its
     /// sticks are relaxed one by one from there.
-    #[inline(always)]
     pub fn solve<S: Simd>(
         &mut self,
         simd: S,
@@ -77,9 +76,22 @@ impl Chains<'_> {
         rest: f32,
         projection: impl Projection,
     ) {
-        if self.count < 2 {
-            return;
+        if self.count >= 2 {
+            simd.vectorize(
+                #[inline(always)]
+                || self.solve_lanes(simd, scratch, rest, projection),
+            );
         }
+    }
+
+    #[inline(always)]
+    fn solve_lanes<S: Simd>(
+        &mut self,
+        simd: S,
+        scratch: &mut ChainScratch,
+        rest: f32,
+        projection: impl Projection,
+    ) {
         self.eliminate(simd, scratch, rest);
         let turn = self.substitute(simd, scratch);
         let limit = CHAIN_STEP * rest;

@@ -167,49 +167,73 @@ impl LineSolve<'_> {
 
     #[inline(always)]
     fn turned_rows<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
-        let Self { grid, position, inverse_mass, scratch } = self;
-        let width = grid.width;
-        let LineScratch { chain, position: turned, inverse_mass: turned_mass, .. } = &mut **scratch;
-        for top in (0..grid.rows).step_by(LANES) {
-            let rows = LANES.min(grid.rows - top);
-            // Lanes to spare solve the last row again.
-            let cell = |row: usize, column: usize| (top + row.min(rows - 1)) * width + column;
-            // A cell of the rows for each place in a patch; after the turn, a cell of the chains for each patch.
-            for column in 0..width {
-                for axis in 0..3 {
-                    transpose(
-                        #[inline(always)]
-                        |row| load(simd, position[cell(row, column)].axes()[axis]),
-                        #[inline(always)]
-                        |patch, of_rows| {
-                            *turned[patch * width + column].axes_mut()[axis] = of_rows.to_array();
-                        },
-                    );
-                }
-                transpose(
-                    #[inline(always)]
-                    |row| load(simd, &inverse_mass[cell(row, column)]),
-                    #[inline(always)]
-                    |patch, of_rows| turned_mass[patch * width + column] = of_rows.to_array(),
-                );
-            }
-            Chains { position: turned, inverse_mass: turned_mass, first: 0, stride: 1, count: grid.columns }
+        for first in (0..self.grid.rows).step_by(LANES) {
+            self.turn(simd, first);
+            let LineScratch { chain, position, inverse_mass, .. } = &mut *self.scratch;
+            Chains { position, inverse_mass, first: 0, stride: 1, count: self.grid.columns }
                 .solve(simd, chain, rest, projection);
-            for column in 0..width {
-                for axis in 0..3 {
+            self.turn_back(simd, first);
+        }
+    }
+
+    /// Sixteen rows from row `first` on become chains side by side. Lanes to spare take the last row again.
+    ///
+    /// Each place in a patch is a cell of every row; after the turn, each patch is a cell of the chains.
+    fn turn<S: Simd>(&mut self, simd: S, first: usize) {
+        let Self { grid, position, inverse_mass, scratch } = self;
+        let LineScratch { position: turned, inverse_mass: turned_mass, .. } = &mut **scratch;
+        let (width, last) = (grid.width, grid.rows - 1);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for column in 0..width {
+                    let cell = |row: usize| (first + row).min(last) * width + column;
+                    for axis in 0..3 {
+                        transpose(
+                            #[inline(always)]
+                            |row| load(simd, position[cell(row)].axes()[axis]),
+                            #[inline(always)]
+                            |patch, of_rows| {
+                                *turned[patch * width + column].axes_mut()[axis] = of_rows.to_array();
+                            },
+                        );
+                    }
                     transpose(
                         #[inline(always)]
-                        |patch| load(simd, turned[patch * width + column].axes()[axis]),
+                        |row| load(simd, &inverse_mass[cell(row)]),
                         #[inline(always)]
-                        |row, of_patches| {
-                            if row < rows {
-                                *position[cell(row, column)].axes_mut()[axis] = of_patches.to_array();
-                            }
-                        },
+                        |patch, of_rows| turned_mass[patch * width + column] = of_rows.to_array(),
                     );
                 }
-            }
-        }
+            },
+        );
+    }
+
+    /// The way back.
+    fn turn_back<S: Simd>(&mut self, simd: S, first: usize) {
+        let Self { grid, position, scratch, .. } = self;
+        let turned = &scratch.position;
+        let (width, rows) = (grid.width, grid.rows);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for column in 0..width {
+                    for axis in 0..3 {
+                        transpose(
+                            #[inline(always)]
+                            |patch| load(simd, turned[patch * width + column].axes()[axis]),
+                            #[inline(always)]
+                            |row, of_patches| {
+                                if first + row < rows {
+                                    let cell = (first + row) * width + column;
+                                    *position[cell].axes_mut()[axis] = of_patches.to_array();
+                                }
+                            },
+                        );
+                    }
+                }
+            },
+        );
     }
 
     #[inline(always)]
