@@ -194,3 +194,152 @@ impl Chains<'_> {
         load(simd, &self.inverse_mass[self.first + i * self.stride]).min(greatest)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, Vec3};
+
+    use crate::isa::{Isa, Kernel};
+    use crate::stick::Exact;
+
+    const REST: f32 = 0.1;
+
+    /// One chain, in double precision and stick by stick.
+    fn solved(position: &[Vec3], inverse_mass: &[f32]) -> Vec<DVec3> {
+        let mut position: Vec<DVec3> = position.iter().map(|p| p.as_dvec3()).collect();
+        let w: Vec<f64> = inverse_mass.iter().copied().map(f64::from).collect();
+        let sticks = position.len() - 1;
+        let delta = |i: usize| position[i + 1] - position[i];
+        let n: Vec<DVec3> = (0..sticks).map(|i| delta(i).normalize_or_zero()).collect();
+        // Gauss on the whole matrix: slow, and with no thought about its shape.
+        let mut rows = vec![vec![0.0; sticks + 1]; sticks];
+        for i in 0..sticks {
+            let weight = w[i] + w[i + 1];
+            let is_alive = weight > 0.0 && n[i] != DVec3::ZERO;
+            rows[i][i] = if weight > 0.0 { weight * (1.0 + f64::from(CHAIN_REGULARISER)) } else { 1.0 };
+            rows[i][sticks] = if is_alive { delta(i).length() - f64::from(REST) } else { 0.0 };
+            if i > 0 {
+                rows[i][i - 1] = -w[i] * n[i - 1].dot(n[i]);
+                rows[i - 1][i] = rows[i][i - 1];
+            }
+        }
+        for i in 0..sticks {
+            for j in i + 1..sticks {
+                let factor = rows[j][i] / rows[i][i];
+                for k in i..=sticks {
+                    rows[j][k] -= factor * rows[i][k];
+                }
+            }
+        }
+        let mut lambda = vec![0.0; sticks];
+        for i in (0..sticks).rev() {
+            let known: f64 = (i + 1..sticks).map(|k| rows[i][k] * lambda[k]).sum();
+            lambda[i] = (rows[i][sticks] - known) / rows[i][i];
+        }
+        for i in 0..sticks {
+            position[i] += n[i] * (w[i] * lambda[i]);
+            position[i + 1] -= n[i] * (w[i + 1] * lambda[i]);
+        }
+        position
+    }
+
+    struct Solve<'a>(Chains<'a>);
+
+    impl Kernel for Solve<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<S: Simd>(mut self, simd: S) {
+            let mut scratch = ChainScratch::default();
+            scratch.reserve(self.0.count);
+            self.0.solve(simd, &mut scratch, REST, Exact);
+        }
+    }
+
+    /// Numbers from -1 to 1 that look random.
+    fn dice() -> impl FnMut() -> f32 {
+        let mut state = 1_u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 23) as f32 - 1.0
+        }
+    }
+
+    /// Sixteen crooked chains in every second cell of three, some of their particles pinned, heavy or in one place.
+    fn chains(count: usize, stretched: f32) -> (Vec<Cell>, Vec<[f32; LANES]>) {
+        let mut dice = dice();
+        let mut position = vec![Cell::default(); 2 * count + 1];
+        let mut inverse_mass = vec![[1.0; LANES]; 2 * count + 1];
+        for lane in 0..LANES {
+            let mut at = Vec3::ZERO;
+            for i in 0..count {
+                let (cell, weight) = (1 + 2 * i, 8.0 * (1.0 + dice()));
+                position[cell].set(lane, at);
+                inverse_mass[cell][lane] = if weight < 1.0 { 0.0 } else { weight };
+                let turn = Vec3::new(dice(), dice(), dice()) * 0.6;
+                let length = if i == 4 { 0.0 } else { REST * (1.0 + stretched * dice()) };
+                at += (Vec3::X + turn).normalize() * length;
+            }
+        }
+        (position, inverse_mass)
+    }
+
+    fn lane_of<T>(count: usize, of: impl Fn(usize) -> T) -> Vec<T> {
+        (0..count).map(|i| of(1 + 2 * i)).collect()
+    }
+
+    #[test]
+    fn chains_go_where_the_whole_matrix_says() {
+        for isa in Isa::available() {
+            for count in [2, 3, 8, 61] {
+                let (mut position, inverse_mass) = chains(count, 0.02);
+                let before = position.clone();
+                isa.run(Solve(Chains {
+                    position: &mut position,
+                    inverse_mass: &inverse_mass,
+                    first: 1,
+                    stride: 2,
+                    count,
+                }));
+                for lane in 0..LANES {
+                    let start = lane_of(count, |cell| before[cell].get(lane));
+                    let weights = lane_of(count, |cell| inverse_mass[cell][lane]);
+                    for (i, expected) in solved(&start, &weights).into_iter().enumerate() {
+                        let found = position[1 + 2 * i].get(lane).as_dvec3();
+                        assert!(found.distance(expected) < 1e-5, "{} {count} {lane} {i}", isa.name());
+                    }
+                }
+                let untouched = (0..count).all(|i| position[2 * i] == before[2 * i]);
+                assert!(untouched, "cells of others stay as they are");
+            }
+        }
+    }
+
+    /// Chains bent to and fro and stretched to half as much again turn too far for one straight step.
+    #[test]
+    fn no_stick_turns_by_more_than_its_share() {
+        let count = 40;
+        let (mut position, inverse_mass) = chains(count, 1.0);
+        let before = position.clone();
+        Isa::detected().run(Solve(Chains {
+            position: &mut position,
+            inverse_mass: &inverse_mass,
+            first: 1,
+            stride: 2,
+            count,
+        }));
+        for lane in 0..LANES {
+            for i in 0..count - 1 {
+                let stick = |cells: &[Cell]| cells[3 + 2 * i].get(lane) - cells[1 + 2 * i].get(lane);
+                // The step itself turns it by half a rest length, and then its error is taken by the sweep.
+                let (turned, length) =
+                    ((stick(&position) - stick(&before)).length(), stick(&before).length());
+                assert!(turned < 2.0 * REST + length, "{lane} {i}: {turned}");
+            }
+        }
+        assert!(
+            position.iter().all(|cell| cell.axes().iter().all(|axis| axis.iter().all(|x| x.is_finite())))
+        );
+    }
+}
