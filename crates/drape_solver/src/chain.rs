@@ -38,29 +38,35 @@ pub(crate) struct Chains<'a> {
     pub count: usize,
 }
 
-/// What a solve keeps of each stick and particle. Only its memory outlives the solve.
+/// What a solve keeps of the stick below each particle.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+struct ChainSticks {
+    /// One over its length: what makes a direction of its separation.
+    scale: [f32; LANES],
+    /// Of the eliminated system: the factor of the next multiplier, and the right-hand side.
+    upper: [f32; LANES],
+    /// On the way down the right-hand side; on the way up the multiplier, times the scale.
+    right: [f32; LANES],
+}
+
+/// Scratch of a solve. Only its memory outlives the solve.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ChainScratch {
-    /// Directions of the sticks on the way down; moves of the particles on the way up.
-    move_by: Vec<Cell>,
-    /// Of the eliminated system: the factor of the next multiplier, and the right-hand side.
-    upper: Vec<[f32; LANES]>,
-    right: Vec<[f32; LANES]>,
+    sticks: Vec<ChainSticks>,
 }
 
 impl ChainScratch {
     /// Makes room for chains of `count` particles.
     pub fn reserve(&mut self, count: usize) {
-        if self.move_by.len() < count {
-            self.move_by.resize(count, Cell::default());
-            self.upper.resize(count, [0.0; LANES]);
-            self.right.resize(count, [0.0; LANES]);
+        if self.sticks.len() < count {
+            self.sticks.resize(count, ChainSticks::default());
         }
     }
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.move_by) + size_of_val(&*self.upper) + size_of_val(&*self.right)
+        size_of_val(&*self.sticks)
     }
 }
 
@@ -98,11 +104,7 @@ impl Chains<'_> {
         let is_too_long = turn.simd_gt(f32x16::splat(simd, limit * limit));
         let one = f32x16::splat(simd, 1.0);
         let part = is_too_long.select(limit / turn.max(f32x16::splat(simd, f32::MIN_POSITIVE)).sqrt(), one);
-        for i in 0..self.count {
-            let cell = &mut self.position[self.first + i * self.stride];
-            let step = Lanes3::load(simd, &scratch.move_by[i]).times(part);
-            Lanes3::load(simd, cell).plus(step).store(cell);
-        }
+        self.apply(simd, scratch, part);
         if is_too_long.any_true() {
             self.sweep(simd, is_too_long, rest, projection);
         }
@@ -114,6 +116,7 @@ impl Chains<'_> {
         let zero = f32x16::splat(simd, 0.0);
         let one = f32x16::splat(simd, 1.0);
         let least = f32x16::splat(simd, 1.0 / GREATEST_INVERSE_MASS);
+        let sticks = &mut scratch.sticks[..self.count];
         let mut a = Lanes3::load(simd, &self.position[self.first]);
         let mut wa = self.inverse_mass(simd, 0);
         let mut above = Lanes3 { x: zero, y: zero, z: zero };
@@ -127,7 +130,8 @@ impl Chains<'_> {
             // Without a length there is no direction, and where both ends are pinned nothing to be done.
             let has_length: mask32x16<S> = length.simd_gt(zero);
             let is_free: mask32x16<S> = weight.simd_gt(least);
-            let direction = delta.times(has_length.select(one / length, zero));
+            let scale = has_length.select(one / length, zero);
+            let direction = delta.times(scale);
             let error = (has_length & is_free).select(length - rest, zero);
             let lower = wa * above.dot(direction);
             let upper_above = lower * inverse_above;
@@ -135,40 +139,60 @@ impl Chains<'_> {
             let inverse = one / pivot;
             let right = (error + lower * right_above) * inverse;
             if i > 0 {
-                scratch.upper[i - 1] = upper_above.to_array();
+                sticks[i - 1].upper = upper_above.to_array();
             }
-            direction.store(&mut scratch.move_by[i]);
-            scratch.right[i] = right.to_array();
+            sticks[i].scale = scale.to_array();
+            sticks[i].right = right.to_array();
             (a, wa, above, inverse_above, right_above) = (b, wb, direction, inverse, right);
         }
-        scratch.upper[self.count - 2] = [0.0; LANES];
+        sticks[self.count - 2].upper = [0.0; LANES];
     }
 
-    /// Up the chain: leaves the move of each particle. Gives the square of the most that any stick's two ends move
-    /// against each other.
+    /// Up the chain: leaves each multiplier, times the scale of its stick. Gives the square of the most that any stick's
+    /// two ends would move against each other.
     #[inline(always)]
     fn substitute<S: Simd>(&self, simd: S, scratch: &mut ChainScratch) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
         let none = Lanes3 { x: zero, y: zero, z: zero };
-        let (mut multiplier, mut pull, mut move_below) = (zero, none, none);
+        let sticks = &mut scratch.sticks[..self.count];
+        let (mut multiplier, mut pull, mut step_below) = (zero, none, none);
+        let mut b = self.position(simd, self.count - 1);
         let mut greatest = zero;
-        for i in (0..self.count).rev() {
-            // The particle is pulled down by the stick below it, and up by the one above.
-            let mut pull_above = none;
-            if i > 0 {
-                multiplier =
-                    load(simd, &scratch.right[i - 1]) + load(simd, &scratch.upper[i - 1]) * multiplier;
-                pull_above = Lanes3::load(simd, &scratch.move_by[i - 1]).times(multiplier);
-            }
-            let step = pull.minus(pull_above).times(self.inverse_mass(simd, i));
-            step.store(&mut scratch.move_by[i]);
-            if i + 1 < self.count {
-                let turn = move_below.minus(step);
+        for i in (0..self.count - 1).rev() {
+            let a = self.position(simd, i);
+            multiplier = load(simd, &sticks[i].right) + load(simd, &sticks[i].upper) * multiplier;
+            let scaled = multiplier * load(simd, &sticks[i].scale);
+            sticks[i].right = scaled.to_array();
+            // The particle below is pulled down by the stick that was before, and up by this one.
+            let pull_up = b.minus(a).times(scaled);
+            let step = pull.minus(pull_up).times(self.inverse_mass(simd, i + 1));
+            if i + 2 < self.count {
+                let turn = step_below.minus(step);
                 greatest = greatest.max(turn.dot(turn));
             }
-            (pull, move_below) = (pull_above, step);
+            (b, pull, step_below) = (a, pull_up, step);
         }
-        greatest
+        let turn = step_below.minus(pull.times(self.inverse_mass(simd, 0)));
+        greatest.max(turn.dot(turn))
+    }
+
+    /// Down again: moves each particle by `part` of its step.
+    #[inline(always)]
+    fn apply<S: Simd>(&mut self, simd: S, scratch: &ChainScratch, part: f32x16<S>) {
+        let zero = f32x16::splat(simd, 0.0);
+        let sticks = &scratch.sticks[..self.count];
+        let mut a = self.position(simd, 0);
+        let mut pull_up = Lanes3 { x: zero, y: zero, z: zero };
+        for i in 0..self.count {
+            let (mut b, mut pull) = (a, Lanes3 { x: zero, y: zero, z: zero });
+            if i + 1 < self.count {
+                b = self.position(simd, i + 1);
+                pull = b.minus(a).times(load(simd, &sticks[i].right));
+            }
+            let step = pull.minus(pull_up).times(self.inverse_mass(simd, i) * part);
+            a.plus(step).store(&mut self.position[self.first + i * self.stride]);
+            (a, pull_up) = (b, pull);
+        }
     }
 
     /// Every second stick, then the others, in the lanes that `is_swept` has.
@@ -186,6 +210,11 @@ impl Chains<'_> {
             p.plus(delta.times(scale * wa)).store(&mut self.position[a]);
             q.minus(delta.times(scale * wb)).store(&mut self.position[b]);
         }
+    }
+
+    #[inline(always)]
+    fn position<S: Simd>(&self, simd: S, i: usize) -> Lanes3<S> {
+        Lanes3::load(simd, &self.position[self.first + i * self.stride])
     }
 
     #[inline(always)]
