@@ -183,11 +183,11 @@ impl Chains<'_> {
         let sticks = &scratch.sticks[..self.count];
         let mut a = self.position(simd, 0);
         let mut pull_up = Lanes3 { x: zero, y: zero, z: zero };
-        for i in 0..self.count {
+        for (i, stick) in sticks.iter().enumerate() {
             let (mut b, mut pull) = (a, Lanes3 { x: zero, y: zero, z: zero });
             if i + 1 < self.count {
                 b = self.position(simd, i + 1);
-                pull = b.minus(a).times(load(simd, &sticks[i].right));
+                pull = b.minus(a).times(load(simd, &stick.right));
             }
             let step = pull.minus(pull_up).times(self.inverse_mass(simd, i) * part);
             a.plus(step).store(&mut self.position[self.first + i * self.stride]);

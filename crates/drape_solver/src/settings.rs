@@ -22,11 +22,13 @@ pub enum StructuralSolve {
     #[default]
     Sweeps,
     /// Lines: each row and each column of a cloth, and a rope, is solved directly as a chain, which carries a pull from
-    /// one end to the other at once (Goldenthal et al. 2007). At 16 substeps a hanging sheet of 128 x 128 stretches
-    /// by less than a tenth of what it does with sweeps, for about half as much time again.
+    /// one end to the other at once (Goldenthal et al. 2007). A falling sheet of 128 x 128 with stiff shear and bend
+    /// sticks stretches by 0.08 % (root mean square) with 16 substeps, against 1.1 % with sweeps, in less than twice
+    /// the time.
     ///
-    /// Takes effect where structural sticks are rigid (stiffness 1) and the body is a grid; others are swept. From 8
-    /// substeps on it is worth its cost: with fewer the other sticks undo what the lines did.
+    /// Takes effect where structural sticks are rigid (stiffness 1) and the grid fills a vector's lanes: from
+    /// 9 x 9 particles, or 33 in a rope. Other sticks are swept, as ever. The gain grows with the substeps: with
+    /// fewer than 8 the shear and bend sticks undo much of what the lines did.
     Lines,
 }
 
