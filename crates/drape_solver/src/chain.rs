@@ -254,11 +254,10 @@ mod tests {
             }
         }
         for i in 0..sticks {
-            for j in i + 1..sticks {
-                let factor = rows[j][i] / rows[i][i];
-                for k in i..=sticks {
-                    rows[j][k] -= factor * rows[i][k];
-                }
+            let (above, below) = rows.split_at_mut(i + 1);
+            for row in below {
+                let factor = row[i] / above[i][i];
+                row.iter_mut().zip(&above[i]).for_each(|(entry, pivot)| *entry -= factor * pivot);
             }
         }
         let mut lambda = vec![0.0; sticks];
@@ -300,15 +299,16 @@ mod tests {
         let mut dice = dice();
         let mut position = vec![Cell::default(); 2 * count + 1];
         let mut inverse_mass = vec![[1.0; LANES]; 2 * count + 1];
-        for lane in 0..LANES {
-            let mut at = Vec3::ZERO;
-            for i in 0..count {
-                let (cell, weight) = (1 + 2 * i, 8.0 * (1.0 + dice()));
-                position[cell].set(lane, at);
+        let mut at = [Vec3::ZERO; LANES];
+        for i in 0..count {
+            let cell = 1 + 2 * i;
+            for (lane, at) in at.iter_mut().enumerate() {
+                let weight = 8.0 * (1.0 + dice());
+                position[cell].set(lane, *at);
                 inverse_mass[cell][lane] = if weight < 1.0 { 0.0 } else { weight };
                 let turn = Vec3::new(dice(), dice(), dice()) * 0.6;
                 let length = if i == 4 { 0.0 } else { REST * (1.0 + stretched * dice()) };
-                at += (Vec3::X + turn).normalize() * length;
+                *at += (Vec3::X + turn).normalize() * length;
             }
         }
         (position, inverse_mass)
@@ -331,14 +331,14 @@ mod tests {
                     stride: 2,
                     count,
                 }));
-                for lane in 0..LANES {
+                (0..LANES).for_each(|lane| {
                     let start = lane_of(count, |cell| before[cell].get(lane));
                     let weights = lane_of(count, |cell| inverse_mass[cell][lane]);
                     for (i, expected) in solved(&start, &weights).into_iter().enumerate() {
                         let found = position[1 + 2 * i].get(lane).as_dvec3();
                         assert!(found.distance(expected) < 1e-5, "{} {count} {lane} {i}", isa.name());
                     }
-                }
+                });
                 let untouched = (0..count).all(|i| position[2 * i] == before[2 * i]);
                 assert!(untouched, "cells of others stay as they are");
             }

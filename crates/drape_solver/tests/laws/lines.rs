@@ -110,7 +110,7 @@ fn a_cloth_compressed_along_itself_buckles() {
                 after <= pushed + 1e-3 * mass,
                 "{n} {substeps} x {iterations}: {pushed} J, then {after} J"
             );
-            let greatest = particles(&island).positions().map(|p| p.length()).fold(0.0, f32::max);
+            let greatest = particles(&island).positions().map(Vec3::length).fold(0.0, f32::max);
             assert!(greatest < 3.0, "{n} {substeps} x {iterations}: {greatest} m away");
         }
     }
@@ -379,7 +379,7 @@ fn pins_and_masses_of_all_kinds_stay_finite() {
         }
         let mut island = Island::of_body(body);
         run(&mut island, &gravity(FRAME), 2.0);
-        let greatest = particles(&island).positions().map(|p| p.length()).fold(0.0, f32::max);
+        let greatest = particles(&island).positions().map(Vec3::length).fold(0.0, f32::max);
         assert!(greatest < 5.0, "{greatest}");
     }
 }
