@@ -22,9 +22,11 @@ use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP};
 use crate::lanes::{Lanes3, load};
 use crate::stick::Projection;
 
-/// Inverse masses beyond this count as this, and what weighs less than its inverse as pinned: the ends of single
-/// precision are as far again.
-const GREATEST_INVERSE_MASS: f32 = 1e30;
+/// Inverse masses beyond this count as this: the end of single precision is as far again.
+pub(crate) const GREATEST_INVERSE_MASS: f32 = 1e30;
+
+/// Sticks whose ends have less inverse mass than this together count as pinned at both.
+pub(crate) const LEAST_WEIGHT: f32 = 1e-30;
 
 /// Sixteen chains: particle `i` of the chain in lane `l` is in lane `l` of cell `first + i stride`.
 ///
@@ -115,7 +117,7 @@ impl Chains<'_> {
     fn eliminate<S: Simd>(&self, simd: S, scratch: &mut ChainScratch, rest: f32) {
         let zero = f32x16::splat(simd, 0.0);
         let one = f32x16::splat(simd, 1.0);
-        let least = f32x16::splat(simd, 1.0 / GREATEST_INVERSE_MASS);
+        let least = f32x16::splat(simd, LEAST_WEIGHT);
         let sticks = &mut scratch.sticks[..self.count];
         let mut a = Lanes3::load(simd, &self.position[self.first]);
         let mut wa = self.inverse_mass(simd, 0);
@@ -199,7 +201,7 @@ impl Chains<'_> {
     #[inline(always)]
     fn sweep<S: Simd>(&mut self, simd: S, is_swept: mask32x16<S>, rest: f32, projection: impl Projection) {
         let zero = f32x16::splat(simd, 0.0);
-        let least = f32x16::splat(simd, 1.0 / GREATEST_INVERSE_MASS);
+        let least = f32x16::splat(simd, LEAST_WEIGHT);
         for i in (0..self.count - 1).step_by(2).chain((1..self.count - 1).step_by(2)) {
             let [a, b] = [i, i + 1].map(|i| self.first + i * self.stride);
             let (wa, wb) = (self.inverse_mass(simd, i), self.inverse_mass(simd, i + 1));
@@ -230,6 +232,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use crate::isa::{Isa, Kernel};
+    use crate::lone_chain::{LoneChain, LoneStick};
     use crate::stick::Exact;
 
     const REST: f32 = 0.1;
@@ -341,6 +344,31 @@ mod tests {
                 });
                 let untouched = (0..count).all(|i| position[2 * i] == before[2 * i]);
                 assert!(untouched, "cells of others stay as they are");
+            }
+        }
+    }
+
+    /// The scalar form, which ropes run: short and long steps, to the bit.
+    #[test]
+    fn each_lane_does_what_a_lone_chain_does() {
+        for stretched in [0.02, 1.0] {
+            for count in [2, 3, 40] {
+                let (mut position, inverse_mass) = chains(count, stretched);
+                let mut lone = position.clone();
+                let mut sticks = vec![LoneStick::default(); count];
+                for lane in 0..LANES {
+                    let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
+                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots }.solve(
+                        &mut sticks,
+                        REST,
+                        Exact,
+                    );
+                }
+                let (first, stride) = (1, 2);
+                let chains =
+                    Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count };
+                Isa::detected().run(Solve(chains));
+                assert!(position == lone, "{count} particles, {stretched}");
             }
         }
     }

@@ -24,6 +24,7 @@ pub mod island;
 mod lanes;
 mod layout;
 mod line;
+mod lone_chain;
 pub mod measure;
 mod nearest;
 pub mod obstacle;

@@ -5,14 +5,16 @@
 //!   lane = column: solved in place        sixteen rows at a time are turned:     sixteen lines at a time are
 //!                                         lane = row; solved; turned back        gathered, solved, scattered
 //! ```
+//!
+//! Ropes, and other grids of very few lines, are solved one [line](crate::lone_chain) at a time.
 
 use fearless_simd::{Simd, prelude::*};
-use glam::Vec3;
 
 use crate::chain::{ChainScratch, Chains};
 use crate::columns::{Cell, LANES};
 use crate::lanes::load;
 use crate::layout::{Grid, Layout};
+use crate::lone_chain::{LoneChain, LoneStick};
 use crate::settings::{SolverSettings, StructuralSolve};
 use crate::stick::Projection;
 use crate::topology::{BatchSticks, StickBatch, StickKind, Topology};
@@ -69,6 +71,15 @@ impl Lines {
         }
     }
 
+    fn way(self, grid: Grid) -> Way {
+        match self {
+            _ if self.size(grid).0 < LEAST_BUNDLED_LINES => Way::Lone,
+            _ if !grid.has_whole_rows() => Way::Gathered,
+            Self::Rows => Way::Turned,
+            Self::Columns => Way::InPlace,
+        }
+    }
+
     /// The slot of particle `i` of line `line`.
     fn slot(self, grid: Grid, line: usize, i: usize) -> usize {
         match self {
@@ -78,8 +89,21 @@ impl Lines {
     }
 }
 
-/// Where a lane has no line.
-const NO_SLOT: u32 = u32::MAX;
+/// How lines come into the lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// Columns, each of which is in a lane already.
+    InPlace,
+    /// Rows, which run through all lanes.
+    Turned,
+    /// Lines that run through some of the lanes.
+    Gathered,
+    /// Not at all: there are too few of them.
+    Lone,
+}
+
+/// Fewest lines that are solved side by side.
+const LEAST_BUNDLED_LINES: usize = 4;
 
 /// What line solves keep. Only its memory outlives a solve, and the list of slots the step.
 #[derive(Clone, Debug, Default)]
@@ -88,9 +112,10 @@ pub(crate) struct LineScratch {
     /// The particles of sixteen lines, lane by lane.
     position: Vec<Cell>,
     inverse_mass: Vec<[f32; LANES]>,
-    /// Where lines are gathered: the slot of each of their particles, sixteen lines at a time; [`NO_SLOT`] where a
-    /// lane has no line.
-    slots: [Vec<[u32; LANES]>; 2],
+    lone: Vec<LoneStick>,
+    /// Where lines are gathered, or lone: the slots of their first particles, then of their second, and so on, for up to sixteen
+    /// lines at a time.
+    slots: [Vec<u32>; 2],
     grid: Option<Grid>,
 }
 
@@ -103,32 +128,50 @@ impl LineScratch {
         if self.grid == Some(grid) {
             return;
         }
-        // Rows are turned with the ghosts at their end.
-        let count = grid.rows.max(grid.across * grid.width);
-        self.chain.reserve(count);
-        self.position.resize(count, Cell::default());
-        self.inverse_mass.resize(count, [0.0; LANES]);
-        self.slots = [Lines::Rows, Lines::Columns].map(|lines| slots(grid, lines));
+        for lines in [Lines::Rows, Lines::Columns] {
+            let (_, count) = lines.size(grid);
+            let way = lines.way(grid);
+            // Rows are turned with the ghosts at their end.
+            let turned = if way == Way::Turned { grid.across * grid.width } else { count };
+            match way {
+                Way::Lone => grow(&mut self.lone, count),
+                Way::InPlace => self.chain.reserve(count),
+                Way::Turned | Way::Gathered => {
+                    self.chain.reserve(count);
+                    grow(&mut self.position, turned);
+                    grow(&mut self.inverse_mass, turned);
+                }
+            }
+            self.slots[lines as usize] = slots(grid, lines);
+        }
         self.grid = Some(grid);
     }
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
         let slots = self.slots.iter().map(|slots| size_of_val(&**slots)).sum::<usize>();
-        self.chain.bytes() + size_of_val(&*self.position) + size_of_val(&*self.inverse_mass) + slots
+        let lanes = size_of_val(&*self.position) + size_of_val(&*self.inverse_mass);
+        self.chain.bytes() + lanes + size_of_val(&*self.lone) + slots
     }
 }
 
+/// Makes room for `count` values.
+fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
+    values.resize(count.max(values.len()), T::default());
+}
+
 /// The slots of the particles of all lines, where they must be gathered.
-fn slots(grid: Grid, lines: Lines) -> Vec<[u32; LANES]> {
-    if grid.has_whole_rows() {
-        return Vec::new();
-    }
+fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
+    let lanes = match lines.way(grid) {
+        Way::Gathered => LANES,
+        Way::Lone => 1,
+        Way::InPlace | Way::Turned => return Vec::new(),
+    };
     let (number, count) = lines.size(grid);
-    let bundles = (0..number).step_by(LANES);
-    let slot = |line: usize, i: usize| if line < number { lines.slot(grid, line, i) as u32 } else { NO_SLOT };
-    let cells = bundles.flat_map(|first| (0..count).map(move |i| (first, i)));
-    cells.map(|(first, i)| core::array::from_fn(|lane| slot(first + lane, i))).collect()
+    let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
+    let places = bundles.flat_map(|bundle| (0..count).map(move |i| (bundle.clone(), i)));
+    let slot = |line: usize, i: usize| lines.slot(grid, line, i) as u32;
+    places.flat_map(|(bundle, i)| bundle.map(move |line| slot(line, i))).collect()
 }
 
 /// The particles whose lines are to be solved.
@@ -143,12 +186,20 @@ impl LineSolve<'_> {
     /// Solves all `lines`, whose sticks are `rest` metres long at rest.
     #[inline(always)]
     pub fn solve<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
-        if !self.grid.has_whole_rows() {
-            return self.gathered(simd, lines, rest, projection);
+        match lines.way(self.grid) {
+            Way::InPlace => self.columns_in_place(simd, rest, projection),
+            Way::Turned => self.turned_rows(simd, rest, projection),
+            Way::Gathered => self.gathered(simd, lines, rest, projection),
+            Way::Lone => self.lone(lines, rest, projection),
         }
-        match lines {
-            Lines::Rows => self.turned_rows(simd, rest, projection),
-            Lines::Columns => self.columns_in_place(simd, rest, projection),
+    }
+
+    #[inline(always)]
+    fn lone(&mut self, lines: Lines, rest: f32, projection: impl Projection) {
+        let Self { grid, position, inverse_mass, scratch } = self;
+        let LineScratch { lone, slots, .. } = &mut **scratch;
+        for slots in slots[lines as usize].chunks_exact(lines.size(*grid).1) {
+            LoneChain { position, inverse_mass, slots }.solve(lone, rest, projection);
         }
     }
 
@@ -239,30 +290,27 @@ impl LineSolve<'_> {
     #[inline(always)]
     fn gathered<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
         let Self { grid, position, inverse_mass, scratch } = self;
-        let (_, count) = lines.size(*grid);
+        let (number, count) = lines.size(*grid);
         let LineScratch { chain, position: gathered, inverse_mass: gathered_mass, slots, .. } =
             &mut **scratch;
-        let slots = &slots[lines as usize];
-        for bundle in slots.chunks_exact(count) {
-            for (i, slots) in bundle.iter().enumerate() {
+        let mut slots = slots[lines as usize].as_slice();
+        for first in (0..number).step_by(LANES) {
+            let lanes = LANES.min(number - first);
+            let bundle;
+            (bundle, slots) = slots.split_at(lanes * count);
+            // Lanes to spare keep what is in them, and nobody looks.
+            for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
                     let (from, in_lane) = (slot as usize / LANES, slot as usize % LANES);
-                    if let Some(cell) = position.get(from) {
-                        gathered[i].set(lane, cell.get(in_lane));
-                        gathered_mass[i][lane] = inverse_mass[from][in_lane];
-                    } else {
-                        gathered[i].set(lane, Vec3::ZERO);
-                        gathered_mass[i][lane] = 0.0;
-                    }
+                    gathered[i].set(lane, position[from].get(in_lane));
+                    gathered_mass[i][lane] = inverse_mass[from][in_lane];
                 }
             }
             Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count }
                 .solve(simd, chain, rest, projection);
-            for (i, slots) in bundle.iter().enumerate() {
+            for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
-                    if let Some(cell) = position.get_mut(slot as usize / LANES) {
-                        cell.set(slot as usize % LANES, gathered[i].get(lane));
-                    }
+                    position[slot as usize / LANES].set(slot as usize % LANES, gathered[i].get(lane));
                 }
             }
         }
