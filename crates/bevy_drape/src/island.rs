@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
-use drape_solver::{Ball, Body, Environment, Other, StepError, step};
+use drape_solver::{Alone, Ball, Body, Environment, Other, StepError, Threads, step};
 
+use crate::islands::ComputeThreads;
 use crate::particles::{BodyState, Extent, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 
@@ -45,6 +46,8 @@ pub(crate) struct Island {
     pub detect_time: Duration,
     /// Time that the substeps took.
     pub substep_time: Duration,
+    /// Whether no other island runs at the same time, so that its bodies may have all threads.
+    pub is_alone: bool,
     /// The stage that comes next.
     next: Stage,
     /// Substeps taken of this step.
@@ -62,6 +65,7 @@ impl Island {
         self.error = None;
         self.detect_time = Duration::ZERO;
         self.substep_time = Duration::ZERO;
+        self.is_alone = false;
         self.next = Stage::Begin;
         self.taken = 0;
     }
@@ -89,9 +93,8 @@ impl Island {
 
     fn run_substeps(&mut self, environment: &Environment) {
         let start = Instant::now();
-        for _ in self.taken..self.solver.substeps() {
-            step::substep(&mut self.solver, environment);
-        }
+        let threads: &dyn Threads = if self.is_alone { &ComputeThreads } else { &Alone };
+        step::substeps_on(&mut self.solver, environment, threads);
         self.substep_time += start.elapsed();
         self.next = Stage::Finish;
     }

@@ -111,6 +111,7 @@ impl Members<'_, '_> {
             for island in islands.live_mut() {
                 core::mem::swap(&mut bodies, &mut island.solver.bodies);
                 island.take(&mut self.bodies, &mut self.balls);
+                island.is_alone = true;
                 stages(island, &self.solver.environment);
                 self.refuse_faulty(island, &stages);
                 island.give_back(&mut self.bodies, &mut self.balls);

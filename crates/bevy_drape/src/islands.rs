@@ -6,7 +6,7 @@
 
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
-use drape_solver::Body;
+use drape_solver::{Body, Threads};
 
 use crate::island::Island;
 use crate::scene_manager::{Bounds, overlap};
@@ -106,6 +106,23 @@ impl Islands {
         }
         self.slots[self.live].reset();
         self.live += 1;
+    }
+}
+
+/// The threads of the compute pool, for the sharing out of a large body.
+pub(crate) struct ComputeThreads;
+
+impl Threads for ComputeThreads {
+    /// With the one that calls, which need not be the pool's.
+    fn count(&self) -> usize {
+        1 + pool().thread_num()
+    }
+
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+        pool().scope(|scope| {
+            scope.spawn(async move { other() });
+            one();
+        });
     }
 }
 

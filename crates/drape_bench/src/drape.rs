@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 use drape_solver::glam::Vec3;
 use drape_solver::{
     Body, BuildError, Environment, Isa, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StateHasher, StickMaterial, StickProjection, StructuralSolve, Topology, TopologyBuilder, measure, step,
+    StateHasher, StickMaterial, StickProjection, StructuralSolve, Threads, Topology, TopologyBuilder,
+    measure, step, step_on,
 };
+use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::contender::{Contender, Failure};
 use crate::model::Model;
@@ -21,15 +22,14 @@ use crate::world::{GRAVITY, LOWEST, SPHERE_CENTRE, SPHERE_RADIUS, STEP};
 pub struct Drape {
     islands: Vec<Island>,
     environment: Environment,
-    /// Threads that wait between steps; none to step on this one.
-    pool: Option<ThreadPool>,
+    threads: u32,
 }
 
 impl Drape {
-    /// Loads `scene`: equal bodies share their topology.
+    /// Loads `scene`: equal bodies share their topology. To be stepped [`on_threads`], where there are several.
     ///
     /// # Errors
-    /// [`Failure`] if the solver refuses the bodies, or there are more threads than it can use.
+    /// [`Failure`] if the solver refuses the bodies.
     pub fn new(scene: &Scene, effort: &Effort) -> Result<Self, Failure> {
         let topology = Arc::new(topology(&scene.model)?);
         let settings = settings(effort);
@@ -38,37 +38,52 @@ impl Drape {
             Ok(Island::of_body(Body::new(particles, Arc::clone(&topology), settings)))
         });
         let islands: Vec<Island> = islands.collect::<Result<_, BuildError>>()?;
-        Ok(Self { pool: pool(scene, effort.threads)?, islands, environment: environment()? })
+        Ok(Self { islands, environment: environment()?, threads: effort.threads })
     }
 }
 
-/// The threads that [`step_islands`] uses.
+/// Does `work` on one of `threads` threads, with the others at hand for [`Drape`].
 ///
-/// A single body is stepped on one thread: the solver has no way yet to share it out.
-fn pool(scene: &Scene, threads: u32) -> Result<Option<ThreadPool>, Failure> {
+/// # Errors
+/// [`Failure`] if they cannot be started.
+pub fn on_threads<R: Send>(threads: u32, work: impl FnOnce() -> R + Send) -> Result<R, Failure> {
     if threads < 2 {
-        return Ok(None);
+        return Ok(work());
     }
-    if scene.bodies < 2 {
-        return Err(Failure::Threads { solver: "drape", scene: "a single body", threads });
-    }
-    let pool = ThreadPoolBuilder::new().num_threads(threads as usize).build();
-    pool.map(Some).map_err(|error| Failure::Pool(error.to_string()))
+    // Each keeps to a core of its own: woken on that of another, a thread waits there for milliseconds.
+    let cores = core_affinity::get_core_ids().unwrap_or_default();
+    let settle = move |thread: usize| {
+        if let Some(&core) = cores.get(thread) {
+            core_affinity::set_for_current(core);
+        }
+    };
+    let pool = ThreadPoolBuilder::new().num_threads(threads as usize).start_handler(settle).build();
+    pool.map(|pool| pool.install(work)).map_err(|error| Failure::Pool(error.to_string()))
 }
 
-/// One step of all islands: what is timed.
-fn step_islands(
-    islands: &mut [Island],
-    environment: &Environment,
-    pool: Option<&ThreadPool>,
-) -> Result<(), Failure> {
-    match pool {
-        None => islands.iter_mut().try_for_each(|island| step(island, environment))?,
-        Some(pool) => pool.install(|| {
-            let share = islands.len().div_ceil(4 * pool.current_num_threads());
+/// The threads of the pool that it is called in.
+struct OfPool;
+
+impl Threads for OfPool {
+    fn count(&self) -> usize {
+        rayon::current_num_threads()
+    }
+
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+        rayon::join(one, other);
+    }
+}
+
+/// One step of all islands: what is timed. Several are shared out to the threads; a single one shares its body out.
+fn step_islands(islands: &mut [Island], environment: &Environment, threads: u32) -> Result<(), Failure> {
+    match islands {
+        [island] if threads > 1 => step_on(island, environment, &OfPool)?,
+        islands if threads > 1 => {
+            let share = islands.len().div_ceil(4 * rayon::current_num_threads());
             let chunks = islands.par_chunks_mut(share);
-            chunks.try_for_each(|chunk| chunk.iter_mut().try_for_each(|island| step(island, environment)))
-        })?,
+            chunks.try_for_each(|chunk| chunk.iter_mut().try_for_each(|island| step(island, environment)))?;
+        }
+        islands => islands.iter_mut().try_for_each(|island| step(island, environment))?,
     }
     Ok(())
 }
@@ -153,7 +168,7 @@ pub fn state_hash(positions: &[Vec3]) -> u64 {
 impl Contender for Drape {
     fn step(&mut self) -> Result<Duration, Failure> {
         let start = Instant::now();
-        step_islands(&mut self.islands, &self.environment, self.pool.as_ref())?;
+        step_islands(&mut self.islands, &self.environment, self.threads)?;
         Ok(start.elapsed())
     }
 

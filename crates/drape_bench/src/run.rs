@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::contender::Failure;
-use crate::drape::state_hash;
+use crate::drape::{on_threads, state_hash};
 use crate::memory_pass::MemoryPass;
 use crate::scene::{Scene, SceneKind};
 use crate::solver::{Effort, Solver};
@@ -62,6 +62,10 @@ impl Job {
     /// # Errors
     /// [`Failure`] of the solver.
     pub fn time(&self) -> Result<Timing, Failure> {
+        on_threads(self.effort.threads, || self.time_here())?
+    }
+
+    fn time_here(&self) -> Result<Timing, Failure> {
         let mut contender = self.solver.load(&self.scene, &self.effort)?;
         let mut wall = Duration::ZERO;
         for index in 0..self.steps {
@@ -83,6 +87,10 @@ impl Job {
     /// # Errors
     /// [`Failure`] of the solver.
     pub fn watch(&self) -> Result<Motion, Failure> {
+        on_threads(self.effort.threads, || self.watch_here())?
+    }
+
+    fn watch_here(&self) -> Result<Motion, Failure> {
         let mut contender = self.solver.load(&self.scene, &self.effort)?;
         let mut gauge = Gauge::new(&self.scene.model);
         let mut sum = StretchFigures::default();

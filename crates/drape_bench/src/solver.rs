@@ -184,10 +184,12 @@ mod tests {
 
     #[test]
     fn two_threads_give_the_same_bits() {
-        let scene = Scene::new(SceneKind::Many, 7, Pins::Corners).expect("a scene");
         let drape = Solver::find("drape", OWN).expect("it is there");
-        let two = Effort { threads: 2, ..EFFORT };
-        assert_eq!(end(&drape, &scene, &EFFORT), end(&drape, &scene, &two));
+        for (kind, n) in [(SceneKind::Many, 7), (SceneKind::Sheet, 96)] {
+            let scene = Scene::new(kind, n, Pins::Corners).expect("a scene");
+            let two = Effort { threads: 2, ..EFFORT };
+            assert_eq!(end(&drape, &scene, &EFFORT), end(&drape, &scene, &two));
+        }
     }
 
     #[test]

@@ -9,9 +9,9 @@ use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::integrate::Drag;
 use crate::line::LineScratch;
 use crate::particles::Particles;
+use crate::plan::Plan;
 use crate::settings::{SolverSettings, StructuralSolve};
 use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
-use crate::sweep::Plan;
 use crate::topology::Topology;
 
 /// A cloth, a rope or a rig, ready to be stepped.
@@ -54,6 +54,8 @@ pub struct BodyContext {
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
     pub(crate) damping: Vec<f32>,
+    /// Where the pins are that tethers hold on to.
+    pub(crate) anchors: Columns,
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
     pub(crate) lines: LineScratch,

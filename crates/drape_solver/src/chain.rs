@@ -207,7 +207,8 @@ impl Chains<'_> {
             let (wa, wb) = (self.inverse_mass(simd, i), self.inverse_mass(simd, i + 1));
             let (p, q) = (Lanes3::load(simd, &self.position[a]), Lanes3::load(simd, &self.position[b]));
             let delta = q.minus(p);
-            let error = is_swept.select(projection.errors(simd, delta.dot(delta), rest), zero);
+            let error =
+                is_swept.select(projection.errors(simd, delta.dot(delta), f32x16::splat(simd, rest)), zero);
             let scale = error / (wa + wb).max(least);
             p.plus(delta.times(scale * wa)).store(&mut self.position[a]);
             q.minus(delta.times(scale * wb)).store(&mut self.position[b]);

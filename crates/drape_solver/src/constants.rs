@@ -22,8 +22,30 @@ pub const MAX_HIT_SUBSTEPS: f32 = 64.0;
 /// The part of the substeps of a hit that a ball near a cloth keeps from step to step while it needs fewer.
 pub const HIT_SUBSTEPS_KEPT: f32 = 0.9;
 
-/// Cells from which on a sweep runs down the rows of a grid: smaller bodies stay in the nearest cache anyway.
-pub const LEAST_PIPELINED_CELLS: usize = 512;
+/// Cells from which on a sweep runs down the strips of a grid: smaller bodies stay in the nearest cache anyway.
+pub const LEAST_SWEPT_CELLS: usize = 128;
+
+/// Cells that a stage takes at once in a sweep: enough to be worth the call, and few enough that those of all stages
+/// stay in the nearest cache.
+pub const CELLS_AT_ONCE: usize = 64;
+
+/// What a cell's particles, masses and tethers take up in a sweep, in bytes.
+pub const BYTES_OF_CELL: usize = 800;
+
+/// What the strips between the first stage of a sweep and its last may take up, in bytes: the second cache of a core.
+pub const SWEPT_BYTES: usize = 3 << 19;
+
+/// Cells for each thread from which on threads share a body.
+pub const LEAST_SHARED_CELLS: usize = 400;
+
+/// Where threads share a body, strips for each thread and strip of lag: the wedges between them are done by one alone.
+pub const LEAST_STRIPS_PER_LAG: usize = 8;
+
+/// What the contacts of a cell that may touch an obstacle cost, compared with all else that is done to a cell.
+pub const WORK_OF_CONTACTS: f32 = 0.5;
+
+/// Overlaps of particles and obstacles below this, in metres, are rounding.
+pub const LEAST_OVERLAP: f32 = 1e-6;
 
 /// Tethers pull a particle home at this speed at most, in metres per second. What hangs from a pin is pulled by
 /// millimetres; what something has dragged a metre away is not to come back as a bullet.

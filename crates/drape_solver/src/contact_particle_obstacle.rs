@@ -17,6 +17,8 @@ use glam::Vec3;
 
 use crate::body::{Body, BodyContext};
 use crate::columns::{Cell, LANES};
+use crate::constants::{LEAST_OVERLAP, LEAST_SHARED_CELLS};
+use crate::crew::Crew;
 use crate::friction::combined;
 use crate::isa::{Isa, Kernel};
 use crate::lanes::{Lanes3, load};
@@ -27,6 +29,8 @@ use crate::particles::Particles;
 use crate::pose::Pose;
 use crate::shape::{Shape, container_walls};
 use crate::surface_lanes::{LanePlanes, LanePose, Solid};
+use crate::sweep::Surroundings;
+use crate::work::{Common, Moving};
 
 /// The particles of one body that may touch obstacles in this step.
 #[derive(Clone, Debug, Default)]
@@ -34,29 +38,30 @@ pub(crate) struct ObstacleContacts {
     layout: Layout,
     groups: Vec<Group>,
     candidates: Vec<Candidate>,
+    /// Room for what a helper finds.
+    found_by_helper: Vec<Candidate>,
     /// One for each candidate.
     pushes: Vec<Pushes>,
     planes: Vec<LanePlanes>,
-    /// For each group the candidates before each row of cells.
-    first_of_row: Vec<u32>,
+    /// Place of each strip's first candidate; one more at the end.
+    first_of_strip: Vec<u32>,
 }
 
-/// Candidates of one obstacle, and its pose at the ends of the current substep.
+/// An obstacle that has candidates.
 #[derive(Clone, Debug)]
 struct Group {
     obstacle: usize,
-    /// Place of its first row in the list of rows.
-    rows: usize,
     friction: f32,
     is_moving: bool,
-    before: Pose,
-    now: Pose,
+    /// Its pose at the start of the step, in the body's own coordinates.
+    pose: Pose,
 }
 
 /// The particles of one cell that may touch one obstacle.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     cell: u32,
+    group: u16,
     lanes: u16,
     /// Whether any of them has been pushed in this substep.
     is_touching: bool,
@@ -85,14 +90,6 @@ impl Pushes {
     };
 }
 
-/// The columns that contacts read and write.
-pub(crate) struct Moving<'a> {
-    pub position: &'a mut [Cell],
-    pub displacement: &'a mut [Cell],
-    /// Positions after integration.
-    pub integrated: &'a mut [Cell],
-}
-
 impl BodyContext {
     /// Particles that obstacles pushed out in the last substep: the particle's index, the unit normal of the
     /// surface in the world, and the depth in metres, summed over the projections of the substep.
@@ -111,7 +108,7 @@ impl BodyContext {
 
 /// Lists the particles that could touch each obstacle if nothing moves more than `reach` (metres) on top of
 /// the obstacle's own travel.
-pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: Isa) {
+pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: Isa, crew: &Crew) {
     let (low, high) = body.particles.bounds();
     let Body { particles, settings, context, .. } = body;
     let contacts = &mut context.contacts;
@@ -119,7 +116,6 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
     contacts.groups.clear();
     contacts.candidates.clear();
     contacts.planes.clear();
-    contacts.first_of_row.clear();
     for (index, obstacle) in obstacles.iter().enumerate() {
         let reach = reach + settings.thickness;
         let (obstacle_low, obstacle_high) = obstacle.swept_bounds();
@@ -128,6 +124,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
         }
         let pose = obstacle.pose_at(0.0, particles.origin);
         let first = contacts.candidates.len();
+        let group = contacts.groups.len() as u16;
         let reach = reach + obstacle.travel();
         match obstacle.shape() {
             Shape::Container { half_extents } => {
@@ -136,51 +133,33 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
                     (0..LANES).for_each(|lane| normal.set(lane, wall.normal));
                     contacts.planes.push(LanePlanes { normal, offset: [wall.offset; LANES] });
                     let plane = contacts.planes.len() - 1;
-                    let planes = &contacts.planes[plane];
-                    let candidates = &mut contacts.candidates;
-                    let solid = Solid::Planes(planes);
-                    isa.run(Search { particles, solid, pose, reach, planes: Some(plane as u32), candidates });
+                    let solid = Solid::Planes(&contacts.planes[plane]);
+                    let planes = Some(plane as u32);
+                    let search = Search { particles, solid, pose, reach, group, planes };
+                    search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
                 }
-                contacts.candidates[first..].sort_by_key(|candidate| candidate.cell);
             }
-            shape @ Shape::Parry(_) => search_by_query(contacts, particles, shape, pose, reach),
+            shape @ Shape::Parry(_) => search_by_query(contacts, particles, shape, pose, reach, group),
             shape => {
-                let candidates = &mut contacts.candidates;
-                isa.run(Search {
-                    particles,
-                    solid: Solid::Formula(shape),
-                    pose,
-                    reach,
-                    planes: None,
-                    candidates,
-                });
+                let solid = Solid::Formula(shape);
+                let search = Search { particles, solid, pose, reach, group, planes: None };
+                search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
             }
         }
         if contacts.candidates.len() > first {
-            let rows = contacts.first_of_row.len();
-            contacts.note_rows(first);
             contacts.groups.push(Group {
                 obstacle: index,
-                rows,
                 friction: combined(settings.friction, obstacle.friction()),
                 is_moving: obstacle.is_moving(),
-                before: pose,
-                now: pose,
+                pose,
             });
         }
     }
-    if !contacts.groups.is_empty() {
-        // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
-        let (cells, (_, rows)) = (particles.layout.cells(), particles.layout.rows());
-        contacts.candidates.reserve(cells.saturating_sub(contacts.candidates.len()));
-        contacts.pushes.reserve(cells.saturating_sub(contacts.pushes.len()));
-        contacts.first_of_row.reserve((2 * (rows + 1)).saturating_sub(contacts.first_of_row.len()));
-    }
-    contacts.pushes.resize(contacts.candidates.len(), Pushes::NONE);
+    contacts.sort();
 }
 
-fn candidate(cell: usize, lanes: u16, planes: Option<u32>) -> Candidate {
-    Candidate { cell: cell as u32, lanes, is_touching: false, planes }
+fn candidate(cell: usize, group: u16, lanes: u16, planes: Option<u32>) -> Candidate {
+    Candidate { cell: cell as u32, group, lanes, is_touching: false, planes }
 }
 
 /// Asks a shape without a formula for the nearest point of every particle in its reach.
@@ -190,6 +169,7 @@ fn search_by_query(
     shape: &Shape,
     pose: Pose,
     reach: f32,
+    group: u16,
 ) {
     let (low, high) = shape.local_bounds();
     for (cell, positions) in particles.position.cells.iter().enumerate() {
@@ -208,113 +188,241 @@ fn search_by_query(
             }
         }
         if lanes != 0 {
-            contacts.candidates.push(candidate(cell, lanes, Some(contacts.planes.len() as u32)));
+            let plane = contacts.planes.len() as u32;
+            contacts.candidates.push(candidate(cell, group, lanes, Some(plane)));
             contacts.planes.push(planes);
         }
     }
 }
 
 /// The search for cells within reach of a shape with a formula.
+#[derive(Clone, Copy)]
 struct Search<'a> {
     particles: &'a Particles,
     solid: Solid<'a>,
     pose: Pose,
     reach: f32,
+    group: u16,
     planes: Option<u32>,
-    candidates: &'a mut Vec<Candidate>,
 }
 
-impl Kernel for Search<'_> {
+impl Search<'_> {
+    /// Adds what it finds to `candidates`. Where there is help, the second half of the cells is searched by the helper.
+    fn run(
+        self,
+        candidates: &mut Vec<Candidate>,
+        found_by_helper: &mut Vec<Candidate>,
+        isa: Isa,
+        crew: &Crew,
+    ) {
+        let cells = self.particles.position.cells.len();
+        if crew.count() < 2 || cells < 2 * LEAST_SHARED_CELLS {
+            return isa.run(SearchCells { search: self, cells: 0..cells, candidates });
+        }
+        let middle = cells / 2;
+        found_by_helper.clear();
+        crew.join(&mut || isa.run(SearchCells { search: self, cells: 0..middle, candidates }), &mut || {
+            isa.run(SearchCells { search: self, cells: middle..cells, candidates: found_by_helper });
+        });
+        candidates.extend_from_slice(found_by_helper);
+    }
+}
+
+struct SearchCells<'a, 'b> {
+    search: Search<'a>,
+    cells: Range<usize>,
+    candidates: &'b mut Vec<Candidate>,
+}
+
+impl Kernel for SearchCells<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let pose = LanePose::new(simd, &self.pose);
-        let reach = f32x16::splat(simd, self.reach);
-        let (masses, _) = self.particles.inverse_mass.as_chunks::<LANES>();
-        for (cell, (position, mass)) in self.particles.position.cells.iter().zip(masses).enumerate() {
-            let local = pose.to_local(Lanes3::load(simd, position));
-            let (distance, _) = self.solid.surface(simd, local);
-            let near = distance.simd_lt(reach) & load(simd, mass).simd_gt(f32x16::splat(simd, 0.0));
+        let Self { search: Search { particles, solid, pose, reach, group, planes }, cells, candidates } =
+            self;
+        let pose = LanePose::new(simd, &pose);
+        let reach = f32x16::splat(simd, reach);
+        let (masses, _) = particles.inverse_mass.as_chunks::<LANES>();
+        for cell in cells {
+            let position = Lanes3::load(simd, &particles.position.cells[cell]);
+            let (distance, _) = solid.surface(simd, pose.to_local(position));
+            let near = distance.simd_lt(reach) & load(simd, &masses[cell]).simd_gt(f32x16::splat(simd, 0.0));
             if near.any_true() {
-                self.candidates.push(candidate(cell, near.to_bitmask() as u16, self.planes));
+                candidates.push(candidate(cell, group, near.to_bitmask() as u16, planes));
             }
         }
     }
 }
 
 impl ObstacleContacts {
+    /// Puts the candidates in the order in which a sweep takes them, and notes where each strip's begin.
+    fn sort(&mut self) {
+        let Self { layout, candidates, first_of_strip, pushes, .. } = self;
+        first_of_strip.clear();
+        let (cells_of_strip, strips) = layout.strips();
+        if !candidates.is_empty() {
+            // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
+            let cells = layout.cells();
+            candidates.reserve(cells.saturating_sub(candidates.len()));
+            pushes.reserve(cells.saturating_sub(pushes.len()));
+            first_of_strip.reserve(strips + 1);
+            // The search for a single obstacle finds them in order.
+            if !candidates.is_sorted_by_key(|c| c.cell) {
+                let strip_of = |c: &Candidate| c.cell as usize / cells_of_strip;
+                candidates.sort_unstable_by_key(|c| (strip_of(c), c.group, c.cell, c.planes));
+            }
+            for strip in 0..=strips {
+                let is_above = |c: &Candidate| (c.cell as usize) < strip * cells_of_strip;
+                first_of_strip.push(candidates.partition_point(is_above) as u32);
+            }
+        }
+        pushes.resize(candidates.len(), Pushes::NONE);
+    }
+
+    /// The contacts of all strips.
+    pub fn rows(&mut self) -> ObstacleRows<'_> {
+        let Self { groups, candidates, pushes, planes, first_of_strip, .. } = self;
+        ObstacleRows { groups, planes, first_of_strip, before: 0, candidates, pushes }
+    }
+}
+
+/// Some strips of a body, and what of them may touch obstacles.
+pub(crate) struct ObstacleRows<'a> {
+    groups: &'a [Group],
+    planes: &'a [LanePlanes],
+    /// Of the whole body, as are the cells of candidates.
+    first_of_strip: &'a [u32],
+    /// Candidates of the strips above.
+    before: usize,
+    candidates: &'a mut [Candidate],
+    pushes: &'a mut [Pushes],
+}
+
+/// What the contacts of one projection have in common.
+pub(crate) struct Meeting<'a> {
+    obstacles: &'a [Obstacle],
+    origin: Vec3,
+    /// The substep, from 0, and the number of substeps.
+    substep: u32,
+    substeps: u32,
+    thickness: f32,
+    pace: Pace,
+    /// Whether it is the first projection of the substep.
+    is_first: bool,
+}
+
+impl<'a> Meeting<'a> {
+    pub fn new(rest: &Common<'a>, substep: u32, is_first: bool) -> Self {
+        let Surroundings { obstacles, substeps, .. } = rest.around;
+        let pace = Pace::new(rest.around.substep, substeps, substep);
+        Self { obstacles, origin: rest.origin, substep, substeps, thickness: rest.thickness, pace, is_first }
+    }
+
+    /// The poses of a group's obstacle at the start and the end of the substep.
+    fn poses(&self, group: &Group) -> [Pose; 2] {
+        if !group.is_moving {
+            return [group.pose; 2];
+        }
+        let obstacle = &self.obstacles[group.obstacle];
+        [self.substep, self.substep + 1]
+            .map(|k| obstacle.pose_at(k as f32 / self.substeps as f32, self.origin))
+    }
+}
+
+impl ObstacleRows<'_> {
     /// Whether no particle can touch an obstacle in this step.
     pub fn is_empty(&self) -> bool {
-        self.groups.is_empty()
+        self.candidates.is_empty()
     }
 
-    /// Notes where each row's candidates begin, of those from `first` on.
-    fn note_rows(&mut self, first: usize) {
-        let (cells_of_row, rows) = self.layout.rows();
-        let mut next = first;
-        for row in 0..rows {
-            self.first_of_row.push(next as u32);
-            let is_of_row = |candidate: &Candidate| (candidate.cell as usize) < (row + 1) * cells_of_row;
-            next += self.candidates[next..].iter().take_while(|candidate| is_of_row(candidate)).count();
-        }
-        self.first_of_row.push(next as u32);
+    /// Candidates of the body above `strip`.
+    pub fn candidates_above(&self, strip: usize) -> usize {
+        self.first_of_strip.get(strip).map_or(0, |&first| first as usize)
     }
 
-    /// Brings the obstacles to the end of substep `index` of `count`.
-    pub fn begin_substep(&mut self, obstacles: &[Obstacle], origin: Vec3, index: u32, count: u32) {
-        for group in &mut self.groups {
-            let pose_at = |k: u32| obstacles[group.obstacle].pose_at(k as f32 / count as f32, origin);
-            group.before = pose_at(index);
-            group.now = pose_at(index + 1);
-        }
+    /// Cuts them in two above `strip`.
+    pub fn split_at(&mut self, strip: usize) -> (ObstacleRows<'_>, ObstacleRows<'_>) {
+        let &mut Self { groups, planes, first_of_strip, before, .. } = self;
+        let middle = first_of_strip.get(strip).map_or(before, |&first| first as usize);
+        let (candidates, others) = self.candidates.split_at_mut(middle - before);
+        let (pushes, other_pushes) = self.pushes.split_at_mut(middle - before);
+        (
+            ObstacleRows { groups, planes, first_of_strip, before, candidates, pushes },
+            ObstacleRows {
+                groups,
+                planes,
+                first_of_strip,
+                before: middle,
+                candidates: others,
+                pushes: other_pushes,
+            },
+        )
     }
 
-    /// Moves every particle of this row of cells that lies inside an obstacle out to its surface. `is_first` says that this
-    /// is the first projection of the substep.
+    /// The candidates of some strips with their pushes, obstacle by obstacle within a strip.
+    #[inline(always)]
+    fn of_strips(&mut self, strips: Range<usize>) -> impl Iterator<Item = (&mut [Candidate], &mut [Pushes])> {
+        let place = |strip: usize| self.first_of_strip[strip] as usize - self.before;
+        let range = place(strips.start)..place(strips.end);
+        let mut pushes = &mut self.pushes[range.clone()];
+        self.candidates[range].chunk_by_mut(|a, b| a.group == b.group).map(move |candidates| {
+            let (own, others) = core::mem::take(&mut pushes).split_at_mut(candidates.len());
+            pushes = others;
+            (candidates, own)
+        })
+    }
+
+    /// Moves every particle of these strips that lies inside an obstacle out to its surface. The columns that move begin
+    /// with `first_cell`.
     #[inline(always)]
     pub fn project<S: Simd>(
         &mut self,
         simd: S,
-        row: usize,
+        strips: Range<usize>,
         moving: &mut Moving,
-        obstacles: &[Obstacle],
-        thickness: f32,
-        pace: Pace,
-        is_first: bool,
+        first_cell: usize,
+        meeting: &Meeting,
     ) {
-        let Self { groups, candidates, pushes, planes, first_of_row, .. } = self;
-        for group in groups {
-            let range = row_of(first_of_row, group, row);
-            if range.is_empty() {
-                continue;
-            }
-            let (before, now) = (LanePose::new(simd, &group.before), LanePose::new(simd, &group.now));
-            for (candidate, pushes) in candidates[range.clone()].iter_mut().zip(&mut pushes[range]) {
+        let (groups, planes) = (self.groups, self.planes);
+        for (candidates, pushes) in self.of_strips(strips) {
+            let group = &groups[usize::from(candidates[0].group)];
+            let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));
+            let shape = meeting.obstacles[group.obstacle].shape();
+            for (candidate, pushes) in candidates.iter_mut().zip(pushes) {
                 let solid = match candidate.planes {
                     Some(place) => Solid::Planes(&planes[place as usize]),
-                    None => Solid::Formula(obstacles[group.obstacle].shape()),
+                    None => Solid::Formula(shape),
                 };
-                let contact =
-                    Contact { solid, before, now, is_moving: group.is_moving, thickness, pace, is_first };
-                contact.project(simd, candidate, pushes, moving);
+                let contact = Contact { solid, before, now, is_moving: group.is_moving, meeting };
+                contact.project(simd, candidate, pushes, moving, first_cell);
             }
         }
     }
 
-    /// Takes tangential displacement from every particle of this row of cells that was projected. Comes last in the substep,
+    /// Takes tangential displacement from every particle of these strips that was projected. Comes last in the substep,
     /// after displacements were brought up to date.
     #[inline(always)]
-    pub fn apply_friction<S: Simd>(&mut self, simd: S, row: usize, moving: &mut Moving) {
-        let Self { groups, candidates, pushes, first_of_row, .. } = self;
-        for group in groups.iter().filter(|group| group.friction > 0.0) {
-            let range = row_of(first_of_row, group, row);
-            let (before, now) = (LanePose::new(simd, &group.before), LanePose::new(simd, &group.now));
-            let touching = candidates[range.clone()].iter().zip(&pushes[range]);
+    pub fn apply_friction<S: Simd>(
+        &mut self,
+        simd: S,
+        strips: Range<usize>,
+        moving: &mut Moving,
+        first_cell: usize,
+        meeting: &Meeting,
+    ) {
+        let groups = self.groups;
+        for (candidates, pushes) in self.of_strips(strips) {
+            let group = &groups[usize::from(candidates[0].group)];
+            if group.friction == 0.0 {
+                continue;
+            }
+            let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));
+            let touching = candidates.iter().zip(pushes);
             for (candidate, pushes) in touching.filter(|(candidate, _)| candidate.is_touching) {
                 let depth = load(simd, &pushes.depth);
                 let is_touching = depth.simd_gt(f32x16::splat(simd, 0.0));
-                let cell = candidate.cell as usize;
+                let cell = candidate.cell as usize - first_cell;
                 let position = Lanes3::load(simd, &moving.position[cell]);
                 let displacement = Lanes3::load(simd, &moving.displacement[cell]);
                 let mut slip = displacement;
@@ -338,38 +446,37 @@ impl ObstacleContacts {
     }
 }
 
-/// The places of a group's candidates in this row of cells.
-#[inline(always)]
-fn row_of(first_of_row: &[u32], group: &Group, row: usize) -> Range<usize> {
-    first_of_row[group.rows + row] as usize..first_of_row[group.rows + row + 1] as usize
-}
-
 /// One obstacle, as the particles of a cell meet it in one projection.
 struct Contact<'a, S: Simd> {
     solid: Solid<'a>,
     before: LanePose<S>,
     now: LanePose<S>,
     is_moving: bool,
-    thickness: f32,
-    pace: Pace,
-    is_first: bool,
+    meeting: &'a Meeting<'a>,
 }
 
 impl<S: Simd> Contact<'_, S> {
     #[inline(always)]
-    fn project(&self, simd: S, candidate: &mut Candidate, pushes: &mut Pushes, moving: &mut Moving) {
+    fn project(
+        &self,
+        simd: S,
+        candidate: &mut Candidate,
+        pushes: &mut Pushes,
+        moving: &mut Moving,
+        first_cell: usize,
+    ) {
         let zero = f32x16::splat(simd, 0.0);
-        let cell = candidate.cell as usize;
-        if self.is_first {
+        let &Meeting { thickness, pace, is_first, .. } = self.meeting;
+        let cell = candidate.cell as usize - first_cell;
+        if is_first {
             candidate.is_touching = false;
         }
         let position = Lanes3::load(simd, &moving.position[cell]);
-        if self.solid.is_beyond(simd, position, self.now, self.thickness) {
+        if self.solid.is_beyond(simd, position, self.now, thickness) {
             return;
         }
-        let local = self.now.to_local(position);
-        let (distance, normal) = self.solid.surface(simd, local);
-        let depth = f32x16::splat(simd, self.thickness) - distance;
+        let (distance, normal) = self.solid.surface_at(simd, position, self.now);
+        let depth = f32x16::splat(simd, thickness) - distance;
         let lanes = mask32x16::from_bitmask(simd, u64::from(candidate.lanes));
         let is_inside = depth.simd_gt(zero) & lanes;
         if is_inside.all_false() {
@@ -379,36 +486,36 @@ impl<S: Simd> Contact<'_, S> {
             *pushes = Pushes::NONE;
             candidate.is_touching = true;
         }
-        let normal = self.now.direction_to_world(normal);
         let displacement = Lanes3::load(simd, &moving.displacement[cell]);
         let integrated = Lanes3::load(simd, &moving.integrated[cell]);
         let travel = displacement.plus(position.minus(integrated));
         let mut outward = travel;
         if self.is_moving {
-            outward = outward.minus(self.now.point_to_world(local).minus(self.before.point_to_world(local)));
+            let local = self.now.to_local(position);
+            outward = outward.minus(position.minus(self.before.point_to_world(local)));
         }
         // The tangent plane rules out an overlap at the start of the substep, or the shape is asked for it.
-        let may_be_old = (depth + outward.dot(normal)).simd_gt(zero) & is_inside;
-        let mut old = zero;
+        let may_be_old = (depth + outward.dot(normal)).simd_gt(LEAST_OVERLAP) & is_inside;
+        let (mut fresh, mut out) = (depth, depth);
         if may_be_old.any_true() {
-            let (distance, _) = self.solid.surface(simd, self.before.to_local(position.minus(travel)));
-            let overlap = f32x16::splat(simd, self.thickness) - distance;
+            let (distance, _) = self.solid.surface_at(simd, position.minus(travel), self.before);
+            let overlap = f32x16::splat(simd, thickness) - distance;
             let overlap = overlap.simd_gt(zero).select(overlap, zero);
-            old = may_be_old.select(overlap.simd_lt(depth).select(overlap, depth), zero);
+            let old = may_be_old.select(overlap.simd_lt(depth).select(overlap, depth), zero);
+            let known = load(simd, &pushes.left);
+            let left = known.simd_lt(zero).select(pace.left_in_lanes(simd, old), known);
+            let taken = old - left;
+            fresh = depth - old;
+            out = fresh + taken.simd_gt(zero).select(taken, zero);
+            pushes.left = may_be_old.select(left, known).to_array();
         }
-        let known = load(simd, &pushes.left);
-        let left = known.simd_lt(zero).select(self.pace.left_in_lanes(simd, old), known);
-        let taken = old - left;
-        let taken = taken.simd_gt(zero).select(taken, zero);
-        let fresh = depth - old;
-        let out = normal.times(fresh + taken);
+        let out = normal.times(out);
         let with_velocity = displacement.plus(normal.times(fresh));
         with_velocity.or(is_inside, displacement).store(&mut moving.displacement[cell]);
         position.plus(out).or(is_inside, position).store(&mut moving.position[cell]);
         integrated.plus(out).or(is_inside, integrated).store(&mut moving.integrated[cell]);
         let summed = load(simd, &pushes.depth);
         pushes.depth = is_inside.select(summed + fresh, summed).to_array();
-        pushes.left = is_inside.select(left, known).to_array();
         normal.or(is_inside, Lanes3::load(simd, &pushes.normal)).store(&mut pushes.normal);
     }
 }

@@ -1,5 +1,7 @@
 //! Sticks of a grid: whole families of equal sticks, relaxed a vector at a time without their ends being stored.
 
+use core::ops::Range;
+
 use crate::columns::LANES;
 use crate::layout::Grid;
 
@@ -43,11 +45,6 @@ impl GridBatch {
         (self.right, self.down)
     }
 
-    /// How many rows of cells its sticks reach down, where a row of the grid is a row of cells.
-    pub fn reach(self) -> usize {
-        self.down
-    }
-
     /// The number of sticks.
     pub fn count(self) -> usize {
         let [across, down] = self.starts();
@@ -71,90 +68,140 @@ impl GridBatch {
         self.ends(k).map(|[column, row]| row * self.grid.columns + column)
     }
 
-    /// Puts the sticks into runs of cells, row of cells by row of cells.
+    /// Puts the sticks into runs of cells, and strips whose runs are alike into bands.
     pub fn runs(self) -> GridRuns {
+        let cells_of_strip = self.grid.cells_of_strip();
+        // Skip-one sticks along a row begin in two cells of four: every fourth cell makes the longer run.
+        let period = if self.down == 0 { 2 * self.right.unsigned_abs() } else { 1 };
         let mut pairs = Vec::with_capacity(self.count());
         for k in 0..self.count() {
             let [a, b] = self.ends(k).map(|[column, row]| self.grid.slot(column, row));
             // The lane of the second end is never the lower one, so that there is one direction to shift in.
             let [a, b] = if a % LANES <= b % LANES { [a, b] } else { [b, a] };
-            let row = (a / LANES).min(b / LANES) / self.grid.width;
-            pairs.push((row, b % LANES - a % LANES, a / LANES, b / LANES, a % LANES));
+            let strip = (a / LANES).min(b / LANES) / cells_of_strip;
+            let [cell_a, cell_b] = [a, b].map(|slot| (slot / LANES - strip * cells_of_strip) as u32);
+            let shift = (b % LANES - a % LANES) as u8;
+            pairs.push((strip, (shift, cell_a as usize % period, cell_a, cell_b), a % LANES));
         }
         pairs.sort_unstable();
-        let mut runs = GridRuns { first_of_row: vec![0], runs: Vec::new() };
-        let mut rest = pairs.as_slice();
-        for row in 0..self.grid.height {
-            while let Some(&(_, shift, a, b, _)) = rest.first().filter(|pair| pair.0 == row) {
-                let same = rest.iter().take_while(|p| (p.0, p.1, p.2, p.3) == (row, shift, a, b)).count();
-                let lanes = rest[..same].iter().fold(0, |bits, pair| bits | (1 << pair.4));
-                let (a, b, shift) = (a as u32, b as u32, shift as u8);
-                runs.push(runs.first_of_row[row], GridRun { a, b, count: 1, step: 1, shift, lanes });
-                rest = &rest[same..];
+        let mut runs = GridRuns::default();
+        for of_strip in pairs.chunk_by(|p, q| p.0 == q.0) {
+            let mut found: Vec<GridRun> = Vec::new();
+            for same in of_strip.chunk_by(|p, q| p.1 == q.1) {
+                let (shift, _, a, b) = same[0].1;
+                let lanes = same.iter().fold(0, |bits, pair| bits | (1 << pair.2));
+                let cell = GridRun { a, b, count: 1, step: 1, shift, lanes };
+                if !found.last_mut().is_some_and(|last| last.extend(&cell)) {
+                    found.push(cell);
+                }
+                runs.reach = runs.reach.max(a.max(b) as usize / cells_of_strip);
             }
-            runs.first_of_row.push(runs.runs.len());
+            runs.push(of_strip[0].0 as u32, &found);
         }
         runs
     }
 }
 
-/// Cells whose sticks lie alike: cell `a + k step` is joined to cell `b + k step`, lane `l` to lane `l + shift`.
+/// Cells whose sticks lie alike: cell `a + k step` is joined to cell `b + k step`, lane `l` to lane `l + shift`. Cells
+/// are counted from the first of a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct GridRun {
     pub a: u32,
     pub b: u32,
     pub count: u32,
-    pub step: u16,
+    pub step: u32,
     pub shift: u8,
     /// The lanes of `a` that have a stick, lane 0 in the lowest bit.
     pub lanes: u16,
 }
 
-/// The runs of a batch, by rows of cells. A run of row `r` reaches no row above.
+impl GridRun {
+    /// Takes in one more cell, if it goes on as the others do.
+    fn extend(&mut self, cell: &Self) -> bool {
+        let step = if self.count == 1 { cell.a.saturating_sub(self.a) } else { self.step };
+        let goes_on = step > 0
+            && (self.a + step * self.count, self.b + step * self.count) == (cell.a, cell.b)
+            && (self.shift, self.lanes) == (cell.shift, cell.lanes);
+        if goes_on {
+            (self.step, self.count) = (step, self.count + 1);
+        }
+        goes_on
+    }
+}
+
+/// Strips whose runs are alike: `first`, `first + step`, ... `count` of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Band {
+    first: u32,
+    step: u32,
+    count: u32,
+    /// Place of its runs in the list of all.
+    runs: [u32; 2],
+}
+
+impl Band {
+    /// Its strips among `strips`.
+    #[inline]
+    pub fn among(&self, strips: &Range<usize>) -> impl ExactSizeIterator<Item = usize> + Clone + use<> {
+        let &Self { first, step, count, .. } = self;
+        let place = |strip: usize| (strip as u32).saturating_sub(first).div_ceil(step).min(count);
+        (place(strips.start)..place(strips.end)).map(move |k| (first + k * step) as usize)
+    }
+
+    /// Takes in one more strip, if it goes on as the others do.
+    fn extend(&mut self, strip: u32) -> bool {
+        let step = if self.count == 1 { strip - self.first } else { self.step };
+        let goes_on = self.first + step * self.count == strip;
+        if goes_on {
+            (self.step, self.count) = (step, self.count + 1);
+        }
+        goes_on
+    }
+}
+
+/// The runs of a batch. Those of a strip reach no strip above.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct GridRuns {
-    first_of_row: Vec<usize>,
+    bands: Vec<Band>,
     runs: Vec<GridRun>,
+    /// How many strips they reach down.
+    pub reach: usize,
 }
 
 impl GridRuns {
-    /// The runs of one row of cells.
+    /// Bands of strips, each with the runs of every one of its strips.
     #[inline]
-    pub fn of_row(&self, row: usize) -> &[GridRun] {
-        &self.runs[self.first_of_row[row]..self.first_of_row[row + 1]]
-    }
-
-    /// All runs.
-    #[cfg(test)]
-    pub fn all(&self) -> &[GridRun] {
-        &self.runs
+    pub fn bands(&self) -> impl Iterator<Item = (&Band, &[GridRun])> {
+        self.bands.iter().map(|band| (band, &self.runs[band.runs[0] as usize..band.runs[1] as usize]))
     }
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.first_of_row) + size_of_val(&*self.runs)
+        size_of_val(&*self.bands) + size_of_val(&*self.runs)
     }
 
-    /// Adds one cell, as a run of its own or to the last one since `first`.
-    fn push(&mut self, first: usize, cell: GridRun) {
-        if let Some(last) = self.runs[first..].last_mut() {
-            let step = if last.count == 1 { cell.a.wrapping_sub(last.a) } else { u32::from(last.step) };
-            let goes_on = (1..=u32::from(u16::MAX)).contains(&step)
-                && (last.a + step * last.count, last.b + step * last.count) == (cell.a, cell.b)
-                && (last.shift, last.lanes) == (cell.shift, cell.lanes);
-            if goes_on {
-                last.step = step as u16;
-                last.count += 1;
+    /// Adds the runs of one more strip.
+    fn push(&mut self, strip: u32, runs: &[GridRun]) {
+        // Where patches are an odd number of rows high, bands take turns.
+        for band in self.bands.iter_mut().rev().take(MOST_OPEN_BANDS) {
+            let [from, to] = band.runs.map(|place| place as usize);
+            if self.runs[from..to] == *runs && band.extend(strip) {
                 return;
             }
         }
-        self.runs.push(cell);
+        let from = self.runs.len() as u32;
+        self.runs.extend_from_slice(runs);
+        self.bands.push(Band { first: strip, step: 1, count: 1, runs: [from, self.runs.len() as u32] });
     }
 }
+
+/// How many bands may go on at the same time.
+const MOST_OPEN_BANDS: usize = 8;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::Layout;
 
     const FAMILIES: [(isize, usize); 6] = [(1, 0), (0, 1), (1, 1), (-1, 1), (2, 0), (0, 2)];
 
@@ -192,12 +239,21 @@ mod tests {
             let grid = Grid::new(columns, rows).expect("large enough");
             for half in FAMILIES.into_iter().flat_map(|(right, down)| GridBatch::halves(grid, right, down)) {
                 let mut found = Vec::new();
-                for run in half.runs().all() {
-                    for k in 0..run.count {
-                        let lanes = (0..LANES).filter(|lane| run.lanes & (1 << lane) != 0);
-                        let [a, b] =
-                            [run.a, run.b].map(|cell| (cell + k * u32::from(run.step)) as usize * LANES);
-                        found.extend(lanes.map(|lane| [a + lane, b + lane + usize::from(run.shift)]));
+                // In two windows, as a sweep down the strips takes them.
+                let runs = half.runs();
+                let (_, strips) = Layout::Grid(grid).strips();
+                for window in [0..strips / 2, strips / 2..strips] {
+                    for (band, runs) in runs.bands() {
+                        for (strip, run) in
+                            band.among(&window).flat_map(|strip| runs.iter().map(move |run| (strip, run)))
+                        {
+                            for k in 0..run.count {
+                                let lanes = (0..LANES).filter(|lane| run.lanes & (1 << lane) != 0);
+                                let first = (strip * grid.cells_of_strip()) as u32 + k * run.step;
+                                let [a, b] = [run.a, run.b].map(|cell| (first + cell) as usize * LANES);
+                                found.extend(lanes.map(|lane| [a + lane, b + lane + usize::from(run.shift)]));
+                            }
+                        }
                     }
                 }
                 let slots = |k: usize| half.ends(k).map(|[column, row]| grid.slot(column, row));

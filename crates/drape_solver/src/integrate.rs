@@ -9,9 +9,8 @@ use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::columns::{Cell, LANES};
-use crate::contact_particle_obstacle::Moving;
 use crate::lanes::{Lanes3, load};
+use crate::work::{Common, Moving};
 
 /// What drag does to a displacement and to an acceleration in one substep.
 ///
@@ -58,39 +57,41 @@ pub(crate) struct Flight {
     pub drag: Drag,
     /// Seconds.
     pub substep: f32,
-    /// The acceleration that all particles share, in m/s^2.
+    /// The acceleration that all particles share, in m/s^2; some have others besides.
     pub uniform: Vec3,
 }
 
 impl Flight {
-    /// Flies the free particles of these cells. `varying` holds the accelerations of single particles, or nothing.
-    /// Pinned ones stay: their pins have taken them where they go.
+    /// Flies the free particles of `cells`, which are at `places` in the columns that move. Pinned ones stay: their pins
+    /// have taken them where they go.
     #[inline(always)]
     pub fn integrate<S: Simd>(
         self,
         simd: S,
-        cells: Range<usize>,
         moving: &mut Moving,
-        varying: &[Cell],
-        inverse_mass: &[[f32; LANES]],
+        places: Range<usize>,
+        rest: &Common,
+        cells: Range<usize>,
     ) {
         let gain = self.drag.gain * self.substep * self.substep;
         let uniform = Lanes3::splat(simd, self.uniform * gain);
         let zero = f32x16::splat(simd, 0.0);
         let still = Lanes3 { x: zero, y: zero, z: zero };
         let decay = f32x16::splat(simd, self.drag.decay);
-        for cell in cells {
-            let position = Lanes3::load(simd, &moving.position[cell]);
-            let mut next = Lanes3::load(simd, &moving.displacement[cell]).times(decay).plus(uniform);
-            if let Some(varying) = varying.get(cell) {
+        for (place, cell) in places.zip(cells) {
+            let position = Lanes3::load(simd, &moving.position[place]);
+            let mut next = Lanes3::load(simd, &moving.displacement[place]).times(decay).plus(uniform);
+            if let Some(varying) = rest.varying.get(cell) {
                 next = next.plus(Lanes3::load(simd, varying).times(f32x16::splat(simd, gain)));
             }
-            let is_free: mask32x16<S> = load(simd, &inverse_mass[cell]).simd_gt(zero);
-            next = next.or(is_free, still);
+            if rest.common_mass[cell] == 0.0 {
+                let is_free: mask32x16<S> = load(simd, &rest.inverse_mass[cell]).simd_gt(zero);
+                next = next.or(is_free, still);
+            }
             let position = position.plus(next);
-            next.store(&mut moving.displacement[cell]);
-            position.store(&mut moving.position[cell]);
-            position.store(&mut moving.integrated[cell]);
+            next.store(&mut moving.displacement[place]);
+            position.store(&mut moving.position[place]);
+            position.store(&mut moving.integrated[place]);
         }
     }
 }
@@ -98,9 +99,9 @@ impl Flight {
 /// Carries what the projections moved into the displacements of these cells: this is where a contact takes the normal
 /// part of the velocity, and where restitution zero falls out by itself.
 #[inline(always)]
-pub(crate) fn update_displacements<S: Simd>(simd: S, cells: Range<usize>, moving: &mut Moving, drift: Vec3) {
+pub(crate) fn update_displacements<S: Simd>(simd: S, places: Range<usize>, moving: &mut Moving, drift: Vec3) {
     let drift = Lanes3::splat(simd, drift);
-    for cell in cells {
+    for cell in places {
         let position = Lanes3::load(simd, &moving.position[cell]);
         let moved = position.minus(Lanes3::load(simd, &moving.integrated[cell])).minus(drift);
         Lanes3::load(simd, &moving.displacement[cell]).plus(moved).store(&mut moving.displacement[cell]);

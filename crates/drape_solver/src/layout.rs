@@ -60,12 +60,17 @@ impl Layout {
         }
     }
 
-    /// The number of cells in a row of cells, and the number of such rows.
-    pub fn rows(self) -> (usize, usize) {
+    /// The number of cells in a strip, and the number of strips. The last one may have fewer cells.
+    pub fn strips(self) -> (usize, usize) {
         match self {
             Self::Linear { .. } => (self.cells(), 1),
-            Self::Grid(grid) => (grid.width, grid.height),
+            Self::Grid(grid) => (grid.cells_of_strip(), grid.height.div_ceil(ROWS_OF_STRIP)),
         }
+    }
+
+    /// Whether a row of the grid is a row of cells, so that a sweep may run down the strips.
+    pub fn has_whole_rows(self) -> bool {
+        matches!(self, Self::Grid(grid) if grid.down == 1)
     }
 
     /// The slot of particle `index`.
@@ -104,6 +109,9 @@ impl Layout {
         (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_real(lane)) << lane))
     }
 }
+
+/// Rows of cells in a strip, the unit of a sweep: sticks down the rows begin in every second row, or in two of four.
+const ROWS_OF_STRIP: usize = 2;
 
 /// Fewest columns or rows of a patch: a skip-one stick must not come back into its own cell.
 const LEAST_PATCH: usize = 3;
@@ -151,9 +159,9 @@ impl Grid {
         self.across * self.width == self.columns && self.down * self.height == self.rows
     }
 
-    /// Whether a row of the grid is a row of cells, so that a sweep may run down the rows.
-    pub fn has_whole_rows(self) -> bool {
-        self.down == 1
+    /// The number of cells in a strip.
+    pub fn cells_of_strip(self) -> usize {
+        ROWS_OF_STRIP * self.width
     }
 }
 

@@ -10,13 +10,15 @@
 
 use fearless_simd::{Simd, prelude::*};
 
+use crate::body::Body;
 use crate::chain::{ChainScratch, Chains};
 use crate::columns::{Cell, LANES};
+use crate::isa::{Isa, Kernel};
 use crate::lanes::load;
 use crate::layout::{Grid, Layout};
 use crate::lone_chain::{LoneChain, LoneStick};
-use crate::settings::{SolverSettings, StructuralSolve};
-use crate::stick::Projection;
+use crate::settings::{SolverSettings, StickProjection, StructuralSolve};
+use crate::stick::{Exact, Projection, SquareRootFree};
 use crate::topology::{BatchSticks, StickBatch, StickKind, Topology};
 use crate::transpose::transpose;
 
@@ -74,7 +76,7 @@ impl Lines {
     fn way(self, grid: Grid) -> Way {
         match self {
             _ if self.size(grid).0 < LEAST_BUNDLED_LINES => Way::Lone,
-            _ if !grid.has_whole_rows() => Way::Gathered,
+            _ if !Layout::Grid(grid).has_whole_rows() => Way::Gathered,
             Self::Rows => Way::Turned,
             Self::Columns => Way::InPlace,
         }
@@ -174,18 +176,51 @@ fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
     places.flat_map(|(bundle, i)| bundle.map(move |line| slot(line, i))).collect()
 }
 
+/// Solves the lines of a body, as its plan lists them.
+pub(crate) fn solve(body: &mut Body, isa: Isa) {
+    let Body { particles, topology, settings, context } = body;
+    let Layout::Grid(grid) = topology.layout else {
+        return;
+    };
+    let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
+    let (position, scratch) = (&mut particles.position.cells, &mut context.lines);
+    let solve = LineSolve { grid, position, inverse_mass, scratch };
+    let lines = &context.plan.lines;
+    match settings.projection {
+        StickProjection::Exact => isa.run(SolveAll { solve, lines, projection: Exact }),
+        StickProjection::SquareRootFree => isa.run(SolveAll { solve, lines, projection: SquareRootFree }),
+    }
+}
+
+struct SolveAll<'a, P> {
+    solve: LineSolve<'a>,
+    lines: &'a [(Lines, f32)],
+    projection: P,
+}
+
+impl<P: Projection> Kernel for SolveAll<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        for &(lines, rest) in self.lines {
+            self.solve.solve(simd, lines, rest, self.projection);
+        }
+    }
+}
+
 /// The particles whose lines are to be solved.
-pub(crate) struct LineSolve<'a> {
-    pub grid: Grid,
-    pub position: &'a mut [Cell],
-    pub inverse_mass: &'a [[f32; LANES]],
-    pub scratch: &'a mut LineScratch,
+struct LineSolve<'a> {
+    grid: Grid,
+    position: &'a mut [Cell],
+    inverse_mass: &'a [[f32; LANES]],
+    scratch: &'a mut LineScratch,
 }
 
 impl LineSolve<'_> {
     /// Solves all `lines`, whose sticks are `rest` metres long at rest.
     #[inline(always)]
-    pub fn solve<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
+    fn solve<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
         match lines.way(self.grid) {
             Way::InPlace => self.columns_in_place(simd, rest, projection),
             Way::Turned => self.turned_rows(simd, rest, projection),

@@ -45,12 +45,16 @@ pub(crate) struct Pace {
 impl Pace {
     /// For the substep that runs now.
     pub fn of(context: &IslandContext) -> Self {
-        let h = context.substep;
-        let left = context.substeps.saturating_sub(context.substep_index).max(1) as f32;
+        Self::new(context.substep, context.substeps, context.substep_index)
+    }
+
+    /// For substep `index` of `substeps`, of `substep` seconds.
+    pub fn new(substep: f32, substeps: u32, index: u32) -> Self {
+        let left = substeps.saturating_sub(index).max(1) as f32;
         // A hair less than a reference step, so that 1/60 s counts as one however it was rounded.
-        let short = h * (context.substeps as f32) < 0.999 * REFERENCE_STEP;
-        let spread = if short { left.max(REFERENCE_STEP / h) } else { left };
-        Self { share: 1.0 / spread, at_once: PUSH_OUT_SPEED * h }
+        let short = substep * (substeps as f32) < 0.999 * REFERENCE_STEP;
+        let spread = if short { left.max(REFERENCE_STEP / substep) } else { left };
+        Self { share: 1.0 / spread, at_once: PUSH_OUT_SPEED * substep }
     }
 }
 

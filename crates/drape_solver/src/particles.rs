@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::columns::{Cell, Columns, LANES};
 use crate::constants::INITIAL_SUBSTEP;
+use crate::crew::Crew;
 use crate::error::{BuildError, finite_vector};
 use crate::layout::Layout;
 use crate::survey::{MassSurvey, Survey};
@@ -312,6 +313,11 @@ impl Particles {
     /// Takes that look, and keeps what it shows.
     pub(crate) fn take_survey(&mut self) {
         self.survey = Some(self.surveyed());
+    }
+
+    /// Takes a new look, with the crew's help.
+    pub(crate) fn renew_survey(&mut self, crew: &Crew) {
+        self.survey = Some(Survey::of_shared(self, crew));
     }
 
     /// Brings displacements to the substep `substep` (seconds), so that velocities stay what they are when

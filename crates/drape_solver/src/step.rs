@@ -6,7 +6,7 @@
 //!       -> finish
 //! ```
 //!
-//! The stages are public so that a schedule can run its own systems between them; [`step`] and [`substep`] are
+//! The stages are public so that a schedule can run its own systems between them; [`step`] and [`substeps_on`] are
 //! the same stages in the same order, and give the same bits.
 //!
 //! Friction comes last in *each* substep, on the substep's whole tangential displacement, with the depth summed
@@ -16,42 +16,74 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, MAX_SUBSTEPS};
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS};
 use crate::contact_particle_obstacle as particle_obstacle;
+use crate::crew::Crew;
 use crate::error::StepError;
 use crate::isa::Isa;
 use crate::island::{Environment, Island, IslandContext};
-use crate::overlap::Pace;
 use crate::sweep::{self, Surroundings};
+use crate::threads::{Alone, Threads};
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
 use crate::{contact_ball_obstacle as ball_obstacle, force, integrate as verlet, rest, stick};
 
-/// Advances an island by `environment.dt` seconds.
+/// Advances an island by `environment.dt` seconds, on this thread.
 ///
 /// # Errors
 /// [`StepError`] if the time step, the environment or a body's settings are invalid: nothing has moved then; or
 /// if the state of a body or ball is no longer finite.
 pub fn step(island: &mut Island, environment: &Environment) -> Result<(), StepError> {
-    begin(island, environment)?;
-    accumulate_forces(island, environment);
-    detect_collisions(island, environment);
-    for _ in 0..island.substeps() {
-        substep(island, environment);
-    }
-    finish(island)
+    step_on(island, environment, &Alone)
 }
 
-/// One substep: the three stages that a schedule may run one by one. A body that no ball is near runs down its rows
-/// with all three at once.
-pub fn substep(island: &mut Island, environment: &Environment) {
-    if island.balls.is_empty() && island.bodies.iter().all(sweep::can_pipeline) {
+/// The same on several threads, to the same bits: large bodies are shared out.
+///
+/// # Errors
+/// As [`step`].
+pub fn step_on(
+    island: &mut Island,
+    environment: &Environment,
+    threads: &dyn Threads,
+) -> Result<(), StepError> {
+    let mut outcome = Ok(());
+    Crew::run(lent(island, threads), &mut |crew| {
+        outcome = begin(island, environment).and_then(|()| {
+            accumulate_forces(island, environment);
+            detect(island, environment, crew);
+            substeps(island, environment, crew);
+            finish_with(island, crew)
+        });
+    });
+    outcome
+}
+
+/// All substeps that are left of the step that was [begun](begin). Where no ball is near, a large body runs down its
+/// strips with the stages of several substeps at once.
+pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
+    Crew::run(lent(island, threads), &mut |crew| substeps(island, environment, crew));
+}
+
+/// The threads, if the island has a body that is worth sharing out.
+fn lent<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
+    let is_large = |body: &Body| body.topology.layout.cells() >= 2 * LEAST_SHARED_CELLS;
+    if island.bodies.iter().any(is_large) { threads } else { &Alone }
+}
+
+fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
+    if island.balls.is_empty() && island.bodies.iter().all(sweep::can_sweep) {
         let around = surroundings(&island.context, island.isa, environment);
         for body in &mut island.bodies {
-            sweep::substep(body, around);
+            sweep::substeps(body, around, crew);
         }
-        island.context.substep_index += 1;
-        return;
+        island.context.substep_index = island.context.substeps;
     }
+    while island.context.substep_index < island.context.substeps {
+        substep(island, environment);
+    }
+}
+
+/// One substep: the three stages that a schedule may run one by one.
+pub fn substep(island: &mut Island, environment: &Environment) {
     integrate(island, environment);
     relax(island, environment);
     project_collisions(island, environment);
@@ -112,6 +144,10 @@ pub fn accumulate_forces(island: &mut Island, environment: &Environment) {
 
 /// Lists what could touch what within the step.
 pub fn detect_collisions(island: &mut Island, environment: &Environment) {
+    detect(island, environment, &Crew::default());
+}
+
+fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     let (dt, gravity) = (environment.dt, environment.gravity.length());
     let fastest_ball = island.balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
     // A ball can bring the cloth to its own speed within the step, and what was edited is pulled into place.
@@ -119,7 +155,7 @@ pub fn detect_collisions(island: &mut Island, environment: &Environment) {
     let speed = island.bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + crate::constants::CONTACT_MARGIN;
     for body in &mut island.bodies {
-        particle_obstacle::detect(body, &environment.obstacles, reach, island.isa);
+        particle_obstacle::detect(body, &environment.obstacles, reach, island.isa, crew);
     }
     ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
     ball_ball::detect(island, dt, gravity);
@@ -187,9 +223,12 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
 /// # Errors
 /// [`StepError::NonFiniteBody`] or [`StepError::NonFiniteBall`].
 pub fn finish(island: &mut Island) -> Result<(), StepError> {
+    finish_with(island, &Crew::default())
+}
+
+fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
     for body in &mut island.bodies {
-        body.particles.survey = None;
-        body.particles.take_survey();
+        body.particles.renew_survey(crew);
     }
     check_finite(island)?;
     let dt = island.context.substep * island.context.substeps as f32;
@@ -223,9 +262,9 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
 fn surroundings<'a>(context: &IslandContext, isa: Isa, environment: &'a Environment) -> Surroundings<'a> {
     Surroundings {
         obstacles: &environment.obstacles,
-        pace: Pace::of(context),
         substep_index: context.substep_index,
         substeps: context.substeps,
+        substep: context.substep,
         isa,
     }
 }

@@ -17,6 +17,7 @@ use crate::grid::GridRun;
 use crate::lanes::{Lanes3, load};
 use crate::particles::Particles;
 use crate::topology::{ListedStick, StickBatch, StickMaterial, Topology};
+use crate::work::Common;
 
 /// The part of a stick's error that one relaxation iteration removes, for a `stiffness` in 0..=1, a substep of
 /// `substep` seconds and `iterations` iterations per substep.
@@ -54,12 +55,21 @@ pub(crate) fn greatest_error(particles: &Particles, topology: &Topology) -> f32 
     sticks.flat_map(StickBatch::range).map(error).fold(0.0, f32::max)
 }
 
-/// The columns that sticks read and write.
+/// The columns of some cells, as sticks read and write them.
 pub(crate) struct Joined<'a> {
     pub position: &'a mut [Cell],
     pub inverse_mass: &'a [[f32; LANES]],
     /// For each cell the inverse mass that all its particles share, or 0.
-    pub common: &'a [f32],
+    pub common_mass: &'a [f32],
+}
+
+impl<'a> Joined<'a> {
+    /// Those cells whose positions these are, of a body's, from `first_cell` on.
+    #[inline(always)]
+    pub fn new(position: &'a mut [Cell], rest: &Common<'a>, first_cell: usize) -> Self {
+        let (inverse_mass, common_mass) = (&rest.inverse_mass[first_cell..], &rest.common_mass[first_cell..]);
+        Self { position, inverse_mass, common_mass }
+    }
 }
 
 /// Which formula gives the relative error `(|delta| - rest) / |delta|`, for one stick and for a cell of them.
@@ -67,7 +77,7 @@ pub(crate) trait Projection: Copy {
     /// From the squared length and the rest length.
     fn error(self, length_squared: f32, rest: f32) -> f32;
     /// The same in lanes.
-    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32) -> f32x16<S>;
+    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S>;
 }
 
 /// With a square root. A stick of zero length has no direction to push in: it is left alone.
@@ -82,7 +92,7 @@ impl Projection for Exact {
     }
 
     #[inline(always)]
-    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32) -> f32x16<S> {
+    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
         let length = length_squared.sqrt();
         length.simd_gt(zero).select((length - rest) / length, zero)
@@ -101,7 +111,7 @@ impl Projection for SquareRootFree {
     }
 
     #[inline(always)]
-    fn errors<S: Simd>(self, _: S, length_squared: f32x16<S>, rest: f32) -> f32x16<S> {
+    fn errors<S: Simd>(self, _: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S> {
         let rest_squared = rest * rest;
         (length_squared - rest_squared) / (length_squared + rest_squared)
     }
@@ -131,40 +141,50 @@ pub(crate) fn project_listed(
     }
 }
 
-/// The sticks of a run, a cell at a time.
+/// What the sticks of a batch have in common.
+#[derive(Clone, Copy)]
+pub(crate) struct Alike<P> {
+    /// Metres.
+    pub rest_length: f32,
+    /// The part of the error that goes in one iteration.
+    pub stiffness: f32,
+    pub projection: P,
+}
+
+/// The sticks of some strips that begin at `first_cells`, a cell at a time.
 #[inline(always)]
-pub(crate) fn project_run<S: Simd>(
+pub(crate) fn project_runs<S: Simd>(
     simd: S,
     joined: &mut Joined,
-    run: &GridRun,
-    rest: f32,
-    stiffness: f32,
-    projection: impl Projection,
+    runs: &[GridRun],
+    first_cells: impl Iterator<Item = usize> + Clone,
+    alike: Alike<impl Projection>,
 ) {
-    match run.shift {
-        0 if run.lanes == u16::MAX => {
-            project_cells::<S, 0, true>(simd, joined, run, rest, stiffness, projection);
+    for run in runs {
+        let firsts = first_cells.clone();
+        match run.shift {
+            0 if run.lanes == u16::MAX => project_run::<S, 0, true>(simd, joined, run, firsts, alike),
+            0 => project_run::<S, 0, false>(simd, joined, run, firsts, alike),
+            1 => project_run::<S, 1, false>(simd, joined, run, firsts, alike),
+            3 => project_run::<S, 3, false>(simd, joined, run, firsts, alike),
+            4 => project_run::<S, 4, false>(simd, joined, run, firsts, alike),
+            _ => project_run::<S, 5, false>(simd, joined, run, firsts, alike),
         }
-        0 => project_cells::<S, 0, false>(simd, joined, run, rest, stiffness, projection),
-        1 => project_cells::<S, 1, false>(simd, joined, run, rest, stiffness, projection),
-        3 => project_cells::<S, 3, false>(simd, joined, run, rest, stiffness, projection),
-        4 => project_cells::<S, 4, false>(simd, joined, run, rest, stiffness, projection),
-        _ => project_cells::<S, 5, false>(simd, joined, run, rest, stiffness, projection),
     }
 }
 
 /// [`project_lanes`] as a function of its own: one function of all kernels would take the compiler minutes.
-fn project_cells<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
+#[inline(always)]
+fn project_run<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
     simd: S,
     joined: &mut Joined,
     run: &GridRun,
-    rest: f32,
-    stiffness: f32,
-    projection: impl Projection,
+    first_cells: impl Iterator<Item = usize>,
+    alike: Alike<impl Projection>,
 ) {
     simd.vectorize(
         #[inline(always)]
-        || project_lanes::<S, SHIFT, ALL_LANES>(simd, joined, run, rest, stiffness, projection),
+        || project_lanes::<S, SHIFT, ALL_LANES>(simd, joined, run, first_cells, alike),
     );
 }
 
@@ -177,42 +197,47 @@ fn project_lanes<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
     simd: S,
     joined: &mut Joined,
     run: &GridRun,
-    rest: f32,
-    stiffness: f32,
-    projection: impl Projection,
+    first_cells: impl Iterator<Item = usize>,
+    Alike { rest_length, stiffness, projection }: Alike<impl Projection>,
 ) {
     let lanes = mask32x16::from_bitmask(simd, u64::from(run.lanes));
     let zero = f32x16::splat(simd, 0.0);
-    let half = stiffness * 0.5;
-    let (mut a, mut b) = (run.a as usize, run.b as usize);
-    for _ in 0..run.count {
-        let Ok([cell_a, cell_b]) = joined.position.get_disjoint_mut([a, b]) else {
-            return;
-        };
-        let (p, q) = (Lanes3::load(simd, cell_a), Lanes3::load(simd, cell_b));
-        let delta = shifted::<S, SHIFT>(q).minus(p);
-        let mut error = projection.errors(simd, delta.dot(delta), rest);
-        if !ALL_LANES {
-            error = lanes.select(error, zero);
-        }
-        let common = joined.common[a];
-        let (move_a, move_b) = if common > 0.0 && common == joined.common[b] {
-            let both = delta.times(error * half);
-            (both, both)
-        } else {
-            let wa = load(simd, &joined.inverse_mass[a]);
-            let mut wb = load(simd, &joined.inverse_mass[b]);
-            if SHIFT > 0 {
-                wb = wb.slide::<SHIFT>(wb);
+    let rest = f32x16::splat(simd, rest_length);
+    let half = f32x16::splat(simd, stiffness * 0.5);
+    for first_cell in first_cells {
+        let (mut a, mut b) = (first_cell + run.a as usize, first_cell + run.b as usize);
+        for _ in 0..run.count {
+            let Ok([cell_a, cell_b]) = joined.position.get_disjoint_mut([a, b]) else {
+                return;
+            };
+            let (p, q) = (Lanes3::load(simd, cell_a), Lanes3::load(simd, cell_b));
+            let delta = shifted::<S, SHIFT>(q).minus(p);
+            let mut error = projection.errors(simd, delta.dot(delta), rest);
+            if !ALL_LANES {
+                error = lanes.select(error, zero);
             }
-            // Where both are pinned, nothing is divided by zero.
-            let weight = (wa + wb).max(f32x16::splat(simd, f32::MIN_POSITIVE));
-            (delta.times(error * (wa / weight * stiffness)), delta.times(error * (wb / weight * stiffness)))
-        };
-        p.plus(move_a).store(cell_a);
-        q.minus(unshifted::<S, SHIFT>(move_b)).store(cell_b);
-        a += usize::from(run.step);
-        b += usize::from(run.step);
+            let common = joined.common_mass[a];
+            let (move_a, move_b) = if common > 0.0 && common == joined.common_mass[b] {
+                let both = delta.times(error * half);
+                (both, both)
+            } else {
+                let wa = load(simd, &joined.inverse_mass[a]);
+                let mut wb = load(simd, &joined.inverse_mass[b]);
+                if SHIFT > 0 {
+                    wb = wb.slide::<SHIFT>(wb);
+                }
+                // Where both are pinned, nothing is divided by zero.
+                let weight = (wa + wb).max(f32x16::splat(simd, f32::MIN_POSITIVE));
+                (
+                    delta.times(error * (wa / weight * stiffness)),
+                    delta.times(error * (wb / weight * stiffness)),
+                )
+            };
+            p.plus(move_a).store(cell_a);
+            q.minus(unshifted::<S, SHIFT>(move_b)).store(cell_b);
+            a += run.step as usize;
+            b += run.step as usize;
+        }
     }
 }
 
@@ -337,7 +362,8 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) {
-            project_run(simd, self.0, &self.1, 0.7, 0.8, self.2);
+            let alike = Alike { rest_length: 0.7, stiffness: 0.8, projection: self.2 };
+            project_runs(simd, self.0, &[self.1], 0..1, alike);
         }
     }
 
@@ -361,9 +387,9 @@ mod tests {
                 {
                     let run = GridRun { a: 0, b: 2, count: 2, step: 1, shift, lanes };
                     let (mut whole, mut single) = (start, start);
-                    let mut joined = Joined { position: &mut whole, inverse_mass, common: &common };
+                    let mut joined = Joined { position: &mut whole, inverse_mass, common_mass: &common };
                     isa.run(ProjectRun(&mut joined, run, projection));
-                    let mut joined = Joined { position: &mut single, inverse_mass, common: &common };
+                    let mut joined = Joined { position: &mut single, inverse_mass, common_mass: &common };
                     for (cell, lane) in (0..2).flat_map(|cell| (0..LANES).map(move |lane| (cell, lane))) {
                         if lanes & (1 << lane) != 0 {
                             let a = cell * LANES + lane;

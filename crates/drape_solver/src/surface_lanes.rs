@@ -37,6 +37,22 @@ impl Solid<'_> {
         from_centre.dot(from_centre).simd_gt(reach).all_true()
     }
 
+    /// Distance (negative inside) and unit normal of the surface nearest to each of the `points` (world) at `pose`.
+    #[inline(always)]
+    pub fn surface_at<S: Simd>(
+        self,
+        simd: S,
+        points: Lanes3<S>,
+        pose: LanePose<S>,
+    ) -> (f32x16<S>, Lanes3<S>) {
+        // However a sphere is turned, it looks the same.
+        if let Self::Formula(Shape::Sphere { radius }) = self {
+            return from_core(simd, points.minus(pose.translation), *radius);
+        }
+        let (distance, normal) = self.surface(simd, pose.to_local(points));
+        (distance, pose.direction_to_world(normal))
+    }
+
     /// Distance (negative inside) and unit normal of the surface nearest to each point, in the shape's coordinates.
     #[inline(always)]
     pub fn surface<S: Simd>(self, simd: S, point: Lanes3<S>) -> (f32x16<S>, Lanes3<S>) {
@@ -69,8 +85,7 @@ fn from_core<S: Simd>(simd: S, from_core: Lanes3<S>, radius: f32) -> (f32x16<S>,
     let length = from_core.dot(from_core).sqrt();
     let is_off = length.simd_gt(f32x16::splat(simd, 0.0));
     let one = f32x16::splat(simd, 1.0);
-    let divisor = is_off.select(length, one);
-    let direction = Lanes3 { x: from_core.x / divisor, y: from_core.y / divisor, z: from_core.z / divisor };
+    let direction = from_core.times(one / is_off.select(length, one));
     (length - radius, direction.or(is_off, Lanes3::splat(simd, Vec3::Y)))
 }
 
@@ -86,12 +101,8 @@ fn cuboid<S: Simd>(simd: S, point: Lanes3<S>, half: Vec3) -> (f32x16<S>, Lanes3<
     let outside = Lanes3 { x: positive(beyond.x), y: positive(beyond.y), z: positive(beyond.z) };
     let distance = outside.dot(outside).sqrt();
     let is_outside = distance.simd_gt(zero);
-    let divisor = is_outside.select(distance, one);
-    let away = Lanes3 {
-        x: outside.x * side.x / divisor,
-        y: outside.y * side.y / divisor,
-        z: outside.z * side.z / divisor,
-    };
+    let scale = one / is_outside.select(distance, one);
+    let away = Lanes3 { x: outside.x * side.x, y: outside.y * side.y, z: outside.z * side.z }.times(scale);
     // Inside, out of the nearest face.
     let by_x = beyond.x.simd_ge(beyond.y) & beyond.x.simd_ge(beyond.z);
     let by_y = beyond.y.simd_ge(beyond.z);

@@ -1,10 +1,14 @@
 //! One look at all particles: where they are, how fast, and whether all is well.
 
+use core::ops::Range;
+
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
 use crate::columns::LANES;
-use crate::isa::Isa;
+use crate::constants::LEAST_SHARED_CELLS;
+use crate::crew::Crew;
+use crate::isa::{Isa, Kernel};
 use crate::lanes::{Lanes3, load};
 use crate::layout::Layout;
 use crate::particles::Particles;
@@ -25,18 +29,76 @@ pub(crate) struct Survey {
 
 impl Survey {
     pub fn of(particles: &Particles) -> Self {
-        Isa::detected().run(Look(particles))
+        Self::of_shared(particles, &Crew::default())
+    }
+
+    /// The same with the crew's help, to the last bit.
+    pub fn of_shared(particles: &Particles, crew: &Crew) -> Self {
+        let sums = Sums::of(particles, 0..particles.position.cells.len(), crew);
+        Self {
+            low: sums.low,
+            high: sums.high,
+            is_finite: sums.odd == 0.0,
+            greatest_displacement: sums.greatest.max(0.0).sqrt(),
+            mean_square_displacement: sums.squared / sums.count.max(1.0),
+        }
     }
 }
 
-struct Look<'a>(&'a Particles);
+/// What a look at some cells shows.
+struct Sums {
+    low: Vec3,
+    high: Vec3,
+    /// Zero as long as nothing is infinite or not a number.
+    odd: f32,
+    /// Greatest and sum of the squared displacements, the latter of the `count` free particles.
+    greatest: f32,
+    squared: f32,
+    count: f32,
+}
 
-impl crate::isa::Kernel for Look<'_> {
-    type Output = Survey;
+impl Sums {
+    /// Looks at the halves of many cells one by one, whether there is help or not: the order of a sum decides its last
+    /// bits.
+    fn of(particles: &Particles, cells: Range<usize>, crew: &Crew) -> Self {
+        if cells.len() <= LEAST_SHARED_CELLS {
+            return Isa::detected().run(Look { particles, cells });
+        }
+        let middle = cells.start.midpoint(cells.end);
+        let (mut upper, mut lower) = (None, None);
+        crew.join(&mut || upper = Some(Self::of(particles, cells.start..middle, crew)), &mut || {
+            lower = Some(Self::of(particles, middle..cells.end, crew));
+        });
+        match (upper, lower) {
+            (Some(upper), Some(lower)) => upper.and(lower),
+            (either, other) => either.or(other).unwrap_or_else(|| Self::of(particles, cells, crew)),
+        }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+            odd: self.odd + other.odd,
+            greatest: self.greatest.max(other.greatest),
+            squared: self.squared + other.squared,
+            count: self.count + other.count,
+        }
+    }
+}
+
+struct Look<'a> {
+    particles: &'a Particles,
+    cells: Range<usize>,
+}
+
+impl Kernel for Look<'_> {
+    type Output = Sums;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Survey {
-        let Particles { position, displacement, inverse_mass, layout, .. } = self.0;
+    fn run<S: Simd>(self, simd: S) -> Sums {
+        let Self { particles, cells } = self;
+        let Particles { position, displacement, inverse_mass, layout, .. } = particles;
         let (masses, _) = inverse_mass.as_chunks::<LANES>();
         let zero = f32x16::splat(simd, 0.0);
         let mut low = Lanes3::splat(simd, Vec3::splat(f32::INFINITY));
@@ -44,10 +106,11 @@ impl crate::isa::Kernel for Look<'_> {
         // Zero as long as nothing is infinite or not a number.
         let mut odd = zero;
         let (mut greatest, mut sum, mut count) = (zero, zero, zero);
-        for (index, ((x, d), w)) in position.cells.iter().zip(&displacement.cells).zip(masses).enumerate() {
-            let (x, d) = (Lanes3::load(simd, x), Lanes3::load(simd, d));
+        for index in cells {
+            let x = Lanes3::load(simd, &position.cells[index]);
+            let d = Lanes3::load(simd, &displacement.cells[index]);
             let real = mask32x16::from_bitmask(simd, u64::from(layout.real_lanes(index)));
-            let free = load(simd, w).simd_gt(zero);
+            let free = load(simd, &masses[index]).simd_gt(zero);
             low = Lanes3 {
                 x: real.select(x.x.min(low.x), low.x),
                 y: real.select(x.y.min(low.y), low.y),
@@ -67,12 +130,13 @@ impl crate::isa::Kernel for Look<'_> {
         let least = |v: f32x16<S>| v.to_array().into_iter().fold(f32::INFINITY, f32::min);
         let most = |v: f32x16<S>| v.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max);
         let total = |v: f32x16<S>| v.to_array().into_iter().sum::<f32>();
-        Survey {
+        Sums {
             low: Vec3::new(least(low.x), least(low.y), least(low.z)),
             high: Vec3::new(most(high.x), most(high.y), most(high.z)),
-            is_finite: total(odd) == 0.0,
-            greatest_displacement: most(greatest).max(0.0).sqrt(),
-            mean_square_displacement: total(sum) / total(count).max(1.0),
+            odd: total(odd),
+            greatest: most(greatest),
+            squared: total(sum),
+            count: total(count),
         }
     }
 }

@@ -17,10 +17,12 @@ use core::ops::Range;
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
-use crate::columns::{Cell, LANES};
+use crate::columns::{Cell, Columns, LANES};
 use crate::constants::MAX_TETHERS;
 use crate::lanes::{Lanes3, load};
 use crate::layout::Layout;
+use crate::particles::Particles;
+use crate::stick::{Joined, Projection};
 
 /// The tethers of a body: up to [`MAX_TETHERS`] for each particle, nearest pin first.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -146,6 +148,7 @@ pub(crate) struct TetherPlan {
     /// Place of each cell's first tethers in `ties`; one more at the end.
     first: Vec<u32>,
     ties: Vec<Tie>,
+    anchors: Vec<Anchor>,
 }
 
 /// One tether for each lane of a cell, or for some of them.
@@ -153,16 +156,27 @@ pub(crate) struct TetherPlan {
 struct Tie {
     /// Metres; infinite where a lane has none.
     length: [f32; LANES],
-    pins: TiePins,
+    /// Place in the list of anchors.
+    anchor: u32,
 }
 
-/// Where the pins of a cell's tethers are.
-#[derive(Clone, Debug, PartialEq)]
-enum TiePins {
-    /// One slot for all lanes: a curtain ring.
-    One(u32),
-    /// The cell's own lanes in another cell: the edge of a grid.
-    Lanes(u32),
+/// Where the pins of a tie are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Anchor {
+    /// In one slot, for all lanes: a curtain ring.
+    Slot(u32),
+    /// In the cell's own lanes of another cell: the edge of a grid.
+    Cell(u32),
+}
+
+impl Anchor {
+    /// The slot of the pin of `lane`.
+    fn slot(self, lane: usize) -> usize {
+        match self {
+            Self::Slot(slot) => slot as usize,
+            Self::Cell(cell) => cell as usize * LANES + lane,
+        }
+    }
 }
 
 impl TetherPlan {
@@ -174,16 +188,28 @@ impl TetherPlan {
         }));
         // Stable: the nearest pin of each particle stays the first.
         places.sort_by_key(|place| place.0);
-        let mut plan = Self { first: Vec::with_capacity(layout.cells() + 1), ties: Vec::new() };
+        let mut plan = Self { first: Vec::with_capacity(layout.cells() + 1), ..Self::default() };
         let mut rest = places.as_slice();
         for cell in 0..layout.cells() {
             plan.first.push(plan.ties.len() as u32);
             let (here, beyond) = rest.split_at(rest.partition_point(|place| place.0 == cell));
-            plan.ties.extend(ties_of_cell(here));
+            for (length, anchor) in ties_of_cell(here) {
+                let anchor = plan.place_of(anchor);
+                plan.ties.push(Tie { length, anchor });
+            }
             rest = beyond;
         }
         plan.first.push(plan.ties.len() as u32);
         plan
+    }
+
+    /// The place of `anchor` in the list.
+    fn place_of(&mut self, anchor: Anchor) -> u32 {
+        let place = self.anchors.iter().position(|&known| known == anchor);
+        place.unwrap_or_else(|| {
+            self.anchors.push(anchor);
+            self.anchors.len() - 1
+        }) as u32
     }
 
     pub fn is_empty(&self) -> bool {
@@ -196,10 +222,7 @@ impl TetherPlan {
         for (cell, range) in self.first.windows(2).enumerate() {
             for tie in &self.ties[range[0] as usize..range[1] as usize] {
                 for lane in (0..LANES).filter(|&lane| tie.length[lane].is_finite()) {
-                    let pin = match tie.pins {
-                        TiePins::One(slot) => slot as usize,
-                        TiePins::Lanes(cell) => cell as usize * LANES + lane,
-                    };
+                    let pin = self.anchors[tie.anchor as usize].slot(lane);
                     if let [Some(particle), Some(pin)] =
                         [cell * LANES + lane, pin].map(|slot| layout.index(slot))
                     {
@@ -214,55 +237,66 @@ impl TetherPlan {
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.first) + size_of_val(&*self.ties)
+        size_of_val(&*self.first) + size_of_val(&*self.ties) + size_of_val(&*self.anchors)
     }
 
-    /// Brings every particle of these cells back to within its tethers' lengths, but by no more than `most` (metres)
-    /// at once. A tether whose pin has been freed is slack.
+    /// Where the pins are: to be noted whenever they have moved. One that has been freed is nowhere: its place is not a
+    /// number, and no tether is longer than its length from there.
+    pub fn note_anchors(&self, particles: &Particles, places: &mut Columns) {
+        places.reset(self.anchors.len());
+        for (cell, anchor) in places.cells.iter_mut().zip(&self.anchors) {
+            for lane in 0..LANES {
+                let slot = anchor.slot(lane);
+                let is_pinned = particles.inverse_mass[slot] == 0.0;
+                cell.set(lane, if is_pinned { particles.position.get(slot) } else { Vec3::NAN });
+            }
+        }
+    }
+
+    /// Brings every particle of `cells` back to within its tethers' lengths, but by no more than `most` (metres) at once:
+    /// sticks that only pull. The cells are at `places` in the columns; `anchors` are the places of the pins.
     #[inline(always)]
     pub fn project<S: Simd>(
         &self,
         simd: S,
         cells: Range<usize>,
-        position: &mut [Cell],
-        inverse_mass: &[[f32; LANES]],
+        places: Range<usize>,
+        joined: &mut Joined,
+        anchors: &[Cell],
         most: f32,
+        projection: impl Projection,
     ) {
         let zero = f32x16::splat(simd, 0.0);
-        for cell in cells {
-            for tie in &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize] {
-                let (anchor, pin_mass) = match tie.pins {
-                    TiePins::One(slot) => {
-                        let (cell, lane) = (slot as usize / LANES, slot as usize % LANES);
-                        let mass = f32x16::splat(simd, inverse_mass[cell][lane]);
-                        (Lanes3::splat(simd, position[cell].get(lane)), mass)
-                    }
-                    TiePins::Lanes(cell) => {
-                        let cell = cell as usize;
-                        (Lanes3::load(simd, &position[cell]), load(simd, &inverse_mass[cell]))
-                    }
-                };
-                let from = Lanes3::load(simd, &position[cell]);
-                let delta = from.minus(anchor);
+        let most_squared = f32x16::splat(simd, most * most);
+        for (cell, place) in cells.zip(places) {
+            let ties = &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize];
+            if ties.is_empty() {
+                continue;
+            }
+            let is_all_free = joined.common_mass[place] > 0.0;
+            let mut position = Lanes3::load(simd, &joined.position[place]);
+            for tie in ties {
+                let delta = position.minus(Lanes3::load(simd, &anchors[tie.anchor as usize]));
                 let distance_squared = delta.dot(delta);
                 let length = load(simd, &tie.length);
-                let is_taut: mask32x16<S> = distance_squared.simd_gt(length * length);
-                if is_taut.all_false() {
-                    continue;
+                let mut is_taut: mask32x16<S> = distance_squared.simd_gt(length * length);
+                if !is_all_free {
+                    is_taut &= load(simd, &joined.inverse_mass[place]).simd_gt(zero);
                 }
-                let is_held = pin_mass.simd_eq(zero) & load(simd, &inverse_mass[cell]).simd_gt(zero);
-                let distance = distance_squared.sqrt();
-                let nearer = distance - most;
-                let wanted = length.simd_gt(nearer).select(length, nearer);
-                let home = anchor.plus(delta.times(wanted / distance));
-                home.or(is_taut & is_held, from).store(&mut position[cell]);
+                let mut part = projection.errors(simd, distance_squared, length);
+                let is_too_far = (part * part * distance_squared).simd_gt(most_squared) & is_taut;
+                if is_too_far.any_true() {
+                    part = is_too_far.select(most / distance_squared.sqrt(), part);
+                }
+                position = position.minus(delta.times(part)).or(is_taut, position);
             }
+            position.store(&mut joined.position[place]);
         }
     }
 }
 
 /// Puts the tethers of one cell, (cell, lane, pin's slot, length), into as few ties as their pins allow.
-fn ties_of_cell(tethers: &[(usize, usize, usize, f32)]) -> Vec<Tie> {
+fn ties_of_cell(tethers: &[(usize, usize, usize, f32)]) -> Vec<([f32; LANES], Anchor)> {
     let mut ties = Vec::new();
     let mut rest = tethers.to_vec();
     while let Some(&(_, lane, pin, _)) = rest.first() {
@@ -281,8 +315,8 @@ fn ties_of_cell(tethers: &[(usize, usize, usize, f32)]) -> Vec<Tie> {
             }
             !is_in
         });
-        let pins = if aligned { TiePins::Lanes((pin / LANES) as u32) } else { TiePins::One(pin as u32) };
-        ties.push(Tie { length, pins });
+        let anchor = if aligned { Anchor::Cell((pin / LANES) as u32) } else { Anchor::Slot(pin as u32) };
+        ties.push((length, anchor));
     }
     ties
 }
@@ -322,7 +356,6 @@ mod tests {
 
     use super::*;
     use crate::body::Body;
-    use crate::particles::Particles;
     use crate::settings::SolverSettings;
     use crate::sweep::{self, Surroundings};
     use crate::topology::TopologyBuilder;
@@ -358,6 +391,7 @@ mod tests {
         let project = |body: &mut Body| {
             body.prepare();
             body.begin_step(1.0, 1, 1);
+            sweep::integrate(body, Surroundings::default());
             sweep::tether(body, Surroundings::default(), 0);
             body.particles.position(1)
         };

@@ -4,7 +4,7 @@ use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{
     BallMaterial, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RopeBuilder, Shape,
-    SolverSettings, StateHasher, Wind, step,
+    SolverSettings, StateHasher, Threads, Wind, step, step_on,
 };
 
 use crate::common::*;
@@ -125,7 +125,7 @@ fn the_hash_sees_every_part_of_the_state() {
 }
 
 /// A falling sheet with corner pins, tethers, friction and a sphere: everything that is compiled for each instruction
-/// set. The larger of the two is swept down its rows, and neither fills its cells.
+/// set. Large ones are swept down their strips, and none fills its cells.
 fn sheet(columns: u32, rows: u32, isa: Isa) -> (Island, Environment) {
     let settings = SolverSettings { substeps: 4, ..SolverSettings::default() };
     let sheet = ClothBuilder::new(2.0, 2.0, columns, rows)
@@ -160,21 +160,77 @@ fn every_instruction_set_gives_the_same_bits() {
     }
 }
 
-#[test]
-fn a_sweep_down_the_rows_gives_the_bits_of_whole_stages() {
-    let (mut swept, environment) = sheet(100, 90, Isa::detected());
-    let (mut staged, _) = sheet(100, 90, Isa::detected());
-    for _ in 0..60 {
-        step(&mut swept, &environment).expect("finite");
-        step::begin(&mut staged, &environment).expect("valid");
-        step::accumulate_forces(&mut staged, &environment);
-        step::detect_collisions(&mut staged, &environment);
-        for _ in 0..staged.substeps() {
-            step::integrate(&mut staged, &environment);
-            step::relax(&mut staged, &environment);
-            step::project_collisions(&mut staged, &environment);
-        }
-        step::finish(&mut staged).expect("finite");
+fn staged(island: &mut Island, environment: &Environment) {
+    step::begin(island, environment).expect("valid");
+    step::accumulate_forces(island, environment);
+    step::detect_collisions(island, environment);
+    for _ in 0..island.substeps() {
+        step::integrate(island, environment);
+        step::relax(island, environment);
+        step::project_collisions(island, environment);
     }
-    assert_eq!(hash(&swept), hash(&staged));
+    step::finish(island).expect("finite");
+}
+
+/// The hash of a sheet after some steps. Its sphere moves; a sheet that is not pinned is free of drift; the second
+/// corner of one that is pulled moves.
+fn sheet_after(
+    (size, is_pinned, is_pulled): (u32, bool, bool),
+    steps: usize,
+    take: impl Fn(&mut Island, &Environment),
+) -> u64 {
+    let (mut island, mut environment) = sheet(size, size - 7, Isa::detected());
+    let particles = &mut island.bodies[0].particles;
+    if !is_pinned {
+        particles.set_inverse_mass(0, particles.inverse_mass(1));
+        particles.set_inverse_mass(size as usize - 1, particles.inverse_mass(1));
+    }
+    for index in 0..steps {
+        let translation = Vec3::new(0.0, 0.4 + 0.02 * index as f32, 0.0);
+        environment.obstacles[1].move_to(Placement::at(translation), FRAME);
+        if is_pulled {
+            let particles = &mut island.bodies[0].particles;
+            let target = particles.position(size as usize - 1) + Vec3::X * 0.01;
+            particles.set_pin_target(size as usize - 1, target);
+        }
+        take(&mut island, &environment);
+    }
+    hash(&island)
+}
+
+#[test]
+fn a_sweep_down_the_strips_gives_the_bits_of_whole_stages() {
+    for kind in [(100, true, false), (64, true, false), (64, false, false), (64, true, true)] {
+        assert_eq!(sheet_after(kind, 60, whole), sheet_after(kind, 60, staged), "{kind:?}");
+    }
+}
+
+/// So many threads, started anew for every step.
+struct Fresh(usize);
+
+impl Threads for Fresh {
+    fn count(&self) -> usize {
+        self.0
+    }
+
+    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+        std::thread::scope(|scope| {
+            scope.spawn(other);
+            one();
+        });
+    }
+}
+
+/// However many threads come to help, and whenever they do.
+#[test]
+fn every_number_of_threads_gives_the_same_bits() {
+    for kind in [(250, true, false), (250, false, false)] {
+        let alone = sheet_after(kind, 8, whole);
+        for threads in [2, 3, 8] {
+            let shared = sheet_after(kind, 8, |island, environment| {
+                step_on(island, environment, &Fresh(threads)).expect("finite");
+            });
+            assert_eq!(shared, alone, "{threads} threads, {kind:?}");
+        }
+    }
 }

@@ -1,0 +1,137 @@
+//! The order of a substep's work for one body.
+
+use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
+use crate::line::Lines;
+use crate::settings::SolverSettings;
+use crate::topology::{BatchSticks, Topology};
+
+/// A piece of a substep's work that can be done strip by strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Stage {
+    Integrate,
+    /// Contacts with obstacles.
+    Contacts {
+        is_first: bool,
+    },
+    /// One batch of sticks.
+    Sticks(usize),
+    Tethers,
+    /// Displacements follow positions.
+    Update,
+    Friction,
+}
+
+/// The stages of a substep in their order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Plan {
+    pub stages: Vec<Stage>,
+    /// Strips that each stage must stay behind the first, in a sweep.
+    lags: Vec<usize>,
+    /// Place of each projection's contacts, sticks and tethers in the stages, in turn.
+    projections: Vec<[usize; 3]>,
+    /// Lines to be solved, with the length of their sticks in metres, and the places in the stages before which all of
+    /// them are: after the tethers of each projection. They run through all strips, and no sweep through them.
+    pub lines: Vec<(Lines, f32)>,
+    pub places_of_lines: Vec<usize>,
+    pub cells_of_strip: usize,
+    pub strips: usize,
+    /// Whether the body may be swept strip by strip, and is large enough for that to pay.
+    pub can_sweep: bool,
+}
+
+impl Plan {
+    /// Writes down the order of work for a body with this `stiffness` of its batches, whose island takes `projections`
+    /// iterations.
+    pub fn make(
+        &mut self,
+        topology: &Topology,
+        settings: &SolverSettings,
+        stiffness: &[f32],
+        projections: u32,
+    ) {
+        (self.cells_of_strip, self.strips) = topology.layout.strips();
+        let is_swept = |&batch: &usize| {
+            stiffness[batch] > 0.0
+                && Lines::of(&topology.batches[batch], stiffness[batch], settings).is_none()
+        };
+        let active = (0..stiffness.len()).filter(is_swept).count();
+        self.list_lines(topology, settings, stiffness);
+        self.stages.clear();
+        self.projections.clear();
+        self.stages.push(Stage::Integrate);
+        for projection in 0..projections {
+            let first = self.stages.len();
+            self.stages.push(Stage::Contacts { is_first: projection == 0 });
+            let mut tethers = self.stages.len();
+            if projection < settings.iterations {
+                self.stages.extend((0..stiffness.len()).filter(is_swept).map(Stage::Sticks));
+                // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
+                // back would begin with the one just done, which does nothing.
+                if projection % 2 == 1 && active > 2 {
+                    self.stages[first + 1..].reverse();
+                }
+                tethers = self.stages.len();
+                if settings.tethers && !topology.tethers.is_empty() {
+                    self.stages.push(Stage::Tethers);
+                }
+                if !self.lines.is_empty() {
+                    self.places_of_lines.push(self.stages.len());
+                }
+            }
+            self.projections.push([first, first + 1, tethers]);
+        }
+        let last = self.stages.len();
+        self.projections.push([last, last + 1, last + 1]);
+        self.stages.extend([Stage::Contacts { is_first: false }, Stage::Update, Stage::Friction]);
+        self.lag(topology);
+    }
+
+    /// Last of a projection, as the other sticks would undo what lines have done; columns first, as they hang from the
+    /// pins.
+    fn list_lines(&mut self, topology: &Topology, settings: &SolverSettings, stiffness: &[f32]) {
+        self.places_of_lines.clear();
+        self.lines.clear();
+        self.lines.extend([Lines::Columns, Lines::Rows].into_iter().filter_map(|lines| {
+            let rest_length = lines.rest_length(topology, stiffness, settings)?;
+            Some((lines, rest_length))
+        }));
+    }
+
+    /// Where the contacts, sticks and tethers of a projection are in the stages.
+    pub fn places(&self, projection: u32) -> [usize; 3] {
+        self.projections.get(projection as usize).copied().unwrap_or_default()
+    }
+
+    /// How far each stage must stay behind the one before, and whether that works for this body.
+    fn lag(&mut self, topology: &Topology) {
+        self.can_sweep =
+            topology.layout.has_whole_rows() && self.cells_of_strip * self.strips >= LEAST_SWEPT_CELLS;
+        self.lags.clear();
+        let mut lag = 0;
+        for stage in &self.stages {
+            if let Stage::Sticks(batch) = *stage {
+                match &topology.batches[batch].sticks {
+                    BatchSticks::Grid { runs, .. } => lag += runs.reach,
+                    BatchSticks::Listed { .. } => self.can_sweep = false,
+                }
+            }
+            self.lags.push(lag);
+        }
+    }
+
+    /// Strips that a whole substep needs between the first stage and the last.
+    pub fn lag_of_substep(&self) -> usize {
+        self.lags.last().copied().unwrap_or_default()
+    }
+
+    /// Strips that stage `place` must stay behind the first, where places are counted through several substeps.
+    pub fn lag_of(&self, place: usize) -> usize {
+        let count = self.stages.len();
+        place / count * self.lag_of_substep() + self.lags[place % count]
+    }
+
+    /// Strips that a stage takes at once in a sweep.
+    pub fn strips_at_once(&self) -> usize {
+        CELLS_AT_ONCE.div_ceil(self.cells_of_strip)
+    }
+}
