@@ -112,39 +112,48 @@ pub(crate) fn can_sweep(body: &Body) -> bool {
 pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
     let count = body.context.plan.stages.len();
     let at_once = substeps_at_once(body, crew);
+    // Stages of the substep that the sweep before has done already.
+    let mut done = 0;
     while around.substep_index < around.substeps {
         let taken = at_once.min(around.substeps - around.substep_index);
-        begin(body);
-        let first = sweep_to_lines(body, around, crew);
+        if done == 0 {
+            begin(body);
+        }
+        // Lines are solved between sweeps.
+        for projection in 0..body.context.plan.places_of_lines.len() {
+            let place = body.context.plan.places_of_lines[projection];
+            sweep(body, around, done..place, crew);
+            line::solve(body, around.isa);
+            done = place;
+        }
+        let next = match body.context.plan.places_of_lines.first() {
+            // The first of these sweeps goes together with the last of the substep before.
+            Some(&place) if may_join(body) && around.substep_index + 1 < around.substeps => place,
+            _ => 0,
+        };
         if body.particles.masses.has_pins {
-            sweep(body, around, first..taken as usize * count, crew);
+            sweep(body, around, done..taken as usize * count + next, crew);
         } else {
             // The drift of a free body is a sum over all of it.
-            sweep(body, around, first..count - 2, crew);
+            sweep(body, around, done..count - 2, crew);
             sweep(body, around, count - 2..count, crew);
         }
         body.note_pin_travel();
         around.substep_index += taken;
+        done = next;
     }
 }
 
-/// The stages of a substep up to the last lines, which are solved between sweeps. Gives the place of the next stage.
-fn sweep_to_lines(body: &mut Body, around: Surroundings, crew: &Crew) -> usize {
-    let mut first = 0;
-    for projection in 0..body.context.plan.places_of_lines.len() {
-        let place = body.context.plan.places_of_lines[projection];
-        sweep(body, around, first..place, crew);
-        line::solve(body, around.isa);
-        first = place;
-    }
-    first
+/// Whether a sweep may go from one substep into the next.
+fn may_join(body: &Body) -> bool {
+    body.particles.masses.has_pins && body.context.pin_shifts.is_empty()
 }
 
 /// How many substeps one trip through memory carries: as many as the strips between its first stage and its last fit
 /// the cache.
 fn substeps_at_once(body: &Body, crew: &Crew) -> u32 {
     let plan = &body.context.plan;
-    if !body.particles.masses.has_pins || !body.context.pin_shifts.is_empty() || !plan.lines.is_empty() {
+    if !may_join(body) || !plan.lines.is_empty() {
         return 1;
     }
     let lag = plan.lag_of_substep().max(1);
@@ -178,6 +187,9 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
 
 /// Some stages, counted through several substeps, in a sweep.
 fn sweep(body: &mut Body, around: Surroundings, stages: Range<usize>, crew: &Crew) {
+    if stages.is_empty() {
+        return;
+    }
     with_work(body, around, stages.start, |work, plan, projection| {
         let region = Region { stages, top: Edge::level(0), bottom: Edge::level(plan.strips) };
         region.share(work, plan, projection, crew, crew.count());
