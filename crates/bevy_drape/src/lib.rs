@@ -72,6 +72,6 @@ pub mod prelude {
         rope::Rope,
         scene_manager::{SceneManager, Viewer},
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
-        settings::{DefaultSolverSettings, SolverSettings, StickProjection},
+        settings::{DefaultSolverSettings, SolverSettings, StickProjection, StructuralSolve},
     };
 }

@@ -73,6 +73,9 @@ pub struct Common {
     /// How this project's solver moves the ends of a stick.
     #[arg(long, value_enum, default_value_t = Projection::SquareRootFree)]
     pub projection: Projection,
+    /// This project's solver solves rows and columns of structural sticks directly.
+    #[arg(long)]
+    pub lines: bool,
     /// How often each is timed; the median and the least count.
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
@@ -152,8 +155,8 @@ impl Command {
 
 impl Common {
     fn job(&self, scene: &Arc<Scene>, solver: Solver, threads: u32) -> Job {
-        let &Self { substeps, sweeps, projection, steps, .. } = self;
-        let effort = Effort { substeps, sweeps, threads, projection };
+        let &Self { substeps, sweeps, projection, lines, steps, .. } = self;
+        let effort = Effort { substeps, sweeps, threads, projection, lines };
         Job { scene: Arc::clone(scene), solver, effort, steps: steps as usize }
     }
 
@@ -163,10 +166,11 @@ impl Common {
             Projection::Exact => "exact",
             Projection::SquareRootFree => "square-root-free",
         };
+        let lines = if self.lines { ", lines" } else { "" };
         let Self { substeps, sweeps, steps, repeat, .. } = self;
         format!(
             "{steps} steps of {substeps} substeps x {sweeps} sweeps, timed {repeat} times; \
-             drape: {sticks} sticks, tethers; naive: {} sweeps of one step",
+             drape: {sticks} sticks{lines}, tethers; naive: {} sweeps of one step",
             substeps * sweeps
         )
     }

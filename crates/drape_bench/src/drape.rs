@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use drape_solver::glam::Vec3;
 use drape_solver::{
     Body, BuildError, Environment, Isa, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StateHasher, StickMaterial, StickProjection, Threads, Topology, TopologyBuilder, measure, step, step_on,
+    StateHasher, StickMaterial, StickProjection, StructuralSolve, Threads, Topology, TopologyBuilder,
+    measure, step, step_on,
 };
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
@@ -128,6 +129,7 @@ pub fn settings(effort: &Effort) -> SolverSettings {
             Projection::Exact => StickProjection::Exact,
             Projection::SquareRootFree => StickProjection::SquareRootFree,
         },
+        structural: if effort.lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
         ..SolverSettings::default()
     }
 }

@@ -95,6 +95,8 @@ pub struct Effort {
     pub threads: u32,
     /// Of this project's solver.
     pub projection: Projection,
+    /// Whether this project's solver solves rows and columns of structural sticks directly.
+    pub lines: bool,
 }
 
 impl Solver {
@@ -139,7 +141,7 @@ mod tests {
     use crate::world::{SPHERE_CENTRE, SPHERE_RADIUS};
 
     const EFFORT: Effort =
-        Effort { substeps: 16, sweeps: 1, threads: 1, projection: Projection::SquareRootFree };
+        Effort { substeps: 16, sweeps: 1, threads: 1, projection: Projection::SquareRootFree, lines: false };
 
     #[test]
     fn every_solver_drapes_the_same_particles_over_the_same_sphere() {

@@ -7,10 +7,11 @@ use glam::Vec3;
 use crate::columns::Columns;
 use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::integrate::Drag;
+use crate::line::LineScratch;
 use crate::particles::Particles;
 use crate::plan::Plan;
 use crate::rows::Rows;
-use crate::settings::SolverSettings;
+use crate::settings::{SolverSettings, StructuralSolve};
 use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
 use crate::topology::Topology;
 
@@ -60,6 +61,7 @@ pub struct BodyContext {
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
     /// What listed sticks are relaxed in.
     pub(crate) rows: Rows,
+    pub(crate) lines: LineScratch,
     /// The order of work of a substep.
     pub(crate) plan: Plan,
     pub(crate) still_for: f32,
@@ -100,6 +102,9 @@ impl Body {
             context.integrated.reset(particles.layout.cells());
         }
         context.rows.reset(topology.window(), particles.layout.cells());
+        if settings.structural == StructuralSolve::Lines {
+            context.lines.reserve(&topology.layout);
+        }
         context.plan.make(topology, settings, &context.stiffness, projections);
         context.pin_shifts.clear();
         for &(i, target) in &particles.pin_targets {
@@ -148,6 +153,6 @@ impl Body {
         let columns = [&particles.position, &particles.displacement, &context.integrated];
         let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
         let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
-        cells + masses + context.rows.bytes() + topology.bytes()
+        cells + masses + context.rows.bytes() + context.lines.bytes() + topology.bytes()
     }
 }

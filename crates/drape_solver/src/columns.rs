@@ -27,6 +27,10 @@ impl Cell {
     pub fn axes(&self) -> [&[f32; LANES]; 3] {
         [&self.x, &self.y, &self.z]
     }
+
+    pub fn axes_mut(&mut self) -> [&mut [f32; LANES]; 3] {
+        [&mut self.x, &mut self.y, &mut self.z]
+    }
 }
 
 /// One vector for each slot of a body's layout.

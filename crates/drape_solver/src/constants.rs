@@ -57,6 +57,15 @@ pub const TETHER_SPEED: f32 = 50.0;
 /// Tethers leave alone what is within this many radii of a ball.
 pub const TETHERLESS_REACH: f32 = 1.5;
 
+/// What a [line solve](crate::StructuralSolve::Lines) adds to the diagonal of its matrix, as a part of it. A straight
+/// chain between two pins has one stick too many for its particles: without this its matrix has no inverse. Costs a
+/// loaded line a hundredth of a per cent of stretch.
+pub const CHAIN_REGULARISER: f32 = 1e-4;
+
+/// How far the ends of a stick may move against each other in a line solve, in rest lengths. The solve takes sticks as
+/// straight; one that turns by more than this ends longer than it was.
+pub const CHAIN_STEP: f32 = 0.5;
+
 /// Upper bound on substeps per step that a fast ball can ask for: bounds the work of a step.
 pub const MAX_SUBSTEPS: u32 = 256;
 

@@ -40,6 +40,11 @@ impl GridBatch {
         (whole * width + rest.saturating_sub(self.phase * width).min(width), width)
     }
 
+    /// Columns to the right and rows down from one end of a stick to the other.
+    pub fn offset(self) -> (isize, usize) {
+        (self.right, self.down)
+    }
+
     /// The number of sticks.
     pub fn count(self) -> usize {
         let [across, down] = self.starts();

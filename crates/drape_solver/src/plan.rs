@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
+use crate::line::Lines;
 use crate::settings::SolverSettings;
 use crate::topology::{BatchSticks, Topology};
 
@@ -46,6 +47,10 @@ pub(crate) struct Plan {
     lags: Vec<usize>,
     /// Place of each projection's contacts, sticks and tethers in the stages, in turn.
     projections: Vec<[usize; 3]>,
+    /// Lines to be solved, with the length of their sticks in metres, and the places in the stages before which all of
+    /// them are: after the tethers of each projection. They run through all strips, and no sweep through them.
+    pub lines: Vec<(Lines, f32)>,
+    pub places_of_lines: Vec<usize>,
     pub cells_of_strip: usize,
     pub strips: usize,
     /// Whether the body may be swept strip by strip, and is large enough for that to pay.
@@ -63,7 +68,12 @@ impl Plan {
         projections: u32,
     ) {
         (self.cells_of_strip, self.strips) = topology.layout.strips();
-        let active = stiffness.iter().filter(|&&s| s > 0.0).count();
+        let is_swept = |&batch: &usize| {
+            stiffness[batch] > 0.0
+                && Lines::of(&topology.batches[batch], stiffness[batch], settings).is_none()
+        };
+        let active = (0..stiffness.len()).filter(is_swept).count();
+        self.list_lines(topology, settings, stiffness);
         self.stages.clear();
         self.projections.clear();
         self.stages.push(Stage::Integrate);
@@ -72,7 +82,7 @@ impl Plan {
             self.stages.push(Stage::Contacts { is_first: projection == 0 });
             let mut tethers = self.stages.len();
             if projection < settings.iterations {
-                for batch in (0..stiffness.len()).filter(|&batch| stiffness[batch] > 0.0) {
+                for batch in (0..stiffness.len()).filter(is_swept) {
                     self.push_batch(topology, batch);
                 }
                 // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
@@ -84,6 +94,9 @@ impl Plan {
                 tethers = self.stages.len();
                 if settings.tethers && !topology.tethers.is_empty() {
                     self.stages.push(Stage::Tethers);
+                }
+                if !self.lines.is_empty() {
+                    self.places_of_lines.push(self.stages.len());
                 }
             }
             self.projections.push([first, first + 1, tethers]);
@@ -103,6 +116,17 @@ impl Plan {
                 self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
             }
         }
+    }
+
+    /// Last of a projection, as the other sticks would undo what lines have done; columns first, as they hang from the
+    /// pins.
+    fn list_lines(&mut self, topology: &Topology, settings: &SolverSettings, stiffness: &[f32]) {
+        self.places_of_lines.clear();
+        self.lines.clear();
+        self.lines.extend([Lines::Columns, Lines::Rows].into_iter().filter_map(|lines| {
+            let rest_length = lines.rest_length(topology, stiffness, settings)?;
+            Some((lines, rest_length))
+        }));
     }
 
     /// Where the contacts, sticks and tethers of a projection are in the stages.

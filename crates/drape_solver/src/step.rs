@@ -197,6 +197,7 @@ pub fn relax(island: &mut Island, environment: &Environment) {
             ball_cloth::note_touched(context, balls, place, &body.particles);
             sweep::tether(body, around, index);
             ball_cloth::put_back(context, &mut body.particles);
+            sweep::solve_lines(body, around, index);
         }
     }
 }

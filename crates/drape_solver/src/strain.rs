@@ -61,11 +61,11 @@ fn measure_run(cells: &[Cell], run: &GridRun, scale: f32, lengths: &mut Lengths)
     let has_stick: [bool; LANES] = core::array::from_fn(|lane| run.lanes & (1 << lane) != 0);
     for k in 0..run.count {
         let [a, b] = [run.a, run.b].map(|cell| &cells[(cell + k * run.step) as usize]);
-        for lane in 0..LANES - shift {
+        for (lane, &has_stick) in has_stick.iter().enumerate().take(LANES - shift) {
             let delta =
                 [b.x[lane + shift] - a.x[lane], b.y[lane + shift] - a.y[lane], b.z[lane + shift] - a.z[lane]];
             let squared = (delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]) * scale;
-            lengths.take(if has_stick[lane] { squared } else { 1.0 });
+            lengths.take(if has_stick { squared } else { 1.0 });
         }
     }
 }

@@ -36,6 +36,7 @@ use crate::constants::{BYTES_OF_CELL, LEAST_SHARED_CELLS, LEAST_STRIPS_PER_LAG, 
 use crate::crew::Crew;
 use crate::integrate::{Flight, drift};
 use crate::isa::{Isa, Kernel};
+use crate::line;
 use crate::obstacle::Obstacle;
 use crate::plan::{Plan, Stage};
 use crate::settings::StickProjection;
@@ -82,6 +83,13 @@ pub(crate) fn tether(body: &mut Body, around: Surroundings, index: u32) {
     }
 }
 
+/// The lines of projection `index`.
+pub(crate) fn solve_lines(body: &mut Body, around: Surroundings, index: u32) {
+    if (index as usize) < body.context.plan.places_of_lines.len() {
+        line::solve(body, around.isa);
+    }
+}
+
 /// Velocities follow positions.
 pub(crate) fn update(body: &mut Body, around: Surroundings) {
     let count = body.context.plan.stages.len();
@@ -104,6 +112,10 @@ pub(crate) fn is_all_stages(body: &Body) -> bool {
 /// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.
 pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
     let count = body.context.plan.stages.len();
+    if count == 0 {
+        // Taken out in the middle of the step.
+        return;
+    }
     let at_once = substeps_at_once(body, crew);
     let stages = |body: &mut Body, around: Surroundings, stages: Range<usize>| {
         if body.context.plan.can_sweep {
@@ -112,26 +124,49 @@ pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
             run(body, around, stages);
         }
     };
+    // Stages of the substep that the sweep before has done already.
+    let mut done = 0;
     while around.substep_index < around.substeps {
         let taken = at_once.min(around.substeps - around.substep_index);
-        begin(body);
+        if done == 0 {
+            begin(body);
+        }
+        // Lines are solved between sweeps.
+        for projection in 0..body.context.plan.places_of_lines.len() {
+            let place = body.context.plan.places_of_lines[projection];
+            stages(body, around, done..place);
+            line::solve(body, around.isa);
+            done = place;
+        }
+        let next = match body.context.plan.places_of_lines.first() {
+            // The first of these sweeps goes together with the last of the substep before.
+            Some(&place) if may_join(body) && around.substep_index + 1 < around.substeps => place,
+            _ => 0,
+        };
         if body.particles.masses.has_pins {
-            stages(body, around, 0..taken as usize * count);
+            stages(body, around, done..taken as usize * count + next);
         } else {
             // The drift of a free body is a sum over all of it.
-            stages(body, around, 0..count - 2);
+            stages(body, around, done..count - 2);
             stages(body, around, count - 2..count);
         }
         body.note_pin_travel();
         around.substep_index += taken;
+        done = next;
     }
+}
+
+/// Whether a sweep may go from one substep into the next.
+fn may_join(body: &Body) -> bool {
+    let Body { particles, context, .. } = body;
+    context.plan.can_sweep && particles.masses.has_pins && context.pin_shifts.is_empty()
 }
 
 /// How many substeps one trip through memory carries: as many as the strips between its first stage and its last fit
 /// the cache.
 fn substeps_at_once(body: &Body, crew: &Crew) -> u32 {
     let plan = &body.context.plan;
-    if !plan.can_sweep || !body.particles.masses.has_pins || !body.context.pin_shifts.is_empty() {
+    if !may_join(body) || !plan.lines.is_empty() {
         return 1;
     }
     let lag = plan.lag_of_substep().max(1);
@@ -166,6 +201,9 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
 
 /// Some stages, counted through several substeps, in a sweep.
 fn sweep(body: &mut Body, around: Surroundings, stages: Range<usize>, crew: &Crew) {
+    if stages.is_empty() {
+        return;
+    }
     with_work(body, around, stages.start, |work, plan, projection| {
         let region = Region { stages, top: Edge::level(0), bottom: Edge::level(plan.strips) };
         region.share(work, plan, projection, crew, crew.count());

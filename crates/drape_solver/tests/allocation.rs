@@ -5,7 +5,7 @@ use std::alloc::System;
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{
     Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, Shape, SolverSettings,
-    Wind, step,
+    StructuralSolve, Wind, step,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -15,11 +15,17 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 /// Allocations in the second half of a shot at a curtain, over ground and beside a turning capsule.
 #[test]
 fn a_warm_step_allocates_nothing() {
+    for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
+        allocate_nothing(SolverSettings { structural, ..SolverSettings::default() });
+    }
+}
+
+fn allocate_nothing(settings: SolverSettings) {
     let dt = 1.0 / 60.0;
     let curtain = ClothBuilder::new(1.5, 1.5, 24, 24)
         .placed(Vec3::new(-0.75, 1.2, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_edge(Edge::Top)
-        .build(SolverSettings::default())
+        .build(settings)
         .expect("valid");
     let mut island = Island::of_body(curtain);
     let shot = |z: f32| Ball::new(BallMaterial::default(), Vec3::new(0.1, 0.8, z), Vec3::NEG_Z * z * 8.0);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
     Ball, BallMaterial, Body, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StickKind, StickMaterial, StickProjection, TopologyBuilder, measure, step,
+    StickKind, StickMaterial, StickProjection, StructuralSolve, TopologyBuilder, measure, step,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -24,6 +24,7 @@ pub fn bare() -> SolverSettings {
         friction: 0.0,
         thickness: 0.0,
         projection: StickProjection::Exact,
+        structural: StructuralSolve::Sweeps,
         tethers: false,
     }
 }

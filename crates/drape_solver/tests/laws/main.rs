@@ -11,6 +11,7 @@ mod drag;
 mod free_flight;
 mod friction;
 mod intrusion;
+mod lines;
 mod mesh;
 mod momentum;
 mod obstacles;

@@ -4,7 +4,7 @@ use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{
     Ball, BallMaterial, Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Placement,
-    RopeBuilder, Shape, SolverSettings, StickProjection, Wind, step,
+    RopeBuilder, Shape, SolverSettings, StickProjection, StructuralSolve, Wind, step,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestCaseError};
@@ -16,8 +16,8 @@ fn vector(half: f32) -> impl Strategy<Value = Vec3> {
 }
 
 fn settings() -> impl Strategy<Value = SolverSettings> {
-    (1_u32..6, 1_u32..4, 0.0_f32..3.0, 0.0_f32..1.5, 0.0_f32..0.03, any::<bool>(), any::<bool>()).prop_map(
-        |(substeps, iterations, drag, friction, thickness, exact, tethers)| SolverSettings {
+    (1_u32..6, 1_u32..4, 0.0_f32..3.0, 0.0_f32..1.5, 0.0_f32..0.03, any::<[bool; 3]>()).prop_map(
+        |(substeps, iterations, drag, friction, thickness, [exact, lines, tethers])| SolverSettings {
             substeps,
             iterations,
             tolerance: 0.0,
@@ -25,6 +25,7 @@ fn settings() -> impl Strategy<Value = SolverSettings> {
             friction,
             thickness,
             projection: if exact { StickProjection::Exact } else { StickProjection::SquareRootFree },
+            structural: if lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
             tethers,
         },
     )
