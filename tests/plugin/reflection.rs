@@ -89,7 +89,7 @@ mod both {
         full_names! {
             Activity ActivityCounts BallHit Cannon CannonFired Cloth ClothPins DefaultSolverSettings DrapeClock
             DrapeGravity DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems FireCannon Grab HitTarget InRig
-            Interpolated Obstacle ObstacleShape Particle Particles Projectile ProjectileState Refusals Rig Rope
+            Interpolated Obstacle ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope
             SceneManager SolverSettings Stick StickKind StickProjection Sticks StructuralSolve Viewer Wind
         }
         .into_iter()

@@ -34,7 +34,7 @@ use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
 use crate::rope::Rope;
 use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
-use crate::settings::{DefaultSolverSettings, SolverSettings};
+use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
 
@@ -92,7 +92,7 @@ pub struct SolverPlugin {
 impl Plugin for SolverPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<(Activity, Cloth, Rope, Particles, Sticks, SolverSettings, Obstacle)>()
-            .register_type::<(Projectile, ProjectileState, Cannon, Viewer)>()
+            .register_type::<(Projectile, ProjectileState, Cannon, Viewer, Quality)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
             .register_type::<(Particle, Stick, Rig, InRig, Grab)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();

@@ -26,6 +26,20 @@ pub enum StructuralSolve {
     Lines,
 }
 
+/// How well a body is to be solved: `SolverSettings::from(Quality::High)`. What it costs and gives stands at the
+/// [solver's](solver::Quality).
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum Quality {
+    /// For what is far away or small.
+    Low,
+    /// What [`SolverSettings::default`] is.
+    #[default]
+    Medium,
+    /// For what must not stretch: rows and columns of cloth are solved as chains.
+    High,
+}
+
 /// How a body is stepped: accuracy, damping and surface. A body without this component uses
 /// [`DefaultSolverSettings`]. Values out of range leave the body out of the simulation, with an error logged.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -35,6 +49,9 @@ pub struct SolverSettings {
     pub substeps: u32,
     /// Relaxation iterations per substep, 1 to 1024. Even numbers run as symmetric pairs.
     pub iterations: u32,
+    /// Strain below which relaxation stops before its last iteration, from 0 (never) to 1. It pays from some 8
+    /// iterations on.
+    pub tolerance: f32,
     /// Drag of still air in 1/s, 0 or more: velocity decays as `exp(-drag t)`.
     pub drag: f32,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
@@ -55,11 +72,30 @@ impl Default for SolverSettings {
     }
 }
 
+impl SolverSettings {
+    /// These, solved as well as `quality` asks: drag, friction and thickness stay.
+    pub fn with_quality(self, quality: Quality) -> Self {
+        let quality = match quality {
+            Quality::Low => solver::Quality::Low,
+            Quality::Medium => solver::Quality::Medium,
+            Quality::High => solver::Quality::High,
+        };
+        solver::SolverSettings::from(self).with_quality(quality).into()
+    }
+}
+
+impl From<Quality> for SolverSettings {
+    fn from(quality: Quality) -> Self {
+        Self::default().with_quality(quality)
+    }
+}
+
 impl From<solver::SolverSettings> for SolverSettings {
     fn from(settings: solver::SolverSettings) -> Self {
         let solver::SolverSettings {
             substeps,
             iterations,
+            tolerance,
             drag,
             friction,
             thickness,
@@ -75,7 +111,7 @@ impl From<solver::SolverSettings> for SolverSettings {
             solver::StructuralSolve::Sweeps => StructuralSolve::Sweeps,
             solver::StructuralSolve::Lines => StructuralSolve::Lines,
         };
-        Self { substeps, iterations, drag, friction, thickness, projection, structural, tethers }
+        Self { substeps, iterations, tolerance, drag, friction, thickness, projection, structural, tethers }
     }
 }
 
@@ -84,6 +120,7 @@ impl From<SolverSettings> for solver::SolverSettings {
         let SolverSettings {
             substeps,
             iterations,
+            tolerance,
             drag,
             friction,
             thickness,
@@ -99,13 +136,13 @@ impl From<SolverSettings> for solver::SolverSettings {
             StructuralSolve::Sweeps => solver::StructuralSolve::Sweeps,
             StructuralSolve::Lines => solver::StructuralSolve::Lines,
         };
-        Self { substeps, iterations, drag, friction, thickness, projection, structural, tethers }
+        Self { substeps, iterations, tolerance, drag, friction, thickness, projection, structural, tethers }
     }
 }
 
 /// Whether two settings are the same to the bit: unlike `==`, also where they are not a number.
 pub(crate) fn same_settings(a: &solver::SolverSettings, b: &solver::SolverSettings) -> bool {
-    let bits = |s: &solver::SolverSettings| [s.drag, s.friction, s.thickness].map(f32::to_bits);
+    let bits = |s: &solver::SolverSettings| [s.tolerance, s.drag, s.friction, s.thickness].map(f32::to_bits);
     let choices =
         |s: &solver::SolverSettings| (s.substeps, s.iterations, s.projection, s.structural, s.tethers);
     choices(a) == choices(b) && bits(a) == bits(b)

@@ -65,7 +65,7 @@ pub use obstacle::Obstacle;
 pub use particles::Particles;
 pub use pose::Placement;
 pub use rope::RopeBuilder;
-pub use settings::{SolverSettings, StickProjection, StructuralSolve};
+pub use settings::{Quality, SolverSettings, StickProjection, StructuralSolve};
 pub use shape::Shape;
 pub use step::{step, step_on};
 pub use tether::Tethers;

@@ -32,6 +32,21 @@ pub enum StructuralSolve {
     Lines,
 }
 
+/// How well a body is to be solved: a choice of substeps, iterations, sticks and lines, to change it where it matters.
+///
+/// The figures are those of a falling sheet of 128 x 128 particles with all sticks rigid, held by two corners, against
+/// [`Medium`](Self::Medium): `docs/performance.md` has the table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Quality {
+    /// For what is far away or small: a quarter of the time, five times the stretch.
+    Low,
+    /// What [`SolverSettings::default`] is.
+    #[default]
+    Medium,
+    /// For what must not stretch: as long, and a twentieth of the stretch.
+    High,
+}
+
 /// How a body is stepped: accuracy, damping and surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverSettings {
@@ -76,7 +91,23 @@ impl Default for SolverSettings {
     }
 }
 
+impl From<Quality> for SolverSettings {
+    fn from(quality: Quality) -> Self {
+        Self::default().with_quality(quality)
+    }
+}
+
 impl SolverSettings {
+    /// These, solved as well as `quality` asks: drag, friction and thickness stay.
+    pub fn with_quality(self, quality: Quality) -> Self {
+        let (substeps, iterations, projection, structural) = match quality {
+            Quality::Low => (4, 1, StickProjection::SquareRootFree, StructuralSolve::Sweeps),
+            Quality::Medium => (8, 2, StickProjection::Exact, StructuralSolve::Sweeps),
+            Quality::High => (16, 1, StickProjection::SquareRootFree, StructuralSolve::Lines),
+        };
+        Self { substeps, iterations, tolerance: 0.0, projection, structural, tethers: true, ..self }
+    }
+
     /// Checks every field against its range.
     ///
     /// # Errors
@@ -95,6 +126,17 @@ impl SolverSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn medium_is_the_default_and_quality_leaves_the_surface_alone() {
+        assert_eq!(SolverSettings::from(Quality::Medium), SolverSettings::default());
+        let rough = SolverSettings { friction: 0.9, drag: 3.0, thickness: 0.02, ..SolverSettings::default() };
+        for quality in [Quality::Low, Quality::Medium, Quality::High] {
+            let chosen = rough.with_quality(quality);
+            assert_eq!(chosen.validate(), Ok(()));
+            assert_eq!((chosen.friction, chosen.drag, chosen.thickness), (0.9, 3.0, 0.02));
+        }
+    }
 
     #[test]
     fn defaults_are_valid_and_bad_fields_are_named() {
