@@ -10,6 +10,7 @@ use crate::integrate::Drag;
 use crate::line::LineScratch;
 use crate::particles::Particles;
 use crate::plan::Plan;
+use crate::rows::Rows;
 use crate::settings::{SolverSettings, StructuralSolve};
 use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
 use crate::topology::Topology;
@@ -59,6 +60,8 @@ pub struct BodyContext {
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
     pub(crate) lines: LineScratch,
+    /// What listed sticks are relaxed in.
+    pub(crate) rows: Rows,
     /// The order of work of a substep.
     pub(crate) plan: Plan,
     pub(crate) still_for: f32,
@@ -75,8 +78,8 @@ impl Body {
     /// Puts the particles where the topology looks for them, and takes a look at them where something has changed.
     pub(crate) fn prepare(&mut self) {
         let Self { particles, topology, .. } = self;
-        particles.arrange(topology.layout);
-        particles.masses.update(&particles.inverse_mass, particles.layout);
+        particles.arrange(&topology.layout);
+        particles.masses.update(&particles.inverse_mass, &particles.layout);
         particles.take_survey();
     }
 
@@ -99,8 +102,9 @@ impl Body {
             context.integrated.reset(particles.layout.cells());
         }
         if settings.structural == StructuralSolve::Lines {
-            context.lines.reserve(topology.layout);
+            context.lines.reserve(&topology.layout);
         }
+        context.rows.reset(topology.window(), particles.layout.cells());
         context.plan.make(topology, settings, &context.stiffness, projections);
         context.pin_shifts.clear();
         for &(i, target) in &particles.pin_targets {
@@ -149,6 +153,6 @@ impl Body {
         let columns = [&particles.position, &particles.displacement, &context.integrated];
         let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
         let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
-        cells + masses + context.lines.bytes() + topology.bytes()
+        cells + masses + context.rows.bytes() + context.lines.bytes() + topology.bytes()
     }
 }

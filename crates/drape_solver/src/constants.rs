@@ -47,6 +47,9 @@ pub const WORK_OF_CONTACTS: f32 = 0.5;
 /// Overlaps of particles and obstacles below this, in metres, are rounding.
 pub const LEAST_OVERLAP: f32 = 1e-6;
 
+/// Particles from which on an irregular body is renumbered: smaller ones stay in the nearest cache anyway.
+pub const LEAST_RENUMBERED: usize = 256;
+
 /// Tethers pull a particle home at this speed at most, in metres per second. What hangs from a pin is pulled by
 /// millimetres; what something has dragged a metre away is not to come back as a bullet.
 pub const TETHER_SPEED: f32 = 50.0;

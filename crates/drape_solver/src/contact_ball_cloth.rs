@@ -129,7 +129,7 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
             let centre = ball.position - body.particles.origin;
             let near = |p: Vec3| p.distance_squared(centre) < reach * reach;
             context.marks.clear();
-            let layout = body.particles.layout;
+            let layout = &body.particles.layout;
             context.marks.extend(layout.slots().map(|slot| near(body.particles.position.get(slot))));
             let slot = |i: u32| layout.slot(i as usize) as u32;
             let marked = |i: &u32| context.marks[*i as usize];

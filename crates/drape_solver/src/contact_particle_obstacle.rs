@@ -94,7 +94,7 @@ impl BodyContext {
     /// Particles that obstacles pushed out in the last substep: the particle's index, the unit normal of the
     /// surface in the world, and the depth in metres, summed over the projections of the substep.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
-        let layout = self.contacts.layout;
+        let layout = &self.contacts.layout;
         let candidates = self.contacts.candidates.iter().zip(&self.contacts.pushes);
         candidates.filter(|(candidate, _)| candidate.is_touching).flat_map(move |(candidate, pushes)| {
             let touching = (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0);
@@ -112,7 +112,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
     let (low, high) = body.particles.bounds();
     let Body { particles, settings, context, .. } = body;
     let contacts = &mut context.contacts;
-    contacts.layout = particles.layout;
+    contacts.layout = particles.layout.clone();
     contacts.groups.clear();
     contacts.candidates.clear();
     contacts.planes.clear();

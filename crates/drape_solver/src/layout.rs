@@ -13,13 +13,19 @@
 //! A stick from one patch into the next joins a lane to the next lane: the vector is shifted. Where the grid does not
 //! fill the patches, the slots left over are *ghosts*: they have no mass, and no stick reaches them.
 
+use std::sync::Arc;
+
 use crate::columns::LANES;
+use crate::constants::CELLS_AT_ONCE;
+use crate::renumbering::Renumbering;
 
 /// The arrangement of a body's particles in memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Layout {
     /// In order of the index.
     Linear { count: usize },
+    /// So that particles joined by sticks are near each other.
+    Renumbered(Arc<Renumbering>),
     /// A grid, in patches.
     Grid(Grid),
 }
@@ -45,66 +51,72 @@ impl Default for Layout {
 
 impl Layout {
     /// The number of particles.
-    pub fn count(self) -> usize {
+    pub fn count(&self) -> usize {
         match self {
-            Self::Linear { count } => count,
+            Self::Linear { count } => *count,
+            Self::Renumbered(renumbering) => renumbering.count(),
             Self::Grid(grid) => grid.columns * grid.rows,
         }
     }
 
     /// The number of cells that hold them.
-    pub fn cells(self) -> usize {
+    pub fn cells(&self) -> usize {
         match self {
-            Self::Linear { count } => count.div_ceil(LANES),
+            Self::Linear { .. } | Self::Renumbered(_) => self.count().div_ceil(LANES),
             Self::Grid(grid) => grid.width * grid.height,
         }
     }
 
     /// The number of cells in a strip, and the number of strips. The last one may have fewer cells.
-    pub fn strips(self) -> (usize, usize) {
+    pub fn strips(&self) -> (usize, usize) {
         match self {
-            Self::Linear { .. } => (self.cells(), 1),
+            Self::Linear { .. } | Self::Renumbered(_) => {
+                let cells = self.cells().clamp(1, CELLS_AT_ONCE);
+                (cells, self.cells().div_ceil(cells))
+            }
             Self::Grid(grid) => (grid.cells_of_strip(), grid.height.div_ceil(ROWS_OF_STRIP)),
         }
     }
 
     /// Whether a row of the grid is a row of cells, so that a sweep may run down the strips.
-    pub fn has_whole_rows(self) -> bool {
+    pub fn has_whole_rows(&self) -> bool {
         matches!(self, Self::Grid(grid) if grid.down == 1)
     }
 
     /// The slot of particle `index`.
     #[inline]
-    pub fn slot(self, index: usize) -> usize {
+    pub fn slot(&self, index: usize) -> usize {
         match self {
             Self::Linear { .. } => index,
+            Self::Renumbered(renumbering) => renumbering.slot(index),
             Self::Grid(grid) => grid.slot(index % grid.columns, index / grid.columns),
         }
     }
 
     /// The slots of all particles, in order of their indices.
-    pub fn slots(self) -> impl ExactSizeIterator<Item = usize> {
+    pub fn slots(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         (0..self.count()).map(move |index| self.slot(index))
     }
 
     /// The particle in `slot`; none in a ghost.
-    pub fn index(self, slot: usize) -> Option<usize> {
+    pub fn index(&self, slot: usize) -> Option<usize> {
         match self {
-            Self::Linear { count } => (slot < count).then_some(slot),
+            Self::Linear { count } => (slot < *count).then_some(slot),
+            Self::Renumbered(renumbering) => renumbering.index(slot),
             Self::Grid(grid) => grid.index(slot),
         }
     }
 
     /// Which lanes of `cell` hold a particle, lane 0 in the lowest bit.
-    pub fn real_lanes(self, cell: usize) -> u16 {
+    pub fn real_lanes(&self, cell: usize) -> u16 {
         match self {
-            Self::Linear { count } if (cell + 1) * LANES <= count => u16::MAX,
             Self::Grid(grid) if grid.is_full() => u16::MAX,
+            Self::Linear { .. } | Self::Renumbered(_) if (cell + 1) * LANES <= self.count() => u16::MAX,
             _ => self.real_lanes_one_by_one(cell),
         }
     }
 
-    fn real_lanes_one_by_one(self, cell: usize) -> u16 {
+    fn real_lanes_one_by_one(&self, cell: usize) -> u16 {
         let is_real = |lane: usize| self.index(cell * LANES + lane).is_some();
         (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_real(lane)) << lane))
     }

@@ -61,7 +61,7 @@ impl Lines {
             batches.filter(|&(batch, &stiffness)| Self::of(batch, stiffness, settings) == Some(self));
         own.find_map(|(batch, _)| match batch.sticks {
             BatchSticks::Grid { rest_length, .. } => Some(rest_length),
-            BatchSticks::Listed { .. } => None,
+            BatchSticks::Listed(_) => None,
         })
     }
 
@@ -123,8 +123,8 @@ pub(crate) struct LineScratch {
 
 impl LineScratch {
     /// Makes room for the lines of a body.
-    pub fn reserve(&mut self, layout: Layout) {
-        let Layout::Grid(grid) = layout else {
+    pub fn reserve(&mut self, layout: &Layout) {
+        let &Layout::Grid(grid) = layout else {
             return;
         };
         if self.grid == Some(grid) {

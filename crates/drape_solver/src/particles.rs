@@ -77,10 +77,11 @@ impl Particles {
         }
         finite_vector("origin", origin)?;
         let layout = Layout::Linear { count: positions.len() };
+        let cells = layout.cells();
         let mut particles = Self { origin, layout, ..Self::default() };
-        particles.position.reset(layout.cells());
-        particles.displacement.reset(layout.cells());
-        particles.inverse_mass.resize(layout.cells() * LANES, 0.0);
+        particles.position.reset(cells);
+        particles.displacement.reset(cells);
+        particles.inverse_mass.resize(cells * LANES, 0.0);
         for (i, (&position, &inverse_mass)) in positions.iter().zip(inverse_masses).enumerate() {
             finite_vector("position", position)?;
             if !(inverse_mass >= 0.0 && inverse_mass.is_finite()) {
@@ -98,12 +99,12 @@ impl Particles {
     }
 
     /// Moves every particle to the slot that `layout` has for it.
-    pub(crate) fn arrange(&mut self, layout: Layout) {
-        if layout == self.layout || layout.count() != self.len() {
+    pub(crate) fn arrange(&mut self, layout: &Layout) {
+        if *layout == self.layout || layout.count() != self.len() {
             return;
         }
         let cells = layout.cells();
-        let old = core::mem::replace(self, Self { layout, ..self.clone() });
+        let old = core::mem::replace(self, Self { layout: layout.clone(), ..self.clone() });
         self.position.reset(cells);
         self.displacement.reset(cells);
         self.inverse_mass.clear();

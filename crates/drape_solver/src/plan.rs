@@ -1,9 +1,11 @@
 //! The order of a substep's work for one body.
 
+use core::ops::Range;
+
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
 use crate::line::Lines;
 use crate::settings::SolverSettings;
-use crate::topology::{BatchSticks, Topology};
+use crate::topology::{BatchSticks, StickBatch, Topology};
 
 /// A piece of a substep's work that can be done strip by strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,12 +15,28 @@ pub(crate) enum Stage {
     Contacts {
         is_first: bool,
     },
-    /// One batch of sticks.
+    /// One batch of a grid's sticks.
     Sticks(usize),
+    /// Batches of listed sticks from `first` up to `end`, the last first if `backwards`. They have a sweep of their own
+    /// through the whole body.
+    Listed {
+        first: usize,
+        end: usize,
+        backwards: bool,
+    },
     Tethers,
     /// Displacements follow positions.
     Update,
     Friction,
+}
+
+impl Stage {
+    /// The same work the other way round.
+    fn turn(&mut self) {
+        if let Self::Listed { backwards, .. } = self {
+            *backwards = true;
+        }
+    }
 }
 
 /// The stages of a substep in their order.
@@ -64,11 +82,14 @@ impl Plan {
             self.stages.push(Stage::Contacts { is_first: projection == 0 });
             let mut tethers = self.stages.len();
             if projection < settings.iterations {
-                self.stages.extend((0..stiffness.len()).filter(is_swept).map(Stage::Sticks));
+                for batch in (0..stiffness.len()).filter(is_swept) {
+                    self.push_batch(topology, batch);
+                }
                 // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
                 // back would begin with the one just done, which does nothing.
                 if projection % 2 == 1 && active > 2 {
                     self.stages[first + 1..].reverse();
+                    self.stages[first + 1..].iter_mut().for_each(Stage::turn);
                 }
                 tethers = self.stages.len();
                 if settings.tethers && !topology.tethers.is_empty() {
@@ -97,6 +118,21 @@ impl Plan {
         }));
     }
 
+    /// Adds a batch of sticks, to the listed ones before if it is listed as well.
+    fn push_batch(&mut self, topology: &Topology, batch: usize) {
+        let is_listed = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Listed(_));
+        let all_listed = |between: Range<usize>| topology.batches[between].iter().all(is_listed);
+        match (&topology.batches[batch].sticks, self.stages.last_mut()) {
+            (BatchSticks::Grid { .. }, _) => self.stages.push(Stage::Sticks(batch)),
+            (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) if all_listed(*end..batch) => {
+                *end = batch + 1
+            }
+            (BatchSticks::Listed(_), _) => {
+                self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
+            }
+        }
+    }
+
     /// Where the contacts, sticks and tethers of a projection are in the stages.
     pub fn places(&self, projection: u32) -> [usize; 3] {
         self.projections.get(projection as usize).copied().unwrap_or_default()
@@ -109,14 +145,30 @@ impl Plan {
         self.lags.clear();
         let mut lag = 0;
         for stage in &self.stages {
-            if let Stage::Sticks(batch) = *stage {
-                match &topology.batches[batch].sticks {
-                    BatchSticks::Grid { runs, .. } => lag += runs.reach,
-                    BatchSticks::Listed { .. } => self.can_sweep = false,
+            match *stage {
+                Stage::Sticks(batch) => {
+                    if let BatchSticks::Grid { runs, .. } = &topology.batches[batch].sticks {
+                        lag += runs.reach;
+                    }
                 }
+                Stage::Listed { .. } => self.can_sweep = false,
+                _ => {}
             }
             self.lags.push(lag);
         }
+    }
+
+    /// Stages in as few passes over the body as there can be without a sweep: one for each, unless no stick reaches from
+    /// strip to strip; then one for all up to listed sticks, and so on.
+    pub fn passes(&self, stages: Range<usize>) -> impl Iterator<Item = Range<usize>> + '_ {
+        let (mut next, end) = (stages.start, stages.end);
+        let is_alone =
+            |place: usize| self.lag_of_substep() > 0 || matches!(self.stages[place], Stage::Listed { .. });
+        core::iter::from_fn(move || {
+            let first = next;
+            next = (first + 1..end).find(|&place| is_alone(place - 1) || is_alone(place)).unwrap_or(end);
+            (first < end).then_some(first..next)
+        })
     }
 
     /// Strips that a whole substep needs between the first stage and the last.

@@ -57,8 +57,8 @@ pub fn step_on(
     outcome
 }
 
-/// All substeps that are left of the step that was [begun](begin). Where no ball is near, a large body runs down its
-/// strips with the stages of several substeps at once.
+/// All substeps that are left of the step that was [begun](begin). Where no ball is near, each body takes them in
+/// turn, a large one down its strips with the stages of several substeps at once.
 pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
     Crew::run(lent(island, threads), &mut |crew| substeps(island, environment, crew));
 }
@@ -70,7 +70,7 @@ fn lent<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
 }
 
 fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
-    if island.balls.is_empty() && island.bodies.iter().all(sweep::can_sweep) {
+    if island.balls.is_empty() && island.bodies.iter().all(sweep::is_all_stages) {
         let around = surroundings(&island.context, island.isa, environment);
         for body in &mut island.bodies {
             sweep::substeps(body, around, crew);

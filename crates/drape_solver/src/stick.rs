@@ -9,14 +9,14 @@
 //! the rest length (Jakobsen 2001, section 5). Printed copies of the latter have a sign reversed; the one here
 //! takes a stick of length `e` rest lengths to `1 - (e - 1)^2 / (1 + e^2)`.
 
-use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use fearless_simd::{Simd, f32x8, f32x16, mask32x16, prelude::*};
 
 use crate::columns::{Cell, LANES};
 use crate::constants::REFERENCE_STEP;
 use crate::grid::GridRun;
 use crate::lanes::{Lanes3, load};
 use crate::particles::Particles;
-use crate::topology::{ListedStick, StickBatch, StickMaterial, Topology};
+use crate::topology::{StickBatch, StickMaterial, Topology};
 use crate::work::Common;
 
 /// The part of a stick's error that one relaxation iteration removes, for a `stiffness` in 0..=1, a substep of
@@ -78,6 +78,8 @@ pub(crate) trait Projection: Copy {
     fn error(self, length_squared: f32, rest: f32) -> f32;
     /// The same in lanes.
     fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S>;
+    /// The same for eight sticks.
+    fn errors_of_eight<S: Simd>(self, simd: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S>;
 }
 
 /// With a square root. A stick of zero length has no direction to push in: it is left alone.
@@ -94,6 +96,13 @@ impl Projection for Exact {
     #[inline(always)]
     fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
+        let length = length_squared.sqrt();
+        length.simd_gt(zero).select((length - rest) / length, zero)
+    }
+
+    #[inline(always)]
+    fn errors_of_eight<S: Simd>(self, simd: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
+        let zero = f32x8::splat(simd, 0.0);
         let length = length_squared.sqrt();
         length.simd_gt(zero).select((length - rest) / length, zero)
     }
@@ -115,29 +124,11 @@ impl Projection for SquareRootFree {
         let rest_squared = rest * rest;
         (length_squared - rest_squared) / (length_squared + rest_squared)
     }
-}
 
-/// One stick at a time: the documentation of [`project_lanes`], and what irregular meshes run.
-#[inline(always)]
-pub(crate) fn project_listed(
-    joined: &mut Joined,
-    sticks: &[ListedStick],
-    stiffness: f32,
-    projection: impl Projection,
-) {
-    for stick in sticks {
-        let [a, b] = stick.ends.map(|slot| (slot as usize / LANES, slot as usize % LANES));
-        let [wa, wb] = [a, b].map(|(cell, lane)| joined.inverse_mass[cell][lane]);
-        let weight = wa + wb;
-        if weight > 0.0 {
-            let [p, q] = [a, b].map(|(cell, lane)| joined.position[cell].get(lane));
-            let delta = q - p;
-            let error = projection.error(delta.length_squared(), stick.rest_length);
-            // Equal masses are the rule, and halving is quicker than two divisions.
-            let (share_a, share_b) = if wa == wb { (0.5, 0.5) } else { (wa / weight, wb / weight) };
-            joined.position[a.0].set(a.1, p + delta * (error * (stiffness * share_a)));
-            joined.position[b.0].set(b.1, q - delta * (error * (stiffness * share_b)));
-        }
+    #[inline(always)]
+    fn errors_of_eight<S: Simd>(self, _: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
+        let rest_squared = rest * rest;
+        (length_squared - rest_squared) / (length_squared + rest_squared)
     }
 }
 
@@ -266,7 +257,7 @@ pub(crate) fn damp(particles: &mut Particles, topology: &Topology, damping: &[f3
             continue;
         }
         for i in batch.range() {
-            let [a, b] = topology.stick(i).map(|end| particles.layout.slot(end as usize));
+            let [a, b] = topology.stick_slots(i);
             let (wa, wb) = (particles.inverse_mass[a], particles.inverse_mass[b]);
             let delta = particles.position.get(b) - particles.position.get(a);
             let length_squared = delta.length_squared();
@@ -290,6 +281,7 @@ mod tests {
 
     use crate::body::Body;
     use crate::isa::{Isa, Kernel};
+    use crate::listed::project;
     use crate::settings::{SolverSettings, StickProjection};
     use crate::sweep::{self, Surroundings};
     use crate::topology::{StickKind, TopologyBuilder};
@@ -389,17 +381,17 @@ mod tests {
                     let (mut whole, mut single) = (start, start);
                     let mut joined = Joined { position: &mut whole, inverse_mass, common_mass: &common };
                     isa.run(ProjectRun(&mut joined, run, projection));
-                    let mut joined = Joined { position: &mut single, inverse_mass, common_mass: &common };
                     for (cell, lane) in (0..2).flat_map(|cell| (0..LANES).map(move |lane| (cell, lane))) {
                         if lanes & (1 << lane) != 0 {
                             let a = cell * LANES + lane;
-                            let ends = [a as u32, (a + 2 * LANES) as u32 + u32::from(shift)];
-                            project_listed(
-                                &mut joined,
-                                &[ListedStick { ends, rest_length: 0.7 }],
-                                0.8,
-                                projection,
-                            );
+                            let ends = [a, a + 2 * LANES + usize::from(shift)];
+                            let ends = ends.map(|slot| (slot / LANES, slot % LANES));
+                            let masses = ends.map(|(cell, lane)| inverse_mass[cell][lane]);
+                            let places = ends.map(|(cell, lane)| single[cell].get(lane));
+                            let moved = project(places, masses, 0.7, 0.8, projection);
+                            for ((cell, lane), place) in ends.into_iter().zip(moved) {
+                                single[cell].set(lane, place);
+                            }
                         }
                     }
                     assert_eq!(whole, single, "shift {shift} on {}", isa.name());

@@ -161,7 +161,7 @@ impl MassSurvey {
     }
 
     /// Looks at the masses, if any has changed.
-    pub fn update(&mut self, inverse_mass: &[f32], layout: Layout) {
+    pub fn update(&mut self, inverse_mass: &[f32], layout: &Layout) {
         if self.is_known {
             return;
         }

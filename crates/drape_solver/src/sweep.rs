@@ -103,17 +103,24 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
 }
 
 /// Whether [`substeps`] may be called for the body.
-pub(crate) fn can_sweep(body: &Body) -> bool {
-    // Damping is not done strip by strip.
-    body.context.plan.can_sweep && body.context.damping.iter().all(|&d| d == 0.0)
+pub(crate) fn is_all_stages(body: &Body) -> bool {
+    // Damping is no stage.
+    body.context.damping.iter().all(|&d| d == 0.0)
 }
 
-/// All substeps that are left, of a body that no ball is near.
+/// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.
 pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
     let count = body.context.plan.stages.len();
     let at_once = substeps_at_once(body, crew);
     // Stages of the substep that the sweep before has done already.
     let mut done = 0;
+    let stages = |body: &mut Body, around: Surroundings, stages: Range<usize>| {
+        if body.context.plan.can_sweep {
+            sweep(body, around, stages, crew);
+        } else {
+            run(body, around, stages);
+        }
+    };
     while around.substep_index < around.substeps {
         let taken = at_once.min(around.substeps - around.substep_index);
         if done == 0 {
@@ -122,21 +129,27 @@ pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
         // Lines are solved between sweeps.
         for projection in 0..body.context.plan.places_of_lines.len() {
             let place = body.context.plan.places_of_lines[projection];
-            sweep(body, around, done..place, crew);
+            stages(body, around, done..place);
             line::solve(body, around.isa);
             done = place;
         }
         let next = match body.context.plan.places_of_lines.first() {
             // The first of these sweeps goes together with the last of the substep before.
-            Some(&place) if may_join(body) && around.substep_index + 1 < around.substeps => place,
+            Some(&place)
+                if body.context.plan.can_sweep
+                    && may_join(body)
+                    && around.substep_index + 1 < around.substeps =>
+            {
+                place
+            }
             _ => 0,
         };
         if body.particles.masses.has_pins {
-            sweep(body, around, done..taken as usize * count + next, crew);
+            stages(body, around, done..taken as usize * count + next);
         } else {
             // The drift of a free body is a sum over all of it.
-            sweep(body, around, done..count - 2, crew);
-            sweep(body, around, count - 2..count, crew);
+            stages(body, around, done..count - 2);
+            stages(body, around, count - 2..count);
         }
         body.note_pin_travel();
         around.substep_index += taken;
@@ -153,7 +166,7 @@ fn may_join(body: &Body) -> bool {
 /// the cache.
 fn substeps_at_once(body: &Body, crew: &Crew) -> u32 {
     let plan = &body.context.plan;
-    if !may_join(body) || !plan.lines.is_empty() {
+    if !plan.can_sweep || !may_join(body) || !plan.lines.is_empty() {
         return 1;
     }
     let lag = plan.lag_of_substep().max(1);
@@ -170,7 +183,7 @@ fn begin(body: &mut Body) {
     body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
 }
 
-/// Some stages of a substep one by one, each over the whole body.
+/// Some stages of a substep, pass after pass over the whole body.
 fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
     // A body that was taken out in the middle of the step has no plan.
     if stages.is_empty() || stages.end > body.context.plan.stages.len() {
@@ -178,9 +191,10 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
     }
     with_work(body, around, stages.start, |work, plan, projection| {
         let (top, bottom) = (Edge::level(0), Edge::level(plan.strips));
-        for stage in stages {
-            let region = Region { stages: stage..stage + 1, top, bottom };
-            region.sweep(work, plan, projection, plan.strips);
+        for stages in plan.passes(stages) {
+            // Listed sticks go down the body by themselves.
+            let at_once = if stages.len() == 1 { plan.strips } else { plan.strips_at_once() };
+            Region { stages, top, bottom }.sweep(work, plan, projection, at_once);
         }
     });
 }
@@ -216,6 +230,7 @@ fn with_work(
             integrated: &mut context.integrated.cells,
         },
         contacts: context.contacts.rows(),
+        rows: Some(&mut context.rows),
         rest: Common {
             inverse_mass,
             common_mass: &particles.masses.common,

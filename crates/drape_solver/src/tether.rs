@@ -180,7 +180,7 @@ impl Anchor {
 }
 
 impl TetherPlan {
-    pub fn new(tethers: &Tethers, layout: Layout) -> Self {
+    pub fn new(tethers: &Tethers, layout: &Layout) -> Self {
         let mut places: Vec<(usize, usize, usize, f32)> = Vec::with_capacity(tethers.len());
         places.extend(tethers.iter().map(|(particle, pin, length)| {
             let [slot, pin] = [particle, pin].map(|index| layout.slot(index as usize));
@@ -217,7 +217,7 @@ impl TetherPlan {
     }
 
     /// Each tether as (particle, pin, length in metres).
-    pub fn list(&self, layout: Layout) -> Vec<(u32, u32, f32)> {
+    pub fn list(&self, layout: &Layout) -> Vec<(u32, u32, f32)> {
         let mut list = Vec::new();
         for (cell, range) in self.first.windows(2).enumerate() {
             for tie in &self.ties[range[0] as usize..range[1] as usize] {

@@ -1,11 +1,16 @@
 //! The rest data of a body: which particles are joined, and how long the sticks are.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
-use crate::constants::MAX_COLOURS;
+use crate::cloth::MAX_PARTICLES;
+use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
 use crate::error::{BuildError, in_range};
 use crate::grid::{GridBatch, GridRuns};
 use crate::layout::{Grid, Layout};
+use crate::listed::{ListedBatch, ListedSticks};
+use crate::renumbering::Renumbering;
 use crate::tether::{TetherPlan, Tethers};
 
 /// What a stick is for.
@@ -62,8 +67,8 @@ pub struct StickBatch {
 pub(crate) enum BatchSticks {
     /// Equal sticks of a grid, all of this length in metres: worked out, not stored.
     Grid { batch: GridBatch, runs: GridRuns, rest_length: f32 },
-    /// In the topology's lists, from this place on.
-    Listed { first: usize },
+    /// In the topology's list.
+    Listed(ListedBatch),
 }
 
 impl StickBatch {
@@ -73,21 +78,11 @@ impl StickBatch {
     }
 }
 
-/// A stick of no particular pattern.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ListedStick {
-    /// The slots of its ends.
-    pub ends: [u32; 2],
-    /// Metres.
-    pub rest_length: f32,
-}
-
 /// The rest data of a body. Immutable while the body lives, so that equal bodies can share it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
     pub(crate) layout: Layout,
-    /// The two slots and the rest length of each stick that is listed.
-    pub(crate) listed: Vec<ListedStick>,
+    pub(crate) listed: ListedSticks,
     pub(crate) batches: Vec<StickBatch>,
     stick_count: usize,
     pub(crate) tethers: TetherPlan,
@@ -116,9 +111,23 @@ impl Topology {
         let batch = self.batch_of(i);
         match &batch.sticks {
             BatchSticks::Grid { batch: grid, .. } => grid.particles(i - batch.first).map(|end| end as u32),
-            BatchSticks::Listed { first } => self.listed[first + i - batch.first]
-                .ends
+            BatchSticks::Listed(listed) => self
+                .listed
+                .slots(listed.first + i - batch.first)
                 .map(|slot| self.layout.index(slot as usize).map_or(u32::MAX, |index| index as u32)),
+        }
+    }
+
+    /// The slots of its ends.
+    pub(crate) fn stick_slots(&self, i: usize) -> [usize; 2] {
+        let batch = self.batch_of(i);
+        match &batch.sticks {
+            BatchSticks::Grid { batch: grid, .. } => {
+                grid.particles(i - batch.first).map(|end| self.layout.slot(end))
+            }
+            BatchSticks::Listed(listed) => {
+                self.listed.slots(listed.first + i - batch.first).map(|slot| slot as usize)
+            }
         }
     }
 
@@ -127,7 +136,7 @@ impl Topology {
         let batch = self.batch_of(i);
         match &batch.sticks {
             BatchSticks::Grid { rest_length, .. } => *rest_length,
-            BatchSticks::Listed { first } => self.listed[first + i - batch.first].rest_length,
+            BatchSticks::Listed(listed) => self.listed.rest_length(listed.first + i - batch.first),
         }
     }
 
@@ -142,16 +151,30 @@ impl Topology {
 
     /// The tethers, each as (particle, pin, length in metres).
     pub fn tethers(&self) -> Vec<(u32, u32, f32)> {
-        self.tethers.list(self.layout)
+        self.tethers.list(&self.layout)
     }
 
     /// Memory of sticks and tethers on the heap, in bytes.
     pub fn bytes(&self) -> usize {
         let runs = |batch: &StickBatch| match &batch.sticks {
             BatchSticks::Grid { runs, .. } => runs.bytes(),
-            BatchSticks::Listed { .. } => 0,
+            BatchSticks::Listed(listed) => listed.bytes(),
         };
-        size_of_val(&*self.listed) + self.batches.iter().map(runs).sum::<usize>() + self.tethers.bytes()
+        let numbers = match &self.layout {
+            Layout::Renumbered(renumbering) => renumbering.bytes(),
+            Layout::Linear { .. } | Layout::Grid(_) => 0,
+        };
+        let runs = self.batches.iter().map(runs).sum::<usize>();
+        numbers + self.listed.bytes() + runs + self.tethers.bytes()
+    }
+
+    /// How many blocks of particles are in use at once while listed sticks are relaxed.
+    pub(crate) fn window(&self) -> usize {
+        let listed = self.batches.iter().filter_map(|batch| match &batch.sticks {
+            BatchSticks::Listed(listed) => Some(listed),
+            BatchSticks::Grid { .. } => None,
+        });
+        if self.listed.is_empty() { 0 } else { 1 + listed.map(ListedBatch::reach).sum::<usize>() }
     }
 
     /// Triangles of the surface, as particle indices, counter-clockwise seen from the front.
@@ -276,6 +299,9 @@ impl TopologyBuilder {
         sticks: impl IntoIterator<Item = ([u32; 2], f32)>,
     ) -> Result<&mut Self, BuildError> {
         material.validate()?;
+        if self.rest.len() as u64 > MAX_PARTICLES {
+            return Err(BuildError::TooManyParticles { found: self.rest.len() as u64, limit: MAX_PARTICLES });
+        }
         let mut colours: Vec<Vec<([u32; 2], f32)>> = Vec::new();
         let mut used = vec![0u64; self.rest.len()];
         for ([a, b], length) in sticks {
@@ -297,14 +323,10 @@ impl TopologyBuilder {
             colours[colour].push(([a, b], length));
             self.joined.push((a.min(b), a.max(b)));
         }
-        for sticks in colours {
-            let first = self.topology.listed.len();
-            let layout = self.topology.layout;
-            self.topology.listed.extend(sticks.iter().map(|&(ends, rest_length)| {
-                let ends = ends.map(|end| layout.slot(end as usize) as u32);
-                ListedStick { ends, rest_length }
-            }));
-            self.push_batch(material, sticks.len(), BatchSticks::Listed { first });
+        for (colour, sticks) in colours.iter().enumerate() {
+            let listed = ListedBatch::new(self.topology.listed.begin_batch(), colour < MAX_COLOURS - 1);
+            sticks.iter().for_each(|&(ends, length)| self.topology.listed.push(ends, length));
+            self.push_batch(material, sticks.len(), BatchSticks::Listed(listed));
         }
         Ok(self)
     }
@@ -411,8 +433,36 @@ impl TopologyBuilder {
             let (a, b) = pair[0];
             return Err(BuildError::DuplicateStick { a, b });
         }
-        self.topology.tethers = TetherPlan::new(&self.tethers, self.topology.layout);
+        self.arrange();
+        self.topology.tethers = TetherPlan::new(&self.tethers, &self.topology.layout);
         Ok(self.topology)
+    }
+
+    /// The sticks that join neighbours, or all if there are no such: bend sticks skip a particle.
+    fn nearest_neighbours(&self) -> Vec<(u32, u32)> {
+        let t = &self.topology;
+        let structural = t.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural);
+        let ends = |i: usize| t.stick(i).into();
+        let sticks: Vec<(u32, u32)> = structural.flat_map(StickBatch::range).map(ends).collect();
+        if sticks.is_empty() { self.joined.clone() } else { sticks }
+    }
+
+    /// Settles which particle is in which slot, and brings the listed sticks into the order of slots.
+    fn arrange(&mut self) {
+        let sticks = self.nearest_neighbours();
+        let Topology { layout, batches, listed, .. } = &mut self.topology;
+        if let Layout::Linear { count } = *layout
+            && count >= LEAST_RENUMBERED
+            && let Some(renumbering) = Renumbering::new(count, &sticks)
+        {
+            *layout = Layout::Renumbered(Arc::new(renumbering));
+        }
+        let slot = |index: u32| layout.slot(index as usize) as u32;
+        for StickBatch { sticks, count, .. } in batches {
+            if let BatchSticks::Listed(batch) = sticks {
+                batch.arrange(listed, *count, layout.cells(), slot);
+            }
+        }
     }
 
     fn note_edge(&mut self, length: f32) {

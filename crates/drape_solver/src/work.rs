@@ -9,8 +9,10 @@ use crate::columns::{Cell, LANES};
 use crate::constants::WORK_OF_CONTACTS;
 use crate::contact_particle_obstacle::{Meeting, ObstacleRows};
 use crate::integrate::{Flight, update_displacements};
+use crate::listed::Descent;
 use crate::plan::Stage;
-use crate::stick::{Alike, Joined, Projection, project_listed, project_runs};
+use crate::rows::Rows;
+use crate::stick::{Alike, Joined, Projection, project_runs};
 use crate::sweep::Surroundings;
 use crate::topology::{BatchSticks, Topology};
 
@@ -29,6 +31,8 @@ pub(crate) struct Work<'a> {
     pub cells_of_strip: usize,
     pub moving: Moving<'a>,
     pub contacts: ObstacleRows<'a>,
+    /// What listed sticks are relaxed in; none where the body is cut, as one with listed sticks never is.
+    pub rows: Option<&'a mut Rows>,
     pub rest: Common<'a>,
 }
 
@@ -82,8 +86,15 @@ impl Work<'_> {
         let above = Moving { position: position.0, displacement: displacement.0, integrated: integrated.0 };
         let below = Moving { position: position.1, displacement: displacement.1, integrated: integrated.1 };
         (
-            Work { first_strip, cells_of_strip, moving: above, contacts: contacts.0, rest },
-            Work { first_strip: strip, cells_of_strip, moving: below, contacts: contacts.1, rest },
+            Work { first_strip, cells_of_strip, moving: above, contacts: contacts.0, rows: None, rest },
+            Work {
+                first_strip: strip,
+                cells_of_strip,
+                moving: below,
+                contacts: contacts.1,
+                rows: None,
+                rest,
+            },
         )
     }
 
@@ -97,7 +108,8 @@ impl Work<'_> {
         strips: Range<usize>,
         projection: impl Projection,
     ) {
-        let Self { first_strip, cells_of_strip, ref mut moving, ref mut contacts, rest } = *self;
+        let Self { first_strip, cells_of_strip, ref mut moving, ref mut contacts, ref mut rows, rest } =
+            *self;
         let first_cell = first_strip * cells_of_strip;
         let last_cell = first_cell + moving.position.len();
         // Of the body, and here.
@@ -125,22 +137,26 @@ impl Work<'_> {
             Stage::Contacts { .. } | Stage::Friction => {}
             Stage::Sticks(batch) => {
                 let stiffness = rest.stiffness[batch];
-                let batch = &rest.topology.batches[batch];
                 let mut joined = Joined::new(moving.position, &rest, first_cell);
-                match batch.sticks {
-                    BatchSticks::Grid { ref runs, rest_length, .. } => {
-                        let alike = Alike { rest_length, stiffness, projection };
-                        for (band, runs) in runs.bands() {
-                            let first_cells =
-                                band.among(&strips).map(|strip| (strip - first_strip) * cells_of_strip);
-                            project_runs(simd, &mut joined, runs, first_cells, alike);
-                        }
+                if let BatchSticks::Grid { ref runs, rest_length, .. } = rest.topology.batches[batch].sticks {
+                    let alike = Alike { rest_length, stiffness, projection };
+                    for (band, runs) in runs.bands() {
+                        let first_cells =
+                            band.among(&strips).map(|strip| (strip - first_strip) * cells_of_strip);
+                        project_runs(simd, &mut joined, runs, first_cells, alike);
                     }
-                    BatchSticks::Listed { first } if strips.start == 0 => {
-                        let sticks = &rest.topology.listed[first..first + batch.count];
-                        project_listed(&mut joined, sticks, stiffness, projection);
-                    }
-                    BatchSticks::Listed { .. } => {}
+                }
+            }
+            Stage::Listed { first, end, backwards } => {
+                let Common { topology, stiffness, inverse_mass, .. } = rest;
+                let batches = (first..end).map(move |i| if backwards { end - 1 - (i - first) } else { i });
+                let batches = batches.filter_map(move |batch| match &topology.batches[batch].sticks {
+                    BatchSticks::Listed(listed) if stiffness[batch] > 0.0 => Some((listed, stiffness[batch])),
+                    _ => None,
+                });
+                if let Some(rows) = rows.as_deref_mut().filter(|_| strips.start == 0) {
+                    let (position, sticks) = (&mut *moving.position, &topology.listed);
+                    Descent { rows, position, inverse_mass, sticks }.relax(simd, batches, projection);
                 }
             }
             Stage::Tethers => {
