@@ -125,7 +125,7 @@ impl Plan {
         match (&topology.batches[batch].sticks, self.stages.last_mut()) {
             (BatchSticks::Grid { .. }, _) => self.stages.push(Stage::Sticks(batch)),
             (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) if all_listed(*end..batch) => {
-                *end = batch + 1
+                *end = batch + 1;
             }
             (BatchSticks::Listed(_), _) => {
                 self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
