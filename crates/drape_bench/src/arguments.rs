@@ -17,10 +17,36 @@ use crate::solver::{Effort, Projection, Solver};
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
-    pub command: Command,
+    pub task: Task,
 }
 
 /// What the program does.
+#[derive(Subcommand)]
+pub enum Task {
+    /// Measures.
+    #[command(flatten)]
+    Measure(Command),
+    /// Looks whether any choice of settings makes a sheet gain energy, with and without a violent start.
+    Stability {
+        /// Sizes of the sheet.
+        #[arg(long, value_delimiter = ',', default_values_t = [32, 64, 128, 256])]
+        sizes: Vec<u32>,
+        /// Steps of a trial.
+        #[arg(long, default_value_t = 240, value_parser = clap::value_parser!(u32).range(31..=100_000))]
+        steps: u32,
+    },
+    /// Prints hashes of how scenes end, which are the same on every machine.
+    Hashes {
+        /// Also compare them with those in this file.
+        #[arg(long, value_name = "FILE")]
+        golden: Option<PathBuf>,
+        /// Threads.
+        #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
+        threads: u32,
+    },
+}
+
+/// What is measured.
 #[derive(Subcommand)]
 pub enum Command {
     /// Measures one solver.
@@ -156,7 +182,7 @@ impl Command {
 impl Common {
     fn job(&self, scene: &Arc<Scene>, solver: Solver, threads: u32) -> Job {
         let &Self { substeps, sweeps, projection, lines, steps, .. } = self;
-        let effort = Effort { substeps, sweeps, threads, projection, lines };
+        let effort = Effort { substeps, sweeps, threads, projection, lines, ..Effort::default() };
         Job { scene: Arc::clone(scene), solver, effort, steps: steps as usize }
     }
 

@@ -6,6 +6,8 @@ use drape_solver::StepError;
 use drape_solver::glam::Vec3;
 use thiserror::Error;
 
+use crate::scene::SceneError;
+
 /// A solver with a scene loaded.
 pub trait Contender {
     /// Advances by one step of 1/60 s; how long that took.
@@ -45,6 +47,30 @@ pub enum Failure {
         scene: &'static str,
         /// What was asked for.
         threads: u32,
+    },
+    /// The scene cannot be made.
+    #[error("{0}")]
+    Model(#[from] SceneError),
+    /// Some choices of settings gain energy.
+    #[error("{trials} trials gain energy, the first of them {first}")]
+    Unstable {
+        /// How many.
+        trials: usize,
+        /// The first.
+        first: String,
+    },
+    /// A scene ends in other bits than it used to.
+    #[error(
+        "scenes end in other bits than {file} says. If that is meant, write the new hashes there (`drape_bench hashes > \
+         {file}`) and give the reason in the commit message.\nIt says:\n{golden}but now there are:\n{hashes}"
+    )]
+    Golden {
+        /// The file.
+        file: String,
+        /// What it says.
+        golden: String,
+        /// What was found.
+        hashes: String,
     },
     /// The threads cannot be started.
     #[error("no threads: {0}")]

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, BuildError, Environment, Isa, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
+    Body, BuildError, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
     StateHasher, StickMaterial, StickProjection, StructuralSolve, Threads, Topology, TopologyBuilder,
     measure, step, step_on,
 };
@@ -35,7 +35,8 @@ impl Drape {
         let settings = settings(effort);
         let islands = (0..scene.bodies).map(|i| {
             let particles = particles(&scene.model, scene.offset(i))?;
-            Ok(Island::of_body(Body::new(particles, Arc::clone(&topology), settings)))
+            let body = Body::new(particles, Arc::clone(&topology), settings);
+            Ok(Island { isa: effort.isa, ..Island::of_body(body) })
         });
         let islands: Vec<Island> = islands.collect::<Result<_, BuildError>>()?;
         Ok(Self { islands, environment: environment()?, threads: effort.threads })
@@ -152,11 +153,6 @@ pub fn bytes_per_particle(body: &Body, bodies: usize) -> f64 {
     ((body.bytes() - shared) as f64 + shared as f64 / bodies as f64) / body.particles.len() as f64
 }
 
-/// The instruction set that the solver's kernels run on.
-pub fn isa() -> &'static str {
-    Isa::detected().name()
-}
-
 /// Hash of `positions`, the same way for all solvers; 0 if one is not finite.
 pub fn state_hash(positions: &[Vec3]) -> u64 {
     match Particles::new(Vec3::ZERO, positions, &vec![0.0; positions.len()]) {
@@ -188,7 +184,7 @@ impl Contender for Drape {
     }
 
     fn isa(&self) -> &'static str {
-        isa()
+        self.islands.first().map_or("none", |island| island.isa.name())
     }
 }
 

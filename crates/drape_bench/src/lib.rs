@@ -4,6 +4,8 @@
 //! `compare --scene sheet --sizes 32,64,128 --solvers drape,naive,coloured` measures several in turns, so that a
 //! noisy machine is noisy for all of them.
 //!
+//! `stability` looks whether any choice of settings gains energy; `hashes` prints what must be the same on every machine.
+//!
 //! A library too, so that the peers that bring an old Bevy can be compiled apart, in `peers`: they hand their own
 //! [`Solver`]s to [`main_with`].
 
@@ -11,6 +13,7 @@ pub mod arguments;
 pub mod coloured;
 pub mod contender;
 pub mod drape;
+pub mod golden;
 pub mod memory_pass;
 pub mod mesh;
 pub mod model;
@@ -27,6 +30,7 @@ pub mod scalar;
 pub mod scene;
 pub mod sheet;
 pub mod solver;
+pub mod stability;
 pub mod stretch;
 pub mod table;
 pub mod world;
@@ -35,9 +39,10 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use clap::Parser;
+use drape_solver::Isa;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::arguments::{Arguments, Command};
+use crate::arguments::{Arguments, Command, Task};
 use crate::contender::Failure;
 use crate::outcome::{Outcome, fill_ratios};
 use crate::run::Job;
@@ -45,7 +50,7 @@ use crate::solver::Solver;
 
 /// The whole program, with these solvers to choose from.
 pub fn main_with(solvers: &[Solver]) -> ExitCode {
-    match work(&Arguments::parse().command, solvers) {
+    match work(&Arguments::parse().task, solvers) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -54,7 +59,22 @@ pub fn main_with(solvers: &[Solver]) -> ExitCode {
     }
 }
 
-fn work(command: &Command, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
+fn work(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
+    match task {
+        Task::Measure(command) => measure(command, solvers)?,
+        Task::Stability { sizes, steps } => stability::report(sizes, *steps as usize)?,
+        Task::Hashes { golden, threads } => {
+            let hashes = golden::hashes(Isa::detected(), *threads)?;
+            print!("{hashes}");
+            if let Some(file) = golden {
+                golden::compare(&hashes, file)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn measure(command: &Command, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
     let common = command.common();
     let mut outcomes = measure_in_turns(&command.jobs(solvers)?, common.repeat)?;
     if matches!(command, Command::Compare { .. }) {

@@ -10,6 +10,7 @@ use bevy_drape::prelude::{
     ActivityCounts, DrapeGravity, DrapePlugins, Obstacle, Particles, SceneManager, SolverSettings, Sticks,
 };
 use bevy_drape::schedule::StepTimes;
+use drape_solver::Isa;
 use drape_solver::glam::Vec3;
 
 use crate::contender::{Contender, Failure};
@@ -116,6 +117,6 @@ impl Contender for Plugin {
     }
 
     fn isa(&self) -> &'static str {
-        drape::isa()
+        Isa::detected().name()
     }
 }

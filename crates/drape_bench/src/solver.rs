@@ -3,6 +3,8 @@
 use clap::ValueEnum;
 use thiserror::Error;
 
+use drape_solver::Isa;
+
 use crate::coloured::Coloured;
 use crate::contender::{Contender, Failure};
 use crate::drape::Drape;
@@ -97,6 +99,22 @@ pub struct Effort {
     pub projection: Projection,
     /// Whether this project's solver solves rows and columns of structural sticks directly.
     pub lines: bool,
+    /// The instruction set that this project's solver runs on.
+    pub isa: Isa,
+}
+
+impl Default for Effort {
+    /// Eight substeps of one sweep, as in the tables.
+    fn default() -> Self {
+        Self {
+            substeps: 8,
+            sweeps: 1,
+            threads: 1,
+            projection: Projection::SquareRootFree,
+            lines: false,
+            isa: Isa::detected(),
+        }
+    }
 }
 
 impl Solver {
@@ -140,8 +158,9 @@ mod tests {
     use crate::model::Pins;
     use crate::world::{SPHERE_CENTRE, SPHERE_RADIUS};
 
-    const EFFORT: Effort =
-        Effort { substeps: 16, sweeps: 1, threads: 1, projection: Projection::SquareRootFree, lines: false };
+    fn effort() -> Effort {
+        Effort { substeps: 16, ..Effort::default() }
+    }
 
     #[test]
     fn every_solver_drapes_the_same_particles_over_the_same_sphere() {
@@ -151,7 +170,7 @@ mod tests {
             let size = scene.model.positions.len();
             let mut centres = Vec::new();
             for solver in OWN {
-                let end = end(solver, &scene, &EFFORT);
+                let end = end(solver, &scene, &effort());
                 assert_eq!(end.len(), scene.particle_count(), "{}", solver.name);
                 for (i, &position) in end.iter().enumerate() {
                     let start = scene.model.positions[i % size];
@@ -187,8 +206,8 @@ mod tests {
         let drape = Solver::find("drape", OWN).expect("it is there");
         for (kind, n) in [(SceneKind::Many, 7), (SceneKind::Sheet, 96)] {
             let scene = Scene::new(kind, n, Pins::Corners).expect("a scene");
-            let two = Effort { threads: 2, ..EFFORT };
-            assert_eq!(end(&drape, &scene, &EFFORT), end(&drape, &scene, &two));
+            let two = Effort { threads: 2, ..effort() };
+            assert_eq!(end(&drape, &scene, &effort()), end(&drape, &scene, &two));
         }
     }
 
@@ -196,10 +215,10 @@ mod tests {
     fn what_cannot_be_run_is_refused() {
         let sheet = Scene::new(SceneKind::Sheet, 5, Pins::Corners).expect("a scene");
         let asleep = Scene::new(SceneKind::Asleep, 2, Pins::Corners).expect("a scene");
-        let two = Effort { threads: 2, ..EFFORT };
+        let two = Effort { threads: 2, ..effort() };
         let naive = Solver::find("naive", OWN).expect("it is there");
         assert!(naive.load(&sheet, &two).is_err());
-        assert!(naive.load(&asleep, &EFFORT).is_err());
+        assert!(naive.load(&asleep, &effort()).is_err());
         let error = Solver::find("no such", OWN).expect_err("there is none").to_string();
         assert!(error.contains("drape, naive, coloured"), "{error}");
     }

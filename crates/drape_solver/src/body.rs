@@ -59,9 +59,9 @@ pub struct BodyContext {
     pub(crate) anchors: Columns,
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
-    pub(crate) lines: LineScratch,
     /// What listed sticks are relaxed in.
     pub(crate) rows: Rows,
+    pub(crate) lines: LineScratch,
     /// The order of work of a substep.
     pub(crate) plan: Plan,
     pub(crate) still_for: f32,
@@ -101,10 +101,10 @@ impl Body {
         if context.integrated.cells.len() != particles.layout.cells() {
             context.integrated.reset(particles.layout.cells());
         }
+        context.rows.reset(topology.window(), particles.layout.cells());
         if settings.structural == StructuralSolve::Lines {
             context.lines.reserve(&topology.layout);
         }
-        context.rows.reset(topology.window(), particles.layout.cells());
         context.plan.make(topology, settings, &context.stiffness, projections);
         context.pin_shifts.clear();
         for &(i, target) in &particles.pin_targets {

@@ -56,6 +56,8 @@ pub struct Island {
 pub struct IslandContext {
     /// Substeps of this step.
     pub(crate) substeps: u32,
+    /// Iterations that the last substep took.
+    pub(crate) iterations_taken: u32,
     /// The substep that runs now, from 0.
     pub(crate) substep_index: u32,
     /// Length of a substep in seconds.
@@ -96,6 +98,12 @@ impl Island {
     /// The most iterations that a body takes.
     pub(crate) fn iterations(&self) -> u32 {
         self.bodies.iter().map(|body| body.settings.iterations).max().unwrap_or(1)
+    }
+
+    /// Iterations that the last substep took: fewer than asked for where a body's
+    /// [tolerance](crate::SolverSettings::tolerance) let it stop early.
+    pub fn iterations_taken(&self) -> u32 {
+        self.context.iterations_taken
     }
 
     /// Substeps of the step that was [begun](crate::step::begin).

@@ -42,6 +42,7 @@ pub mod settings;
 pub mod shape;
 pub mod step;
 pub mod stick;
+mod strain;
 mod surface_lanes;
 mod survey;
 mod sweep;

@@ -22,6 +22,7 @@ use crate::crew::Crew;
 use crate::error::StepError;
 use crate::isa::Isa;
 use crate::island::{Environment, Island, IslandContext};
+use crate::strain::greatest_strain;
 use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
@@ -75,6 +76,7 @@ fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
         for body in &mut island.bodies {
             sweep::substeps(body, around, crew);
         }
+        island.context.iterations_taken = island.iterations();
         island.context.substep_index = island.context.substeps;
     }
     while island.context.substep_index < island.context.substeps {
@@ -183,6 +185,10 @@ pub fn integrate(island: &mut Island, environment: &Environment) {
 /// on from there.
 pub fn relax(island: &mut Island, environment: &Environment) {
     for index in 0..island.iterations() {
+        if index.is_power_of_two() && is_relaxed(island) {
+            break;
+        }
+        island.context.iterations_taken = index + 1;
         project_contacts(island, environment, index);
         let around = surroundings(&island.context, island.isa, environment);
         let Island { bodies, balls, context, .. } = &mut *island;
@@ -194,6 +200,14 @@ pub fn relax(island: &mut Island, environment: &Environment) {
             sweep::solve_lines(body, around, index);
         }
     }
+}
+
+/// Whether the sticks of all bodies are as near to their rest lengths as they were asked to be.
+fn is_relaxed(island: &Island) -> bool {
+    island.bodies.iter().all(|body| {
+        let tolerance = body.settings.tolerance;
+        tolerance > 0.0 && greatest_strain(body) <= tolerance
+    })
 }
 
 /// Stage 3 of a substep: contacts have the last word on positions; then velocities follow, and friction.

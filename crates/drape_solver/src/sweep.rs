@@ -104,16 +104,19 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
 
 /// Whether [`substeps`] may be called for the body.
 pub(crate) fn is_all_stages(body: &Body) -> bool {
-    // Damping is no stage.
-    body.context.damping.iter().all(|&d| d == 0.0)
+    // Damping is no stage, and how many iterations a tolerance takes is not known beforehand.
+    let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
+    is_fixed && body.context.damping.iter().all(|&d| d == 0.0)
 }
 
 /// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.
 pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
     let count = body.context.plan.stages.len();
+    if count == 0 {
+        // Taken out in the middle of the step.
+        return;
+    }
     let at_once = substeps_at_once(body, crew);
-    // Stages of the substep that the sweep before has done already.
-    let mut done = 0;
     let stages = |body: &mut Body, around: Surroundings, stages: Range<usize>| {
         if body.context.plan.can_sweep {
             sweep(body, around, stages, crew);
@@ -121,6 +124,8 @@ pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
             run(body, around, stages);
         }
     };
+    // Stages of the substep that the sweep before has done already.
+    let mut done = 0;
     while around.substep_index < around.substeps {
         let taken = at_once.min(around.substeps - around.substep_index);
         if done == 0 {
@@ -159,7 +164,8 @@ pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
 
 /// Whether a sweep may go from one substep into the next.
 fn may_join(body: &Body) -> bool {
-    body.particles.masses.has_pins && body.context.pin_shifts.is_empty()
+    let Body { particles, context, .. } = body;
+    context.plan.can_sweep && particles.masses.has_pins && context.pin_shifts.is_empty()
 }
 
 /// How many substeps one trip through memory carries: as many as the strips between its first stage and its last fit

@@ -19,6 +19,7 @@ pub fn bare() -> SolverSettings {
     SolverSettings {
         substeps: 1,
         iterations: 1,
+        tolerance: 0.0,
         drag: 0.0,
         friction: 0.0,
         thickness: 0.0,

@@ -20,6 +20,7 @@ fn settings() -> impl Strategy<Value = SolverSettings> {
         |(substeps, iterations, drag, friction, thickness, [exact, lines, tethers])| SolverSettings {
             substeps,
             iterations,
+            tolerance: 0.0,
             drag,
             friction,
             thickness,

@@ -51,6 +51,30 @@ fn one_iteration_a_step_goes_on_converging() {
     assert!(error < 1e-2);
 }
 
+/// A curtain that hangs for a second and a half with up to 64 iterations: the iterations of its last substep, its
+/// greatest stretch, and its hash.
+fn hang_within(tolerance: f32) -> (u32, f64, u64) {
+    let settings = SolverSettings { substeps: 4, iterations: 64, tolerance, ..SolverSettings::default() };
+    let curtain = ClothBuilder::new(1.0, 1.0, 24, 24).pin_edge(Edge::Top).build(settings).expect("valid");
+    let mut island = Island::of_body(curtain);
+    run(&mut island, &gravity(FRAME), 1.5);
+    let hash = drape_solver::StateHasher::new().particles(particles(&island)).finish();
+    (island.iterations_taken(), stretch(&island).max, hash)
+}
+
+/// S16: relaxation stops early once every structural stick is within the tolerance, and not before.
+#[test]
+fn relaxation_stops_early_within_the_tolerance() {
+    let (all, stretched, bits) = hang_within(0.0);
+    assert_eq!(all, 64);
+    // What is never reached costs the same and changes nothing; what is always reached stops at once.
+    assert_eq!(hang_within(1e-7), (64, stretched, bits));
+    assert_eq!(hang_within(1.0).0, 1);
+    let (taken, stretched, _) = hang_within(0.01);
+    assert!((1..64).contains(&taken), "{taken} iterations");
+    assert!(stretched < 0.02, "{stretched}");
+}
+
 /// S15: a step in n substeps is n steps of one substep, to the last bit.
 #[test]
 fn substeps_are_smaller_steps() {

@@ -1,0 +1,196 @@
+//! Whether any choice of settings gains energy.
+//!
+//! A sheet hangs from its pins and swings, or is first shaken up: every particle displaced at random by up to half a
+//! spacing. From then on its mechanical energy must never exceed what it was by more than a thousandth of `m g L`. Of a
+//! shaken sheet it is what is left after half a second that counts: to bring its sticks back to length is work.
+
+use std::fmt::{self, Display, Formatter};
+
+use comfy_table::{ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use drape_solver::glam::Vec3;
+use drape_solver::{Body, Environment, Island, Particles, measure, step};
+use indicatif::{ParallelProgressIterator, ProgressBar};
+use rayon::prelude::*;
+
+use crate::contender::Failure;
+use crate::drape;
+use crate::model::Pins;
+use crate::random::Random;
+use crate::scene::{Scene, SceneKind};
+use crate::solver::{Effort, Projection};
+use crate::world::{GRAVITY, MASS, SIDE, STEP};
+
+/// Gain that counts as none, in parts of `m g L`.
+pub const TOLERANCE: f64 = 1e-3;
+
+/// Steps after which the energy of a shaken sheet is taken.
+const STEPS_OF_SETTLING: usize = 30;
+
+/// One choice of settings on one sheet.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial {
+    n: u32,
+    pins: Pins,
+    effort: Effort,
+    has_tethers: bool,
+    is_shaken: bool,
+}
+
+/// All choices for sheets of these sizes: pins, substeps from 1 to 64, sweeps in one direction and in pairs, both formulas
+/// for sticks, lines or sweeps, with and without tethers, calm and shaken.
+pub fn trials(sizes: &[u32]) -> Vec<Trial> {
+    let mut trials = Vec::new();
+    for choice in 0..1 << 6 {
+        let is = |bit: u32| choice & (1 << bit) != 0;
+        for (&n, substeps) in
+            sizes.iter().flat_map(|n| [1, 2, 4, 8, 16, 32, 64].map(|substeps| (n, substeps)))
+        {
+            let effort = Effort {
+                substeps,
+                sweeps: if is(0) { 2 } else { 1 },
+                threads: 1,
+                projection: if is(1) { Projection::Exact } else { Projection::SquareRootFree },
+                lines: is(2),
+                ..Effort::default()
+            };
+            let pins = if is(3) { Pins::Edge } else { Pins::Corners };
+            trials.push(Trial { n, pins, effort, has_tethers: is(4), is_shaken: is(5) });
+        }
+    }
+    trials
+}
+
+impl Trial {
+    /// The greatest energy of `steps` steps over the reference, in parts of `m g L`.
+    ///
+    /// # Errors
+    /// [`Failure`] if the solver refuses the sheet or a step.
+    pub fn gain(&self, steps: usize) -> Result<f64, Failure> {
+        let scene = Scene::new(SceneKind::Sheet, self.n, self.pins)?;
+        let mut settings = drape::settings(&self.effort);
+        settings.tethers = self.has_tethers;
+        let mut particles = drape::particles(&scene.model, Vec3::ZERO)?;
+        if self.is_shaken {
+            shake(&mut particles, 0.5 * SIDE / (self.n - 1) as f32);
+        }
+        let topology = drape::topology(&scene.model)?;
+        let mut island = Island::of_body(Body::new(particles, topology.into(), settings));
+        let environment = Environment { dt: STEP, gravity: GRAVITY, ..Environment::default() };
+        let settling = if self.is_shaken { STEPS_OF_SETTLING } else { 0 };
+        for _ in 0..settling {
+            step(&mut island, &environment)?;
+        }
+        let reference = energy(&island, Lag::Removed).max(energy(&island, Lag::Left));
+        let mut greatest = f64::NEG_INFINITY;
+        for _ in settling..steps {
+            step(&mut island, &environment)?;
+            greatest = greatest.max(energy(&island, Lag::Left));
+        }
+        Ok((greatest - reference) / f64::from(MASS * GRAVITY.length() * SIDE))
+    }
+}
+
+impl Display for Trial {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let Self { n, pins, effort, has_tethers, is_shaken } = self;
+        let Effort { substeps, sweeps, projection, lines, .. } = effort;
+        write!(
+            formatter,
+            "n {n}, {pins:?}, {substeps} x {sweeps}, {projection:?}, lines {lines}, tethers {has_tethers}, \
+             shaken {is_shaken}"
+        )
+    }
+}
+
+/// A displacement is the velocity half a substep ago.
+#[derive(Clone, Copy, PartialEq)]
+enum Lag {
+    Left,
+    /// As if all particles fell freely since.
+    Removed,
+}
+
+fn energy(island: &Island, lag: Lag) -> f64 {
+    let body = &island.bodies[0];
+    let late = measure::mechanical_energy(body, GRAVITY);
+    if lag == Lag::Left {
+        return late;
+    }
+    let half = 0.5 * STEP / body.settings.substeps as f32;
+    let momentum = measure::momentum(&body.particles);
+    let mass = measure::mass(&body.particles);
+    let change = GRAVITY.as_dvec3() * f64::from(half);
+    late + momentum.dot(change) + 0.5 * mass * change.length_squared()
+}
+
+/// Displaces every free particle by up to `most` metres.
+fn shake(particles: &mut Particles, most: f32) {
+    let mut random = Random::new(1);
+    for i in 0..particles.len() {
+        let offset = Vec3::from_array([(); 3].map(|()| random.either_side() as f32 * most));
+        if !particles.is_pinned(i) {
+            particles.set_position(i, particles.position(i) + offset);
+        }
+    }
+}
+
+/// Runs all trials for sheets of these sizes on all cores, and prints the worst of each size and number of substeps.
+///
+/// # Errors
+/// [`Failure`] of a trial, or [`Failure::Unstable`] with the worst one if any gains energy.
+pub fn report(sizes: &[u32], steps: usize) -> Result<(), Failure> {
+    let trials = trials(sizes);
+    let progress = ProgressBar::new(trials.len() as u64);
+    let gains: Vec<f64> =
+        trials.par_iter().progress_with(progress).map(|trial| trial.gain(steps)).collect::<Result<_, _>>()?;
+    let mut rows: Vec<(u32, u32)> = trials.iter().map(|trial| (trial.n, trial.effort.substeps)).collect();
+    rows.sort_unstable();
+    rows.dedup();
+    let mut table = Table::new();
+    table.load_preset(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(["n", "substeps", "trials", "greatest gain / (m g L)", "of"]);
+    let all = || trials.iter().zip(&gains);
+    for (n, substeps) in rows {
+        let of_row = all().filter(|(trial, _)| (trial.n, trial.effort.substeps) == (n, substeps));
+        let count = of_row.clone().count();
+        if let Some((trial, gain)) = of_row.max_by(|a, b| a.1.total_cmp(b.1)) {
+            let figures = [n.to_string(), substeps.to_string(), count.to_string(), format!("{gain:.1e}")];
+            table.add_row(figures.into_iter().chain([trial.to_string()]));
+        }
+    }
+    println!("{} trials of {steps} steps\n{table}", trials.len());
+    let failed: Vec<_> = all().filter(|(_, gain)| gain.is_nan() || **gain > TOLERANCE).collect();
+    for (trial, gain) in &failed {
+        println!("gains {gain:.1e}: {trial}");
+    }
+    match failed.first() {
+        Some((trial, _)) => Err(Failure::Unstable { trials: failed.len(), first: trial.to_string() }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sheet_that_is_thrown_up_is_seen_to_gain() {
+        let trial = trials(&[9])[0];
+        let scene = Scene::new(SceneKind::Sheet, trial.n, trial.pins).expect("a scene");
+        let particles = drape::particles(&scene.model, Vec3::ZERO).expect("valid");
+        let topology = drape::topology(&scene.model).expect("valid");
+        let body = Body::new(particles, topology.into(), drape::settings(&trial.effort));
+        let mut island = Island::of_body(body);
+        let before = energy(&island, Lag::Left);
+        island.bodies[0].particles.set_velocity(40, Vec3::Y * 10.0);
+        assert!(energy(&island, Lag::Left) > before);
+    }
+
+    #[test]
+    fn no_choice_gains_energy_on_a_small_sheet() {
+        for trial in trials(&[12]) {
+            let gain = trial.gain(90).expect("finite");
+            assert!(gain <= TOLERANCE, "{gain}: {trial}");
+        }
+    }
+}
