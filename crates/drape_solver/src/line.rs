@@ -203,9 +203,7 @@ impl<P: Projection> Kernel for SolveAll<'_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
-        // Rows undo a part of what columns have done. Going through both once more buys more than substeps for the time.
-        let lines = self.lines;
-        for &(lines, rest) in (0..lines.len()).flat_map(|_| lines) {
+        for &(lines, rest) in self.lines {
             self.solve.solve(simd, lines, rest, self.projection);
         }
     }
