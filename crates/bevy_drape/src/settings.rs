@@ -21,8 +21,8 @@ pub enum StructuralSolve {
     /// One stick after another, as all other sticks.
     #[default]
     Sweeps,
-    /// Each row and each column of a cloth, and a rope, directly as a chain: a tenth of the stretch, for less than
-    /// twice the time. From 8 substeps on. Soft sticks and small bodies are swept.
+    /// Each row and each column of a cloth, and a rope, directly as a chain: in equal time a tenth of the stretch, from
+    /// 8 substeps on. Soft sticks and small bodies are swept.
     Lines,
 }
 

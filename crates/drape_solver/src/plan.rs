@@ -5,7 +5,7 @@ use core::ops::Range;
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
 use crate::line::Lines;
 use crate::settings::SolverSettings;
-use crate::topology::{BatchSticks, Topology};
+use crate::topology::{BatchSticks, StickBatch, Topology};
 
 /// A piece of a substep's work that can be done strip by strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,17 +107,6 @@ impl Plan {
         self.lag(topology);
     }
 
-    /// Adds a batch of sticks, to the listed ones before if it is listed as well.
-    fn push_batch(&mut self, topology: &Topology, batch: usize) {
-        match (&topology.batches[batch].sticks, self.stages.last_mut()) {
-            (BatchSticks::Grid { .. }, _) => self.stages.push(Stage::Sticks(batch)),
-            (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) => *end = batch + 1,
-            (BatchSticks::Listed(_), _) => {
-                self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
-            }
-        }
-    }
-
     /// Last of a projection, as the other sticks would undo what lines have done; columns first, as they hang from the
     /// pins.
     fn list_lines(&mut self, topology: &Topology, settings: &SolverSettings, stiffness: &[f32]) {
@@ -127,6 +116,21 @@ impl Plan {
             let rest_length = lines.rest_length(topology, stiffness, settings)?;
             Some((lines, rest_length))
         }));
+    }
+
+    /// Adds a batch of sticks, to the listed ones before if it is listed as well.
+    fn push_batch(&mut self, topology: &Topology, batch: usize) {
+        let is_listed = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Listed(_));
+        let all_listed = |between: Range<usize>| topology.batches[between].iter().all(is_listed);
+        match (&topology.batches[batch].sticks, self.stages.last_mut()) {
+            (BatchSticks::Grid { .. }, _) => self.stages.push(Stage::Sticks(batch)),
+            (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) if all_listed(*end..batch) => {
+                *end = batch + 1;
+            }
+            (BatchSticks::Listed(_), _) => {
+                self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
+            }
+        }
     }
 
     /// Where the contacts, sticks and tethers of a projection are in the stages.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! begin -> accumulate forces -> detect collisions
-//!       -> [ integrate -> relax x N (contacts, sticks, tethers) -> project collisions, friction ] x substeps
+//!       -> [ integrate -> relax x N (contacts, sticks, tethers, lines) -> project collisions, friction ] x substeps
 //!       -> finish
 //! ```
 //!
@@ -181,7 +181,7 @@ pub fn integrate(island: &mut Island, environment: &Environment) {
     ball_cloth::begin_substep(island);
 }
 
-/// Stage 2 of a substep: N times contacts, sticks, tethers. May stop after any iteration; the next step goes
+/// Stage 2 of a substep: N times contacts, sticks, tethers, lines. May stop after any iteration; the next step goes
 /// on from there.
 pub fn relax(island: &mut Island, environment: &Environment) {
     for index in 0..island.iterations() {

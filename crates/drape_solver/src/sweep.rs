@@ -140,7 +140,13 @@ pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
         }
         let next = match body.context.plan.places_of_lines.first() {
             // The first of these sweeps goes together with the last of the substep before.
-            Some(&place) if may_join(body) && around.substep_index + 1 < around.substeps => place,
+            Some(&place)
+                if body.context.plan.can_sweep
+                    && may_join(body)
+                    && around.substep_index + 1 < around.substeps =>
+            {
+                place
+            }
             _ => 0,
         };
         if body.particles.masses.has_pins {
@@ -166,7 +172,7 @@ fn may_join(body: &Body) -> bool {
 /// the cache.
 fn substeps_at_once(body: &Body, crew: &Crew) -> u32 {
     let plan = &body.context.plan;
-    if !may_join(body) || !plan.lines.is_empty() {
+    if !plan.can_sweep || !may_join(body) || !plan.lines.is_empty() {
         return 1;
     }
     let lag = plan.lag_of_substep().max(1);
