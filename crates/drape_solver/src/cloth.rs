@@ -8,7 +8,8 @@ use crate::body::Body;
 use crate::error::{BuildError, finite_vector, in_range, positive};
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
-use crate::topology::{StickKind, StickMaterial, Topology, TopologyBuilder};
+use crate::topology::{StickKind, StickMaterial, Topology};
+use crate::topology_builder::TopologyBuilder;
 
 /// The most particles that one cloth may have.
 pub const MAX_PARTICLES: u64 = 1 << 26;

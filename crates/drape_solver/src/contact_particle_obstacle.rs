@@ -15,19 +15,14 @@ use core::ops::Range;
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
-use crate::body::{Body, BodyContext};
+use crate::body::BodyContext;
 use crate::columns::{Cell, LANES};
-use crate::constants::{LEAST_OVERLAP, LEAST_SHARED_CELLS};
-use crate::crew::Crew;
-use crate::friction::combined;
-use crate::isa::{Isa, Kernel};
+use crate::constants::LEAST_OVERLAP;
 use crate::lanes::{Lanes3, load};
 use crate::layout::Layout;
 use crate::obstacle::Obstacle;
 use crate::overlap::Pace;
-use crate::particles::Particles;
 use crate::pose::Pose;
-use crate::shape::{Shape, container_walls};
 use crate::surface_lanes::{LanePlanes, LanePose, Solid};
 use crate::sweep::Surroundings;
 use crate::work::{Common, Moving};
@@ -35,39 +30,39 @@ use crate::work::{Common, Moving};
 /// The particles of one body that may touch obstacles in this step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ObstacleContacts {
-    layout: Layout,
-    groups: Vec<Group>,
-    candidates: Vec<Candidate>,
+    pub layout: Layout,
+    pub groups: Vec<Group>,
+    pub candidates: Vec<Candidate>,
     /// Room for what a helper finds.
-    found_by_helper: Vec<Candidate>,
+    pub found_by_helper: Vec<Candidate>,
     /// One for each candidate.
     pushes: Vec<Pushes>,
-    planes: Vec<LanePlanes>,
+    pub planes: Vec<LanePlanes>,
     /// Place of each strip's first candidate; one more at the end.
-    first_of_strip: Vec<u32>,
+    pub first_of_strip: Vec<u32>,
 }
 
 /// An obstacle that has candidates.
 #[derive(Clone, Debug)]
-struct Group {
-    obstacle: usize,
-    friction: f32,
-    is_moving: bool,
+pub(crate) struct Group {
+    pub obstacle: usize,
+    pub friction: f32,
+    pub is_moving: bool,
     /// Its pose at the start of the step, in the body's own coordinates.
-    pose: Pose,
+    pub pose: Pose,
 }
 
 /// The particles of one cell that may touch one obstacle.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
-    cell: u32,
-    group: u16,
-    lanes: u16,
+pub(crate) struct Candidate {
+    pub cell: u32,
+    pub group: u16,
+    pub lanes: u16,
     /// Whether any of them has been pushed in this substep.
-    is_touching: bool,
+    pub is_touching: bool,
     /// The surface near each particle as a plane, by its place in the list, where asking the shape each time would be
     /// slow or wrong.
-    planes: Option<u32>,
+    pub planes: Option<u32>,
 }
 
 /// How far the particles of a candidate were pushed in this substep.
@@ -106,158 +101,9 @@ impl BodyContext {
     }
 }
 
-/// Lists the particles that could touch each obstacle if nothing moves more than `reach` (metres) on top of
-/// the obstacle's own travel.
-pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: Isa, crew: &Crew) {
-    let (low, high) = body.particles.bounds();
-    let Body { particles, settings, context, .. } = body;
-    let contacts = &mut context.contacts;
-    contacts.layout = particles.layout.clone();
-    contacts.groups.clear();
-    contacts.candidates.clear();
-    contacts.planes.clear();
-    for (index, obstacle) in obstacles.iter().enumerate() {
-        let reach = reach + settings.thickness;
-        let (obstacle_low, obstacle_high) = obstacle.swept_bounds();
-        if !(low - reach).cmple(obstacle_high).all() || !(high + reach).cmpge(obstacle_low).all() {
-            continue;
-        }
-        let pose = obstacle.pose_at(0.0, particles.origin);
-        let first = contacts.candidates.len();
-        let group = contacts.groups.len() as u16;
-        let reach = reach + obstacle.travel();
-        match obstacle.shape() {
-            Shape::Container { half_extents } => {
-                for wall in container_walls(*half_extents) {
-                    let mut normal = Cell::default();
-                    (0..LANES).for_each(|lane| normal.set(lane, wall.normal));
-                    contacts.planes.push(LanePlanes { normal, offset: [wall.offset; LANES] });
-                    let plane = contacts.planes.len() - 1;
-                    let solid = Solid::Planes(&contacts.planes[plane]);
-                    let planes = Some(plane as u32);
-                    let search = Search { particles, solid, pose, reach, group, planes };
-                    search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
-                }
-            }
-            shape @ Shape::Parry(_) => search_by_query(contacts, particles, shape, pose, reach, group),
-            shape => {
-                let solid = Solid::Formula(shape);
-                let search = Search { particles, solid, pose, reach, group, planes: None };
-                search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
-            }
-        }
-        if contacts.candidates.len() > first {
-            contacts.groups.push(Group {
-                obstacle: index,
-                friction: combined(settings.friction, obstacle.friction()),
-                is_moving: obstacle.is_moving(),
-                pose,
-            });
-        }
-    }
-    contacts.sort();
-}
-
-fn candidate(cell: usize, group: u16, lanes: u16, planes: Option<u32>) -> Candidate {
-    Candidate { cell: cell as u32, group, lanes, is_touching: false, planes }
-}
-
-/// Asks a shape without a formula for the nearest point of every particle in its reach.
-fn search_by_query(
-    contacts: &mut ObstacleContacts,
-    particles: &Particles,
-    shape: &Shape,
-    pose: Pose,
-    reach: f32,
-    group: u16,
-) {
-    let (low, high) = shape.local_bounds();
-    for (cell, positions) in particles.position.cells.iter().enumerate() {
-        let mut lanes = 0;
-        let mut planes = LanePlanes::default();
-        for lane in (0..LANES).filter(|lane| particles.inverse_mass[cell * LANES + lane] > 0.0) {
-            let local = pose.to_local(positions.get(lane));
-            if !(local.cmpge(low - reach).all() && local.cmple(high + reach).all()) {
-                continue;
-            }
-            let surface = shape.surface(local);
-            if surface.distance < reach {
-                lanes |= 1 << lane;
-                planes.normal.set(lane, surface.normal);
-                planes.offset[lane] = surface.normal.dot(local) - surface.distance;
-            }
-        }
-        if lanes != 0 {
-            let plane = contacts.planes.len() as u32;
-            contacts.candidates.push(candidate(cell, group, lanes, Some(plane)));
-            contacts.planes.push(planes);
-        }
-    }
-}
-
-/// The search for cells within reach of a shape with a formula.
-#[derive(Clone, Copy)]
-struct Search<'a> {
-    particles: &'a Particles,
-    solid: Solid<'a>,
-    pose: Pose,
-    reach: f32,
-    group: u16,
-    planes: Option<u32>,
-}
-
-impl Search<'_> {
-    /// Adds what it finds to `candidates`. Where there is help, the second half of the cells is searched by the helper.
-    fn run(
-        self,
-        candidates: &mut Vec<Candidate>,
-        found_by_helper: &mut Vec<Candidate>,
-        isa: Isa,
-        crew: &Crew,
-    ) {
-        let cells = self.particles.position.cells.len();
-        if crew.count() < 2 || cells < 2 * LEAST_SHARED_CELLS {
-            return isa.run(SearchCells { search: self, cells: 0..cells, candidates });
-        }
-        let middle = cells / 2;
-        found_by_helper.clear();
-        crew.join(&mut || isa.run(SearchCells { search: self, cells: 0..middle, candidates }), &mut || {
-            isa.run(SearchCells { search: self, cells: middle..cells, candidates: found_by_helper });
-        });
-        candidates.extend_from_slice(found_by_helper);
-    }
-}
-
-struct SearchCells<'a, 'b> {
-    search: Search<'a>,
-    cells: Range<usize>,
-    candidates: &'b mut Vec<Candidate>,
-}
-
-impl Kernel for SearchCells<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { search: Search { particles, solid, pose, reach, group, planes }, cells, candidates } =
-            self;
-        let pose = LanePose::new(simd, &pose);
-        let reach = f32x16::splat(simd, reach);
-        let (masses, _) = particles.inverse_mass.as_chunks::<LANES>();
-        for cell in cells {
-            let position = Lanes3::load(simd, &particles.position.cells[cell]);
-            let (distance, _) = solid.surface(simd, pose.to_local(position));
-            let near = distance.simd_lt(reach) & load(simd, &masses[cell]).simd_gt(f32x16::splat(simd, 0.0));
-            if near.any_true() {
-                candidates.push(candidate(cell, group, near.to_bitmask() as u16, planes));
-            }
-        }
-    }
-}
-
 impl ObstacleContacts {
     /// Puts the candidates in the order in which a sweep takes them, and notes where each strip's begin.
-    fn sort(&mut self) {
+    pub fn sort(&mut self) {
         let Self { layout, candidates, first_of_strip, pushes, .. } = self;
         first_of_strip.clear();
         let (cells_of_strip, strips) = layout.strips();

@@ -8,7 +8,8 @@ use crate::body::Body;
 use crate::error::{BuildError, finite_vector, positive};
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
-use crate::topology::{StickKind, StickMaterial, Topology, TopologyBuilder};
+use crate::topology::{StickKind, StickMaterial, Topology};
+use crate::topology_builder::TopologyBuilder;
 
 /// A chain of particles, straight from one end to the other at rest.
 #[derive(Clone, Debug)]

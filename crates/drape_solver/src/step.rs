@@ -17,7 +17,6 @@ use glam::Vec3;
 
 use crate::body::Body;
 use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS};
-use crate::contact_particle_obstacle as particle_obstacle;
 use crate::crew::Crew;
 use crate::error::StepError;
 use crate::isa::Isa;
@@ -26,7 +25,9 @@ use crate::strain::greatest_strain;
 use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
-use crate::{contact_ball_obstacle as ball_obstacle, force, integrate as verlet, rest, stick};
+use crate::{
+    contact_ball_obstacle as ball_obstacle, force, integrate as verlet, obstacle_search, rest, stick,
+};
 
 /// Advances an island by `environment.dt` seconds, on this thread.
 ///
@@ -157,7 +158,7 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     let speed = island.bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + crate::constants::CONTACT_MARGIN;
     for body in &mut island.bodies {
-        particle_obstacle::detect(body, &environment.obstacles, reach, island.isa, crew);
+        obstacle_search::detect(body, &environment.obstacles, reach, island.isa, crew);
     }
     ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
     ball_ball::detect(island, dt, gravity);

@@ -284,7 +284,8 @@ mod tests {
     use crate::listed::project;
     use crate::settings::{SolverSettings, StickProjection};
     use crate::sweep::{self, Surroundings};
-    use crate::topology::{StickKind, TopologyBuilder};
+    use crate::topology::StickKind;
+    use crate::topology_builder::TopologyBuilder;
 
     fn stick_of_rest_length_one() -> Topology {
         let mut builder = TopologyBuilder::new(&[Vec3::ZERO, Vec3::X]);

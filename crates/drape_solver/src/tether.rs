@@ -358,7 +358,7 @@ mod tests {
     use crate::body::Body;
     use crate::settings::SolverSettings;
     use crate::sweep::{self, Surroundings};
-    use crate::topology::TopologyBuilder;
+    use crate::topology_builder::TopologyBuilder;
 
     #[test]
     fn geodesic_tethers_run_along_the_chain_and_not_through_the_air() {

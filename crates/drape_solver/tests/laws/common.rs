@@ -177,3 +177,27 @@ impl Dice {
         Vec3::new(self.about(half), self.about(half), self.about(half))
     }
 }
+
+/// A step stage by stage, as a schedule runs it.
+pub fn step_staged(island: &mut Island, environment: &Environment) {
+    step::begin(island, environment).expect("valid");
+    step::accumulate_forces(island, environment);
+    step::detect_collisions(island, environment);
+    for _ in 0..island.substeps() {
+        step::integrate(island, environment);
+        step::relax(island, environment);
+        step::project_collisions(island, environment);
+    }
+    step::finish(island).expect("finite");
+}
+
+/// Displaces every free particle at random by up to `most` metres along each axis.
+pub fn shake(body: &mut Body, most: f32, seed: u64) {
+    let mut dice = Dice(seed);
+    for i in 0..body.particles.len() {
+        if !body.particles.is_pinned(i) {
+            let moved = body.particles.position(i) + dice.vector(most);
+            body.particles.set_position(i, moved);
+        }
+    }
+}

@@ -78,17 +78,7 @@ fn two_runs_give_the_same_bits() {
 /// The stages one by one, as a schedule runs them, give the bits of the whole step.
 #[test]
 fn the_stages_one_by_one_are_the_step() {
-    let staged = hash_after(120, |island, environment| {
-        step::begin(island, environment).expect("a good step");
-        step::accumulate_forces(island, environment);
-        step::detect_collisions(island, environment);
-        for _ in 0..island.substeps() {
-            step::integrate(island, environment);
-            step::relax(island, environment);
-            step::project_collisions(island, environment);
-        }
-        step::finish(island).expect("a good step");
-    });
+    let staged = hash_after(120, step_staged);
     assert_eq!(staged, hash_after(120, whole));
 }
 
@@ -160,18 +150,6 @@ fn every_instruction_set_gives_the_same_bits() {
     }
 }
 
-fn staged(island: &mut Island, environment: &Environment) {
-    step::begin(island, environment).expect("valid");
-    step::accumulate_forces(island, environment);
-    step::detect_collisions(island, environment);
-    for _ in 0..island.substeps() {
-        step::integrate(island, environment);
-        step::relax(island, environment);
-        step::project_collisions(island, environment);
-    }
-    step::finish(island).expect("finite");
-}
-
 /// The hash of a sheet after some steps. Its sphere moves; a sheet that is not pinned is free of drift; the second
 /// corner of one that is pulled moves.
 fn sheet_after(
@@ -201,7 +179,7 @@ fn sheet_after(
 #[test]
 fn a_sweep_down_the_strips_gives_the_bits_of_whole_stages() {
     for kind in [(100, true, false), (64, true, false), (64, false, false), (64, true, true)] {
-        assert_eq!(sheet_after(kind, 60, whole), sheet_after(kind, 60, staged), "{kind:?}");
+        assert_eq!(sheet_after(kind, 60, whole), sheet_after(kind, 60, step_staged), "{kind:?}");
     }
 }
 

@@ -139,14 +139,7 @@ fn gained(n: u32, corners: bool, settings: SolverSettings, violent: bool) -> f64
     sheet = if corners { sheet.pin(0).pin(n - 1) } else { sheet.pin_edge(Edge::Top) };
     let mut body = sheet.build(settings).expect("valid");
     if violent {
-        let mut dice = Dice(u64::from(n));
-        let spacing = 1.0 / (n - 1) as f32;
-        for i in 0..body.particles.len() {
-            if !body.particles.is_pinned(i) {
-                let moved = body.particles.position(i) + dice.vector(0.5 * spacing);
-                body.particles.set_position(i, moved);
-            }
-        }
+        shake(&mut body, 0.5 / (n - 1) as f32, u64::from(n));
     }
     let mut island = Island::of_body(body);
     let environment: Environment = gravity(FRAME);
@@ -315,15 +308,7 @@ fn stage_by_stage_gives_the_bits_of_whole_substeps() {
     let (mut staged, _) = sheet(100, 90, Isa::detected());
     for _ in 0..60 {
         step(&mut whole, &environment).expect("finite");
-        step::begin(&mut staged, &environment).expect("valid");
-        step::accumulate_forces(&mut staged, &environment);
-        step::detect_collisions(&mut staged, &environment);
-        for _ in 0..staged.substeps() {
-            step::integrate(&mut staged, &environment);
-            step::relax(&mut staged, &environment);
-            step::project_collisions(&mut staged, &environment);
-        }
-        step::finish(&mut staged).expect("finite");
+        step_staged(&mut staged, &environment);
     }
     assert_eq!(hash(&whole), hash(&staged));
 }

@@ -118,15 +118,7 @@ fn the_stages_one_by_one_are_the_step() {
     let (mut staged, _) = falling(Isa::detected(), settings);
     for _ in 0..60 {
         step(&mut whole, &environment).expect("finite");
-        step::begin(&mut staged, &environment).expect("valid");
-        step::accumulate_forces(&mut staged, &environment);
-        step::detect_collisions(&mut staged, &environment);
-        for _ in 0..staged.substeps() {
-            step::integrate(&mut staged, &environment);
-            step::relax(&mut staged, &environment);
-            step::project_collisions(&mut staged, &environment);
-        }
-        step::finish(&mut staged).expect("finite");
+        step_staged(&mut staged, &environment);
     }
     assert_eq!(hash(&whole), hash(&staged));
 }

@@ -22,14 +22,7 @@ fn gained(trial: &Trial) -> f64 {
     sheet = if corners { sheet.pin(0).pin(n - 1) } else { sheet.pin_edge(Edge::Top) };
     let mut body = sheet.build(settings).expect("valid");
     if violent {
-        let mut dice = Dice(u64::from(n));
-        let spacing = 1.0 / (n - 1) as f32;
-        for i in 0..body.particles.len() {
-            if !body.particles.is_pinned(i) {
-                let moved = body.particles.position(i) + dice.vector(0.5 * spacing);
-                body.particles.set_position(i, moved);
-            }
-        }
+        shake(&mut body, 0.5 / (n - 1) as f32, u64::from(n));
     }
     let mut island = Island::of_body(body);
     let environment: Environment = gravity(FRAME);
