@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::model::Pins;
 use crate::run::Job;
 use crate::scene::{Scene, SceneKind};
+use crate::shots::Range;
 use crate::solver::{Effort, Projection, Solver};
 
 /// Named scenes, this solver and its peers: what a step costs and how far the cloth stretches.
@@ -35,6 +36,8 @@ pub enum Task {
         #[arg(long, default_value_t = 240, value_parser = clap::value_parser!(u32).range(31..=100_000))]
         steps: u32,
     },
+    /// Shoots balls at curtains, and counts those that pass through.
+    Shots(Range),
     /// Prints hashes of how scenes end, which are the same on every machine.
     Hashes {
         /// Also compare them with those in this file.

@@ -59,6 +59,14 @@ pub enum Failure {
         /// The first.
         first: String,
     },
+    /// Balls have passed through a curtain.
+    #[error("{passed} of {shots} balls passed through the cloth")]
+    Passed {
+        /// How many.
+        passed: usize,
+        /// Of how many.
+        shots: usize,
+    },
     /// A scene ends in other bits than it used to.
     #[error(
         "scenes end in other bits than {file} says. If that is meant, write the new hashes there (`drape_bench hashes > \

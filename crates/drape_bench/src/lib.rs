@@ -4,7 +4,8 @@
 //! `compare --scene sheet --sizes 32,64,128 --solvers drape,naive,coloured` measures several in turns, so that a
 //! noisy machine is noisy for all of them.
 //!
-//! `stability` looks whether any choice of settings gains energy; `hashes` prints what must be the same on every machine.
+//! `stability` looks whether any choice of settings gains energy; `hashes` prints what must be the same on every machine;
+//! `shots` counts the balls that pass through a curtain.
 //!
 //! A library too, so that the peers that bring an old Bevy can be compiled apart, in `peers`: they hand their own
 //! [`Solver`]s to [`main_with`].
@@ -18,6 +19,7 @@ pub mod memory_pass;
 pub mod mesh;
 pub mod model;
 pub mod naive;
+pub mod oracle;
 pub mod outcome;
 pub mod plot;
 #[cfg(feature = "plugin")]
@@ -29,6 +31,7 @@ pub mod run;
 pub mod scalar;
 pub mod scene;
 pub mod sheet;
+pub mod shots;
 pub mod solver;
 pub mod stability;
 pub mod stretch;
@@ -63,6 +66,7 @@ fn work(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
     match task {
         Task::Measure(command) => measure(command, solvers)?,
         Task::Stability { sizes, steps } => stability::report(sizes, *steps as usize)?,
+        Task::Shots(range) => shots::report(range)?,
         Task::Hashes { golden, threads } => {
             let hashes = golden::hashes(Isa::detected(), *threads)?;
             print!("{hashes}");

@@ -9,6 +9,11 @@ impl Random {
         Self(seed)
     }
 
+    /// One of many unrelated starts: that of `index` among those of `seed`.
+    pub fn of_index(seed: u64, index: u64) -> Self {
+        Self(Self::new(seed).next() ^ Self::new(!index).next())
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -19,6 +24,11 @@ impl Random {
     /// Evenly spread over -1..1.
     pub fn either_side(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// Evenly spread over `low`..`high`.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * 0.5 * (self.either_side() + 1.0)
     }
 
     /// The numbers 0..`count` in random order.
