@@ -90,6 +90,8 @@ pub struct Topology {
     pub(crate) segments: Vec<[u32; 2]>,
     /// Longest side of a face or segment at rest, in metres: how far a contact can be from the nearest corner.
     pub(crate) longest_edge: f32,
+    /// Where the particles are at rest, by index, in metres: tells which are neighbours in self-contact.
+    pub(crate) rest: Vec<Vec3>,
 }
 
 impl Topology {
@@ -435,6 +437,7 @@ impl TopologyBuilder {
         }
         self.arrange();
         self.topology.tethers = TetherPlan::new(&self.tethers, &self.topology.layout);
+        self.topology.rest = self.rest;
         Ok(self.topology)
     }
 
