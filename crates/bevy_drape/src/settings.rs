@@ -64,8 +64,8 @@ pub struct SolverSettings {
     pub structural: StructuralSolve,
     /// Whether tethers hold particles within their rest distance from the pins.
     pub tethers: bool,
-    /// Whether the cloth touches itself, particle by particle: its layers keep twice the thickness apart. It costs about
-    /// as much again as all else; see the [solver's](solver::SolverSettings::self_contact).
+    /// Whether the cloth touches itself, particle by particle: its layers keep twice the thickness apart. It costs ten
+    /// to twenty times all else; see the [solver's](solver::SolverSettings::self_contact).
     pub self_contact: bool,
 }
 

@@ -78,8 +78,8 @@ pub struct SolverSettings {
     /// not touch. Without thickness there is no contact.
     ///
     /// Contact is between particles: a layer cannot slip through another while the thickness is at least 0.36 of the
-    /// spacing. Off by default, as it costs about as much again as all else, and such a body is not swept in strips or
-    /// shared out to threads.
+    /// spacing. Off by default, as it is dear: a folded cloth of 32 x 32 takes ten times as long, one of 128 x 128 some
+    /// twenty. Such a body is not swept in strips or shared out to threads.
     pub self_contact: bool,
 }
 
