@@ -38,12 +38,12 @@ pub enum StructuralSolve {
 /// [`Medium`](Self::Medium): `docs/performance.md` has the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Quality {
-    /// For what is far away or small: a quarter of the time, five times the stretch.
+    /// For what is far away or small: a quarter of the time, six times the stretch.
     Low,
     /// What [`SolverSettings::default`] is.
     #[default]
     Medium,
-    /// For what must not stretch: as long, and a twentieth of the stretch.
+    /// For what must not stretch: half as long again, and a twenty-fifth of the stretch.
     High,
 }
 
