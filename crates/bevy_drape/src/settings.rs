@@ -64,6 +64,9 @@ pub struct SolverSettings {
     pub structural: StructuralSolve,
     /// Whether tethers hold particles within their rest distance from the pins.
     pub tethers: bool,
+    /// Whether the cloth touches itself, particle by particle: its layers keep twice the thickness apart. It costs ten
+    /// to twenty times all else; see the [solver's](solver::SolverSettings::self_contact).
+    pub self_contact: bool,
 }
 
 impl Default for SolverSettings {
@@ -102,6 +105,7 @@ impl From<solver::SolverSettings> for SolverSettings {
             projection,
             structural,
             tethers,
+            self_contact,
         } = settings;
         let projection = match projection {
             solver::StickProjection::Exact => StickProjection::Exact,
@@ -111,7 +115,18 @@ impl From<solver::SolverSettings> for SolverSettings {
             solver::StructuralSolve::Sweeps => StructuralSolve::Sweeps,
             solver::StructuralSolve::Lines => StructuralSolve::Lines,
         };
-        Self { substeps, iterations, tolerance, drag, friction, thickness, projection, structural, tethers }
+        Self {
+            substeps,
+            iterations,
+            tolerance,
+            drag,
+            friction,
+            thickness,
+            projection,
+            structural,
+            tethers,
+            self_contact,
+        }
     }
 }
 
@@ -127,6 +142,7 @@ impl From<SolverSettings> for solver::SolverSettings {
             projection,
             structural,
             tethers,
+            self_contact,
         } = settings;
         let projection = match projection {
             StickProjection::Exact => solver::StickProjection::Exact,
@@ -136,15 +152,27 @@ impl From<SolverSettings> for solver::SolverSettings {
             StructuralSolve::Sweeps => solver::StructuralSolve::Sweeps,
             StructuralSolve::Lines => solver::StructuralSolve::Lines,
         };
-        Self { substeps, iterations, tolerance, drag, friction, thickness, projection, structural, tethers }
+        Self {
+            substeps,
+            iterations,
+            tolerance,
+            drag,
+            friction,
+            thickness,
+            projection,
+            structural,
+            tethers,
+            self_contact,
+        }
     }
 }
 
 /// Whether two settings are the same to the bit: unlike `==`, also where they are not a number.
 pub(crate) fn same_settings(a: &solver::SolverSettings, b: &solver::SolverSettings) -> bool {
     let bits = |s: &solver::SolverSettings| [s.tolerance, s.drag, s.friction, s.thickness].map(f32::to_bits);
-    let choices =
-        |s: &solver::SolverSettings| (s.substeps, s.iterations, s.projection, s.structural, s.tethers);
+    let choices = |s: &solver::SolverSettings| {
+        (s.substeps, s.iterations, s.projection, s.structural, s.tethers, s.self_contact)
+    };
     choices(a) == choices(b) && bits(a) == bits(b)
 }
 

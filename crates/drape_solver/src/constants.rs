@@ -8,6 +8,18 @@ pub const REFERENCE_STEP: f32 = 1.0 / 60.0;
 /// when the real substep is known. A power of two keeps that rescaling free of rounding.
 pub const INITIAL_SUBSTEP: f32 = 1.0 / 1024.0;
 
+/// Skin around the particles of a body with self-contact, as a part of the distance that they keep. A wider one has to be
+/// left less often, and holds more pairs.
+pub const SKIN: f32 = 0.5;
+
+/// The part of the skin that free flight may use up before pairs are listed anew; the rest is for what sticks and
+/// contacts do after that.
+pub const SKIN_FOR_FLIGHT: f32 = 0.5;
+
+/// Particles of a body that are nearer to each other at rest than this, in distances that self-contact keeps, do not
+/// touch: sticks hold them. More than 1, so that sticks a little compressed are not at work against contacts.
+pub const NEIGHBOURS_AT_REST: f32 = 1.1;
+
 /// Slack of the contact search, in metres: a particle this far beyond its reach is still looked at, as
 /// sticks and balls can push a particle faster within a step than it moved before.
 pub const CONTACT_MARGIN: f32 = 0.05;

@@ -7,6 +7,7 @@ use crate::body::Body;
 use crate::contact_ball_ball::BallPair;
 use crate::contact_ball_cloth::BallCloth;
 use crate::contact_ball_obstacle::BallObstacle;
+use crate::contact_self::SelfContacts;
 use crate::force::Wind;
 use crate::isa::Isa;
 use crate::obstacle::Obstacle;
@@ -65,6 +66,7 @@ pub struct IslandContext {
     pub(crate) ball_obstacle: Vec<BallObstacle>,
     pub(crate) ball_cloth: Vec<BallCloth>,
     pub(crate) ball_pairs: Vec<BallPair>,
+    pub(crate) self_contacts: SelfContacts,
     pub(crate) marks: Vec<bool>,
     /// Places of the particles that a ball touches, while tethers are projected.
     pub(crate) touched: Vec<(usize, Vec3)>,
@@ -93,6 +95,7 @@ impl Island {
     pub fn vacate_body(&mut self, index: usize) {
         self.bodies[index] = Body::default();
         self.context.ball_cloth.retain(|contact| contact.body() != index);
+        self.context.self_contacts.forget(index);
     }
 
     /// The most iterations that a body takes.
@@ -104,6 +107,12 @@ impl Island {
     /// [tolerance](crate::SolverSettings::tolerance) let it stop early.
     pub fn iterations_taken(&self) -> u32 {
         self.context.iterations_taken
+    }
+
+    /// Pairs of particles that [self-contact](crate::SolverSettings::self_contact) watches: what it costs grows with
+    /// their number.
+    pub fn self_contact_pairs(&self) -> usize {
+        self.context.self_contacts.pair_count()
     }
 
     /// Substeps of the step that was [begun](crate::step::begin).

@@ -5,6 +5,7 @@
 pub mod ball;
 pub mod ballistics;
 pub mod body;
+mod cell_list;
 mod chain;
 pub mod cloth;
 mod columns;
@@ -13,6 +14,7 @@ mod contact_ball_ball;
 mod contact_ball_cloth;
 mod contact_ball_obstacle;
 mod contact_particle_obstacle;
+mod contact_self;
 mod crew;
 pub mod error;
 pub mod force;

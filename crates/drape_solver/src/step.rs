@@ -24,7 +24,7 @@ use crate::island::{Environment, Island, IslandContext};
 use crate::strain::greatest_strain;
 use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
-use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth};
+use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self};
 use crate::{
     contact_ball_obstacle as ball_obstacle, force, integrate as verlet, obstacle_search, rest, stick,
 };
@@ -163,6 +163,7 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
     ball_ball::detect(island, dt, gravity);
     ball_cloth::detect(island, dt, gravity, speed);
+    contact_self::detect(island);
 }
 
 /// Stage 1 of a substep: particles and balls fly freely for one substep.
@@ -180,6 +181,7 @@ pub fn integrate(island: &mut Island, environment: &Environment) {
     ball_obstacle::begin_substep(island, &environment.obstacles);
     ball_ball::begin_substep(island);
     ball_cloth::begin_substep(island);
+    contact_self::begin_substep(island);
 }
 
 /// Stage 2 of a substep: N times contacts, sticks, tethers, lines. May stop after any iteration; the next step goes
@@ -227,6 +229,7 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
     ball_obstacle::apply_friction(island, &environment.obstacles);
     ball_ball::apply_friction(island);
     ball_cloth::apply_friction(island);
+    contact_self::apply_friction(island);
     for ball in &mut island.balls {
         ball.turn();
     }
@@ -262,9 +265,10 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
     Ok(())
 }
 
-/// Everything that touches, once: cloth and balls against obstacles, balls against each other and the cloth. `index` is
+/// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and the cloth. `index` is
 /// the number of the projection in the substep.
 fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
+    contact_self::project(island);
     ball_cloth::project(island);
     ball_ball::project(island);
     ball_obstacle::project(island, &environment.obstacles);

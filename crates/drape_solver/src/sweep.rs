@@ -33,6 +33,7 @@ use glam::Vec3;
 use crate::body::Body;
 use crate::columns::LANES;
 use crate::constants::{BYTES_OF_CELL, LEAST_SHARED_CELLS, LEAST_STRIPS_PER_LAG, SWEPT_BYTES, TETHER_SPEED};
+use crate::contact_self;
 use crate::crew::Crew;
 use crate::integrate::{Flight, drift};
 use crate::isa::{Isa, Kernel};
@@ -106,7 +107,8 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
 pub(crate) fn is_all_stages(body: &Body) -> bool {
     // Damping is no stage, and how many iterations a tolerance takes is not known beforehand.
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
-    is_fixed && body.context.damping.iter().all(|&d| d == 0.0)
+    // Self-contact meets all of the body at once.
+    is_fixed && !contact_self::is_on(body) && body.context.damping.iter().all(|&d| d == 0.0)
 }
 
 /// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.

@@ -1,5 +1,7 @@
 //! The rest data of a body: which particles are joined, and how long the sticks are.
 
+use glam::Vec3;
+
 use crate::error::{BuildError, in_range};
 use crate::grid::{GridBatch, GridRuns};
 use crate::layout::Layout;
@@ -83,6 +85,8 @@ pub struct Topology {
     pub(crate) segments: Vec<[u32; 2]>,
     /// Longest side of a face or segment at rest, in metres: how far a contact can be from the nearest corner.
     pub(crate) longest_edge: f32,
+    /// Where the particles are at rest, by index, in metres: tells which are neighbours in self-contact.
+    pub(crate) rest: Vec<Vec3>,
 }
 
 impl Topology {
@@ -147,7 +151,7 @@ impl Topology {
         self.tethers.list(&self.layout)
     }
 
-    /// Memory of sticks and tethers on the heap, in bytes.
+    /// Memory of rest positions, sticks and tethers on the heap, in bytes.
     pub fn bytes(&self) -> usize {
         let runs = |batch: &StickBatch| match &batch.sticks {
             BatchSticks::Grid { runs, .. } => runs.bytes(),
@@ -158,7 +162,7 @@ impl Topology {
             Layout::Linear { .. } | Layout::Grid(_) => 0,
         };
         let runs = self.batches.iter().map(runs).sum::<usize>();
-        numbers + self.listed.bytes() + runs + self.tethers.bytes()
+        size_of_val(&*self.rest) + numbers + self.listed.bytes() + runs + self.tethers.bytes()
     }
 
     /// How many blocks of particles are in use at once while listed sticks are relaxed.

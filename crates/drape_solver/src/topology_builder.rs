@@ -261,6 +261,7 @@ impl TopologyBuilder {
         }
         self.arrange();
         self.topology.tethers = TetherPlan::new(&self.tethers, &self.topology.layout);
+        self.topology.rest = self.rest;
         Ok(self.topology)
     }
 

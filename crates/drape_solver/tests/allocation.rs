@@ -18,6 +18,28 @@ fn a_warm_step_allocates_nothing() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
         allocate_nothing(SolverSettings { structural, ..SolverSettings::default() });
     }
+    // Not a test of its own: the count is that of the whole program.
+    fold_allocating_nothing();
+}
+
+/// A cloth that has folded onto itself.
+fn fold_allocating_nothing() {
+    let settings = SolverSettings { thickness: 0.02, self_contact: true, ..SolverSettings::default() };
+    let cloth = ClothBuilder::new(0.9, 0.9, 24, 24)
+        .placed(Vec3::new(0.0, 1.0, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
+        .build(settings)
+        .expect("valid");
+    let mut island = Island::of_body(cloth);
+    let environment = Environment { obstacles: vec![Obstacle::ground()], ..Environment::default() };
+    let mut steps = |count: u32| {
+        (0..count).for_each(|_| step(&mut island, &environment).expect("a good step"));
+    };
+    steps(240);
+    let region = Region::new(ALLOCATOR);
+    steps(60);
+    let change = region.change();
+    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    assert!(island.self_contact_pairs() > 0, "it must have come near itself");
 }
 
 fn allocate_nothing(settings: SolverSettings) {

@@ -26,6 +26,7 @@ pub fn bare() -> SolverSettings {
         projection: StickProjection::Exact,
         structural: StructuralSolve::Sweeps,
         tethers: false,
+        self_contact: false,
     }
 }
 

@@ -19,6 +19,7 @@ mod property;
 mod reference;
 mod relaxation;
 mod rope;
+mod self_contact;
 mod stability;
 mod stiffness;
 mod tethers;

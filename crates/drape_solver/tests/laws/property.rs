@@ -27,6 +27,7 @@ fn settings() -> impl Strategy<Value = SolverSettings> {
             projection: if exact { StickProjection::Exact } else { StickProjection::SquareRootFree },
             structural: if lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
             tethers,
+            self_contact: false,
         },
     )
 }

@@ -1,0 +1,233 @@
+//! Cloth against itself and against other cloth.
+
+use drape_solver::glam::Vec3;
+use drape_solver::{
+    Body, ClothBuilder, ClothMaterial, Environment, Isa, Island, Obstacle, SolverSettings, StateHasher, step,
+};
+
+use crate::common::*;
+
+/// Metres that two layers keep between their middles in these tests.
+const APART: f32 = 0.04;
+
+fn settings(self_contact: bool) -> SolverSettings {
+    SolverSettings { thickness: 0.5 * APART, self_contact, ..SolverSettings::default() }
+}
+
+/// Soft enough to fold.
+fn silk() -> ClothMaterial {
+    ClothMaterial { bend: 0.05, ..ClothMaterial::default() }
+}
+
+/// A sheet of 0.9 m and `size` x `size` particles on edge above the ground, leaning a little.
+fn on_edge(size: u32, settings: SolverSettings) -> Body {
+    ClothBuilder::new(0.9, 0.9, size, size)
+        .placed(Vec3::new(-0.45, 1.0, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
+        .material(silk())
+        .build(settings)
+        .expect("valid")
+}
+
+fn over_ground() -> Environment {
+    Environment { obstacles: vec![Obstacle::ground()], ..gravity(FRAME) }
+}
+
+/// Least distance of two particles of the island's first body that are not neighbours at rest, in metres.
+fn least_distance(island: &Island, rest: &[Vec3]) -> f32 {
+    let now: Vec<Vec3> = particles(island).positions().collect();
+    let mut least = f32::INFINITY;
+    for b in 0..now.len() {
+        for a in 0..b {
+            if rest[a].distance(rest[b]) > 1.2 * APART {
+                least = least.min(now[a].distance(now[b]));
+            }
+        }
+    }
+    least
+}
+
+fn hash(island: &Island) -> u64 {
+    let mut hasher = StateHasher::new();
+    island.bodies.iter().for_each(|body| {
+        hasher.particles(&body.particles);
+    });
+    hasher.finish()
+}
+
+/// Issue 4, acceptance 5: a cloth dropped on its edge lies down in folds whose layers keep their distance.
+#[test]
+fn a_cloth_dropped_on_its_edge_folds_in_layers() {
+    let folded = |self_contact| {
+        let mut island = Island::of_body(on_edge(31, settings(self_contact)));
+        let rest: Vec<Vec3> = particles(&island).positions().collect();
+        let mut fastest = 0.0_f32;
+        run_with(&mut island, &over_ground(), 8.0, |island, _| fastest = fastest.max(greatest_speed(island)));
+        let high = particles(&island).positions().map(|p| p.y).fold(0.0, f32::max);
+        println!(
+            "{self_contact}: at most {fastest} m/s, at last {} m/s, {high} m high",
+            greatest_speed(&island)
+        );
+        assert!(fastest < 8.0, "{fastest} m/s");
+        least_distance(&island, &rest) / APART
+    };
+    let (with, without) = (folded(true), folded(false));
+    println!("least distance {with} with and {without} without self-contact");
+    assert!(with > 0.9, "{with} of the distance is left between layers");
+    assert!(without < 0.5, "the cloth must have folded onto itself, but {without}");
+}
+
+/// Particles displaced at random by some spacings: the tangle is pulled straight by its sticks, and what contacts do
+/// to it never makes more energy than the sticks' pull has.
+#[test]
+fn a_random_tangle_never_explodes() {
+    for seed in 0..3 {
+        let most = |self_contact| {
+            let settings = SolverSettings { drag: 0.0, ..settings(self_contact) };
+            let mut sheet = on_edge(21, settings);
+            let mut dice = Dice(seed);
+            for i in 0..sheet.particles.len() {
+                sheet.particles.set_position(i, sheet.particles.position(i) + dice.vector(0.15));
+            }
+            let mut island = Island::of_body(sheet);
+            let (mut most, mut last) = (0.0_f64, 0.0);
+            run_with(&mut island, &weightless(FRAME), 4.0, |island, _| {
+                last = kinetic_energy(island);
+                most = most.max(last);
+            });
+            println!("seed {seed}, {self_contact}: at most {most} J, at last {last} J");
+            (most, last)
+        };
+        let ((with, last), (without, _)) = (most(true), most(false));
+        assert!(with < 2.0 * without, "seed {seed}: {with} J, and {without} J without self-contact");
+        assert!(last < 0.5 * with, "seed {seed}: {last} J are left of {with} J");
+    }
+}
+
+/// Two halves of a free cloth fly at each other: contacts and friction keep the momentum of what they join.
+#[test]
+fn a_free_cloth_that_folds_onto_itself_keeps_its_momentum() {
+    let mut sheet = ClothBuilder::new(0.9, 0.9, 31, 31)
+        .material(silk())
+        .build(SolverSettings { drag: 0.0, ..settings(true) })
+        .expect("valid");
+    for i in 0..sheet.particles.len() {
+        let side = sheet.particles.position(i).x - 0.45;
+        // A wing beat about the middle, and a drift to measure against.
+        sheet.particles.set_velocity(i, Vec3::new(0.5, 0.0, 1.0 + 8.0 * side.abs()));
+    }
+    let mut island = Island::of_body(sheet);
+    let rest: Vec<Vec3> = particles(&island).positions().collect();
+    let before = momentum(&island);
+    let mut least = f32::INFINITY;
+    run_with(&mut island, &weightless(FRAME), 1.5, |island, index| {
+        let error = (momentum(island) - before).length() / before.length();
+        assert!(error < 1e-5, "{error} of the momentum is lost at step {index}");
+        least = least.min(least_distance(island, &rest));
+    });
+    assert!(least < 1.05 * APART, "the wings must have met, but kept {least} m");
+}
+
+/// Two sheets of one island, the upper one sliding on the lower, which is pinned: it stops where there is friction.
+#[test]
+fn friction_holds_one_layer_on_another() {
+    let slid = |friction| {
+        let settings = SolverSettings { friction, drag: 0.0, ..settings(true) };
+        let sheet = |size: f32, count, height| {
+            ClothBuilder::new(size, size, count, count).placed(
+                Vec3::new(-0.5 * size, height, -0.5 * size),
+                Vec3::X,
+                Vec3::Z,
+            )
+        };
+        let lower = sheet(1.2, 41, 0.0).pin_where(|_, _, _| true).build(settings).expect("valid");
+        let mut upper = sheet(0.4, 12, 1.02 * APART).build(settings).expect("valid");
+        for i in 0..upper.particles.len() {
+            upper.particles.set_velocity(i, Vec3::new(0.3, 0.0, 0.05));
+        }
+        let mut island = Island { bodies: vec![lower, upper], ..Island::default() };
+        let x = |island: &Island| {
+            let particles = &island.bodies[1].particles;
+            particles.positions().map(|p| p.x).sum::<f32>() / particles.len() as f32
+        };
+        let before = x(&island);
+        run(&mut island, &gravity(FRAME), 1.0);
+        let height = island.bodies[1].particles.positions().map(|p| p.y).fold(f32::INFINITY, f32::min);
+        assert!(height > 0.8 * APART, "it must lie on the other, but is at {height} m");
+        x(&island) - before
+    };
+    let (rough, smooth) = (slid(0.8), slid(0.0));
+    println!("{rough} m with friction, {smooth} m without");
+    assert!(rough.abs() < 0.05, "{rough} m");
+    assert!(smooth.abs() > 2.0 * rough.abs(), "{smooth} m without friction, {rough} m with");
+}
+
+/// Cloth that never meets itself has the bits of cloth that cannot; so has a body without thickness that does.
+#[test]
+fn where_nothing_meets_nothing_changes() {
+    let hang = |self_contact, thickness| {
+        let settings = SolverSettings { thickness, ..settings(self_contact) };
+        let sheet = ClothBuilder::new(0.9, 0.9, 31, 31).pin(0).pin(30).build(settings).expect("valid");
+        let mut island = Island::of_body(sheet);
+        run(&mut island, &gravity(FRAME), 0.3);
+        hash(&island)
+    };
+    assert_eq!(hang(true, 0.01), hang(false, 0.01));
+    let fold = |self_contact| {
+        let sheet = on_edge(21, SolverSettings { thickness: 0.0, ..settings(self_contact) });
+        let mut island = Island::of_body(sheet);
+        run(&mut island, &over_ground(), 1.5);
+        hash(&island)
+    };
+    assert_eq!(fold(true), fold(false));
+}
+
+/// However the step is run, the bits are the same.
+#[test]
+fn every_way_of_stepping_gives_the_same_bits() {
+    let folded = |isa, take: &dyn Fn(&mut Island, &Environment)| {
+        let mut island = Island { isa, ..Island::of_body(on_edge(21, settings(true))) };
+        for _ in 0..90 {
+            take(&mut island, &over_ground());
+        }
+        hash(&island)
+    };
+    let whole = |island: &mut Island, environment: &Environment| {
+        step(island, environment).expect("a good step");
+    };
+    let staged = |island: &mut Island, environment: &Environment| {
+        step::begin(island, environment).expect("a good step");
+        step::accumulate_forces(island, environment);
+        step::detect_collisions(island, environment);
+        (0..island.substeps()).for_each(|_| step::substep(island, environment));
+        step::finish(island).expect("a good step");
+    };
+    let cold = |island: &mut Island, environment: &Environment| {
+        island.context = Default::default();
+        whole(island, environment);
+    };
+    let expected = folded(Isa::detected(), &whole);
+    for isa in Isa::available() {
+        assert_eq!(folded(isa, &whole), expected, "{isa:?}");
+    }
+    assert_eq!(folded(Isa::detected(), &staged), expected, "stage by stage");
+    assert_eq!(folded(Isa::detected(), &cold), expected, "without memory of the step before");
+}
+
+/// Refined with its thickness, a folded cloth has as many pairs to watch per particle as before: the cost is linear.
+#[test]
+fn pairs_per_particle_do_not_grow_with_the_cloth() {
+    let pairs = |size: u32| {
+        let spacing = 0.9 / (size - 1) as f32;
+        let settings = SolverSettings { thickness: 0.6 * spacing, ..settings(true) };
+        let mut island = Island::of_body(on_edge(size, settings));
+        let mut most = 0.0_f32;
+        run_with(&mut island, &over_ground(), 1.5, |island, _| {
+            most = most.max(island.self_contact_pairs() as f32 / (size * size) as f32);
+        });
+        most
+    };
+    let counts = [16, 31, 61].map(pairs);
+    println!("pairs per particle: {counts:?}");
+    assert!(counts.iter().all(|&count| count < 20.0), "{counts:?}");
+    assert!(counts[2] < 1.5 * counts[1], "{counts:?}");
+}
