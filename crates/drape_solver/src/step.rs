@@ -265,8 +265,8 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
     Ok(())
 }
 
-/// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and the cloth. `index` is
-/// the number of the projection in the substep.
+/// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and
+/// the cloth. `index` is the number of the projection in the substep.
 fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
     contact_self::project(island);
     ball_cloth::project(island);
