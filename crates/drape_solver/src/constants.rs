@@ -29,7 +29,7 @@ pub const CONTACT_MARGIN: f32 = 0.05;
 pub const BALL_TRAVEL_PER_SUBSTEP: f32 = 0.5;
 
 /// Upper bound on substeps per step that a heavy ball near a light cloth can ask for: see `contact_ball_cloth`.
-pub const MAX_HIT_SUBSTEPS: f32 = 64.0;
+pub const MAX_HIT_SUBSTEPS: f32 = 256.0;
 
 /// The part of the substeps of a hit that a ball near a cloth keeps from step to step while it needs fewer.
 pub const HIT_SUBSTEPS_KEPT: f32 = 0.9;

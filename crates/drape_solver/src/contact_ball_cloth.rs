@@ -101,7 +101,9 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
         let covered = if body.topology.faces.is_empty() {
             2.0 * radius / side
         } else {
-            2.0 * core::f32::consts::PI * radius * radius / (side * side)
+            // A sweep carries a pull to the next particles only: of a large patch, its rim alone pulls.
+            let across = core::f32::consts::SQRT_2 * radius / side;
+            core::f32::consts::PI * (across * across).min(2.0 * across)
         };
         let patch = covered.max(1.0) * (free_mass / *free_count as f64) as f32;
         let ratio = mass / (patch * (body.settings.iterations + 1) as f32);
