@@ -55,12 +55,12 @@ fn a_warm_step_allocates_nothing() {
         }
     };
     // Until the balls have rolled into a heap, whose lists are the longest.
-    steps(world, 480);
+    steps(world, 700);
     let region = Region::new(ALLOCATOR);
     steps(world, 120);
     let change = region.change();
     assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
-    assert_eq!(world.resource::<DrapeClock>().steps(), 600);
+    assert_eq!(world.resource::<DrapeClock>().steps(), 820);
     let counts = world.resource::<ActivityCounts>();
     assert!(counts.active >= 1 && counts.resting >= 20, "{counts:?}");
 }
