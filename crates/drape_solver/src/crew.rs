@@ -1,6 +1,6 @@
 //! Helpers that stand by for the length of a step.
 //!
-//! A body is shared out anew in every trip down its strips, twenty microseconds apart; to wake a thread takes as long.
+//! A body is shared out anew in every trip down its strips, tenths of a millisecond apart; to wake a thread takes as long.
 //! So the threads of the host are asked once a step, and those that come wait in a loop for work until they are
 //! dismissed. Nobody waits for one to come: until it does, the work is done without it.
 //!
