@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
-    Ball, BallMaterial, Body, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StickKind, StickMaterial, StickProjection, StructuralSolve, TopologyBuilder, measure, step,
+    Ball, BallMaterial, Body, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle, Particles,
+    Placement, Shape, SolverSettings, StickKind, StickMaterial, StickProjection, StructuralSolve,
+    TopologyBuilder, measure, step,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -190,6 +191,24 @@ pub fn step_staged(island: &mut Island, environment: &Environment) {
         step::project_collisions(island, environment);
     }
     step::finish(island).expect("finite");
+}
+
+/// A sheet of `n` x `n` particles and one metre that lies level and is held by two corners or by an edge, ready to swing;
+/// shaken up by half a spacing if the start is to be `violent`.
+pub fn level_sheet(
+    n: u32,
+    corners: bool,
+    material: ClothMaterial,
+    settings: SolverSettings,
+    violent: bool,
+) -> Island {
+    let mut sheet = ClothBuilder::new(1.0, 1.0, n, n).placed(Vec3::ZERO, Vec3::X, Vec3::Z).material(material);
+    sheet = if corners { sheet.pin(0).pin(n - 1) } else { sheet.pin_edge(Edge::Top) };
+    let mut body = sheet.build(settings).expect("valid");
+    if violent {
+        shake(&mut body, 0.5 / (n - 1) as f32, u64::from(n));
+    }
+    Island::of_body(body)
 }
 
 /// Displaces every free particle at random by up to `most` metres along each axis.

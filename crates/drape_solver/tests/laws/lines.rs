@@ -135,13 +135,7 @@ fn a_straight_compressed_chain_stays_finite() {
 
 /// Energy in parts of `m g L`: the most that it exceeds that of the start by; after a violent start, that of step 30.
 fn gained(n: u32, corners: bool, settings: SolverSettings, violent: bool) -> f64 {
-    let mut sheet = ClothBuilder::new(1.0, 1.0, n, n).placed(Vec3::ZERO, Vec3::X, Vec3::Z).material(stiff());
-    sheet = if corners { sheet.pin(0).pin(n - 1) } else { sheet.pin_edge(Edge::Top) };
-    let mut body = sheet.build(settings).expect("valid");
-    if violent {
-        shake(&mut body, 0.5 / (n - 1) as f32, u64::from(n));
-    }
-    let mut island = Island::of_body(body);
+    let mut island = level_sheet(n, corners, stiff(), settings, violent);
     let environment: Environment = gravity(FRAME);
     let energy = |island: &Island| measure::mechanical_energy(&island.bodies[0], environment.gravity);
     let scale = measure::mass(particles(&island)) * f64::from(G);

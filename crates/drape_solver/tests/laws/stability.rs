@@ -1,7 +1,7 @@
 //! The order of relaxation does not gain energy: a hanging sheet only calms down.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{ClothBuilder, Edge, Environment, Island, SolverSettings, measure};
+use drape_solver::{ClothBuilder, ClothMaterial, Edge, Environment, Island, SolverSettings, measure};
 
 use crate::common::*;
 
@@ -18,13 +18,7 @@ struct Trial {
 fn gained(trial: &Trial) -> f64 {
     let &Trial { particles: n, corners, substeps, iterations, tethers, violent } = trial;
     let settings = SolverSettings { substeps, iterations, tethers, drag: 0.0, ..SolverSettings::default() };
-    let mut sheet = ClothBuilder::new(1.0, 1.0, n, n).placed(Vec3::ZERO, Vec3::X, Vec3::Z);
-    sheet = if corners { sheet.pin(0).pin(n - 1) } else { sheet.pin_edge(Edge::Top) };
-    let mut body = sheet.build(settings).expect("valid");
-    if violent {
-        shake(&mut body, 0.5 / (n - 1) as f32, u64::from(n));
-    }
-    let mut island = Island::of_body(body);
+    let mut island = level_sheet(n, corners, ClothMaterial::default(), settings, violent);
     let environment: Environment = gravity(FRAME);
     let energy = |island: &Island| measure::mechanical_energy(&island.bodies[0], environment.gravity);
     run(&mut island, &environment, 30.0 * FRAME);
