@@ -105,7 +105,7 @@ pub const MAX_MAGNITUDE: f32 = 1.0e6;
 pub const PUSH_OUT_SPEED: f32 = 3.0;
 
 /// The same for overlaps of faces and obstacles.
-pub const GENTLE_PUSH_OUT_SPEED: f32 = 0.2;
+pub const GENTLE_PUSH_OUT_SPEED: f32 = 0.05;
 
 /// A ball's centre that passes a face's plane within this part of its radius beside the face has passed through it.
 /// Closes the cracks between neighbouring faces.
@@ -132,7 +132,7 @@ pub const FACE_THICKNESS: f32 = 0.5;
 
 /// Rounds of the search for the deepest point of a face in an obstacle: when it is first seen in a step, and from then on,
 /// from where it was. Each halves the way that is left, at least.
-pub const DESCENT_ROUNDS: u32 = 10;
+pub const DESCENT_ROUNDS: u32 = 16;
 /// See [`DESCENT_ROUNDS`].
 pub const DESCENT_ROUNDS_AGAIN: u32 = 5;
 
@@ -140,7 +140,10 @@ pub const DESCENT_ROUNDS_AGAIN: u32 = 5;
 pub const FACE_MARGIN: f32 = 0.01;
 
 /// Rounds of the same search in each substep, for shapes that are slow to ask.
-pub const LOOKS_AGAIN: u32 = 2;
+pub const LOOKS_AGAIN: u32 = 3;
+
+/// A particle deeper in an obstacle than this, in sides of a face, has not got there by itself.
+pub const INTRUSION: f32 = 0.5;
 
 /// A deepest point with a greater weight than this is a corner, which is met as a particle.
 pub const VERTEX_WEIGHT: f32 = 0.99;

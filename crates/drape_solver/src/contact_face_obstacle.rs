@@ -18,9 +18,7 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{
-    DESCENT_ROUNDS, DESCENT_ROUNDS_AGAIN, FACE_THICKNESS, LOOKS_AGAIN, POKING, VERTEX_WEIGHT,
-};
+use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
 use crate::contact_ball_cloth::{Element, weighted};
 use crate::friction::Friction;
 use crate::obstacle::Obstacle;
@@ -29,6 +27,7 @@ use crate::particles::Particles;
 use crate::pose::Pose;
 use crate::settings::SolverSettings;
 use crate::shape::{Plane, Shape, Surface};
+use crate::shape_nearest::{Nearest, Piece};
 use crate::sweep::Surroundings;
 use crate::topology::Topology;
 
@@ -36,10 +35,6 @@ use crate::topology::Topology;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaceContacts {
     contacts: Vec<FaceContact>,
-    /// Those of the step before, in the same order: where the deepest points were.
-    before: Vec<FaceContact>,
-    /// Of those, how many are behind.
-    passed: usize,
     /// For each slot, the surface of the obstacle that is looked at, in its own coordinates.
     seen: Vec<Surface>,
 }
@@ -47,8 +42,6 @@ pub(crate) struct FaceContacts {
 #[derive(Clone, Copy, Debug)]
 struct FaceContact {
     element: Element,
-    /// Place of the element among the body's faces, then segments.
-    place: usize,
     obstacle: usize,
     friction: Friction,
     /// Of the deepest point when last looked for.
@@ -91,11 +84,8 @@ impl FaceContacts {
         self.contacts.is_empty()
     }
 
-    /// Begins a new list.
-    pub fn begin_step(&mut self) {
-        core::mem::swap(&mut self.contacts, &mut self.before);
+    pub fn clear(&mut self) {
         self.contacts.clear();
-        self.passed = 0;
     }
 
     /// Lists the faces and segments that may touch an obstacle between their particles.
@@ -112,61 +102,69 @@ impl FaceContacts {
         if most == 0.0 || side == 0.0 || poke(met.shape, side).is_some_and(|depth| depth <= most) {
             return;
         }
-        if !self.look(particles, met, met.reach + side) {
+        // Where an obstacle has appeared around particles, those are to find their way out first.
+        let nearest = self.look(particles, met, met.reach + side);
+        if nearest >= met.reach + side || nearest < -INTRUSION * side {
             return;
         }
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
         let faces = topology.faces.iter().map(|face| Element::Face(face.map(slot)));
         let segments = topology.segments.iter().map(|ends| Element::Segment(ends.map(slot)));
-        for (place, element) in faces.chain(segments).enumerate() {
-            self.add(element, place, particles, met, side, most);
+        for element in faces.chain(segments) {
+            self.add(element, particles, met, side, most);
         }
     }
 
-    /// Asks the shape for the surface next to every particle within `reach`; false if there is none.
-    fn look(&mut self, particles: &Particles, met: Met, reach: f32) -> bool {
+    /// Asks the shape for the surface next to every particle within `reach`, and tells the least distance.
+    fn look(&mut self, particles: &Particles, met: Met, reach: f32) -> f32 {
         let (low, high) = met.shape.local_bounds();
         let (low, high) = (low - reach, high + reach);
         let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
         self.seen.clear();
         self.seen.resize(particles.inverse_mass.len(), away);
-        let mut is_any = false;
+        let mut nearest = f32::INFINITY;
         for slot in particles.layout.slots() {
             let local = met.pose.to_local(particles.position.get(slot));
             if local.cmpge(low).all() && local.cmple(high).all() {
                 let surface = met.shape.surface(local);
-                is_any |= surface.distance < reach;
+                nearest = nearest.min(surface.distance);
                 self.seen[slot] = surface;
             }
         }
-        is_any
+        nearest
     }
 
-    /// Weights of the deepest point of an element in the step before. To be asked for in the order of the list.
-    fn known(&mut self, place: usize, obstacle: usize) -> Option<[f32; 3]> {
-        let rest = &self.before[self.passed..];
-        self.passed += rest.iter().take_while(|c| (c.obstacle, c.place) < (obstacle, place)).count();
-        let known = self.before.get(self.passed)?;
-        ((known.obstacle, known.place) == (obstacle, place)).then_some(known.weights)
-    }
-
-    fn add(&mut self, element: Element, place: usize, particles: &Particles, met: Met, side: f32, most: f32) {
+    fn add(&mut self, element: Element, particles: &Particles, met: Met, side: f32, most: f32) {
         let corners = element.corners();
         let seen = corners.map(|slot| self.seen[slot]);
         let nearest = seen.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
         let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
-        if nearest >= met.reach + side || is_held || !may_poke(seen.map(|s| s.normal), side, most) {
+        // Where a particle is inside already, that comes first.
+        if nearest < 0.0
+            || nearest >= met.reach + side
+            || is_held
+            || !may_poke(seen.map(|s| s.normal), side, most)
+        {
             return;
         }
         let local = corners.map(|slot| met.pose.to_local(particles.position.get(slot)));
         if met.shape.is_convex() && least_distance(seen, local) >= met.reach {
             return;
         }
-        let (start, stride) = match self.known(place, met.obstacle) {
-            Some(weights) => (weights, 0.0),
-            None => (element.middle(), 0.5 * side),
+        let piece = match element {
+            Element::Face(_) => Piece::Triangle(local),
+            Element::Segment(_) => Piece::Segment([local[0], local[1]]),
         };
-        let (weights, surface) = deepest(met.shape, element, local, start, stride, DESCENT_ROUNDS);
+        let (weights, surface) = match met.shape.nearest_on(piece, met.reach) {
+            Nearest::Apart => return,
+            Nearest::At(_, point) => {
+                let weights = element.nearest(local, point);
+                (weights, met.shape.surface(weighted(weights, local)))
+            }
+            Nearest::Through => {
+                deepest(met.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
+            }
+        };
         if surface.distance >= met.reach {
             return;
         }
@@ -176,7 +174,6 @@ impl FaceContacts {
         };
         self.contacts.push(FaceContact {
             element,
-            place,
             obstacle: met.obstacle,
             friction: met.friction,
             weights,
@@ -242,17 +239,15 @@ fn deepest(
     (weights, best)
 }
 
-/// Forgets the last substep's depths, and looks anew at the shapes that are not asked in each projection.
+/// Forgets the last substep's depths, and follows the deepest points.
 pub(crate) fn begin_substep(body: &mut Body, around: Surroundings) {
     let Body { particles, context, .. } = body;
     let mut poses = None;
     for contact in &mut context.faces.contacts {
         contact.depth = 0.0;
         contact.overlap = Overlap::default();
-        if contact.plane.is_some() {
-            let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
-            contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
-        }
+        let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
+        contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
     }
 }
 
@@ -295,8 +290,10 @@ impl FaceContact {
         let corners = self.element.corners().map(|slot| poses.now.to_local(particles.position.get(slot)));
         let (weights, surface) = deepest(shape, self.element, corners, self.weights, 0.0, LOOKS_AGAIN);
         self.weights = weights;
-        let offset = surface.normal.dot(weighted(weights, corners)) - surface.distance;
-        self.plane = Some(Plane { normal: surface.normal, offset });
+        if let Some(plane) = &mut self.plane {
+            let offset = surface.normal.dot(weighted(weights, corners)) - surface.distance;
+            *plane = Plane { normal: surface.normal, offset };
+        }
     }
 
     fn project(&mut self, body: &mut Body, obstacles: &[Obstacle], poses: &Poses, pace: Pace) {
@@ -305,24 +302,19 @@ impl FaceContact {
         let places = corners.map(|slot| body.particles.position.get(slot));
         let local = places.map(|place| poses.now.to_local(place));
         let shape = obstacles[self.obstacle].shape();
-        let surface = match self.plane {
-            Some(plane) => plane.surface(weighted(self.weights, local)),
-            None => {
-                let side =
-                    local[0].distance_squared(local[1]).max(local[0].distance_squared(local[2])).sqrt();
-                let start = shape.surface(weighted(self.weights, local));
-                if start.distance >= thickness + side {
-                    return;
-                }
-                let (weights, surface) =
-                    deepest(shape, self.element, local, self.weights, 0.0, DESCENT_ROUNDS_AGAIN);
-                self.weights = weights;
-                surface
-            }
+        let plane = self.plane;
+        let surface_at = |local: Vec3| match plane {
+            Some(plane) => plane.surface(local),
+            None => shape.surface(local),
         };
+        let surface = surface_at(weighted(self.weights, local));
         let depth = thickness - surface.distance;
-        // A corner is met as a particle.
-        if depth <= 0.0 || self.weights.iter().any(|&weight| weight > VERTEX_WEIGHT) {
+        // A corner is met as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
+        let most = INTRUSION * body.topology.longest_edge;
+        if depth <= 0.0
+            || depth > most + thickness
+            || self.weights.iter().any(|&weight| weight > VERTEX_WEIGHT)
+        {
             return;
         }
         let felt = self.felt(&body.particles);
@@ -334,8 +326,7 @@ impl FaceContact {
         let travel = weighted(self.weights, corners.map(|slot| body.travel(slot)));
         let carried = point - poses.before.point_to_world(poses.now.to_local(point));
         let start = poses.before.to_local(point - travel);
-        let at_start =
-            || thickness - self.plane.map_or_else(|| shape.surface(start), |p| p.surface(start)).distance;
+        let at_start = || thickness - surface_at(start).distance;
         let push = self.overlap.split(depth, (travel - carried).dot(normal), at_start, pace);
         self.depth += push.fresh;
         self.normal = normal;
@@ -348,19 +339,23 @@ impl FaceContact {
         }
     }
 
-    /// Inverse mass of the deepest point, in 1/kg.
+    /// Inverse mass of the deepest point, in 1/kg; but so much that no corner moves by more than twice what the point is
+    /// to move: where the others are pinned, the lever would be a long one.
     fn felt(&self, particles: &Particles) -> f32 {
-        let mut sum = 0.0;
+        let (mut sum, mut most) = (0.0, 0.0_f32);
         for (slot, weight) in self.element.corners().into_iter().zip(self.weights) {
-            sum += weight * weight * particles.inverse_mass[slot];
+            let share = weight * particles.inverse_mass[slot];
+            sum += weight * share;
+            most = most.max(share);
         }
-        sum
+        sum.max(0.5 * most)
     }
 }
 
-/// Friction at the deepest points, on what they have slipped in this substep.
+/// Friction at the deepest points, on what they have slipped in this substep. Corners that go with the point may lie around
+/// an edge: by more than a thickness it moves none.
 pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
-    let Body { particles, context, .. } = body;
+    let Body { particles, context, settings, .. } = body;
     let mut poses = None;
     for contact in context.faces.contacts.iter().filter(|contact| contact.depth > 0.0) {
         let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
@@ -368,7 +363,8 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
         let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
         let moved = weighted(contact.weights, corners.map(|slot| particles.displacement.get(slot)));
         let carried = point - poses.before.point_to_world(poses.now.to_local(point));
-        let taken = contact.friction.slip_taken(moved - carried, contact.normal, contact.depth);
+        let depth = contact.depth.min(settings.thickness);
+        let taken = contact.friction.slip_taken(moved - carried, contact.normal, depth);
         let felt = contact.felt(particles);
         for (slot, weight) in corners.into_iter().zip(contact.weights) {
             let shift = taken * (-weight * particles.inverse_mass[slot] / felt);

@@ -48,6 +48,7 @@ pub mod settings;
 pub mod shape;
 pub mod shape_compound;
 pub mod shape_mesh;
+mod shape_nearest;
 pub mod step;
 pub mod stick;
 mod strain;

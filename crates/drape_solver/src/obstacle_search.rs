@@ -37,7 +37,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], span: Span, isa: I
     let BodyContext { contacts, faces, uniform_acceleration, .. } = context;
     let flight = Flight { substeps: span.substeps as f32, fall: *uniform_acceleration * (span.dt * span.dt) };
     let fastest = particles.greatest_speed() * span.dt + flight.fall.length();
-    faces.begin_step();
+    faces.clear();
     contacts.layout = particles.layout.clone();
     contacts.groups.clear();
     contacts.candidates.clear();

