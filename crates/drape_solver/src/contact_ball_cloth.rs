@@ -17,6 +17,7 @@
 use glam::Vec3;
 
 use crate::ball::{Ball, BallMaterial};
+use crate::ball_cloth_query::BallClothContact;
 use crate::body::Body;
 use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
@@ -239,6 +240,21 @@ impl Overlapping {
             normal: self.normal,
         }
     }
+}
+
+/// Looks for overlaps without moving anything: what the first projection of a substep finds. Gives the number of
+/// candidates that were looked at.
+pub(crate) fn find_all(island: &Island, mut found: impl FnMut(BallClothContact)) -> usize {
+    for contact in &island.context.ball_cloth {
+        let (body, ball) = (&island.bodies[contact.body], &island.balls[contact.ball]);
+        if let Some(overlapping) = Overlapping::find(contact, ball, body) {
+            let Overlapping { weights, normal, gap, .. } = overlapping;
+            let slots = contact.element.corners().map(|slot| slot as u32);
+            let (ball, body) = (contact.ball, contact.body);
+            found(BallClothContact { ball, body, slots, weights, normal, depth: -gap });
+        }
+    }
+    island.context.ball_cloth.len()
 }
 
 /// The side (1 or -1, along the face's normal) that a ball's centre came from if it has passed through the face

@@ -3,6 +3,7 @@
 #![warn(clippy::disallowed_methods)]
 
 pub mod ball;
+mod ball_cloth_query;
 pub mod ballistics;
 pub mod body;
 mod cell_list;
@@ -58,6 +59,7 @@ mod transpose;
 mod work;
 
 pub use ball::{Ball, BallMaterial};
+pub use ball_cloth_query::BallClothContact;
 pub use body::{Body, BodyContext};
 pub use cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use error::{BuildError, StepError};
