@@ -22,6 +22,7 @@ pub mod force;
 mod friction;
 mod grid;
 pub mod hash;
+mod impact_zone;
 mod integrate;
 pub mod isa;
 pub mod island;

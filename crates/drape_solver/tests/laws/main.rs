@@ -10,6 +10,7 @@ mod determinism;
 mod drag;
 mod free_flight;
 mod friction;
+mod impact_zone;
 mod intrusion;
 mod lines;
 mod mesh;
