@@ -65,7 +65,7 @@ pub trait Method {
     fn begin_step(&mut self, state: &mut State);
     /// Narrow phase, in a substep: keeps all contacts, with weights, normal and depth. Gives the number of faces that
     /// were asked for their nearest point.
-    fn find(&mut self, state: &State) -> usize;
+    fn find(&mut self, state: &mut State) -> usize;
     /// The contacts that were found last.
     fn pairs(&self, state: &State) -> Vec<Pair>;
 }

@@ -35,11 +35,12 @@ impl BallClothContact {
 }
 
 impl Island {
-    /// The overlaps of balls with cloth as they are in the middle of a step, added to `found`: what the projection of
-    /// contacts would act on if nothing else was pushed meanwhile. Only candidates of the last
-    /// [`detect_collisions`](crate::step::detect_collisions) are looked at; gives their number. Before the first
-    /// [`integrate`](crate::step::integrate) of a body there is nothing to find.
-    pub fn ball_cloth_contacts(&self, found: &mut Vec<BallClothContact>) -> usize {
+    /// The overlaps of balls with cloth in the middle of a step, right after
+    /// [`integrate`](crate::step::integrate), added to `found`: what the first projection of contacts would act on if
+    /// nothing else was pushed meanwhile. Only candidates of the last
+    /// [`detect_collisions`](crate::step::detect_collisions) are looked at. Gives the number of faces that were asked for
+    /// their nearest point.
+    pub fn ball_cloth_contacts(&mut self, found: &mut Vec<BallClothContact>) -> usize {
         contact_ball_cloth::find_all(self, |contact| found.push(contact))
     }
 }

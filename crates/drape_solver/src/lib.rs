@@ -4,6 +4,7 @@
 
 pub mod ball;
 mod ball_cloth_query;
+mod ball_search;
 pub mod ballistics;
 pub mod body;
 mod cell_list;

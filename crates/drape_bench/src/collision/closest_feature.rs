@@ -25,7 +25,7 @@ impl Asked {
         self.queries = 0;
     }
 
-    /// Asks one face, if its box as it is now touches that of the ball.
+    /// Asks one face, if its box as it is now touches that of the ball, and its plane the ball.
     #[inline]
     pub fn ask(&mut self, state: &State, ball: u32, sphere: &Sphere, face: u32) {
         let Sphere { centre, apart, .. } = *sphere;
@@ -33,8 +33,13 @@ impl Asked {
         if !state.is_within(face, middle - apart, middle + apart) {
             return;
         }
-        self.queries += 1;
         let [a, b, c] = state.corners(face).map(Vec3::from);
+        let normal = (b - a).cross(c - a);
+        let height = normal.dot(centre - a);
+        if height * height > 1.001 * apart * apart * normal.length_squared() {
+            return;
+        }
+        self.queries += 1;
         let (nearest, place) = Triangle::new(a, b, c).project_local_point_and_get_location(centre, true);
         let offset = centre - nearest.point;
         let distance_squared = offset.length_squared();

@@ -35,7 +35,7 @@ impl Method for FeatureBased {
         }
     }
 
-    fn find(&mut self, state: &State) -> usize {
+    fn find(&mut self, state: &mut State) -> usize {
         self.asked.clear();
         for &(ball, face) in &self.candidates {
             self.asked.ask(state, ball, &state.balls[ball as usize], face);

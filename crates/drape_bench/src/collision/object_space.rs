@@ -58,7 +58,7 @@ impl Method for ObjectSpace {
         }
     }
 
-    fn find(&mut self, state: &State) -> usize {
+    fn find(&mut self, state: &mut State) -> usize {
         let Self { tree, near, asked } = self;
         asked.clear();
         let Some(tree) = tree else { return 0 };

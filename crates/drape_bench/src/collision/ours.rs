@@ -27,7 +27,7 @@ impl Method for Ours {
         detect_collisions(&mut state.island, &state.environment);
     }
 
-    fn find(&mut self, state: &State) -> usize {
+    fn find(&mut self, state: &mut State) -> usize {
         self.found.clear();
         state.island.ball_cloth_contacts(&mut self.found)
     }

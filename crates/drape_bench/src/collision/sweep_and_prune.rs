@@ -1,9 +1,10 @@
 //! Like SOLID 2.0 (van den Bergen 1999, "A fast and robust GJK implementation for collision detection of convex
 //! objects"): sweep and prune, then GJK with a cached separating axis for each pair.
 //!
-//! Sweep and prune: faces are kept sorted by the low ends of their boxes along the cloth's longest axis. From step to
-//! step few change places, so insertion sort is nearly linear (Cohen et al. 1995, "I-COLLIDE"). A ball looks up the
-//! stretch of that order that it can reach, and compares boxes along the other axes. In a substep each pair first tries
+//! Sweep and prune: faces are kept sorted by the low ends of their boxes along the cloth's longest axis. The boxes are
+//! wider than needed, so that those that move little keep their place; of the others few change places from step to
+//! step, so insertion sort is nearly linear (Cohen et al. 1995, "I-COLLIDE"), and where many do, as at the first step
+//! of a shot, all are sorted. A ball looks up the stretch of that order that it can reach, and compares boxes along the other axes. In a substep each pair first tries
 //! the axis that separated it last; if it still does, that is all. Else parry's GJK is started with that axis, on the
 //! triangle and the ball's centre, as SOLID treats a sphere as a point with a margin. GJK needs no penetration depth
 //! that way. A new step keeps the axes of the pairs that stay.
@@ -14,6 +15,11 @@ use drape_solver::parry3d::query::gjk::{ConstantPoint, CsoPoint, GJKResult, Voro
 use drape_solver::parry3d::shape::Triangle;
 
 use crate::collision::{Contact, Method, Pair, State};
+
+/// By how much a box is wider than needed, in metres.
+const SLACK: f32 = 0.02;
+/// All are sorted anew if more than one in so many has left its box.
+const MOVED_TO_SORT_ALL: usize = 32;
 
 /// A pair that may touch in this step.
 struct Candidate {
@@ -26,6 +32,8 @@ struct Candidate {
 pub struct SweepAndPrune {
     /// Faces by the low ends of their boxes, with those.
     order: Vec<(f32, u32)>,
+    /// For each face the wider box along the axis: low and high end.
+    wide: Vec<(f32, f32)>,
     axis: usize,
     /// The longest box along the axis.
     longest: f32,
@@ -39,6 +47,7 @@ impl Default for SweepAndPrune {
     fn default() -> Self {
         Self {
             order: Vec::new(),
+            wide: Vec::new(),
             axis: 0,
             longest: 0.0,
             candidates: Vec::new(),
@@ -52,26 +61,36 @@ impl Default for SweepAndPrune {
 impl SweepAndPrune {
     /// Brings the order up to date.
     fn sort(&mut self, state: &State) {
-        if self.order.is_empty() {
-            let size = state.bounds[1] - state.bounds[0];
-            self.axis = size.max_position();
-            self.order.extend((0..state.faces.len() as u32).map(|face| (0.0, face)));
-            for (low, face) in &mut self.order {
-                *low = extent(state, *face, self.axis).0;
-            }
-            self.order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let Self { order, wide, axis, longest, .. } = self;
+        if wide.is_empty() {
+            *axis = (state.bounds[1] - state.bounds[0]).max_position();
+            order.extend((0..state.faces.len() as u32).map(|face| (0.0, face)));
+            wide.resize(order.len(), (0.0, 0.0));
         }
-        self.longest = 0.0;
-        for place in 0..self.order.len() {
-            let face = self.order[place].1;
-            let (low, high) = extent(state, face, self.axis);
-            self.longest = self.longest.max(high - low);
-            let mut to = place;
-            while to > 0 && self.order[to - 1].0 > low {
-                self.order[to] = self.order[to - 1];
-                to -= 1;
+        let mut moved = 0;
+        for (face, wide) in (0..).zip(&mut *wide) {
+            let (low, high) = extent(state, face, *axis);
+            if low < wide.0 || high > wide.1 {
+                *wide = (low - SLACK, high + SLACK);
+                *longest = longest.max(wide.1 - wide.0);
+                moved += 1;
             }
-            self.order[to] = (low, face);
+        }
+        for (low, face) in &mut *order {
+            *low = wide[*face as usize].0;
+        }
+        if moved > order.len() / MOVED_TO_SORT_ALL {
+            order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        } else if moved > 0 {
+            for place in 1..order.len() {
+                let entry = order[place];
+                let mut to = place;
+                while to > 0 && order[to - 1].0 > entry.0 {
+                    order[to] = order[to - 1];
+                    to -= 1;
+                }
+                order[to] = entry;
+            }
         }
     }
 }
@@ -119,7 +138,7 @@ impl Method for SweepAndPrune {
         }
     }
 
-    fn find(&mut self, state: &State) -> usize {
+    fn find(&mut self, state: &mut State) -> usize {
         let Self { candidates, simplex, contacts, .. } = self;
         contacts.clear();
         let mut queries = 0;

@@ -94,7 +94,7 @@ impl Method for UniformGrid {
         }
     }
 
-    fn find(&mut self, state: &State) -> usize {
+    fn find(&mut self, state: &mut State) -> usize {
         let mut asked = core::mem::take(&mut self.asked);
         asked.clear();
         for &ball in &self.near {

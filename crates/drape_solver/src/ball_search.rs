@@ -1,0 +1,627 @@
+//! Which faces a ball is near: the search before the contacts of balls with cloth.
+//!
+//! A step lists all faces that a ball can meet within it; of these a substep's ball is near to a few. On a grid whose
+//! rows are rows of cells (`layout.rs`) they are found without looking at faces one by one. The squares between two rows
+//! are taken lane by lane: first the box around all squares of a lane in that row, then, where the ball touches it, the
+//! box of each square.
+//!
+//! ```text
+//!   row r      0 1 2 3 | 4 5 6 7 | 8 ...      one box a lane: columns 0..=4, 4..=8, ...
+//!   row r + 1  o-o-o-o-|-o-o-o-o-|-o          then one box a square: 0..=1, 1..=2, ...
+//! ```
+//!
+//! A face can also matter that the ball is not near to, because its centre has passed through it in this substep. Then
+//! the face's way, seen from the ball, leads round the ball's centre: the box around a lane's squares, as they were at
+//! the start of the substep and as they are now, holds it.
+//!
+//! Nothing is left out that a look at every face would find: boxes are exact, and a look is taken anew as soon as what
+//! has been pushed since could have moved a face into reach. Other bodies have every listed face looked at.
+
+use core::ops::Range;
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use glam::Vec3;
+
+use crate::ball::Ball;
+use crate::body::Body;
+use crate::columns::{Cell, LANES};
+use crate::constants::{PASSING_SLACK, SEARCH_MARGIN};
+use crate::isa::{Isa, Kernel};
+use crate::lanes::Lanes3;
+use crate::layout::{Grid, Layout};
+use crate::particles::Particles;
+use crate::topology::Topology;
+
+/// The faces that balls can meet in a step, and how to find those that they are near to.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BallSearch {
+    /// Kept when they are no longer in use, for their memory.
+    groups: Vec<Group>,
+    used: usize,
+    /// For each cell of a body the lanes whose particles a ball can reach.
+    marks: Vec<u16>,
+    near: Near,
+}
+
+/// The candidates of one ball and one body.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    pair: BallAndBody,
+    /// Where they are in the list of the step.
+    candidates: Range<usize>,
+    squares: Option<Squares>,
+    /// For each row of squares the boxes of its lanes at the start of the substep, relative to the ball's centre then:
+    /// least and greatest corners.
+    starts: Vec<[Cell; 2]>,
+    /// For each square, row by row, in the order of slots: its first candidate and their number, packed.
+    candidates_of: Vec<u32>,
+    /// Corners of the candidates, by slots, where they are on squares.
+    corners: Vec<[u32; 3]>,
+}
+
+/// A ball and a body, by index in the island.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct BallAndBody {
+    pub ball: usize,
+    pub body: usize,
+}
+
+/// What is listed, by the slots of its corners.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Corners {
+    Face([u32; 3]),
+    Segment([u32; 2]),
+}
+
+/// Rows of squares on a grid.
+#[derive(Clone, Copy, Debug)]
+struct Squares {
+    grid: Grid,
+    /// The first row, and the number of rows.
+    first: usize,
+    count: usize,
+}
+
+/// Bits of a packed entry that hold the number of candidates.
+const COUNT_BITS: u32 = 2;
+
+/// What a look at a group has shown, and how far it has been gone through.
+#[derive(Clone, Debug, Default)]
+struct Near {
+    group: usize,
+    /// Candidates of the group that a contact may be found with, as bits.
+    bits: Vec<u64>,
+    /// Candidates of squares that the ball is near to.
+    around: Vec<u32>,
+    /// The next candidate, by its number in the group.
+    next: usize,
+    /// By how much the look was wider than needed, less what has been pushed since, in metres; none before a look.
+    margin: Option<f32>,
+    /// For each cell of squares, the lanes that are near.
+    masks: Vec<u16>,
+    /// For each row of squares, the lanes that may have been passed.
+    passed_lanes: Vec<u16>,
+}
+
+impl BallSearch {
+    /// Forgets the last step's candidates.
+    pub fn clear(&mut self) {
+        self.used = 0;
+    }
+
+    /// Lists the faces and segments of a body that have a corner within `reach` (metres) of `centre`, by the slots of
+    /// their corners, in order; `list` is given those of a face or the ends of a segment, and `listed` is the number
+    /// of candidates before.
+    pub fn detect(
+        &mut self,
+        pair: BallAndBody,
+        (centre, reach): (Vec3, f32),
+        (body, isa): (&Body, Isa),
+        listed: usize,
+        mut list: impl FnMut(Corners),
+    ) {
+        let Self { groups, used, marks, .. } = self;
+        let Body { particles, topology, .. } = body;
+        marks.clear();
+        isa.run(Mark { cells: &particles.position.cells, centre, reach, marks });
+        if groups.len() == *used {
+            groups.push(Group::default());
+        }
+        let group = &mut groups[*used];
+        *used += 1;
+        group.pair = pair;
+        group.candidates_of.clear();
+        group.corners.clear();
+        let mut count = 0;
+        let mut list = |corners: Corners| -> usize {
+            list(corners);
+            count += 1;
+            count - 1
+        };
+        group.squares = match &topology.layout {
+            Layout::Grid(grid) if topology.has_faces_by_square && topology.layout.has_whole_rows() => {
+                let Group { candidates_of, corners, .. } = group;
+                Some(list_squares(*grid, topology, marks, candidates_of, &mut |slots| {
+                    corners.push(slots);
+                    list(Corners::Face(slots))
+                }))
+            }
+            layout => {
+                let slot = |particle: u32| layout.slot(particle as usize) as u32;
+                let is_near = |slots: &[u32]| slots.iter().any(|&slot| is_marked(marks, slot));
+                for slots in topology.faces.iter().map(|face| face.map(slot)).filter(|slots| is_near(slots)) {
+                    list(Corners::Face(slots));
+                }
+                let segments = topology.segments.iter().map(|ends| ends.map(slot));
+                for slots in segments.filter(|slots| is_near(slots)) {
+                    list(Corners::Segment(slots));
+                }
+                None
+            }
+        };
+        group.candidates = listed..listed + count;
+    }
+
+    /// Takes every face that is still in the list of the step for one that may be near: some have been taken out.
+    pub fn forget(&mut self, listed: usize) {
+        self.groups.truncate(1);
+        self.used = self.groups.len();
+        if let Some(all) = self.groups.first_mut() {
+            (all.candidates, all.squares) = (0..listed, None);
+        }
+    }
+
+    /// Notes where all is at the start of a substep, when it has flown freely and nothing was projected yet.
+    pub fn begin_substep(&mut self, balls: &[Ball], bodies: &[Body], isa: Isa) {
+        for group in &mut self.groups[..self.used] {
+            let Some(squares) = group.squares else { continue };
+            let (ball, Body { particles, .. }) = (&balls[group.pair.ball], &bodies[group.pair.body]);
+            let centre = ball.position - particles.origin - ball.travel();
+            group.starts.resize(squares.count, [Cell::default(); 2]);
+            isa.run(NoteStarts { particles, squares, centre, starts: &mut group.starts });
+        }
+    }
+
+    /// Starts to go through the candidates that balls are near to.
+    pub fn begin_round(&mut self) {
+        self.near.group = 0;
+        self.near.next = 0;
+        self.near.margin = None;
+    }
+
+    /// The next candidate that a contact may be found with as all lies now, by its index in the list of the step; none
+    /// at the end of the round.
+    pub fn next(&mut self, balls: &[Ball], bodies: &[Body], isa: Isa) -> Option<usize> {
+        let Self { groups, used, near, .. } = self;
+        while let Some(group) = groups[..*used].get(near.group) {
+            if near.margin.is_none_or(|margin| margin < 0.0) {
+                near.look(group, &balls[group.pair.ball], &bodies[group.pair.body], isa);
+            }
+            if let Some(candidate) = near.take(group) {
+                return Some(group.candidates.start + candidate);
+            }
+            near.group += 1;
+            near.next = 0;
+            near.margin = None;
+        }
+        None
+    }
+
+    /// Notes that a ball and particles have been moved, together by no more than `distance` (metres) seen from each
+    /// other.
+    pub fn note_push(&mut self, distance: f32) {
+        self.near.margin = self.near.margin.map(|margin| margin - distance);
+    }
+}
+
+impl Near {
+    /// Looks at a group.
+    fn look(&mut self, group: &Group, ball: &Ball, body: &Body, isa: Isa) {
+        let count = group.candidates.len();
+        self.bits.clear();
+        self.bits.resize(count.div_ceil(64), if group.squares.is_some() { 0 } else { u64::MAX });
+        let Some(squares) = group.squares else {
+            self.margin = Some(f32::INFINITY);
+            return;
+        };
+        let radius = ball.material.radius;
+        // Mostly nothing is pushed at all.
+        let margin = if self.margin.is_none() { 0.0 } else { SEARCH_MARGIN * radius };
+        // For what rounding of coordinates does to a nearest point.
+        let particles = &body.particles;
+        let centre = ball.position - particles.origin;
+        let rounding = 1e-5 * (radius + centre.abs().max_element());
+        let touch = radius + body.settings.thickness + margin + rounding;
+        self.margin = Some(margin);
+        isa.run(Look {
+            cells: &particles.position.cells,
+            squares,
+            centre,
+            touch,
+            pass: PASSING_SLACK * radius + margin + rounding,
+            starts: &group.starts,
+            near: self,
+        });
+        self.collect(group, squares);
+        let Self { around, bits, .. } = self;
+        isa.run(Sift { cells: &particles.position.cells, corners: &group.corners, centre, touch, around, bits });
+    }
+
+    /// From lanes to candidates.
+    fn collect(&mut self, group: &Group, squares: Squares) {
+        let Self { masks, passed_lanes, around, bits, .. } = self;
+        let width = squares.grid.width;
+        around.clear();
+        for (row, (masks, &passed)) in masks.chunks(width).zip(&*passed_lanes).enumerate() {
+            for (cell, &mask) in masks.iter().enumerate() {
+                let mut left = mask | passed;
+                while left != 0 {
+                    let lane = left.trailing_zeros();
+                    left &= left - 1;
+                    let entry = group.candidates_of[(row * width + cell) * LANES + lane as usize];
+                    let first = entry >> COUNT_BITS;
+                    let candidates = first..first + (entry & ((1 << COUNT_BITS) - 1));
+                    if passed & (1 << lane) != 0 {
+                        candidates.for_each(|candidate| set(bits, candidate));
+                    } else {
+                        around.extend(candidates);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The next of the group that is near.
+    fn take(&mut self, group: &Group) -> Option<usize> {
+        while self.next < group.candidates.len() {
+            let word = self.next / 64;
+            let left = self.bits[word] >> (self.next % 64);
+            if left == 0 {
+                self.next = (word + 1) * 64;
+                continue;
+            }
+            let candidate = self.next + left.trailing_zeros() as usize;
+            self.next = candidate + 1;
+            return (candidate < group.candidates.len()).then_some(candidate);
+        }
+        None
+    }
+}
+
+#[inline(always)]
+fn set(bits: &mut [u64], candidate: u32) {
+    bits[candidate as usize / 64] |= 1 << (candidate % 64);
+}
+
+fn is_marked(marks: &[u16], slot: u32) -> bool {
+    marks[slot as usize / LANES] & (1 << (slot as usize % LANES)) != 0
+}
+
+/// Lists the faces of all squares that have a marked corner, row by row.
+fn list_squares(
+    grid: Grid,
+    topology: &Topology,
+    marks: &[u16],
+    candidates_of: &mut Vec<u32>,
+    list: &mut impl FnMut([u32; 3]) -> usize,
+) -> Squares {
+    let width = grid.width;
+    let row_of = |cell: usize| cell / width;
+    let (first, last) = (marks.iter().position(|&mark| mark != 0), marks.iter().rposition(|&mark| mark != 0));
+    let (Some(first), Some(last)) = (first, last) else {
+        return Squares { grid, first: 0, count: 0 };
+    };
+    let rows = row_of(first).saturating_sub(1)..(row_of(last) + 1).min(grid.rows - 1);
+    candidates_of.resize(rows.len() * width * LANES, 0);
+    for row in rows.clone() {
+        let around = |cell: usize| marks[row * width + cell] | marks[(row + 1) * width + cell];
+        if (0..width).all(|cell| around(cell) == 0) {
+            continue;
+        }
+        for column in 0..grid.columns - 1 {
+            let (lane, cell) = (column / width, column % width);
+            let right = if cell + 1 < width { around(cell + 1) } else { around(0) >> 1 };
+            if (around(cell) | right) & (1 << lane) == 0 {
+                continue;
+            }
+            let corner = |right: usize, down: usize| {
+                (grid.columns * (row + down) + column + right, grid.slot(column + right, row + down))
+            };
+            let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+            let slot = |particle: u32| {
+                let place = corners.iter().position(|corner| corner.0 == particle as usize);
+                corners[place.unwrap_or(0)].1 as u32
+            };
+            let entry = &mut candidates_of[((row - rows.start) * width + cell) * LANES + lane];
+            let square = 2 * (row * (grid.columns - 1) + column);
+            for face in &topology.faces[square..square + 2] {
+                let slots = face.map(slot);
+                if slots.iter().any(|&slot| is_marked(marks, slot)) {
+                    let candidate = list(slots) as u32;
+                    if *entry == 0 {
+                        *entry = candidate << COUNT_BITS;
+                    }
+                    *entry += 1;
+                }
+            }
+        }
+    }
+    Squares { grid, first: rows.start, count: rows.len() }
+}
+
+/// Whether the faces are those of a grid's squares, two of each, row by row.
+pub(crate) fn are_by_square(faces: &[[u32; 3]], layout: &Layout) -> bool {
+    let Layout::Grid(grid) = layout else { return false };
+    let across = grid.columns - 1;
+    faces.len() == 2 * across * (grid.rows - 1)
+        && faces.iter().enumerate().all(|(index, face)| {
+            let (column, row) = (index / 2 % across, index / 2 / across);
+            face.iter().all(|&particle| {
+                let (x, y) = (particle as usize % grid.columns, particle as usize / grid.columns);
+                (column..=column + 1).contains(&x) && (row..=row + 1).contains(&y)
+            })
+        })
+}
+
+/// Marks the particles that are within reach.
+struct Mark<'a> {
+    cells: &'a [Cell],
+    centre: Vec3,
+    reach: f32,
+    marks: &'a mut Vec<u16>,
+}
+
+impl Kernel for Mark<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let centre = Lanes3::splat(simd, self.centre);
+        let reach = f32x16::splat(simd, self.reach * self.reach);
+        for cell in self.cells {
+            let offset = Lanes3::load(simd, cell).minus(centre);
+            self.marks.push(offset.dot(offset).simd_lt(reach).to_bitmask() as u16);
+        }
+    }
+}
+
+/// Boxes in lanes.
+#[derive(Clone, Copy)]
+struct Boxes<S: Simd> {
+    low: Lanes3<S>,
+    high: Lanes3<S>,
+}
+
+impl<S: Simd> Boxes<S> {
+    #[inline(always)]
+    fn of(point: Lanes3<S>) -> Self {
+        Self { low: point, high: point }
+    }
+
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        let (low, high) = (self.low, self.high);
+        Self {
+            low: Lanes3 {
+                x: low.x.min(other.low.x),
+                y: low.y.min(other.low.y),
+                z: low.z.min(other.low.z),
+            },
+            high: Lanes3 {
+                x: high.x.max(other.high.x),
+                y: high.y.max(other.high.y),
+                z: high.z.max(other.high.z),
+            },
+        }
+    }
+
+    /// The boxes of the lanes that follow.
+    #[inline(always)]
+    fn next_lanes(self) -> Self {
+        Self { low: self.low.shifted::<1>(), high: self.high.shifted::<1>() }
+    }
+
+    /// Squared distance from `centre`.
+    #[inline(always)]
+    fn distance_squared(self, simd: S, centre: Lanes3<S>) -> f32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let (above, below) = (self.low.minus(centre), centre.minus(self.high));
+        let away = Lanes3 {
+            x: above.x.max(below.x).max(zero),
+            y: above.y.max(below.y).max(zero),
+            z: above.z.max(below.z).max(zero),
+        };
+        away.dot(away)
+    }
+}
+
+/// The boxes of a row of cells, with the first cell of the next lane, which a lane's last square reaches.
+#[inline(always)]
+fn row_boxes<S: Simd>(simd: S, cells: &[Cell]) -> Boxes<S> {
+    let first = Boxes::of(Lanes3::load(simd, &cells[0]));
+    let mut all = first.and(first.next_lanes());
+    for cell in &cells[1..] {
+        all = all.and(Boxes::of(Lanes3::load(simd, cell)));
+    }
+    all
+}
+
+/// Notes the boxes at the start of a substep.
+struct NoteStarts<'a> {
+    particles: &'a Particles,
+    squares: Squares,
+    /// The ball's, then.
+    centre: Vec3,
+    starts: &'a mut [[Cell; 2]],
+}
+
+impl Kernel for NoteStarts<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { particles, squares, centre, starts } = self;
+        let centre = Lanes3::splat(simd, centre);
+        let width = squares.grid.width;
+        let rows = squares.first * width..(squares.first + starts.len() + 1) * width;
+        let positions = particles.position.cells[rows.clone()].chunks_exact(width);
+        let displacements = particles.displacement.cells[rows].chunks_exact(width);
+        let mut above = None;
+        let mut row = 0;
+        for (positions, displacements) in positions.zip(displacements) {
+            let place = Lanes3::load(simd, &positions[0]).minus(Lanes3::load(simd, &displacements[0]));
+            let first = Boxes::of(place);
+            let mut below = first.and(first.next_lanes());
+            for cell in 1..width {
+                let place = Lanes3::load(simd, &positions[cell]).minus(Lanes3::load(simd, &displacements[cell]));
+                below = below.and(Boxes::of(place));
+            }
+            if let Some(above) = above {
+                let both = below.and(above);
+                let [low, high] = &mut starts[row];
+                both.low.minus(centre).store(low);
+                both.high.minus(centre).store(high);
+                row += 1;
+            }
+            above = Some(below);
+        }
+    }
+}
+
+/// Finds squares near a ball, and lanes that it may have passed through.
+struct Look<'a> {
+    cells: &'a [Cell],
+    squares: Squares,
+    centre: Vec3,
+    /// Distances in metres at which a face is near, and at which it may have been passed.
+    touch: f32,
+    pass: f32,
+    starts: &'a [[Cell; 2]],
+    near: &'a mut Near,
+}
+
+impl Kernel for Look<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { cells, squares, centre, touch, pass, starts, near } = self;
+        let width = squares.grid.width;
+        let centre = Lanes3::splat(simd, centre);
+        let origin = Lanes3::splat(simd, Vec3::ZERO);
+        let touch = f32x16::splat(simd, touch * touch);
+        let pass = f32x16::splat(simd, pass * pass);
+        near.masks.clear();
+        near.masks.resize(squares.count * width, 0);
+        near.passed_lanes.clear();
+        if starts.is_empty() {
+            return;
+        }
+        let mut cells = &cells[squares.first * width..];
+        let mut above = row_boxes(simd, &cells[..width]);
+        for ([low, high], masks) in starts.iter().zip(near.masks.chunks_exact_mut(width)) {
+            let (upper, lower) = cells.split_at(width);
+            let lower = &lower[..width];
+            cells = &cells[width..];
+            let below = row_boxes(simd, lower);
+            let now = above.and(below);
+            above = below;
+            let start = Boxes { low: Lanes3::load(simd, low), high: Lanes3::load(simd, high) };
+            let way = start.and(Boxes { low: now.low.minus(centre), high: now.high.minus(centre) });
+            near.passed_lanes.push(way.distance_squared(simd, origin).simd_le(pass).to_bitmask() as u16);
+            if !now.distance_squared(simd, centre).simd_le(touch).any_true() {
+                continue;
+            }
+            let first = Boxes::of(Lanes3::load(simd, &upper[0])).and(Boxes::of(Lanes3::load(simd, &lower[0])));
+            let mut left = first;
+            for (cell, mask) in masks.iter_mut().enumerate() {
+                let right = if cell + 1 < width {
+                    let upper = Boxes::of(Lanes3::load(simd, &upper[cell + 1]));
+                    upper.and(Boxes::of(Lanes3::load(simd, &lower[cell + 1])))
+                } else {
+                    first.next_lanes()
+                };
+                let around = left.and(right);
+                *mask = around.distance_squared(simd, centre).simd_le(touch).to_bitmask() as u16;
+                left = right;
+            }
+        }
+    }
+}
+
+/// Picks the candidates that the ball touches.
+struct Sift<'a> {
+    cells: &'a [Cell],
+    /// Of all candidates, by slots.
+    corners: &'a [[u32; 3]],
+    centre: Vec3,
+    /// Distance in metres at which a face is touched.
+    touch: f32,
+    around: &'a [u32],
+    /// Where those that are touched are noted.
+    bits: &'a mut [u64],
+}
+
+impl Kernel for Sift<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { cells, corners, centre, touch, around, bits } = self;
+        let centre = Lanes3::splat(simd, centre);
+        let touch = f32x16::splat(simd, touch * touch);
+        let mut gathered = [Cell::default(); 3];
+        for some in around.chunks(LANES) {
+            for (lane, &candidate) in some.iter().enumerate() {
+                for (gathered, slot) in gathered.iter_mut().zip(corners[candidate as usize]) {
+                    let (cell, from) = (&cells[slot as usize / LANES], slot as usize % LANES);
+                    gathered.x[lane] = cell.x[from];
+                    gathered.y[lane] = cell.y[from];
+                    gathered.z[lane] = cell.z[from];
+                }
+            }
+            let [a, b, c] = &gathered;
+            let a = Lanes3::load(simd, a).minus(centre);
+            let b = Lanes3::load(simd, b).minus(centre);
+            let c = Lanes3::load(simd, c).minus(centre);
+            let mut far = is_beyond(simd, [a, b, c], touch).to_bitmask();
+            far |= u64::MAX << some.len();
+            let mut left = !far;
+            while left != 0 {
+                set(bits, some[left.trailing_zeros() as usize]);
+                left &= left - 1;
+            }
+        }
+    }
+}
+
+/// Whether triangles are certainly farther, by squares, than `touch` from the origin: nearest is an edge, or the plane
+/// where the origin lies over the triangle.
+#[inline(always)]
+fn is_beyond<S: Simd>(simd: S, [a, b, c]: [Lanes3<S>; 3], touch: f32x16<S>) -> mask32x16<S> {
+    let (ab, bc, ca) = (b.minus(a), c.minus(b), a.minus(c));
+    let normal = ab.cross(bc);
+    let size = normal.dot(normal);
+    let zero = f32x16::splat(simd, 0.0);
+    let is_over = ab.cross(a).dot(normal).simd_le(zero)
+        & bc.cross(b).dot(normal).simd_le(zero)
+        & ca.cross(c).dot(normal).simd_le(zero);
+    let height = normal.dot(a);
+    let over_plane = (height * height).simd_gt(touch * size);
+    let edges = edge_distance_squared(simd, a, ab)
+        .min(edge_distance_squared(simd, b, bc))
+        .min(edge_distance_squared(simd, c, ca));
+    // The normal of a sliver is made of rounding errors.
+    let has_normal = size.simd_gt(ab.dot(ab) * bc.dot(bc) * 1e-4);
+    has_normal & ((is_over & over_plane) | (!is_over & edges.simd_gt(touch)))
+}
+
+/// Squared distance of the origin from edges that lead from `from` along `along`.
+#[inline(always)]
+fn edge_distance_squared<S: Simd>(simd: S, from: Lanes3<S>, along: Lanes3<S>) -> f32x16<S> {
+    let one = f32x16::splat(simd, 1.0);
+    let zero = f32x16::splat(simd, 0.0);
+    let fraction = (-from.dot(along) / along.dot(along)).min(one).max(zero);
+    let nearest = from.plus(along.times(fraction));
+    nearest.dot(nearest)
+}
