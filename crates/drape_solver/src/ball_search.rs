@@ -318,32 +318,38 @@ fn list_squares(
         if (0..width).all(|cell| around(cell) == 0) {
             continue;
         }
+        let (mut lane, mut cell) = (0, 0);
+        // Columns in order: lane by lane.
         for column in 0..grid.columns - 1 {
-            let (lane, cell) = (column / width, column % width);
-            let right = if cell + 1 < width { around(cell + 1) } else { around(0) >> 1 };
-            if (around(cell) | right) & (1 << lane) == 0 {
-                continue;
+            if cell == width {
+                (lane, cell) = (lane + 1, 0);
             }
-            let corner = |right: usize, down: usize| {
-                (grid.columns * (row + down) + column + right, grid.slot(column + right, row + down))
-            };
-            let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
-            let slot = |particle: u32| {
-                let place = corners.iter().position(|corner| corner.0 == particle as usize);
-                corners[place.unwrap_or(0)].1 as u32
-            };
-            let entry = &mut candidates_of[((row - rows.start) * width + cell) * LANES + lane];
-            let square = 2 * (row * (grid.columns - 1) + column);
-            for face in &topology.faces[square..square + 2] {
-                let slots = face.map(slot);
-                if slots.iter().any(|&slot| is_marked(marks, slot)) {
-                    let candidate = list(slots) as u32;
-                    if *entry == 0 {
-                        *entry = candidate << COUNT_BITS;
+            let next = if cell + 1 < width { (lane, cell + 1) } else { (lane + 1, 0) };
+            let is_near = |(lane, cell): (usize, usize)| around(cell) & (1 << lane) != 0;
+            if is_near((lane, cell)) || is_near(next) {
+                let slot = |(lane, cell): (usize, usize), row: usize| ((row * width + cell) * LANES + lane) as u32;
+                let upper = (grid.columns * row + column) as u32;
+                let lower = upper + grid.columns as u32;
+                let slots = [slot((lane, cell), row), slot(next, row), slot((lane, cell), row + 1), slot(next, row + 1)];
+                let entry = &mut candidates_of[((row - rows.start) * width + cell) * LANES + lane];
+                let square = 2 * (row * (grid.columns - 1) + column);
+                for face in &topology.faces[square..square + 2] {
+                    let slots = face.map(|particle| match particle {
+                        _ if particle == upper => slots[0],
+                        _ if particle == upper + 1 => slots[1],
+                        _ if particle == lower => slots[2],
+                        _ => slots[3],
+                    });
+                    if slots.iter().any(|&slot| is_marked(marks, slot)) {
+                        let candidate = list(slots) as u32;
+                        if *entry == 0 {
+                            *entry = candidate << COUNT_BITS;
+                        }
+                        *entry += 1;
                     }
-                    *entry += 1;
                 }
             }
+            cell += 1;
         }
     }
     Squares { grid, first: rows.start, count: rows.len() }
