@@ -10,12 +10,15 @@
 //!   row r + 1  o-o-o-o-|-o-o-o-o-|-o          then one box a square: 0..=1, 1..=2, ...
 //! ```
 //!
-//! A face can also matter that the ball is not near to, because its centre has passed through it in this substep. Then
-//! the face's way, seen from the ball, leads round the ball's centre: the box around a lane's squares, as they were at
-//! the start of the substep and as they are now, holds it.
+//! What is left is measured sixteen faces at a time, by the distance of their nearest points. On other bodies this is done
+//! with all that are listed.
 //!
-//! Nothing is left out that a look at every face would find: boxes are exact, and a look is taken anew as soon as what
-//! has been pushed since could have moved a face into reach. Other bodies have every listed face looked at.
+//! A face can also matter that the ball is not near to, because its centre has passed through it in this substep. It
+//! cannot be farther away then than it and the ball have gone, so that the search is widened to that where things are
+//! fast.
+//!
+//! Nothing is left out that a look at every face would find: bounds are exact but for rounding, which is allowed for, and
+//! a look is taken anew as soon as what has been pushed since could have moved a face into reach.
 
 use core::ops::Range;
 
@@ -50,13 +53,12 @@ struct Group {
     /// Where they are in the list of the step.
     candidates: Range<usize>,
     squares: Option<Squares>,
-    /// For each row of squares the boxes of its lanes at the start of the substep, relative to the ball's centre then:
-    /// least and greatest corners.
-    starts: Vec<[Cell; 2]>,
     /// For each square, row by row, in the order of slots: its first candidate and their number, packed.
     candidates_of: Vec<u32>,
-    /// Corners of the candidates, by slots, where they are on squares.
+    /// Corners of the candidates, by slots; a segment has its second end twice.
     corners: Vec<[u32; 3]>,
+    /// The cells that they lie in, and others between.
+    cells: Range<usize>,
 }
 
 /// A ball and a body, by index in the island.
@@ -99,8 +101,6 @@ struct Near {
     margin: Option<f32>,
     /// For each cell of squares, the lanes that are near.
     masks: Vec<u16>,
-    /// For each row of squares, the lanes that may have been passed.
-    passed_lanes: Vec<u16>,
 }
 
 impl BallSearch {
@@ -150,15 +150,19 @@ impl BallSearch {
                 let slot = |particle: u32| layout.slot(particle as usize) as u32;
                 let is_near = |slots: &[u32]| slots.iter().any(|&slot| is_marked(marks, slot));
                 for slots in topology.faces.iter().map(|face| face.map(slot)).filter(|slots| is_near(slots)) {
+                    group.corners.push(slots);
                     list(Corners::Face(slots));
                 }
                 let segments = topology.segments.iter().map(|ends| ends.map(slot));
                 for slots in segments.filter(|slots| is_near(slots)) {
+                    group.corners.push([slots[0], slots[1], slots[1]]);
                     list(Corners::Segment(slots));
                 }
                 None
             }
         };
+        let slots = group.corners.iter().flatten().map(|&slot| slot as usize / LANES);
+        group.cells = slots.fold(usize::MAX..0, |cells, cell| cells.start.min(cell)..cells.end.max(cell + 1));
         group.candidates = listed..listed + count;
     }
 
@@ -168,17 +172,6 @@ impl BallSearch {
         self.used = self.groups.len();
         if let Some(all) = self.groups.first_mut() {
             (all.candidates, all.squares) = (0..listed, None);
-        }
-    }
-
-    /// Notes where all is at the start of a substep, when it has flown freely and nothing was projected yet.
-    pub fn begin_substep(&mut self, balls: &[Ball], bodies: &[Body], isa: Isa) {
-        for group in &mut self.groups[..self.used] {
-            let Some(squares) = group.squares else { continue };
-            let (ball, Body { particles, .. }) = (&balls[group.pair.ball], &bodies[group.pair.body]);
-            let centre = ball.position - particles.origin - ball.travel();
-            group.starts.resize(squares.count, [Cell::default(); 2]);
-            isa.run(NoteStarts { particles, squares, centre, starts: &mut group.starts });
         }
     }
 
@@ -217,55 +210,50 @@ impl BallSearch {
 impl Near {
     /// Looks at a group.
     fn look(&mut self, group: &Group, ball: &Ball, body: &Body, isa: Isa) {
-        let count = group.candidates.len();
-        self.bits.clear();
-        self.bits.resize(count.div_ceil(64), if group.squares.is_some() { 0 } else { u64::MAX });
-        let Some(squares) = group.squares else {
-            self.margin = Some(f32::INFINITY);
-            return;
-        };
         let radius = ball.material.radius;
         // Mostly nothing is pushed at all.
         let margin = if self.margin.is_none() { 0.0 } else { SEARCH_MARGIN * radius };
-        // For what rounding of coordinates does to a nearest point.
-        let particles = &body.particles;
-        let centre = ball.position - particles.origin;
-        let rounding = 1e-5 * (radius + centre.abs().max_element());
-        let touch = radius + body.settings.thickness + margin + rounding;
         self.margin = Some(margin);
-        isa.run(Look {
-            cells: &particles.position.cells,
-            squares,
-            centre,
-            touch,
-            pass: PASSING_SLACK * radius + margin + rounding,
-            starts: &group.starts,
-            near: self,
-        });
-        self.collect(group, squares);
+        let count = group.candidates.len();
+        self.bits.clear();
+        self.bits.resize(count.div_ceil(64), 0);
+        self.around.clear();
+        if count == 0 {
+            return;
+        }
+        let Body { particles, context, settings, .. } = body;
+        let centre = ball.position - particles.origin;
+        let [position, displacement, integrated] =
+            [&particles.position, &particles.displacement, &context.integrated]
+                .map(|columns| &columns.cells[group.cells.clone()]);
+        let way = isa.run(LongestTravel { position, displacement, integrated }) + ball.travel().length();
+        // A push moves a face, and makes its way longer.
+        let passed = PASSING_SLACK * radius + way + 2.0 * margin;
+        let rounding = 1e-5 * (radius + centre.abs().max_element());
+        let touch = passed.max(radius + settings.thickness + margin) + rounding;
+        let cells = &particles.position.cells;
+        if let Some(squares) = group.squares {
+            isa.run(Look { cells, squares, centre, touch, masks: &mut self.masks });
+            self.collect(group, squares);
+        } else {
+            self.around.extend(0..count as u32);
+        }
         let Self { around, bits, .. } = self;
-        isa.run(Sift { cells: &particles.position.cells, corners: &group.corners, centre, touch, around, bits });
+        isa.run(Sift { cells, corners: &group.corners, centre, touch, around, bits });
     }
 
     /// From lanes to candidates.
     fn collect(&mut self, group: &Group, squares: Squares) {
-        let Self { masks, passed_lanes, around, bits, .. } = self;
         let width = squares.grid.width;
-        around.clear();
-        for (row, (masks, &passed)) in masks.chunks(width).zip(&*passed_lanes).enumerate() {
+        for (row, masks) in self.masks.chunks(width).enumerate() {
             for (cell, &mask) in masks.iter().enumerate() {
-                let mut left = mask | passed;
+                let mut left = mask;
                 while left != 0 {
-                    let lane = left.trailing_zeros();
+                    let lane = left.trailing_zeros() as usize;
                     left &= left - 1;
-                    let entry = group.candidates_of[(row * width + cell) * LANES + lane as usize];
+                    let entry = group.candidates_of[(row * width + cell) * LANES + lane];
                     let first = entry >> COUNT_BITS;
-                    let candidates = first..first + (entry & ((1 << COUNT_BITS) - 1));
-                    if passed & (1 << lane) != 0 {
-                        candidates.for_each(|candidate| set(bits, candidate));
-                    } else {
-                        around.extend(candidates);
-                    }
+                    self.around.extend(first..first + (entry & ((1 << COUNT_BITS) - 1)));
                 }
             }
         }
@@ -452,58 +440,38 @@ fn row_boxes<S: Simd>(simd: S, cells: &[Cell]) -> Boxes<S> {
     all
 }
 
-/// Notes the boxes at the start of a substep.
-struct NoteStarts<'a> {
-    particles: &'a Particles,
-    squares: Squares,
-    /// The ball's, then.
-    centre: Vec3,
-    starts: &'a mut [[Cell; 2]],
+/// The longest way of a particle in this substep so far, in metres.
+struct LongestTravel<'a> {
+    position: &'a [Cell],
+    displacement: &'a [Cell],
+    integrated: &'a [Cell],
 }
 
-impl Kernel for NoteStarts<'_> {
-    type Output = ();
+impl Kernel for LongestTravel<'_> {
+    type Output = f32;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { particles, squares, centre, starts } = self;
-        let centre = Lanes3::splat(simd, centre);
-        let width = squares.grid.width;
-        let rows = squares.first * width..(squares.first + starts.len() + 1) * width;
-        let positions = particles.position.cells[rows.clone()].chunks_exact(width);
-        let displacements = particles.displacement.cells[rows].chunks_exact(width);
-        let mut above = None;
-        let mut row = 0;
-        for (positions, displacements) in positions.zip(displacements) {
-            let place = Lanes3::load(simd, &positions[0]).minus(Lanes3::load(simd, &displacements[0]));
-            let first = Boxes::of(place);
-            let mut below = first.and(first.next_lanes());
-            for cell in 1..width {
-                let place = Lanes3::load(simd, &positions[cell]).minus(Lanes3::load(simd, &displacements[cell]));
-                below = below.and(Boxes::of(place));
-            }
-            if let Some(above) = above {
-                let both = below.and(above);
-                let [low, high] = &mut starts[row];
-                both.low.minus(centre).store(low);
-                both.high.minus(centre).store(high);
-                row += 1;
-            }
-            above = Some(below);
+    fn run<S: Simd>(self, simd: S) -> f32 {
+        let Self { position, displacement, integrated } = self;
+        let mut longest = f32x16::splat(simd, 0.0);
+        for ((position, displacement), integrated) in position.iter().zip(displacement).zip(integrated) {
+            let projected = Lanes3::load(simd, position).minus(Lanes3::load(simd, integrated));
+            let travel = projected.plus(Lanes3::load(simd, displacement));
+            longest = longest.max(travel.dot(travel));
         }
+        longest.to_array().into_iter().fold(0.0, f32::max).sqrt()
     }
 }
 
-/// Finds squares near a ball, and lanes that it may have passed through.
+/// Finds squares near a ball.
 struct Look<'a> {
     cells: &'a [Cell],
     squares: Squares,
     centre: Vec3,
-    /// Distances in metres at which a face is near, and at which it may have been passed.
+    /// Distance in metres at which a face is near.
     touch: f32,
-    pass: f32,
-    starts: &'a [[Cell; 2]],
-    near: &'a mut Near,
+    /// For each cell of squares, the lanes that are near.
+    masks: &'a mut Vec<u16>,
 }
 
 impl Kernel for Look<'_> {
@@ -511,31 +479,22 @@ impl Kernel for Look<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { cells, squares, centre, touch, pass, starts, near } = self;
+        let Self { cells, squares, centre, touch, masks } = self;
         let width = squares.grid.width;
         let centre = Lanes3::splat(simd, centre);
-        let origin = Lanes3::splat(simd, Vec3::ZERO);
         let touch = f32x16::splat(simd, touch * touch);
-        let pass = f32x16::splat(simd, pass * pass);
-        near.masks.clear();
-        near.masks.resize(squares.count * width, 0);
-        near.passed_lanes.clear();
-        if starts.is_empty() {
-            return;
-        }
+        masks.clear();
+        masks.resize(squares.count * width, 0);
         let mut cells = &cells[squares.first * width..];
         let mut above = row_boxes(simd, &cells[..width]);
-        for ([low, high], masks) in starts.iter().zip(near.masks.chunks_exact_mut(width)) {
+        for masks in masks.chunks_exact_mut(width) {
             let (upper, lower) = cells.split_at(width);
             let lower = &lower[..width];
             cells = &cells[width..];
             let below = row_boxes(simd, lower);
-            let now = above.and(below);
+            let is_near = above.and(below).distance_squared(simd, centre).simd_le(touch).any_true();
             above = below;
-            let start = Boxes { low: Lanes3::load(simd, low), high: Lanes3::load(simd, high) };
-            let way = start.and(Boxes { low: now.low.minus(centre), high: now.high.minus(centre) });
-            near.passed_lanes.push(way.distance_squared(simd, origin).simd_le(pass).to_bitmask() as u16);
-            if !now.distance_squared(simd, centre).simd_le(touch).any_true() {
+            if !is_near {
                 continue;
             }
             let first = Boxes::of(Lanes3::load(simd, &upper[0])).and(Boxes::of(Lanes3::load(simd, &lower[0])));

@@ -151,12 +151,10 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
 
 /// Forgets the last substep's depths.
 pub(crate) fn begin_substep(island: &mut Island) {
-    let Island { bodies, balls, context, isa, .. } = island;
-    for contact in &mut context.ball_cloth {
+    for contact in &mut island.context.ball_cloth {
         contact.depth = 0.0;
         contact.overlap = Overlap::default();
     }
-    context.ball_search.begin_substep(balls, bodies, *isa);
 }
 
 /// A ball and an element that overlap: how they lie now, and how they lay at the start of the substep.
@@ -234,7 +232,6 @@ impl Overlapping {
 pub(crate) fn find_all(island: &mut Island, mut found: impl FnMut(BallClothContact)) -> usize {
     let Island { bodies, balls, context, isa, .. } = island;
     let search = &mut context.ball_search;
-    search.begin_substep(balls, bodies, *isa);
     search.begin_round();
     let mut count = 0;
     while let Some(index) = search.next(balls, bodies, *isa) {
