@@ -74,11 +74,7 @@ impl Bombardment {
     ///
     /// # Errors
     /// [`Failure`] if the solver refuses the scene or a step.
-    pub fn run(
-        &self,
-        observer: &mut impl Observer,
-        mut on_step: impl FnMut(f64),
-    ) -> Result<(), Failure> {
+    pub fn run(&self, observer: &mut impl Observer, mut on_step: impl FnMut(f64)) -> Result<(), Failure> {
         let mut state = self.state()?;
         let obstacles = vec![Obstacle::ground()];
         let environment = Environment { obstacles, ..state.environment.clone() };

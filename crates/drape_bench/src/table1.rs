@@ -255,3 +255,51 @@ impl CurtainReport {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use drape_solver::glam::Vec3;
+    use drape_solver::{BallMaterial, SolverSettings};
+
+    use super::*;
+    use crate::bombardment::Shot;
+
+    fn small(particles: [u32; 2]) -> Bombardment {
+        let shot = |index: u32, x: f32, speed: f32| Shot {
+            time: 0.1 + 0.7 * f64::from(index),
+            muzzle: Vec3::new(x, 1.0, 2.0),
+            velocity: Vec3::new(-0.5 * x, 2.0, -speed),
+        };
+        Bombardment {
+            size: [2.0, 1.5],
+            clearance: 0.3,
+            particles,
+            settings: SolverSettings { substeps: 4, ..SolverSettings::default() },
+            ball: BallMaterial::default(),
+            shots: vec![shot(0, 0.0, 8.0), shot(1, 0.4, 25.0)],
+            step: 1.0 / 60.0,
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            rest: 0.7,
+        }
+    }
+
+    /// On grids of all layouts: in rows, in square patches, and too small to be cut.
+    #[test]
+    fn all_methods_find_the_contacts_of_brute_force() {
+        for particles in [[40, 30], [17, 13], [5, 4]] {
+            let report = measure(&small(particles), |_| {}).expect("the solver takes it");
+            assert!(report.contacts > 100, "{} contacts only", report.contacts);
+            for method in &report.methods {
+                let faults = (method.missed, method.false_contacts);
+                // GJK's distances are rough to a part in three thousand.
+                let allowed = if method.name.contains("GJK") { report.contacts / 1000 } else { 0 };
+                assert!(
+                    faults.0 <= allowed && faults.1 <= allowed,
+                    "{particles:?} {}: {faults:?}",
+                    method.name
+                );
+                assert_eq!(method.ms_per_shot.len(), 2);
+            }
+        }
+    }
+}

@@ -32,7 +32,6 @@ use crate::constants::{PASSING_SLACK, SEARCH_MARGIN};
 use crate::isa::{Isa, Kernel};
 use crate::lanes::Lanes3;
 use crate::layout::{Grid, Layout};
-use crate::particles::Particles;
 use crate::topology::Topology;
 
 /// The faces that balls can meet in a step, and how to find those that they are near to.
@@ -315,10 +314,16 @@ fn list_squares(
             let next = if cell + 1 < width { (lane, cell + 1) } else { (lane + 1, 0) };
             let is_near = |(lane, cell): (usize, usize)| around(cell) & (1 << lane) != 0;
             if is_near((lane, cell)) || is_near(next) {
-                let slot = |(lane, cell): (usize, usize), row: usize| ((row * width + cell) * LANES + lane) as u32;
+                let slot =
+                    |(lane, cell): (usize, usize), row: usize| ((row * width + cell) * LANES + lane) as u32;
                 let upper = (grid.columns * row + column) as u32;
                 let lower = upper + grid.columns as u32;
-                let slots = [slot((lane, cell), row), slot(next, row), slot((lane, cell), row + 1), slot(next, row + 1)];
+                let slots = [
+                    slot((lane, cell), row),
+                    slot(next, row),
+                    slot((lane, cell), row + 1),
+                    slot(next, row + 1),
+                ];
                 let entry = &mut candidates_of[((row - rows.start) * width + cell) * LANES + lane];
                 let square = 2 * (row * (grid.columns - 1) + column);
                 for face in &topology.faces[square..square + 2] {
@@ -396,11 +401,7 @@ impl<S: Simd> Boxes<S> {
     fn and(self, other: Self) -> Self {
         let (low, high) = (self.low, self.high);
         Self {
-            low: Lanes3 {
-                x: low.x.min(other.low.x),
-                y: low.y.min(other.low.y),
-                z: low.z.min(other.low.z),
-            },
+            low: Lanes3 { x: low.x.min(other.low.x), y: low.y.min(other.low.y), z: low.z.min(other.low.z) },
             high: Lanes3 {
                 x: high.x.max(other.high.x),
                 y: high.y.max(other.high.y),
@@ -497,7 +498,8 @@ impl Kernel for Look<'_> {
             if !is_near {
                 continue;
             }
-            let first = Boxes::of(Lanes3::load(simd, &upper[0])).and(Boxes::of(Lanes3::load(simd, &lower[0])));
+            let first =
+                Boxes::of(Lanes3::load(simd, &upper[0])).and(Boxes::of(Lanes3::load(simd, &lower[0])));
             let mut left = first;
             for (cell, mask) in masks.iter_mut().enumerate() {
                 let right = if cell + 1 < width {

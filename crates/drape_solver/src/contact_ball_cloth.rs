@@ -302,7 +302,8 @@ pub(crate) fn project(island: &mut Island) {
         contact.depth += push.fresh;
         let (fresh, old) = (normal * (push.fresh / total), normal * (push.old / total));
         ball.project(fresh * ball.inverse_mass, old * ball.inverse_mass);
-        let heaviest_share = corners.into_iter().zip(weights).map(|(i, w)| w * body.particles.inverse_mass[i]);
+        let heaviest_share =
+            corners.into_iter().zip(weights).map(|(i, w)| w * body.particles.inverse_mass[i]);
         let nearer = ball.inverse_mass + heaviest_share.fold(0.0, f32::max);
         context.ball_search.note_push((push.fresh + push.old) / total * nearer);
         for (corner, weight) in corners.into_iter().zip(weights) {

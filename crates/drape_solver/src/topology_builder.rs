@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::ball_search::are_by_square;
 use crate::cloth::MAX_PARTICLES;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
-use crate::ball_search::are_by_square;
 use crate::error::BuildError;
 use crate::grid::GridBatch;
 use crate::layout::{Grid, Layout};

@@ -77,3 +77,34 @@ fn nearest([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
     let nearer = |p: DVec3, q: DVec3| if q.distance(point) < p.distance(point) { q } else { p };
     edges.into_iter().reduce(nearer).unwrap_or(a)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// No point of a fine sampling of the triangle is nearer.
+    #[test]
+    fn the_nearest_point_is_the_nearest() {
+        let mut random = Random::new(3);
+        let mut vector = || DVec3::from_array([(); 3].map(|()| random.either_side()));
+        for _ in 0..300 {
+            let ([a, b, c], point) = ([vector(), vector(), vector()], vector() * 2.0);
+            let found = nearest([a, b, c], point).distance(point);
+            for i in 0..=20 {
+                for j in 0..=20 - i {
+                    let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
+                    let other = a + (b - a) * u + (c - a) * v;
+                    assert!(found <= other.distance(point) + 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn faults_are_counted() {
+        let truth = Truth { certain: vec![(0, 1), (0, 2)], possible: vec![(0, 1), (0, 2), (0, 3)] };
+        assert_eq!(truth.judge(vec![(0, 2), (0, 3), (0, 1)]), Faults::default());
+        assert_eq!(truth.judge(vec![(1, 2), (0, 1)]), Faults { missed: 1, false_contacts: 1 });
+    }
+}

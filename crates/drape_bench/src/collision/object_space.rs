@@ -65,10 +65,8 @@ impl Method for ObjectSpace {
         let count = state.faces.len();
         for &ball in &*near {
             let sphere = &state.balls[ball as usize];
-            let around = BvhNode::leaf(
-                Aabb::new(sphere.centre - sphere.apart, sphere.centre + sphere.apart),
-                0,
-            );
+            let around =
+                BvhNode::leaf(Aabb::new(sphere.centre - sphere.apart, sphere.centre + sphere.apart), 0);
             tree.traverse(|node| {
                 if !node.intersects(&around) {
                     return TraversalAction::Prune;

@@ -167,7 +167,12 @@ impl Method for SweepAndPrune {
                     *axis = Some(normal);
                     if distance < sphere.apart {
                         let weights = weights(simplex, corners);
-                        contacts.push(Contact { pair: *pair, weights, normal, depth: sphere.apart - distance });
+                        contacts.push(Contact {
+                            pair: *pair,
+                            weights,
+                            normal,
+                            depth: sphere.apart - distance,
+                        });
                     }
                 }
                 GJKResult::NoIntersection(direction) => *axis = Some(direction),
