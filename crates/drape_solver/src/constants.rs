@@ -116,6 +116,9 @@ pub const CLEARANCE: f32 = 1e-5;
 /// in a thousandth of a substep counts as a passage.
 pub const PASSAGE_HALVINGS: u32 = 10;
 
+/// Two that meet slower than this, in metres per second, do not bounce: else what rests would tremble.
+pub const RESTITUTION_SPEED: f32 = 0.2;
+
 /// Colours used to make batches of sticks that share no particle. A particle with more sticks than this in
 /// one family puts the rest into a last batch that is relaxed in order.
 pub const MAX_COLOURS: usize = 64;

@@ -24,7 +24,6 @@ use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
     TETHERLESS_REACH,
 };
-use crate::friction::{combined, slip_taken};
 use crate::impact_zone::Placed;
 use crate::island::{Island, IslandContext};
 use crate::nearest::{on_segment, on_triangle};
@@ -367,8 +366,8 @@ pub(crate) fn apply_friction(island: &mut Island) {
         // limit on the push, mu * depth / (w + felt), is turned into one on the slip.
         let across = ball.surface_inverse_mass(arm) + felt;
         let along = ball.inverse_mass + felt;
-        let coefficient = combined(ball.material.friction, body.settings.friction);
-        let taken = slip_taken(slip, contact.normal, coefficient * across / along, contact.depth);
+        let friction = ball.material.surface_friction().with(body.settings.surface_friction());
+        let taken = friction.scaled(across / along).slip_taken(slip, contact.normal, contact.depth);
         let push = taken / across;
         ball.push_surface(arm, -push);
         for (corner, weight) in corners.into_iter().zip(contact.weights) {

@@ -42,6 +42,7 @@ mod plan;
 mod pose;
 mod renumbering;
 mod rest;
+mod restitution;
 pub mod rope;
 mod rows;
 pub mod settings;

@@ -215,8 +215,8 @@ fn is_relaxed(island: &Island) -> bool {
     })
 }
 
-/// Stage 3 of a substep: contacts have the last word on positions; then velocities follow, and friction; and zones,
-/// where a ball would have passed through a cloth.
+/// Stage 3 of a substep: contacts have the last word on positions; then velocities follow, what bounces bounces, and
+/// friction; and zones, where a ball would have passed through a cloth.
 pub fn project_collisions(island: &mut Island, environment: &Environment) {
     project_contacts(island, environment, island.iterations());
     let around = surroundings(&island.context, island.isa, environment);
@@ -229,6 +229,8 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
         ball.displacement = ball.travel();
         ball.projected = Vec3::ZERO;
     }
+    ball_obstacle::rebound(island, &environment.obstacles);
+    ball_ball::rebound(island);
     ball_obstacle::apply_friction(island, &environment.obstacles);
     ball_ball::apply_friction(island);
     ball_cloth::apply_friction(island);

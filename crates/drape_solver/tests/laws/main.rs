@@ -19,6 +19,7 @@ mod obstacles;
 mod property;
 mod reference;
 mod relaxation;
+mod restitution;
 mod rope;
 mod self_contact;
 mod stability;
