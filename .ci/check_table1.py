@@ -7,7 +7,7 @@ import sys
 
 METHOD_FIELDS = "name ms_per_shot ratio_to_ours queries missed false_contacts".split()
 # GJK's distances are rough: contacts that it may get wrong, as a fraction.
-FAULTS_BELOW = 0.001
+FAULTS_BELOW = 0.01
 
 faults = []
 

@@ -22,15 +22,14 @@
 
 use core::ops::Range;
 
-use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
 use crate::ball::Ball;
+use crate::ball_search_lanes::{LongestTravel, Look, Mark, Sift};
 use crate::body::Body;
-use crate::columns::{Cell, LANES};
+use crate::columns::LANES;
 use crate::constants::{PASSING_SLACK, SEARCH_MARGIN};
-use crate::isa::{Isa, Kernel};
-use crate::lanes::Lanes3;
+use crate::isa::Isa;
 use crate::layout::{Grid, Layout};
 use crate::topology::Topology;
 
@@ -54,7 +53,7 @@ struct Group {
     squares: Option<Squares>,
     /// For each square, row by row, in the order of slots: its first candidate and their number, packed.
     candidates_of: Vec<u32>,
-    /// Corners of the candidates, by slots; a segment has its second end twice.
+    /// Corners of the candidates, by slots; a segment has its second end twice. Empty where they are not known.
     corners: Vec<[u32; 3]>,
     /// The cells that they lie in, and others between.
     cells: Range<usize>,
@@ -76,11 +75,11 @@ pub(crate) enum Corners {
 
 /// Rows of squares on a grid.
 #[derive(Clone, Copy, Debug)]
-struct Squares {
-    grid: Grid,
+pub(crate) struct Squares {
+    pub grid: Grid,
     /// The first row, and the number of rows.
-    first: usize,
-    count: usize,
+    pub first: usize,
+    pub count: usize,
 }
 
 /// Bits of a packed entry that hold the number of candidates.
@@ -160,17 +159,18 @@ impl BallSearch {
                 None
             }
         };
-        let slots = group.corners.iter().flatten().map(|&slot| slot as usize / LANES);
-        group.cells = slots.fold(usize::MAX..0, |cells, cell| cells.start.min(cell)..cells.end.max(cell + 1));
+        let cells = || group.corners.iter().flatten().map(|&slot| slot as usize / LANES);
+        group.cells = cells().min().unwrap_or(0)..cells().max().map_or(0, |last| last + 1);
         group.candidates = listed..listed + count;
     }
 
-    /// Takes every face that is still in the list of the step for one that may be near: some have been taken out.
+    /// Some candidates have been taken out of the list of the step, and `listed` are left: all of them are to be looked at.
     pub fn forget(&mut self, listed: usize) {
         self.groups.truncate(1);
         self.used = self.groups.len();
         if let Some(all) = self.groups.first_mut() {
-            (all.candidates, all.squares) = (0..listed, None);
+            all.candidates = 0..listed;
+            all.corners.clear();
         }
     }
 
@@ -217,6 +217,11 @@ impl Near {
         self.bits.clear();
         self.bits.resize(count.div_ceil(64), 0);
         self.around.clear();
+        if group.corners.len() != count {
+            self.bits.fill(u64::MAX);
+            self.margin = Some(f32::INFINITY);
+            return;
+        }
         if count == 0 {
             return;
         }
@@ -275,8 +280,9 @@ impl Near {
     }
 }
 
+/// Notes a candidate.
 #[inline(always)]
-fn set(bits: &mut [u64], candidate: u32) {
+pub(crate) fn set(bits: &mut [u64], candidate: u32) {
     bits[candidate as usize / 64] |= 1 << (candidate % 64);
 }
 
@@ -360,235 +366,4 @@ pub(crate) fn are_by_square(faces: &[[u32; 3]], layout: &Layout) -> bool {
                 (column..=column + 1).contains(&x) && (row..=row + 1).contains(&y)
             })
         })
-}
-
-/// Marks the particles that are within reach.
-struct Mark<'a> {
-    cells: &'a [Cell],
-    centre: Vec3,
-    reach: f32,
-    marks: &'a mut Vec<u16>,
-}
-
-impl Kernel for Mark<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let centre = Lanes3::splat(simd, self.centre);
-        let reach = f32x16::splat(simd, self.reach * self.reach);
-        for cell in self.cells {
-            let offset = Lanes3::load(simd, cell).minus(centre);
-            self.marks.push(offset.dot(offset).simd_lt(reach).to_bitmask() as u16);
-        }
-    }
-}
-
-/// Boxes in lanes.
-#[derive(Clone, Copy)]
-struct Boxes<S: Simd> {
-    low: Lanes3<S>,
-    high: Lanes3<S>,
-}
-
-impl<S: Simd> Boxes<S> {
-    #[inline(always)]
-    fn of(point: Lanes3<S>) -> Self {
-        Self { low: point, high: point }
-    }
-
-    #[inline(always)]
-    fn and(self, other: Self) -> Self {
-        let (low, high) = (self.low, self.high);
-        Self {
-            low: Lanes3 { x: low.x.min(other.low.x), y: low.y.min(other.low.y), z: low.z.min(other.low.z) },
-            high: Lanes3 {
-                x: high.x.max(other.high.x),
-                y: high.y.max(other.high.y),
-                z: high.z.max(other.high.z),
-            },
-        }
-    }
-
-    /// The boxes of the lanes that follow.
-    #[inline(always)]
-    fn next_lanes(self) -> Self {
-        Self { low: self.low.shifted::<1>(), high: self.high.shifted::<1>() }
-    }
-
-    /// Squared distance from `centre`.
-    #[inline(always)]
-    fn distance_squared(self, simd: S, centre: Lanes3<S>) -> f32x16<S> {
-        let zero = f32x16::splat(simd, 0.0);
-        let (above, below) = (self.low.minus(centre), centre.minus(self.high));
-        let away = Lanes3 {
-            x: above.x.max(below.x).max(zero),
-            y: above.y.max(below.y).max(zero),
-            z: above.z.max(below.z).max(zero),
-        };
-        away.dot(away)
-    }
-}
-
-/// The boxes of a row of cells, with the first cell of the next lane, which a lane's last square reaches.
-#[inline(always)]
-fn row_boxes<S: Simd>(simd: S, cells: &[Cell]) -> Boxes<S> {
-    let first = Boxes::of(Lanes3::load(simd, &cells[0]));
-    let mut all = first.and(first.next_lanes());
-    for cell in &cells[1..] {
-        all = all.and(Boxes::of(Lanes3::load(simd, cell)));
-    }
-    all
-}
-
-/// The longest way of a particle in this substep so far, in metres.
-struct LongestTravel<'a> {
-    position: &'a [Cell],
-    displacement: &'a [Cell],
-    integrated: &'a [Cell],
-}
-
-impl Kernel for LongestTravel<'_> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> f32 {
-        let Self { position, displacement, integrated } = self;
-        let mut longest = f32x16::splat(simd, 0.0);
-        for ((position, displacement), integrated) in position.iter().zip(displacement).zip(integrated) {
-            let projected = Lanes3::load(simd, position).minus(Lanes3::load(simd, integrated));
-            let travel = projected.plus(Lanes3::load(simd, displacement));
-            longest = longest.max(travel.dot(travel));
-        }
-        longest.to_array().into_iter().fold(0.0, f32::max).sqrt()
-    }
-}
-
-/// Finds squares near a ball.
-struct Look<'a> {
-    cells: &'a [Cell],
-    squares: Squares,
-    centre: Vec3,
-    /// Distance in metres at which a face is near.
-    touch: f32,
-    /// For each cell of squares, the lanes that are near.
-    masks: &'a mut Vec<u16>,
-}
-
-impl Kernel for Look<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { cells, squares, centre, touch, masks } = self;
-        let width = squares.grid.width;
-        let centre = Lanes3::splat(simd, centre);
-        let touch = f32x16::splat(simd, touch * touch);
-        masks.clear();
-        masks.resize(squares.count * width, 0);
-        let mut cells = &cells[squares.first * width..];
-        let mut above = row_boxes(simd, &cells[..width]);
-        for masks in masks.chunks_exact_mut(width) {
-            let (upper, lower) = cells.split_at(width);
-            let lower = &lower[..width];
-            cells = &cells[width..];
-            let below = row_boxes(simd, lower);
-            let is_near = above.and(below).distance_squared(simd, centre).simd_le(touch).any_true();
-            above = below;
-            if !is_near {
-                continue;
-            }
-            let first =
-                Boxes::of(Lanes3::load(simd, &upper[0])).and(Boxes::of(Lanes3::load(simd, &lower[0])));
-            let mut left = first;
-            for (cell, mask) in masks.iter_mut().enumerate() {
-                let right = if cell + 1 < width {
-                    let upper = Boxes::of(Lanes3::load(simd, &upper[cell + 1]));
-                    upper.and(Boxes::of(Lanes3::load(simd, &lower[cell + 1])))
-                } else {
-                    first.next_lanes()
-                };
-                let around = left.and(right);
-                *mask = around.distance_squared(simd, centre).simd_le(touch).to_bitmask() as u16;
-                left = right;
-            }
-        }
-    }
-}
-
-/// Picks the candidates that the ball touches.
-struct Sift<'a> {
-    cells: &'a [Cell],
-    /// Of all candidates, by slots.
-    corners: &'a [[u32; 3]],
-    centre: Vec3,
-    /// Distance in metres at which a face is touched.
-    touch: f32,
-    around: &'a [u32],
-    /// Where those that are touched are noted.
-    bits: &'a mut [u64],
-}
-
-impl Kernel for Sift<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { cells, corners, centre, touch, around, bits } = self;
-        let centre = Lanes3::splat(simd, centre);
-        let touch = f32x16::splat(simd, touch * touch);
-        let mut gathered = [Cell::default(); 3];
-        for some in around.chunks(LANES) {
-            for (lane, &candidate) in some.iter().enumerate() {
-                for (gathered, slot) in gathered.iter_mut().zip(corners[candidate as usize]) {
-                    let (cell, from) = (&cells[slot as usize / LANES], slot as usize % LANES);
-                    gathered.x[lane] = cell.x[from];
-                    gathered.y[lane] = cell.y[from];
-                    gathered.z[lane] = cell.z[from];
-                }
-            }
-            let [a, b, c] = &gathered;
-            let a = Lanes3::load(simd, a).minus(centre);
-            let b = Lanes3::load(simd, b).minus(centre);
-            let c = Lanes3::load(simd, c).minus(centre);
-            let mut far = is_beyond(simd, [a, b, c], touch).to_bitmask();
-            far |= u64::MAX << some.len();
-            let mut left = !far;
-            while left != 0 {
-                set(bits, some[left.trailing_zeros() as usize]);
-                left &= left - 1;
-            }
-        }
-    }
-}
-
-/// Whether triangles are certainly farther, by squares, than `touch` from the origin: nearest is an edge, or the plane
-/// where the origin lies over the triangle.
-#[inline(always)]
-fn is_beyond<S: Simd>(simd: S, [a, b, c]: [Lanes3<S>; 3], touch: f32x16<S>) -> mask32x16<S> {
-    let (ab, bc, ca) = (b.minus(a), c.minus(b), a.minus(c));
-    let normal = ab.cross(bc);
-    let size = normal.dot(normal);
-    let zero = f32x16::splat(simd, 0.0);
-    let is_over = ab.cross(a).dot(normal).simd_le(zero)
-        & bc.cross(b).dot(normal).simd_le(zero)
-        & ca.cross(c).dot(normal).simd_le(zero);
-    let height = normal.dot(a);
-    let over_plane = (height * height).simd_gt(touch * size);
-    let edges = edge_distance_squared(simd, a, ab)
-        .min(edge_distance_squared(simd, b, bc))
-        .min(edge_distance_squared(simd, c, ca));
-    // The normal of a sliver is made of rounding errors.
-    let has_normal = size.simd_gt(ab.dot(ab) * bc.dot(bc) * 1e-4);
-    has_normal & ((is_over & over_plane) | (!is_over & edges.simd_gt(touch)))
-}
-
-/// Squared distance of the origin from edges that lead from `from` along `along`.
-#[inline(always)]
-fn edge_distance_squared<S: Simd>(simd: S, from: Lanes3<S>, along: Lanes3<S>) -> f32x16<S> {
-    let one = f32x16::splat(simd, 1.0);
-    let zero = f32x16::splat(simd, 0.0);
-    let fraction = (-from.dot(along) / along.dot(along)).min(one).max(zero);
-    let nearest = from.plus(along.times(fraction));
-    nearest.dot(nearest)
 }

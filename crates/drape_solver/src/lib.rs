@@ -5,6 +5,7 @@
 pub mod ball;
 mod ball_cloth_query;
 mod ball_search;
+mod ball_search_lanes;
 pub mod ballistics;
 pub mod body;
 mod cell_list;

@@ -1,13 +1,14 @@
 //! Like SOLID 2.0 (van den Bergen 1999, "A fast and robust GJK implementation for collision detection of convex
 //! objects"): sweep and prune, then GJK with a cached separating axis for each pair.
 //!
-//! Sweep and prune: faces are kept sorted by the low ends of their boxes along the cloth's longest axis. The boxes are
-//! wider than needed, so that those that move little keep their place; of the others few change places from step to
-//! step, so insertion sort is nearly linear (Cohen et al. 1995, "I-COLLIDE"), and where many do, as at the first step
-//! of a shot, all are sorted. A ball looks up the stretch of that order that it can reach, and compares boxes along the other axes. In a substep each pair first tries
-//! the axis that separated it last; if it still does, that is all. Else parry's GJK is started with that axis, on the
-//! triangle and the ball's centre, as SOLID treats a sphere as a point with a margin. GJK needs no penetration depth
-//! that way. A new step keeps the axes of the pairs that stay.
+//! Sweep and prune: bunches of faces that follow each other in the cloth's own order are kept sorted by the low ends of
+//! their boxes along the cloth's longest axis. The boxes are wider than needed, so that those that move little keep their
+//! place; of the others few change places from step to step, so insertion sort is nearly linear (Cohen et al. 1995,
+//! "I-COLLIDE"), and where many do, as at the first step of a shot, all are sorted. A ball looks up the stretch of that
+//! order that it can reach, and compares the boxes of the faces there. In a substep each pair first tries the axis that
+//! separated it last; if it still does, that is all. Else parry's GJK is started with that axis, on the triangle and the
+//! ball's centre, as SOLID treats a sphere as a point with a margin: it needs no penetration depth that way. A new step
+//! keeps the axes of the pairs that stay. To sort single faces takes three times as long.
 
 use drape_solver::glam::{Vec3, Vec3A};
 use drape_solver::parry3d::math::Pose;
@@ -16,6 +17,11 @@ use drape_solver::parry3d::shape::Triangle;
 
 use crate::collision::{Contact, Method, Pair, State};
 
+/// Faces of a bunch.
+const BUNCH: usize = 16;
+/// GJK's tolerances are absolute, and meant for shapes of some metres: to it a metre is so long. A power of two, so that
+/// nothing is rounded.
+const SCALE: f32 = 64.0;
 /// By how much a box is wider than needed, in metres.
 const SLACK: f32 = 0.02;
 /// All are sorted anew if more than one in so many has left its box.
@@ -30,9 +36,9 @@ struct Candidate {
 
 /// See the [module](self).
 pub struct SweepAndPrune {
-    /// Faces by the low ends of their boxes, with those.
+    /// Bunches by the low ends of their boxes, with those.
     order: Vec<(f32, u32)>,
-    /// For each face the wider box along the axis: low and high end.
+    /// For each bunch the wider box along the axis: low and high end.
     wide: Vec<(f32, f32)>,
     axis: usize,
     /// The longest box along the axis.
@@ -64,20 +70,20 @@ impl SweepAndPrune {
         let Self { order, wide, axis, longest, .. } = self;
         if wide.is_empty() {
             *axis = (state.bounds[1] - state.bounds[0]).max_position();
-            order.extend((0..state.faces.len() as u32).map(|face| (0.0, face)));
+            order.extend((0..state.faces.len().div_ceil(BUNCH) as u32).map(|bunch| (0.0, bunch)));
             wide.resize(order.len(), (0.0, 0.0));
         }
         let mut moved = 0;
-        for (face, wide) in (0..).zip(&mut *wide) {
-            let (low, high) = extent(state, face, *axis);
+        for (bunch, wide) in state.faces.chunks(BUNCH).zip(&mut *wide) {
+            let (low, high) = extent(state, bunch, *axis);
             if low < wide.0 || high > wide.1 {
                 *wide = (low - SLACK, high + SLACK);
                 *longest = longest.max(wide.1 - wide.0);
                 moved += 1;
             }
         }
-        for (low, face) in &mut *order {
-            *low = wide[*face as usize].0;
+        for (low, bunch) in &mut *order {
+            *low = wide[*bunch as usize].0;
         }
         if moved > order.len() / MOVED_TO_SORT_ALL {
             order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -95,9 +101,11 @@ impl SweepAndPrune {
     }
 }
 
-fn extent(state: &State, face: u32, axis: usize) -> (f32, f32) {
-    let [a, b, c] = state.corners(face).map(|corner| corner[axis]);
-    (a.min(b).min(c), a.max(b).max(c))
+fn extent(state: &State, bunch: &[[u32; 3]], axis: usize) -> (f32, f32) {
+    bunch.iter().flatten().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &particle| {
+        let place = state.positions[particle as usize][axis];
+        (low.min(place), high.max(place))
+    })
 }
 
 impl Method for SweepAndPrune {
@@ -118,13 +126,14 @@ impl Method for SweepAndPrune {
             let (low, high) = (centre - reach, centre + reach);
             let first = self.order.partition_point(|entry| entry.0 < low[self.axis] - self.longest);
             let start = self.candidates.len();
-            for &(least, face) in &self.order[first..] {
+            for &(least, bunch) in &self.order[first..] {
                 if least > high[self.axis] {
                     break;
                 }
-                if state.is_within(face, low, high) {
-                    self.candidates.push(Candidate { pair: (ball, face), axis: None });
-                }
+                let first = bunch * BUNCH as u32;
+                let faces = first..(first + BUNCH as u32).min(state.faces.len() as u32);
+                let near = faces.filter(|&face| state.is_within(face, low, high));
+                self.candidates.extend(near.map(|face| Candidate { pair: (ball, face), axis: None }));
             }
             self.candidates[start..].sort_unstable_by_key(|candidate| candidate.pair);
         }
@@ -144,11 +153,12 @@ impl Method for SweepAndPrune {
         let mut queries = 0;
         for Candidate { pair, axis } in candidates {
             let sphere = &state.balls[pair.0 as usize];
-            let corners = state.corners(pair.1).map(|corner| Vec3::from(corner) - sphere.centre);
+            let corners = state.corners(pair.1).map(|corner| (Vec3::from(corner) - sphere.centre) * SCALE);
             let [a, b, c] = corners;
+            let apart = sphere.apart * SCALE;
             if let Some(axis) = axis {
                 let nearest = -axis.dot(a).max(axis.dot(b)).max(axis.dot(c));
-                if nearest >= sphere.apart {
+                if nearest >= apart {
                     continue;
                 }
             }
@@ -159,19 +169,19 @@ impl Method for SweepAndPrune {
             let pose = Pose::IDENTITY;
             let start = axis.unwrap_or_else(|| (-(a + b + c)).normalize_or(Vec3::Y));
             simplex.reset(CsoPoint::from_shapes(&pose, &triangle, &point, start));
-            match closest_points(&pose, &triangle, &point, sphere.apart, true, simplex) {
+            match closest_points(&pose, &triangle, &point, apart, true, simplex) {
                 GJKResult::ClosestPoints(nearest, _, _) => {
                     let distance = nearest.length();
                     let normal = -nearest / distance.max(f32::MIN_POSITIVE);
                     // The axis that brings GJK to its end at once, and separates when the ball has left.
                     *axis = Some(normal);
-                    if distance < sphere.apart {
+                    if distance < apart {
                         let weights = weights(simplex, corners);
                         contacts.push(Contact {
                             pair: *pair,
                             weights,
                             normal,
-                            depth: sphere.apart - distance,
+                            depth: (apart - distance) / SCALE,
                         });
                     }
                 }
