@@ -116,13 +116,13 @@ impl State {
     }
 
     /// Corners of a face.
-    #[inline]
+    #[inline(always)]
     pub fn corners(&self, face: u32) -> [Vec3A; 3] {
         self.faces[face as usize].map(|particle| self.positions[particle as usize])
     }
 
     /// Whether the boxes of a face and of the space from `low` to `high` touch.
-    #[inline]
+    #[inline(always)]
     pub fn is_within(&self, face: u32, low: Vec3A, high: Vec3A) -> bool {
         let [a, b, c] = self.corners(face);
         !(a.min(b).min(c).cmpgt(high) | a.max(b).max(c).cmplt(low)).any()

@@ -1,6 +1,6 @@
 //! The judge: every face against every ball, in double precision.
 
-use drape_solver::glam::DVec3;
+use drape_solver::glam::{DVec3, Vec3A};
 
 use crate::collision::{Pair, State};
 
@@ -32,7 +32,7 @@ impl Truth {
             let (centre, apart) = (sphere.centre.as_dvec3(), f64::from(sphere.apart));
             let far = apart + 2.0 * TOLERANCE;
             for face in 0..state.faces.len() as u32 {
-                let corners = state.corners(face).map(|corner| corner.as_dvec3());
+                let corners = state.corners(face).map(Vec3A::as_dvec3);
                 let [a, b, c] = corners;
                 let is_apart = a.min(b).min(c).cmpgt(centre + far) | a.max(b).max(c).cmplt(centre - far);
                 if is_apart.any() {

@@ -1,7 +1,8 @@
 //! The question that three of the methods end in: the feature of a face (corner, edge or inside) that is closest to a
 //! ball's centre.
 //!
-//! parry's own query is used. It walks the Voronoi regions of the triangle, and is twice as fast as its GJK.
+//! parry's own query is used, which walks the Voronoi regions of the triangle. Faces that the boxes or the plane tell
+//! apart are not asked.
 
 use drape_solver::glam::{Vec3, Vec3A};
 use drape_solver::parry3d::query::PointQueryWithLocation;
@@ -26,7 +27,7 @@ impl Asked {
     }
 
     /// Asks one face, if its box as it is now touches that of the ball, and its plane the ball.
-    #[inline]
+    #[inline(always)]
     pub fn ask(&mut self, state: &State, ball: u32, sphere: &Sphere, face: u32) {
         let Sphere { centre, apart, .. } = *sphere;
         let middle = Vec3A::from(centre);

@@ -8,7 +8,7 @@
 //! order that it can reach, and compares the boxes of the faces there. In a substep each pair first tries the axis that
 //! separated it last; if it still does, that is all. Else parry's GJK is started with that axis, on the triangle and the
 //! ball's centre, as SOLID treats a sphere as a point with a margin: it needs no penetration depth that way. A new step
-//! keeps the axes of the pairs that stay. To sort single faces takes three times as long.
+//! keeps the axes of the pairs that stay. To sort single faces takes twice as long.
 
 use drape_solver::glam::{Vec3, Vec3A};
 use drape_solver::parry3d::math::Pose;
