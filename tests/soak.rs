@@ -28,6 +28,6 @@ fn twenty_seconds_of_fire_leave_the_memory_as_it_was() {
     assert!(!after.any_nan);
     assert!(after.shots >= 19, "{} shots", after.shots);
     let (before, after) = (&before.minutes[0], &after.minutes[0]);
-    assert!(before.hits >= 10 && after.hits >= 5, "{before:?} {after:?}");
+    assert!(before.hits >= 5 && after.hits >= 5, "{before:?} {after:?}");
     assert!(after.entities <= before.entities + 1, "{before:?} {after:?}");
 }
