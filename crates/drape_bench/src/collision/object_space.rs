@@ -6,7 +6,7 @@
 //! the closest feature.
 //!
 //! To rebuild the tree at every step costs eight times a refit, and makes queries no faster: a curtain stays a curtain.
-//! Leaves of one face take more than twice the time of bunches of [`BUNCH`], of four a sixth more.
+//! Leaves of one face take more than twice the time of bunches of sixteen, of four a sixth more.
 
 use drape_solver::glam::{Vec3, Vec3A};
 use drape_solver::parry3d::bounding_volume::Aabb;

@@ -2,7 +2,7 @@
 //!
 //! A step whose balls come near sorts the faces into cubes by counting, each into the cube of its box's middle, so that
 //! none is listed twice (a *loose* grid: what is asked for grows by half the largest box). The cubes are as wide as a
-//! ball's radius or the longest face, whichever is more, at most [`MOST_CUBES`]; twice and half of that were slower.
+//! ball's radius or the longest face, whichever is more, at most 65,536 of them; twice and half of that were slower.
 //! In a substep a ball asks the cubes around the place where it is now, widened by how far a particle can have moved
 //! since, and each face found whose box touches the ball's for its closest feature.
 
