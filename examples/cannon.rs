@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release --example cannon -- --headless --shots 5 --out DIR` runs it without a window and writes a
 //! report, a plot and, with `--features render` and `--frames`, pictures.
+//! `--table1` measures collision detection by five methods instead, `--soak SECONDS` fires without end.
 //!
 //! `cargo run --release --example cannon --features window` opens a window:
 //!
@@ -19,29 +20,37 @@
 //! | H | help on the screen |
 //! | Esc | quit |
 
+use std::error::Error;
 use std::process::ExitCode;
 
 use clap::Parser;
 use drape_examples::arguments::Arguments;
-use drape_examples::headless;
+use drape_examples::{headless, soak, table1};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     #[cfg(feature = "window")]
-    if !arguments.headless && !arguments.frames {
+    if !arguments.headless && !arguments.frames && !arguments.table1 && arguments.soak.is_none() {
         return match drape_examples::window::run(&arguments) {
             Ok(bevy::app::AppExit::Success) => ExitCode::SUCCESS,
             Ok(bevy::app::AppExit::Error(code)) => ExitCode::from(code.get()),
             Err(error) => fail(&error),
         };
     }
-    match headless::run(&arguments) {
+    let outcome: Result<(), Box<dyn Error>> = if arguments.table1 {
+        table1::run(&arguments).map_err(Into::into)
+    } else if let Some(seconds) = arguments.soak {
+        soak::run(&arguments, seconds).map_err(Into::into)
+    } else {
+        headless::run(&arguments).map_err(Into::into)
+    };
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => fail(&error),
+        Err(error) => fail(&*error),
     }
 }
 
-fn fail(error: &dyn std::error::Error) -> ExitCode {
+fn fail(error: &dyn Error) -> ExitCode {
     eprintln!("error: {error}");
     ExitCode::FAILURE
 }

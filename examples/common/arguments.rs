@@ -40,6 +40,20 @@ pub struct Arguments {
     #[arg(long, default_value_t = default_threads(), value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads: u16,
 
+    /// Instead measure collision detection of the shots by five methods, as in the founding paper's Table 1, and write
+    /// table1.json.
+    #[arg(long, conflicts_with = "soak")]
+    pub table1: bool,
+
+    /// Particles of the finer curtain that `--table1` measures too.
+    #[arg(long, value_name = "COLUMNSxROWS", default_value = "200x150", value_parser = parse_particles)]
+    pub table1_fine: UVec2,
+
+    /// Instead fire every second for so long (simulated), take old balls away, and write soak.json: memory and time of
+    /// a step, minute by minute.
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=86_400))]
+    pub soak: Option<u32>,
+
     /// Also render PNG pictures of the scene, without a window (needs the feature `render`).
     #[arg(long)]
     pub frames: bool,

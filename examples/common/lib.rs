@@ -26,6 +26,8 @@ pub mod pointer;
 pub mod recorder;
 pub mod report;
 pub mod scene;
+pub mod soak;
+pub mod table1;
 #[cfg(feature = "render")]
 mod textures;
 #[cfg(feature = "render")]

@@ -48,15 +48,15 @@ pub struct Output {
 }
 
 impl Output {
-    /// Makes the folder and makes sure that files can be written there, before the long run.
+    /// Makes the folder and makes sure that `file` can be written there, before the long run.
     ///
     /// # Errors
     /// [`OutputError::Folder`] or [`OutputError::File`].
-    pub fn create(folder: &Path) -> Result<Self, OutputError> {
+    pub fn create(folder: &Path, file: &str) -> Result<Self, OutputError> {
         let output = Self { folder: folder.to_path_buf() };
         fs::create_dir_all(folder)
             .map_err(|source| OutputError::Folder { path: output.folder.clone(), source })?;
-        output.write_file("report.json", "")?;
+        output.write_file(file, "")?;
         Ok(output)
     }
 
@@ -156,7 +156,7 @@ mod tests {
     fn a_folder_that_cannot_be_written_is_a_clear_error() {
         let file = std::env::temp_dir().join(format!("drape-not-a-folder-{}", std::process::id()));
         fs::write(&file, "").expect("temporary file");
-        let error = Output::create(&file.join("out")).err().expect("not a folder").to_string();
+        let error = Output::create(&file.join("out"), "report.json").err().expect("not a folder").to_string();
         assert!(error.contains("cannot make the output folder"), "{error}");
         fs::remove_file(file).expect("removable");
     }

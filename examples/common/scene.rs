@@ -17,6 +17,8 @@ pub const MUZZLE: Vec3 = Vec3::new(0.0, 1.0, 12.0);
 pub const BALL_RADIUS: f32 = 0.15;
 /// Mass of a ball in kilograms.
 pub const BALL_MASS: f32 = 2.0;
+/// Rolling resistance of a ball: the ground is a lawn, on which it comes to rest in some ten seconds.
+pub const ROLLING_RESISTANCE: f32 = 0.1;
 /// Time of the first shot in seconds.
 pub const FIRST_SHOT: f64 = 1.0;
 /// Time between shots in seconds.
@@ -138,8 +140,7 @@ fn spawn_scene(mut commands: Commands, scene: Res<CannonScene>) {
     let ball = Projectile {
         radius: BALL_RADIUS,
         mass: BALL_MASS,
-        // The ground is a lawn: balls come to rest in some ten seconds.
-        rolling_resistance: 0.1,
+        rolling_resistance: ROLLING_RESISTANCE,
         ..default()
     };
     let first = Shot::planned(0);

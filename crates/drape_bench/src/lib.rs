@@ -11,6 +11,8 @@
 //! [`Solver`]s to [`main_with`].
 
 pub mod arguments;
+pub mod bombardment;
+pub mod collision;
 pub mod coloured;
 pub mod contender;
 pub mod drape;
@@ -36,6 +38,7 @@ pub mod solver;
 pub mod stability;
 pub mod stretch;
 pub mod table;
+pub mod table1;
 pub mod world;
 
 use std::error::Error;

@@ -155,3 +155,7 @@ pub const MAX_COLOURS: usize = 64;
 /// Root mean square speed below which a body counts as still, in metres per second. A curtain of three metres
 /// that swings slower than this for a second moves less than two centimetres to either side.
 pub const REST_SPEED: f32 = 0.02;
+
+/// The search for faces near a ball is wider than needed by this part of its radius: it is taken anew only when contacts
+/// have pushed things farther than that.
+pub const SEARCH_MARGIN: f32 = 0.03;

@@ -17,6 +17,8 @@
 use glam::Vec3;
 
 use crate::ball::{Ball, BallMaterial};
+use crate::ball_cloth_query::BallClothContact;
+use crate::ball_search::{BallAndBody, Corners};
 use crate::body::Body;
 use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
@@ -119,8 +121,9 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
 /// Lists the faces and segments that each ball can meet within `dt` seconds, if no particle moves faster
 /// than `speed` (m/s).
 pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
-    let Island { bodies, balls, context, .. } = island;
+    let Island { bodies, balls, context, isa, .. } = island;
     context.ball_cloth.clear();
+    context.ball_search.clear();
     for (body_index, body) in bodies.iter().enumerate() {
         let topology = &body.topology;
         let (low, high) = body.particles.bounds();
@@ -132,26 +135,23 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
                 continue;
             }
             let centre = ball.position - body.particles.origin;
-            let near = |p: Vec3| p.distance_squared(centre) < reach * reach;
-            context.marks.clear();
-            let layout = &body.particles.layout;
-            context.marks.extend(layout.slots().map(|slot| near(body.particles.position.get(slot))));
-            let slot = |i: u32| layout.slot(i as usize) as u32;
-            let marked = |i: &u32| context.marks[*i as usize];
-            let faces = topology.faces.iter().filter(|face| face.iter().any(marked));
-            let segments = topology.segments.iter().filter(|ends| ends.iter().any(marked));
-            let faces = faces.map(|face| Element::Face(face.map(slot)));
-            let elements = faces.chain(segments.map(|ends| Element::Segment(ends.map(slot))));
-            context.ball_cloth.extend(elements.map(|element| BallCloth {
-                ball: ball_index,
-                body: body_index,
-                element,
-                start: Placed::default(),
-                depth: 0.0,
-                overlap: Overlap::default(),
-                normal: Vec3::ZERO,
-                weights: [0.0; 3],
-            }));
+            let pair = BallAndBody { ball: ball_index, body: body_index };
+            let listed = context.ball_cloth.len();
+            context.ball_search.detect(pair, (centre, reach), (body, *isa), listed, |corners| {
+                context.ball_cloth.push(BallCloth {
+                    ball: ball_index,
+                    body: body_index,
+                    element: match corners {
+                        Corners::Face(slots) => Element::Face(slots),
+                        Corners::Segment(slots) => Element::Segment(slots),
+                    },
+                    start: Placed::default(),
+                    depth: 0.0,
+                    overlap: Overlap::default(),
+                    normal: Vec3::ZERO,
+                    weights: [0.0; 3],
+                });
+            });
         }
     }
 }
@@ -234,6 +234,27 @@ impl Overlapping {
     }
 }
 
+/// Looks for overlaps right after integration without moving anything: what the first projection of a substep finds.
+/// Gives the number of faces and segments that were looked at.
+pub(crate) fn find_all(island: &mut Island, mut found: impl FnMut(BallClothContact)) -> usize {
+    let Island { bodies, balls, context, isa, .. } = island;
+    let search = &mut context.ball_search;
+    search.begin_round();
+    let mut count = 0;
+    while let Some(index) = search.next(balls, bodies, *isa) {
+        count += 1;
+        let contact = &context.ball_cloth[index];
+        let (ball, body) = (&balls[contact.ball], &bodies[contact.body]);
+        if let Some(overlapping) = Overlapping::find(contact, ball, body) {
+            let Overlapping { weights, normal, gap, .. } = overlapping;
+            let slots = contact.element.corners().map(|slot| slot as u32);
+            let (ball, body) = (contact.ball, contact.body);
+            found(BallClothContact { ball, body, slots, weights, normal, depth: -gap });
+        }
+    }
+    count
+}
+
 /// The side (1 or -1, along the face's normal) that a ball's centre came from if it has passed through the face
 /// between `start` and `now`. Sticks can pull a taut cloth past the middle of a fast ball within one sweep; then
 /// the nearest way out is the wrong one.
@@ -254,9 +275,10 @@ fn passed_side(start: &Placed, now: &Placed, slack: f32) -> Option<f32> {
 
 /// Moves balls and cloth apart where they overlap.
 pub(crate) fn project(island: &mut Island) {
-    let Island { bodies, balls, touches, context, .. } = island;
+    let Island { bodies, balls, touches, context, isa, .. } = island;
     let pace = Pace::of(context);
-    for index in 0..context.ball_cloth.len() {
+    context.ball_search.begin_round();
+    while let Some(index) = context.ball_search.next(balls, bodies, *isa) {
         let contact = &context.ball_cloth[index];
         let (ball_index, body_index) = (contact.ball, contact.body);
         let (body, ball) = (&bodies[body_index], &balls[ball_index]);
@@ -287,6 +309,10 @@ pub(crate) fn project(island: &mut Island) {
         contact.depth += push.fresh;
         let (fresh, old) = (normal * (push.fresh / total), normal * (push.old / total));
         ball.project(fresh * ball.inverse_mass, old * ball.inverse_mass);
+        let heaviest_share =
+            corners.into_iter().zip(weights).map(|(i, w)| w * body.particles.inverse_mass[i]);
+        let nearer = ball.inverse_mass + heaviest_share.fold(0.0, f32::max);
+        context.ball_search.note_push((push.fresh + push.old) / total * nearer);
         for (corner, weight) in corners.into_iter().zip(weights) {
             let share = -weight * body.particles.inverse_mass[corner];
             // Straight into the displacement, which is finer than the position: what the ball loses in momentum

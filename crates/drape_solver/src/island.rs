@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::ball::Ball;
+use crate::ball_search::BallSearch;
 use crate::body::Body;
 use crate::contact_ball_ball::BallPair;
 use crate::contact_ball_cloth::BallCloth;
@@ -69,7 +70,7 @@ pub struct IslandContext {
     pub(crate) ball_pairs: Vec<BallPair>,
     pub(crate) self_contacts: SelfContacts,
     pub(crate) impact_zones: ImpactZones,
-    pub(crate) marks: Vec<bool>,
+    pub(crate) ball_search: BallSearch,
     /// Places of the particles that a ball touches, while tethers are projected.
     pub(crate) touched: Vec<(usize, Vec3)>,
 }
@@ -97,6 +98,7 @@ impl Island {
     pub fn vacate_body(&mut self, index: usize) {
         self.bodies[index] = Body::default();
         self.context.ball_cloth.retain(|contact| contact.body != index);
+        self.context.ball_search.forget(self.context.ball_cloth.len());
         self.context.self_contacts.forget(index);
     }
 

@@ -54,6 +54,15 @@ impl<S: Simd> Lanes3<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
     /// The vectors of the lanes `SHIFT` higher; the highest lanes get those of the lowest.
     #[inline(always)]
     pub fn shifted<const SHIFT: usize>(self) -> Self {

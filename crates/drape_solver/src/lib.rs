@@ -3,6 +3,9 @@
 #![warn(clippy::disallowed_methods)]
 
 pub mod ball;
+mod ball_cloth_query;
+mod ball_search;
+mod ball_search_lanes;
 pub mod ballistics;
 pub mod body;
 mod cell_list;
@@ -64,6 +67,7 @@ mod transpose;
 mod work;
 
 pub use ball::{Ball, BallMaterial};
+pub use ball_cloth_query::BallClothContact;
 pub use body::{Body, BodyContext};
 pub use cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use error::{BuildError, StepError};

@@ -23,6 +23,7 @@ pub(crate) fn on_segment([a, b]: [Vec3; 2], point: Vec3) -> [f32; 3] {
 ///    ---+-----+---
 ///       | ab  |
 /// ```
+#[inline]
 pub(crate) fn on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));

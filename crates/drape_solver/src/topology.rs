@@ -82,6 +82,8 @@ pub struct Topology {
     pub(crate) stick_count: usize,
     pub(crate) tethers: TetherPlan,
     pub(crate) faces: Vec<[u32; 3]>,
+    /// Whether they are those of a grid's squares, two of each, row by row.
+    pub(crate) has_faces_by_square: bool,
     pub(crate) segments: Vec<[u32; 2]>,
     /// Longest side of a face or segment at rest, in metres: how far a contact can be from the nearest corner.
     pub(crate) longest_edge: f32,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::ball_search::are_by_square;
 use crate::cloth::MAX_PARTICLES;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
 use crate::error::BuildError;
@@ -262,6 +263,8 @@ impl TopologyBuilder {
         self.arrange();
         self.topology.tethers = TetherPlan::new(&self.tethers, &self.topology.layout);
         self.topology.rest = self.rest;
+        self.topology.has_faces_by_square =
+            self.topology.segments.is_empty() && are_by_square(&self.topology.faces, &self.topology.layout);
         Ok(self.topology)
     }
 
