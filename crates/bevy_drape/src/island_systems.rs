@@ -13,6 +13,7 @@ use crate::environment::SolverEnvironment;
 use crate::hit::{BallHit, HitTarget, Touching};
 use crate::island::{BallQuery, BodyQuery, Island, Stage, fits};
 use crate::islands::{Islands, Member};
+use crate::obstacle::KnownObstacles;
 use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::refusal::Refusals;
@@ -217,7 +218,7 @@ pub(crate) fn finish_islands(
 
 fn report_hits(
     island: &Island,
-    obstacles: &[Entity],
+    obstacles: &KnownObstacles,
     elapsed: f64,
     touching: &mut Touching,
     hits: &mut MessageWriter<BallHit>,
@@ -227,7 +228,7 @@ fn report_hits(
         let (target, kind) = match touch.other {
             Other::Body(i) => (island.bodies[i], HitTarget::Body),
             Other::Ball(i) => (island.balls[i], HitTarget::Projectile),
-            Other::Obstacle(i) => (obstacles[i], HitTarget::Obstacle),
+            Other::Obstacle(i) => (obstacles.entity(i), HitTarget::Obstacle),
         };
         if touching.note(elapsed, projectile, target) {
             hits.write(BallHit {

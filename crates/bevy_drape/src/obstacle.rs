@@ -1,5 +1,10 @@
 //! Obstacles: what cloth and balls collide with.
 
+use core::ops::Range;
+
+use bevy::ecs::change_detection::ContiguousRef;
+use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{Placement, Shape};
@@ -7,6 +12,7 @@ use drape_solver::{Placement, Shape};
 use crate::clock::DrapeClock;
 use crate::environment::SolverEnvironment;
 use crate::refusal::Refusals;
+use crate::scan::{collect_rows, is_any_changed};
 
 /// Something solid that cloth, ropes and balls collide with and that nothing pushes back. Its [`Transform`] says
 /// where it is, scale included; moving it carries its velocity into the contact.
@@ -73,107 +79,167 @@ impl From<SharedShape> for Obstacle {
     }
 }
 
-/// What the plugin keeps about an obstacle between steps.
-#[derive(Component, Clone, Copy, Debug)]
-pub(crate) struct ObstacleRecord {
-    scale: Vec3,
+/// The obstacles that the solver knows: their entities by slot, and their slots by entity.
+#[derive(Default)]
+pub(crate) struct KnownObstacles {
+    entities: Vec<Entity>,
+    /// The scales that they were built at.
+    scales: Vec<Vec3>,
+    slots: EntityHashMap<usize>,
 }
 
-impl ObstacleRecord {
+impl KnownObstacles {
+    /// The entity of an obstacle of the solver.
+    pub fn entity(&self, slot: usize) -> Entity {
+        self.entities[slot]
+    }
+
+    fn slot(&self, entity: Entity) -> Option<usize> {
+        self.slots.get(&entity).copied()
+    }
+
+    fn push(&mut self, entity: Entity, scale: Vec3) {
+        self.slots.insert(entity, self.entities.len());
+        self.entities.push(entity);
+        self.scales.push(scale);
+    }
+
+    /// Takes one out; the last takes its slot.
+    fn swap_remove(&mut self, slot: usize) {
+        self.slots.remove(&self.entities.swap_remove(slot));
+        self.scales.swap_remove(slot);
+        if let Some(moved) = self.entities.get(slot) {
+            self.slots.insert(*moved, slot);
+        }
+    }
+
     /// Whether the obstacle was built at this scale. The scale that is read from a matrix wavers in its last digits
     /// as the obstacle turns; that is no change of shape.
-    fn has_scale(self, scale: Vec3) -> bool {
-        (scale - self.scale).abs().cmple(1e-4 * self.scale.abs()).all()
+    fn has_scale(&self, slot: usize, scale: Vec3) -> bool {
+        let known = self.scales[slot];
+        (scale - known).abs().cmple(1e-4 * known.abs()).all()
     }
+}
+
+/// Obstacles that have to be looked at in the next step though their components do not tell.
+#[derive(Resource, Default)]
+pub(crate) struct ObstacleNews {
+    /// Those that were despawned, disabled or lost their [`Obstacle`].
+    gone: Vec<Entity>,
+    /// Those that were enabled.
+    back: Vec<Entity>,
+    /// Those that moved in the last step, and may have stopped.
+    moving: Vec<Entity>,
+    /// Those to look at.
+    seen: Vec<Entity>,
+}
+
+pub(crate) fn note_gone_obstacle(gone: On<Remove, Obstacle>, mut news: ResMut<ObstacleNews>) {
+    news.gone.push(gone.entity);
+}
+
+pub(crate) fn note_disabled_obstacle(disabled: On<Add, Disabled>, mut news: ResMut<ObstacleNews>) {
+    news.gone.push(disabled.entity);
+}
+
+pub(crate) fn note_enabled_obstacle(enabled: On<Remove, Disabled>, mut news: ResMut<ObstacleNews>) {
+    news.back.push(enabled.entity);
 }
 
 /// Boxes of what appeared, vanished, changed or moves in this step: bodies at rest there wake up.
 #[derive(Resource, Default)]
 pub(crate) struct StirredSpace(pub Vec<(Vec3, Vec3)>);
 
-/// Brings obstacles into the solver: new ones, changed ones, moved ones; and takes out those that are gone.
+/// Brings obstacles into the solver: new ones, changed ones, moved ones; and takes out those that are gone. Looks at
+/// none that has been left alone.
 pub(crate) fn sync_obstacles(
-    mut commands: Commands,
-    obstacles: Query<(Entity, Ref<Obstacle>, Ref<GlobalTransform>, Option<&ObstacleRecord>)>,
+    obstacles: Query<(Entity, Ref<Obstacle>, Ref<GlobalTransform>)>,
     clock: Res<DrapeClock>,
     mut solver: ResMut<SolverEnvironment>,
     mut stirred: ResMut<StirredSpace>,
+    mut news: ResMut<ObstacleNews>,
     mut refusals: ResMut<Refusals>,
 ) {
     stirred.0.clear();
-    let SolverEnvironment { environment, obstacles: entities, .. } = &mut *solver;
-    remove_missing(entities, &mut environment.obstacles, &mut stirred, |entity| obstacles.contains(entity));
-    let any_moves = environment.obstacles.iter().any(drape_solver::Obstacle::is_moving);
-    for (entity, obstacle, transform, record) in &obstacles {
-        if !(any_moves || obstacle.is_changed() || transform.is_changed()) {
-            continue;
+    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
+    let ObstacleNews { gone, back, moving, seen } = &mut *news;
+    for entity in gone.drain(..).filter(|&entity| !obstacles.contains(entity)) {
+        if let Some(slot) = known.slot(entity) {
+            stirred.0.push(environment.obstacles.swap_remove(slot).swept_bounds());
+            known.swap_remove(slot);
         }
+    }
+    seen.clear();
+    for (entities, components, transforms) in obstacles.contiguous_iter().into_iter().flatten() {
+        let (_, ticks) = ContiguousRef::split(components);
+        let (_, transform_ticks) = ContiguousRef::split(transforms);
+        let is_any = |rows: Range<usize>| {
+            is_any_changed(&ticks, rows.clone()) || is_any_changed(&transform_ticks, rows)
+        };
+        collect_rows(entities, is_any, seen);
+    }
+    // Each is looked at once: a second look would take a move for a halt.
+    let is_unseen = |entity: Entity| {
+        let is_changed = |(_, obstacle, transform): (_, Ref<Obstacle>, Ref<GlobalTransform>)| {
+            obstacle.is_changed() || transform.is_changed()
+        };
+        obstacles.get(entity).is_ok_and(|components| !is_changed(components))
+    };
+    back.retain(|entity| !moving.contains(entity));
+    seen.extend(moving.drain(..).chain(back.drain(..)).filter(|&entity| is_unseen(entity)));
+    for &entity in &*seen {
+        let Ok((_, obstacle, transform)) = obstacles.get(entity) else { continue };
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         let placement = Placement { translation, rotation };
-        let slot = entities.iter().position(|&known| known == entity);
+        let slot = known.slot(entity);
         if !(placement.is_valid() && scale.is_finite()) {
             refusals.entity(entity, "Transform", "an obstacle's must be finite; it stays where it was");
             if let Some(slot) = slot {
-                let known = &mut environment.obstacles[slot];
-                known.teleport(known.placement());
+                let obstacle = &mut environment.obstacles[slot];
+                obstacle.teleport(obstacle.placement());
             }
             continue;
         }
-        let reshaped = transform.is_changed()
-            && (slot.is_none() || record.is_none_or(|record| !record.has_scale(scale)));
-        if obstacle.is_changed() || reshaped {
-            let built = obstacle
-                .shape
-                .scaled(scale)
-                .and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction));
-            commands.entity(entity).try_insert(ObstacleRecord { scale });
-            if built.is_ok() {
-                refusals.forget(entity);
+        let is_scaled = slot.is_none_or(|slot| !known.has_scale(slot, scale));
+        if obstacle.is_changed() || is_scaled {
+            let shape = obstacle.shape.scaled(scale);
+            let built =
+                shape.and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction));
+            if let Some(slot) = slot {
+                stirred.0.push(environment.obstacles[slot].swept_bounds());
             }
             match (built, slot) {
-                (Ok(built), Some(slot)) => {
-                    stirred.0.push(environment.obstacles[slot].swept_bounds());
+                (Ok(built), slot) => {
+                    refusals.forget(entity);
                     stirred.0.push(built.swept_bounds());
-                    environment.obstacles[slot] = built;
-                }
-                (Ok(built), None) => {
-                    stirred.0.push(built.swept_bounds());
-                    environment.obstacles.push(built);
-                    entities.push(entity);
+                    match slot {
+                        Some(slot) => {
+                            environment.obstacles[slot] = built;
+                            known.scales[slot] = scale;
+                        }
+                        None => {
+                            environment.obstacles.push(built);
+                            known.push(entity, scale);
+                        }
+                    }
                 }
                 (Err(error), slot) => {
                     refusals.entity(entity, "Obstacle", error);
                     if let Some(slot) = slot {
-                        stirred.0.push(environment.obstacles[slot].swept_bounds());
-                        environment.obstacles.remove(slot);
-                        entities.remove(slot);
+                        environment.obstacles.swap_remove(slot);
+                        known.swap_remove(slot);
                     }
                 }
             }
         } else if let Some(slot) = slot {
-            let known = &mut environment.obstacles[slot];
-            if known.placement() != placement || known.is_moving() {
-                known.move_to(placement, clock.delta());
-                stirred.0.push(known.swept_bounds());
+            let obstacle = &mut environment.obstacles[slot];
+            if obstacle.placement() != placement || obstacle.is_moving() {
+                obstacle.move_to(placement, clock.delta());
+                stirred.0.push(obstacle.swept_bounds());
+                if obstacle.is_moving() {
+                    moving.push(entity);
+                }
             }
-        }
-    }
-}
-
-fn remove_missing(
-    entities: &mut Vec<Entity>,
-    obstacles: &mut Vec<drape_solver::Obstacle>,
-    stirred: &mut StirredSpace,
-    exists: impl Fn(Entity) -> bool,
-) {
-    let mut slot = 0;
-    while slot < entities.len() {
-        if exists(entities[slot]) {
-            slot += 1;
-        } else {
-            stirred.0.push(obstacles[slot].swept_bounds());
-            entities.remove(slot);
-            obstacles.remove(slot);
         }
     }
 }

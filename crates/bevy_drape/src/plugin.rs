@@ -21,7 +21,10 @@ use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
 use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
 use crate::islands::Islands;
-use crate::obstacle::{Obstacle, StirredSpace, sync_obstacles};
+use crate::obstacle::{
+    Obstacle, ObstacleNews, StirredSpace, note_disabled_obstacle, note_enabled_obstacle, note_gone_obstacle,
+    sync_obstacles,
+};
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
@@ -103,6 +106,7 @@ impl Plugin for SolverPlugin {
             .init_resource::<DrapeClock>()
             .init_resource::<DrapeGravity>()
             .init_resource::<Islands>()
+            .init_resource::<ObstacleNews>()
             .init_resource::<Refusals>()
             .init_resource::<RigEdits>()
             .init_resource::<SceneManager>()
@@ -120,6 +124,9 @@ impl Plugin for SolverPlugin {
             .add_observer(remove_described_body::<Rope>)
             .add_observer(remove_ball)
             .add_observer(note_lost_settings)
+            .add_observer(note_gone_obstacle)
+            .add_observer(note_disabled_obstacle)
+            .add_observer(note_enabled_obstacle)
             .add_observer(forget_removed::<Cannon>)
             .add_observer(forget_removed::<Cloth>)
             .add_observer(forget_removed::<Obstacle>)

@@ -103,7 +103,6 @@ pub(crate) fn wake(
     let stir = &mut *stir;
     let (dt, gravity) = may_rest.pace();
     let MayRest { bodies, balls, solver, .. } = &mut may_rest;
-    let is_stirred = |bounds: Bounds| stirred.0.iter().any(|&space| overlap(space, bounds));
     stir.stirrers.clear();
     for &entity in &attention.balls {
         let Ok((mut activity, mut ball, mut record)) = balls.get_mut(entity) else { continue };
@@ -111,7 +110,7 @@ pub(crate) fn wake(
         let mended = record.refused && ball.is_changed();
         let bounds = ball_reach(&ball, dt, gravity);
         let resting = *activity == Activity::Resting;
-        if mended || (resting && (ball.is_disturbed() || solver.changed || is_stirred(bounds))) {
+        if mended || (resting && (ball.is_disturbed() || solver.changed)) {
             record.refused = false;
             *activity = Activity::Active;
             ball.bypass_change_detection().rouse();
@@ -145,7 +144,7 @@ pub(crate) fn wake(
         let mended = state.refused && (rearranged || particles.is_changed());
         let resting = *activity == Activity::Resting;
         let bounds = grown(state.extent.bounds, settings.thickness);
-        if mended || (resting && (edited || rearranged || solver.changed || is_stirred(bounds))) {
+        if mended || (resting && (edited || rearranged || solver.changed)) {
             state.refused = false;
             *activity = Activity::Active;
             particles.bypass_change_detection().rouse();

@@ -6,6 +6,7 @@ use crate::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
 use crate::friction::{combined, slip_taken};
 use crate::island::Island;
 use crate::obstacle::Obstacle;
+use crate::obstacles::Obstacles;
 use crate::overlap::{Overlap, Pace};
 use crate::pose::Pose;
 use crate::shape::{Plane, Shape, container_walls};
@@ -25,16 +26,15 @@ pub(crate) struct BallObstacle {
 }
 
 /// Lists the pairs whose boxes come within `dt` seconds of each other.
-pub(crate) fn detect(island: &mut Island, obstacles: &[Obstacle], dt: f32, gravity: f32) {
-    let pairs = &mut island.context.ball_obstacle;
+pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravity: f32) {
+    let (pairs, near) = (&mut island.context.ball_obstacle, &mut island.context.near_obstacles);
     pairs.clear();
     for (ball_index, ball) in island.balls.iter().enumerate() {
         let reach = ball.reach(dt, gravity);
-        for (obstacle_index, obstacle) in obstacles.iter().enumerate() {
-            let (low, high) = obstacle.swept_bounds();
-            if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
-                continue;
-            }
+        near.clear();
+        obstacles.near(ball.position - reach, ball.position + reach, near);
+        for obstacle_index in near.iter().map(|&index| index as usize) {
+            let obstacle = &obstacles[obstacle_index];
             let pose = obstacle.pose_at(0.0, Vec3::ZERO);
             let mut add = |plane| {
                 pairs.push(BallObstacle {

@@ -31,6 +31,8 @@ use crate::work::{Common, Moving};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ObstacleContacts {
     pub layout: Layout,
+    /// Obstacles near the body, by index.
+    pub near: Vec<u32>,
     pub groups: Vec<Group>,
     pub candidates: Vec<Candidate>,
     /// Room for what a helper finds.

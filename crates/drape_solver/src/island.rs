@@ -10,7 +10,7 @@ use crate::contact_ball_obstacle::BallObstacle;
 use crate::contact_self::SelfContacts;
 use crate::force::Wind;
 use crate::isa::Isa;
-use crate::obstacle::Obstacle;
+use crate::obstacles::Obstacles;
 use crate::touch::Touch;
 
 /// What is the same for all islands in one step.
@@ -23,7 +23,7 @@ pub struct Environment {
     /// The wind.
     pub wind: Wind,
     /// The obstacles.
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Obstacles,
 }
 
 impl Default for Environment {
@@ -32,7 +32,7 @@ impl Default for Environment {
             dt: 1.0 / 60.0,
             gravity: Vec3::new(0.0, -9.81, 0.0),
             wind: Wind::default(),
-            obstacles: Vec::new(),
+            obstacles: Obstacles::new(),
         }
     }
 }
@@ -63,6 +63,8 @@ pub struct IslandContext {
     pub(crate) substep_index: u32,
     /// Length of a substep in seconds.
     pub(crate) substep: f32,
+    /// Obstacles near a ball, while the search looks at it.
+    pub(crate) near_obstacles: Vec<u32>,
     pub(crate) ball_obstacle: Vec<BallObstacle>,
     pub(crate) ball_cloth: Vec<BallCloth>,
     pub(crate) ball_pairs: Vec<BallPair>,

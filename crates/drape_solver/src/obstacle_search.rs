@@ -12,7 +12,7 @@ use crate::crew::Crew;
 use crate::friction::combined;
 use crate::isa::{Isa, Kernel};
 use crate::lanes::{Lanes3, load};
-use crate::obstacle::Obstacle;
+use crate::obstacles::Obstacles;
 use crate::particles::Particles;
 use crate::pose::Pose;
 use crate::shape::{Shape, container_walls};
@@ -20,7 +20,7 @@ use crate::surface_lanes::{LanePlanes, LanePose, Solid};
 
 /// Lists the particles that could touch each obstacle if nothing moves more than `reach` (metres) on top of
 /// the obstacle's own travel.
-pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: Isa, crew: &Crew) {
+pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, reach: f32, isa: Isa, crew: &Crew) {
     let (low, high) = body.particles.bounds();
     let Body { particles, settings, context, .. } = body;
     let contacts = &mut context.contacts;
@@ -28,12 +28,12 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
     contacts.groups.clear();
     contacts.candidates.clear();
     contacts.planes.clear();
-    for (index, obstacle) in obstacles.iter().enumerate() {
-        let reach = reach + settings.thickness;
-        let (obstacle_low, obstacle_high) = obstacle.swept_bounds();
-        if !(low - reach).cmple(obstacle_high).all() || !(high + reach).cmpge(obstacle_low).all() {
-            continue;
-        }
+    contacts.near.clear();
+    let reach = reach + settings.thickness;
+    obstacles.near(low - reach, high + reach, &mut contacts.near);
+    for place in 0..contacts.near.len() {
+        let index = contacts.near[place] as usize;
+        let obstacle = &obstacles[index];
         let pose = obstacle.pose_at(0.0, particles.origin);
         let first = contacts.candidates.len();
         let group = contacts.groups.len() as u16;

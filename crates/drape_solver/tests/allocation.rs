@@ -30,7 +30,7 @@ fn fold_allocating_nothing() {
         .build(settings)
         .expect("valid");
     let mut island = Island::of_body(cloth);
-    let environment = Environment { obstacles: vec![Obstacle::ground()], ..Environment::default() };
+    let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..Environment::default() };
     let mut steps = |count: u32| {
         (0..count).for_each(|_| step(&mut island, &environment).expect("a good step"));
     };
@@ -58,7 +58,7 @@ fn allocate_nothing(settings: SolverSettings) {
     let mut environment = Environment {
         dt,
         wind: Wind::new(Vec3::Z),
-        obstacles: vec![Obstacle::ground(), capsule],
+        obstacles: vec![Obstacle::ground(), capsule].into(),
         ..Environment::default()
     };
     let mut touches = 0;
