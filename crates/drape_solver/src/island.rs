@@ -7,11 +7,12 @@ use crate::body::Body;
 use crate::contact_ball_ball::BallPair;
 use crate::contact_ball_cloth::BallCloth;
 use crate::contact_ball_obstacle::BallObstacle;
+use crate::contact_report::ContactReport;
 use crate::contact_self::SelfContacts;
 use crate::force::Wind;
 use crate::isa::Isa;
 use crate::obstacles::Obstacles;
-use crate::touch::Touch;
+use crate::touch::{Contact, Other, Party, Touch, pair_without};
 
 /// What is the same for all islands in one step.
 #[derive(Clone, Debug)]
@@ -46,6 +47,9 @@ pub struct Island {
     pub balls: Vec<Ball>,
     /// What touched what in the last step, balls first by index.
     pub touches: Vec<Touch>,
+    /// What happened in the last step to whoever [reports](Body::reports_contacts) it: one contact for each two, bodies
+    /// first by index.
+    pub contacts: Vec<Contact>,
     /// The instruction set to run on; the bits do not depend on it.
     pub isa: Isa,
     /// Scratch of the step.
@@ -69,6 +73,7 @@ pub struct IslandContext {
     pub(crate) ball_cloth: Vec<BallCloth>,
     pub(crate) ball_pairs: Vec<BallPair>,
     pub(crate) self_contacts: SelfContacts,
+    pub(crate) report: ContactReport,
     pub(crate) marks: Vec<bool>,
     /// Places of the particles that a ball touches, while tethers are projected.
     pub(crate) touched: Vec<(usize, Vec3)>,
@@ -90,6 +95,7 @@ impl Island {
         self.bodies.clear();
         self.balls.clear();
         self.touches.clear();
+        self.contacts.clear();
     }
 
     /// Takes the body at `index` out in the middle of a step: an empty one is left in its place, and nothing touches
@@ -98,6 +104,19 @@ impl Island {
         self.bodies[index] = Body::default();
         self.context.ball_cloth.retain(|contact| contact.body() != index);
         self.context.self_contacts.forget(index);
+        self.context.report.vacate(index);
+    }
+
+    /// Drops the touches of a body or ball that has been taken out of its list, and counts down the indices behind it.
+    pub fn forget(&mut self, gone: Other) {
+        self.context.report.forget(gone);
+        self.touches.retain_mut(|touch| {
+            let left = pair_without((Party::Ball(touch.ball), touch.other), gone);
+            if let Some((Party::Ball(ball), other)) = left {
+                (touch.ball, touch.other) = (ball, other);
+            }
+            left.is_some()
+        });
     }
 
     /// The most iterations that a body takes.

@@ -22,7 +22,7 @@ use crate::surface_lanes::{LanePlanes, LanePose, Solid};
 /// the obstacle's own travel.
 pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, reach: f32, isa: Isa, crew: &Crew) {
     let (low, high) = body.particles.bounds();
-    let Body { particles, settings, context, .. } = body;
+    let Body { particles, settings, layers, context, .. } = body;
     let contacts = &mut context.contacts;
     contacts.layout = particles.layout.clone();
     contacts.groups.clear();
@@ -34,6 +34,9 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, reach: f32, isa: Is
     for place in 0..contacts.near.len() {
         let index = contacts.near[place] as usize;
         let obstacle = &obstacles[index];
+        if !obstacle.stops(*layers) {
+            continue;
+        }
         let pose = obstacle.pose_at(0.0, particles.origin);
         let first = contacts.candidates.len();
         let group = contacts.groups.len() as u16;

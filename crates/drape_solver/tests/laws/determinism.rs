@@ -32,7 +32,8 @@ fn scene() -> (Island, Environment) {
             Obstacle::ground(),
             obstacle(capsule, Vec3::new(0.0, 1.0, -0.4), 0.5),
             obstacle(cylinder, Vec3::new(0.5, 0.5, -0.5), 0.5),
-        ].into(),
+        ]
+        .into(),
         ..gravity(FRAME)
     };
     (island, environment)

@@ -18,6 +18,7 @@ mod obstacles;
 mod property;
 mod reference;
 mod relaxation;
+mod reports;
 mod rope;
 mod self_contact;
 mod stability;
