@@ -153,7 +153,7 @@ impl Members<'_, '_> {
                 let entity = island.bodies.remove(index);
                 let mut body = island.solver.bodies.remove(index);
                 body.particles.clear_requests();
-                if let Ok((mut particles, _, mut state)) = self.bodies.get_mut(entity) {
+                if let Ok((mut particles, _, mut state, _)) = self.bodies.get_mut(entity) {
                     particles.bypass_change_detection().0 = body.particles;
                     state.context = body.context;
                     state.refused = true;
@@ -163,19 +163,19 @@ impl Members<'_, '_> {
                 } else {
                     self.refusals.entity(entity, "Particles", NOT_FINITE);
                 }
-                island.forget_touches(Other::Body(index));
+                island.solver.forget(Other::Body(index));
                 entity
             }
             StepError::NonFiniteBall(index) => {
                 let entity = island.balls.remove(index);
                 let mut ball = island.solver.balls.remove(index);
                 ball.clear_force();
-                if let Ok((mut state, mut record)) = self.balls.get_mut(entity) {
+                if let Ok((mut state, mut record, ..)) = self.balls.get_mut(entity) {
                     state.bypass_change_detection().0 = ball;
                     record.refused = true;
                 }
                 self.refusals.entity(entity, "ProjectileState", NOT_FINITE);
-                island.forget_touches(Other::Ball(index));
+                island.solver.forget(Other::Ball(index));
                 entity
             }
             _ => return false,

@@ -10,7 +10,9 @@ use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{Placement, Shape};
 
 use crate::clock::DrapeClock;
+use crate::contact_events::ContactEvents;
 use crate::environment::SolverEnvironment;
+use crate::layers::DrapeLayers;
 use crate::refusal::Refusals;
 use crate::scan::{collect_rows, is_any_changed};
 
@@ -26,6 +28,8 @@ pub struct Obstacle {
     pub shape: ObstacleShape,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
+    /// Whether it moves nothing and only tells what touches it: see [`as_sensor`](Self::as_sensor).
+    pub is_sensor: bool,
 }
 
 /// The form of an [`Obstacle`]: half-space, sphere, capsule, cuboid, the inside of a box, or any parry shape.
@@ -38,7 +42,7 @@ impl Obstacle {
     /// An obstacle of `shape` with a friction of 0.5. Sizes are checked in the next step: what cannot be used is
     /// logged and left out.
     pub fn new(shape: Shape) -> Self {
-        Self { shape: ObstacleShape(shape), friction: 0.5 }
+        Self { shape: ObstacleShape(shape), friction: 0.5, is_sensor: false }
     }
 
     /// The half-space below the entity.
@@ -64,6 +68,12 @@ impl Obstacle {
     /// The inside of a box with sides of `x`, `y` and `z` metres, which nothing leaves.
     pub fn container(x: f32, y: f32, z: f32) -> Self {
         Self::new(Shape::Container { half_extents: Vec3::new(x, y, z) * 0.5 })
+    }
+
+    /// Makes it a sensor: it moves nothing. With [`ContactEvents`] on it, or on what touches it, that is told.
+    pub fn as_sensor(mut self) -> Self {
+        self.is_sensor = true;
+        self
     }
 
     /// Sets the friction coefficient.
@@ -126,8 +136,8 @@ impl KnownObstacles {
 pub(crate) struct ObstacleNews {
     /// Those that were despawned, disabled or lost their [`Obstacle`].
     gone: Vec<Entity>,
-    /// Those that were enabled.
-    back: Vec<Entity>,
+    /// Those that were enabled, or gained or lost a component that matters.
+    again: Vec<Entity>,
     /// Those that moved in the last step, and may have stopped.
     moving: Vec<Entity>,
     /// Those to look at.
@@ -142,8 +152,9 @@ pub(crate) fn note_disabled_obstacle(disabled: On<Add, Disabled>, mut news: ResM
     news.gone.push(disabled.entity);
 }
 
-pub(crate) fn note_enabled_obstacle(enabled: On<Remove, Disabled>, mut news: ResMut<ObstacleNews>) {
-    news.back.push(enabled.entity);
+/// Has an entity looked at in the next step, in case it is an obstacle.
+pub(crate) fn look_again<E: EntityEvent, C: Component>(event: On<E, C>, mut news: ResMut<ObstacleNews>) {
+    news.again.push(event.event_target());
 }
 
 /// Boxes of what appeared, vanished, changed or moves in this step: bodies at rest there wake up.
@@ -153,7 +164,13 @@ pub(crate) struct StirredSpace(pub Vec<(Vec3, Vec3)>);
 /// Brings obstacles into the solver: new ones, changed ones, moved ones; and takes out those that are gone. Looks at
 /// none that has been left alone.
 pub(crate) fn sync_obstacles(
-    obstacles: Query<(Entity, Ref<Obstacle>, Ref<GlobalTransform>)>,
+    obstacles: Query<(
+        Entity,
+        Ref<Obstacle>,
+        Ref<GlobalTransform>,
+        Option<Ref<DrapeLayers>>,
+        Has<ContactEvents>,
+    )>,
     clock: Res<DrapeClock>,
     mut solver: ResMut<SolverEnvironment>,
     mut stirred: ResMut<StirredSpace>,
@@ -162,7 +179,7 @@ pub(crate) fn sync_obstacles(
 ) {
     stirred.0.clear();
     let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
-    let ObstacleNews { gone, back, moving, seen } = &mut *news;
+    let ObstacleNews { gone, again, moving, seen } = &mut *news;
     for entity in gone.drain(..).filter(|&entity| !obstacles.contains(entity)) {
         if let Some(slot) = known.slot(entity) {
             stirred.0.push(environment.obstacles.swap_remove(slot).swept_bounds());
@@ -170,25 +187,31 @@ pub(crate) fn sync_obstacles(
         }
     }
     seen.clear();
-    for (entities, components, transforms) in obstacles.contiguous_iter().into_iter().flatten() {
+    for (entities, components, transforms, layers, _) in obstacles.contiguous_iter().into_iter().flatten() {
         let (_, ticks) = ContiguousRef::split(components);
         let (_, transform_ticks) = ContiguousRef::split(transforms);
+        let layer_ticks = layers.map(|layers| ContiguousRef::split(layers).1);
         let is_any = |rows: Range<usize>| {
-            is_any_changed(&ticks, rows.clone()) || is_any_changed(&transform_ticks, rows)
+            is_any_changed(&ticks, rows.clone())
+                || is_any_changed(&transform_ticks, rows.clone())
+                || layer_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows))
         };
         collect_rows(entities, is_any, seen);
     }
     // Each is looked at once: a second look would take a move for a halt.
     let is_unseen = |entity: Entity| {
-        let is_changed = |(_, obstacle, transform): (_, Ref<Obstacle>, Ref<GlobalTransform>)| {
-            obstacle.is_changed() || transform.is_changed()
-        };
-        obstacles.get(entity).is_ok_and(|components| !is_changed(components))
+        obstacles.get(entity).is_ok_and(|(_, obstacle, transform, layers, _)| {
+            let is_seen = obstacle.is_changed()
+                || transform.is_changed()
+                || layers.is_some_and(|layers| layers.is_changed());
+            !is_seen
+        })
     };
-    back.retain(|entity| !moving.contains(entity));
-    seen.extend(moving.drain(..).chain(back.drain(..)).filter(|&entity| is_unseen(entity)));
+    again.retain(|entity| !moving.contains(entity));
+    seen.extend(moving.drain(..).chain(again.drain(..)).filter(|&entity| is_unseen(entity)));
     for &entity in &*seen {
-        let Ok((_, obstacle, transform)) = obstacles.get(entity) else { continue };
+        let Ok((_, obstacle, transform, layers, reports)) = obstacles.get(entity) else { continue };
+        let layers = DrapeLayers::of(layers.as_deref());
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         let placement = Placement { translation, rotation };
         let slot = known.slot(entity);
@@ -200,11 +223,17 @@ pub(crate) fn sync_obstacles(
             }
             continue;
         }
-        let is_scaled = slot.is_none_or(|slot| !known.has_scale(slot, scale));
-        if obstacle.is_changed() || is_scaled {
+        let is_another = slot.is_none_or(|slot| {
+            let built = &environment.obstacles[slot];
+            !known.has_scale(slot, scale) || built.layers() != layers || built.reports_contacts() != reports
+        });
+        if obstacle.is_changed() || is_another {
             let shape = obstacle.shape.scaled(scale);
-            let built =
-                shape.and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction));
+            let built = shape
+                .and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction))
+                .map(|built| built.with_layers(layers))
+                .map(|built| if obstacle.is_sensor { built.as_sensor() } else { built })
+                .map(|built| if reports { built.reporting_contacts() } else { built });
             if let Some(slot) = slot {
                 stirred.0.push(environment.obstacles[slot].swept_bounds());
             }

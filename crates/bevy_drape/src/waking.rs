@@ -7,6 +7,7 @@ use crate::activity::Activity;
 use crate::attention::Attention;
 use crate::clock::DrapeClock;
 use crate::environment::SolverEnvironment;
+use crate::layers::DrapeLayers;
 use crate::obstacle::StirredSpace;
 use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
@@ -42,12 +43,18 @@ pub(crate) struct MayRest<'w, 's> {
             Ref<'static, Sticks>,
             &'static mut BodyState,
             Option<&'static SolverSettings>,
+            Option<&'static DrapeLayers>,
         ),
     >,
     balls: Query<
         'w,
         's,
-        (&'static mut Activity, &'static mut ProjectileState, &'static mut ProjectileRecord),
+        (
+            &'static mut Activity,
+            &'static mut ProjectileState,
+            &'static mut ProjectileRecord,
+            Option<&'static DrapeLayers>,
+        ),
         Without<Particles>,
     >,
     solver: Res<'w, SolverEnvironment>,
@@ -66,7 +73,7 @@ impl Stir {
     fn wake_found(&mut self, space: Bounds, may_rest: &mut MayRest) {
         let (dt, gravity) = may_rest.pace();
         for entity in self.found.drain(..) {
-            if let Ok((mut activity, mut ball, _)) = may_rest.balls.get_mut(entity) {
+            if let Ok((mut activity, mut ball, ..)) = may_rest.balls.get_mut(entity) {
                 let bounds = ball_reach(&ball, dt, gravity);
                 if *activity == Activity::Resting && overlap(space, bounds) {
                     *activity = Activity::Active;
@@ -74,7 +81,7 @@ impl Stir {
                     self.balls.remove(entity);
                     self.stirrers.push(Stirrer { bounds, is_ball: true });
                 }
-            } else if let Ok((mut activity, mut particles, _, state, _)) = may_rest.bodies.get_mut(entity) {
+            } else if let Ok((mut activity, mut particles, _, state, ..)) = may_rest.bodies.get_mut(entity) {
                 let bounds = grown(state.extent.bounds, state.settings.thickness);
                 if *activity == Activity::Resting && overlap(space, bounds) {
                     *activity = Activity::Active;
@@ -105,12 +112,13 @@ pub(crate) fn wake(
     let MayRest { bodies, balls, solver, .. } = &mut may_rest;
     stir.stirrers.clear();
     for &entity in &attention.balls {
-        let Ok((mut activity, mut ball, mut record)) = balls.get_mut(entity) else { continue };
+        let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
         // A ball that was refused gets another chance when somebody has edited it.
         let mended = record.refused && ball.is_changed();
         let bounds = ball_reach(&ball, dt, gravity);
         let resting = *activity == Activity::Resting;
-        if mended || (resting && (ball.is_disturbed() || solver.changed)) {
+        let is_elsewhere = ball.layers() != DrapeLayers::of(layers);
+        if mended || (resting && (ball.is_disturbed() || is_elsewhere || solver.changed)) {
             record.refused = false;
             *activity = Activity::Active;
             ball.bypass_change_detection().rouse();
@@ -125,7 +133,8 @@ pub(crate) fn wake(
         }
     }
     for &entity in &attention.bodies {
-        let Ok((mut activity, mut particles, sticks, mut state, settings)) = bodies.get_mut(entity) else {
+        let Ok((mut activity, mut particles, sticks, mut state, settings, layers)) = bodies.get_mut(entity)
+        else {
             continue;
         };
         let state = &mut *state;
@@ -138,9 +147,12 @@ pub(crate) fn wake(
         } else if edited && particles.is_changed() {
             state.extent = Extent::of(&particles);
         }
-        let rearranged =
-            !same_settings(&state.settings, &settings) || (sticks.is_changed() && !sticks.is_added());
+        let layers = DrapeLayers::of(layers);
+        let rearranged = state.layers != layers
+            || !same_settings(&state.settings, &settings)
+            || (sticks.is_changed() && !sticks.is_added());
         state.settings = settings;
+        state.layers = layers;
         let mended = state.refused && (rearranged || particles.is_changed());
         let resting = *activity == Activity::Resting;
         let bounds = grown(state.extent.bounds, settings.thickness);
