@@ -56,6 +56,9 @@ pub struct SolverSettings {
     pub drag: f32,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
+    /// Coefficient of static friction, which holds what does not slide yet, 0 or more; below `friction` it counts as
+    /// `friction`. Two surfaces in contact use the mean of theirs.
+    pub static_friction: f32,
     /// Distance that the middle of the cloth keeps from what it touches, in metres.
     pub thickness: f32,
     /// The formula for sticks.
@@ -101,6 +104,7 @@ impl From<solver::SolverSettings> for SolverSettings {
             tolerance,
             drag,
             friction,
+            static_friction,
             thickness,
             projection,
             structural,
@@ -121,6 +125,7 @@ impl From<solver::SolverSettings> for SolverSettings {
             tolerance,
             drag,
             friction,
+            static_friction,
             thickness,
             projection,
             structural,
@@ -138,6 +143,7 @@ impl From<SolverSettings> for solver::SolverSettings {
             tolerance,
             drag,
             friction,
+            static_friction,
             thickness,
             projection,
             structural,
@@ -158,6 +164,7 @@ impl From<SolverSettings> for solver::SolverSettings {
             tolerance,
             drag,
             friction,
+            static_friction,
             thickness,
             projection,
             structural,
@@ -169,7 +176,9 @@ impl From<SolverSettings> for solver::SolverSettings {
 
 /// Whether two settings are the same to the bit: unlike `==`, also where they are not a number.
 pub(crate) fn same_settings(a: &solver::SolverSettings, b: &solver::SolverSettings) -> bool {
-    let bits = |s: &solver::SolverSettings| [s.tolerance, s.drag, s.friction, s.thickness].map(f32::to_bits);
+    let bits = |s: &solver::SolverSettings| {
+        [s.tolerance, s.drag, s.friction, s.static_friction, s.thickness].map(f32::to_bits)
+    };
     let choices = |s: &solver::SolverSettings| {
         (s.substeps, s.iterations, s.projection, s.structural, s.tethers, s.self_contact)
     };

@@ -208,7 +208,7 @@ fn gather_particles(island: &mut Island, environment: &Environment) {
 fn gather_faces(island: &mut Island) {
     let Island { bodies, balls, context, .. } = island;
     for contact in &context.ball_cloth {
-        let (ball, body) = (contact.ball(), contact.body());
+        let (ball, body) = (contact.ball, contact.body);
         let Some((corners, weights, depth)) = contact.pushed() else { continue };
         if !(balls[ball].reports_contacts || bodies[body].reports_contacts) {
             continue;

@@ -10,6 +10,7 @@ use crate::contact_ball_obstacle::BallObstacle;
 use crate::contact_report::ContactReport;
 use crate::contact_self::SelfContacts;
 use crate::force::Wind;
+use crate::impact_zone::ImpactZones;
 use crate::isa::Isa;
 use crate::obstacles::Obstacles;
 use crate::touch::{Contact, Other, Party, Touch, pair_without};
@@ -74,6 +75,7 @@ pub struct IslandContext {
     pub(crate) ball_pairs: Vec<BallPair>,
     pub(crate) self_contacts: SelfContacts,
     pub(crate) report: ContactReport,
+    pub(crate) impact_zones: ImpactZones,
     pub(crate) marks: Vec<bool>,
     /// Places of the particles that a ball touches, while tethers are projected.
     pub(crate) touched: Vec<(usize, Vec3)>,
@@ -102,7 +104,7 @@ impl Island {
     /// it any more. The other bodies keep their indices.
     pub fn vacate_body(&mut self, index: usize) {
         self.bodies[index] = Body::default();
-        self.context.ball_cloth.retain(|contact| contact.body() != index);
+        self.context.ball_cloth.retain(|contact| contact.body != index);
         self.context.self_contacts.forget(index);
         self.context.report.vacate(index);
     }
