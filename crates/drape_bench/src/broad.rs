@@ -89,14 +89,20 @@ pub fn report(field: &Field) -> Result<(), Box<dyn Error>> {
     for &cloths in &field.cloths {
         let of_same = costs.iter().filter(|cost| cost.cloths == cloths);
         let points: Vec<_> = of_same.map(|cost| (f64::from(cost.obstacles), cost.step)).collect();
-        println!("  by obstacles, {cloths} cloths: {:.3}", slope(&points));
+        print_slope(&format!("by obstacles, {cloths} cloths"), &points);
     }
     for &obstacles in &field.obstacles {
         let of_same = costs.iter().filter(|cost| cost.obstacles == obstacles);
         let points: Vec<_> = of_same.map(|cost| (f64::from(cost.cloths), cost.step)).collect();
-        println!("  by cloths, {obstacles} obstacles: {:.3}", slope(&points));
+        print_slope(&format!("by cloths, {obstacles} obstacles"), &points);
     }
     Ok(())
+}
+
+fn print_slope(what: &str, points: &[(f64, f64)]) {
+    if points.len() > 1 {
+        println!("  {what}: {:.3}", slope(points));
+    }
 }
 
 /// Slope of the line of least squares through the logarithms.

@@ -47,18 +47,26 @@ struct Case {
 pub fn report(trials: &Trials) -> Result<(), Box<dyn Error>> {
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
-    table.set_header(["contact", "touching", "step with, us", "without, us", "ns per particle and substep"]);
+    table.set_header([
+        "contact",
+        "touching",
+        "substeps",
+        "step with, us",
+        "without, us",
+        "ns per particle and substep",
+    ]);
     for case in cases(trials.n)? {
         let touching = case.with.0.bodies[0].context.contacts().count();
         let [with, without] = medians(&case, trials.repeat)?;
-        let substeps = f64::from(case.with.0.substeps());
+        let substeps = [&case.with, &case.without].map(|(island, _)| f64::from(island.substeps()));
         let particles = f64::from(trials.n * trials.n);
         table.add_row([
             case.name.to_string(),
             touching.to_string(),
+            substeps[0].to_string(),
             format!("{with:.0}"),
             format!("{without:.0}"),
-            format!("{:.2}", (with - without) * 1e3 / (particles * substeps)),
+            format!("{:.2}", (with / substeps[0] - without / substeps[1]) * 1e3 / particles),
         ]);
     }
     println!("{table}");

@@ -365,8 +365,8 @@ mod tests {
         for _ in 0..20 {
             for i in 0..obstacles.len() {
                 let Placement { translation, .. } = obstacles[i].placement();
-                let turn = ((i * 7919) % 1000) as f32 * 0.006;
-                let to = translation + Vec3::new(turn.cos(), 0.0, turn.sin());
+                let way = Vec3::new((i * 7919 % 201) as f32 - 100.0, 0.0, (i * 104_729 % 201) as f32 - 100.0);
+                let to = translation + way * 0.01;
                 obstacles[i].move_to(Placement::at(to), 1.0 / 60.0);
             }
         }
