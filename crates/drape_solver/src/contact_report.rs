@@ -7,7 +7,8 @@ use glam::Vec3;
 
 use crate::columns::LANES;
 use crate::contact_ball_obstacle::BallObstacle;
-use crate::island::{Environment, Island};
+use crate::contact_self;
+use crate::island::{Environment, Island, IslandContext};
 use crate::obstacle::Obstacle;
 use crate::shape::Shape;
 use crate::touch::{Contact, Feature, Other, Party, Touch, pair_without};
@@ -163,6 +164,8 @@ pub(crate) fn detect(island: &mut Island, environment: &Environment, reach: f32)
             report.watches.push(Watch { party: Party::Ball(index), sensor, cells: [0; 2] });
         }
     }
+    let is_in_company = bodies.iter().filter(|body| contact_self::is_on(body)).nth(1).is_some();
+    report.is_on |= is_in_company && bodies.iter().any(|body| body.reports_contacts);
     let near_balls = context.ball_obstacle.iter().map(BallObstacle::obstacle);
     report.reporting.extend(near_balls.filter(|&index| obstacles[index].reports_contacts()));
     report.reporting.sort_unstable();
@@ -175,6 +178,7 @@ pub(crate) fn gather(island: &mut Island, environment: &Environment) {
         return;
     }
     gather_particles(island, environment);
+    gather_bodies(island);
     gather_faces(island);
     sense(island, environment);
 }
@@ -201,6 +205,35 @@ fn gather_particles(island: &mut Island, environment: &Environment) {
             };
             context.report.add(push, time);
         }
+    }
+}
+
+/// Particles of bodies that have pushed each other.
+fn gather_bodies(island: &mut Island) {
+    let Island {
+        bodies, context: IslandContext { self_contacts, report, substep, substep_index, .. }, ..
+    } = island;
+    let time = *substep_index as f32 * *substep;
+    for (ends, normal, depth) in self_contacts.pushed_bodies() {
+        if !ends.iter().any(|&(body, _)| bodies[body].reports_contacts) {
+            continue;
+        }
+        // The body that comes first is the party.
+        let is_turned = ends[0].0 > ends[1].0;
+        let [(first, slot), (second, other_slot)] = if is_turned { [ends[1], ends[0]] } else { ends };
+        let normal = if is_turned { -normal } else { normal };
+        let (particles, other) = (&bodies[first].particles, &bodies[second]);
+        let surface = other.particles.position.get(other_slot) + normal * other.settings.thickness;
+        let felt = particles.inverse_mass[slot] + other.particles.inverse_mass[other_slot];
+        let push = Push {
+            pair: (Party::Body(first), Other::Body(second)),
+            point: surface + other.particles.origin,
+            normal,
+            impulse: depth / (felt * *substep),
+            feature: particles.layout.index(slot).map(Feature::Particle),
+            face: None,
+        };
+        report.add(push, time);
     }
 }
 
@@ -307,13 +340,13 @@ pub(crate) fn finish(island: &mut Island) {
     // Of a ball and a cloth the account has the place only: the touch has all else.
     for account in &report.accounts {
         match (account.pair, contacts.binary_search_by_key(&account.pair, Contact::pair)) {
-            ((_, Other::Body(body)), Ok(place)) => {
+            ((Party::Ball(_), Other::Body(body)), Ok(place)) => {
                 let index_of = |face| bodies[body].topology.faces.iter().position(|known| known == face);
                 let face = account.face.as_ref().and_then(index_of).map(Feature::Face);
                 contacts[place].feature = face.or(account.contact.feature);
             }
-            ((_, Other::Obstacle(_)), Err(place)) => contacts.insert(place, account.contact),
-            _ => {}
+            ((Party::Ball(_), Other::Body(_)), Err(_)) | (_, Ok(_)) => {}
+            (_, Err(place)) => contacts.insert(place, account.contact),
         }
     }
 }

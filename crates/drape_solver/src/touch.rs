@@ -34,7 +34,7 @@ pub enum Feature {
 /// What happened between two over one step, for those that [ask](crate::Body::reports_contacts) for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// The body or ball that touched something; of a body and a ball, the ball.
+    /// The body or ball that touched something; of a body and a ball, the ball; of two bodies or two balls, the first.
     pub party: Party,
     /// What it touched.
     pub other: Other,
@@ -48,7 +48,7 @@ pub struct Contact {
     pub normal: Vec3,
     /// Sum of the sizes of all normal impulses over the step, in newton seconds; 0 for a sensor.
     pub impulse: f32,
-    /// The part of the body at that point. None between a ball and another or an obstacle.
+    /// The part of the body at that point: of two bodies, of the party. None between a ball and another or an obstacle.
     pub feature: Option<Feature>,
 }
 

@@ -246,3 +246,24 @@ fn what_is_taken_out_of_the_island_is_in_no_contact() {
     let parties: Vec<Party> = island.contacts.iter().map(|contact| contact.party).collect();
     assert_eq!(parties, [Party::Body(0)]);
 }
+
+#[test]
+fn two_cloths_have_one_contact_unless_layers_part_them() {
+    for (other, is_stopped) in [(Layers::ALL, true), (THEIRS, false)] {
+        let settings = SolverSettings { thickness: 0.03, self_contact: true, ..SolverSettings::default() };
+        let with = |height: f32, layers: Layers| Body { settings, layers, ..sheet(height) };
+        let upper = Body { reports_contacts: true, ..with(0.3, MINE) };
+        let weight = measure::mass(&upper.particles) as f32 * 9.81;
+        let mut island = Island::of_body(upper);
+        island.bodies.push(with(0.05, other));
+        run(&mut island, &ground(), 2.0);
+        let all = contacts(&mut island, &ground(), 30);
+        let of_both: Vec<&Contact> = all.iter().filter(|contact| contact.other == Other::Body(1)).collect();
+        assert_eq!(!of_both.is_empty(), is_stopped);
+        assert!(of_both.iter().all(|contact| contact.party == Party::Body(0) && contact.normal.y > 0.2));
+        // What does not rest on the other cloth rests on the ground.
+        let impulse: f32 = all.iter().map(|contact| contact.impulse * contact.normal.y).sum();
+        let expected = weight * 30.0 * FRAME;
+        assert!((impulse / expected - 1.0).abs() < 0.15, "{impulse} N s instead of {expected}");
+    }
+}
