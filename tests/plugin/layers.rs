@@ -68,6 +68,26 @@ fn a_sleeper_falls_when_layers_part_it_from_the_ground() {
 }
 
 #[test]
+fn a_sleeper_is_not_woken_by_what_it_cannot_touch() {
+    for (layers, wakes) in [(MINE, true), (THEIRS, false)] {
+        let mut app = app();
+        let at = Transform::from_xyz(0.0, 2.0, 0.0);
+        let cloth = app.world_mut().spawn((curtain(), quiet(), at, MINE)).id();
+        settle(&mut app, cloth);
+        let (low, high) = get::<Particles>(&app, cloth).bounds();
+        let beside = (low + high) * 0.5 + Vec3::Z * 0.25;
+        let wall = Transform::from_translation(beside);
+        app.world_mut().spawn((Obstacle::cuboid(0.1, 0.1, 0.498), wall, layers));
+        step(&mut app, 1);
+        assert_eq!(activity(&app, cloth) == Activity::Active, wakes, "by an obstacle that appears");
+        settle(&mut app, cloth);
+        app.world_mut().spawn(ball(beside + Vec3::new(0.0, 0.4, -0.08), Vec3::ZERO, layers));
+        step(&mut app, 2);
+        assert_eq!(activity(&app, cloth) == Activity::Active, wakes, "by a ball that falls past");
+    }
+}
+
+#[test]
 fn without_layers_all_touch_all() {
     let mut app = app();
     let ground = app.world_mut().spawn((Obstacle::ground(), MINE)).id();

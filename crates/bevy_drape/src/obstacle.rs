@@ -7,7 +7,7 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::parry3d::shape::SharedShape;
-use drape_solver::{Placement, Shape};
+use drape_solver::{Layers, Placement, Shape};
 
 use crate::clock::DrapeClock;
 use crate::contact_events::ContactEvents;
@@ -15,6 +15,7 @@ use crate::environment::SolverEnvironment;
 use crate::layers::DrapeLayers;
 use crate::refusal::Refusals;
 use crate::scan::{collect_rows, is_any_changed};
+use crate::scene_manager::Bounds;
 
 /// Something solid that cloth, ropes and balls collide with and that nothing pushes back. Its [`Transform`] says
 /// where it is, scale included; moving it carries its velocity into the contact.
@@ -157,9 +158,16 @@ pub(crate) fn look_again<E: EntityEvent, C: Component>(event: On<E, C>, mut news
     news.again.push(event.event_target());
 }
 
-/// Boxes of what appeared, vanished, changed or moves in this step: bodies at rest there wake up.
+/// Boxes and layers of what appeared, vanished, changed or moves in this step: bodies at rest there wake up, if they could
+/// touch it.
 #[derive(Resource, Default)]
-pub(crate) struct StirredSpace(pub Vec<(Vec3, Vec3)>);
+pub(crate) struct StirredSpace(pub Vec<(Bounds, Layers)>);
+
+impl StirredSpace {
+    fn push(&mut self, obstacle: &drape_solver::Obstacle) {
+        self.0.push((obstacle.swept_bounds(), obstacle.layers()));
+    }
+}
 
 /// Brings obstacles into the solver: new ones, changed ones, moved ones; and takes out those that are gone. Looks at
 /// none that has been left alone.
@@ -182,7 +190,7 @@ pub(crate) fn sync_obstacles(
     let ObstacleNews { gone, again, moving, seen } = &mut *news;
     for entity in gone.drain(..).filter(|&entity| !obstacles.contains(entity)) {
         if let Some(slot) = known.slot(entity) {
-            stirred.0.push(environment.obstacles.swap_remove(slot).swept_bounds());
+            stirred.push(&environment.obstacles.swap_remove(slot));
             known.swap_remove(slot);
         }
     }
@@ -235,12 +243,12 @@ pub(crate) fn sync_obstacles(
                 .map(|built| if obstacle.is_sensor { built.as_sensor() } else { built })
                 .map(|built| if reports { built.reporting_contacts() } else { built });
             if let Some(slot) = slot {
-                stirred.0.push(environment.obstacles[slot].swept_bounds());
+                stirred.push(&environment.obstacles[slot]);
             }
             match (built, slot) {
                 (Ok(built), slot) => {
                     refusals.forget(entity);
-                    stirred.0.push(built.swept_bounds());
+                    stirred.push(&built);
                     match slot {
                         Some(slot) => {
                             environment.obstacles[slot] = built;
@@ -264,7 +272,7 @@ pub(crate) fn sync_obstacles(
             let obstacle = &mut environment.obstacles[slot];
             if obstacle.placement() != placement || obstacle.is_moving() {
                 obstacle.move_to(placement, clock.delta());
-                stirred.0.push(obstacle.swept_bounds());
+                stirred.push(obstacle);
                 if obstacle.is_moving() {
                     moving.push(entity);
                 }

@@ -2,6 +2,7 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use drape_solver::Layers;
 
 use crate::activity::Activity;
 use crate::attention::Attention;
@@ -19,6 +20,7 @@ use crate::sleepers::Sleepers;
 #[derive(Clone, Copy)]
 struct Stirrer {
     bounds: Bounds,
+    layers: Layers,
     is_ball: bool,
 }
 
@@ -69,25 +71,27 @@ impl MayRest<'_, '_> {
 }
 
 impl Stir {
-    /// Wakes what was found and does rest within `space`, so that it stirs itself.
-    fn wake_found(&mut self, space: Bounds, may_rest: &mut MayRest) {
+    /// Wakes what was found, does rest within `space` and could touch who stirs there, so that it stirs itself.
+    fn wake_found(&mut self, space: Bounds, layers: Layers, may_rest: &mut MayRest) {
         let (dt, gravity) = may_rest.pace();
         for entity in self.found.drain(..) {
             if let Ok((mut activity, mut ball, ..)) = may_rest.balls.get_mut(entity) {
                 let bounds = ball_reach(&ball, dt, gravity);
-                if *activity == Activity::Resting && overlap(space, bounds) {
+                let own = ball.layers();
+                if *activity == Activity::Resting && overlap(space, bounds) && layers.interact(own) {
                     *activity = Activity::Active;
                     ball.bypass_change_detection().rouse();
                     self.balls.remove(entity);
-                    self.stirrers.push(Stirrer { bounds, is_ball: true });
+                    self.stirrers.push(Stirrer { bounds, layers: own, is_ball: true });
                 }
             } else if let Ok((mut activity, mut particles, _, state, ..)) = may_rest.bodies.get_mut(entity) {
                 let bounds = grown(state.extent.bounds, state.settings.thickness);
-                if *activity == Activity::Resting && overlap(space, bounds) {
+                let own = state.layers;
+                if *activity == Activity::Resting && overlap(space, bounds) && layers.interact(own) {
                     *activity = Activity::Active;
                     particles.bypass_change_detection().rouse();
                     self.bodies.remove(entity);
-                    self.stirrers.push(Stirrer { bounds, is_ball: false });
+                    self.stirrers.push(Stirrer { bounds, layers: own, is_ball: false });
                 }
             } else {
                 // It was despawned in its sleep.
@@ -124,7 +128,7 @@ pub(crate) fn wake(
             ball.bypass_change_detection().rouse();
         }
         if *activity == Activity::Active {
-            stir.stirrers.push(Stirrer { bounds, is_ball: true });
+            stir.stirrers.push(Stirrer { bounds, layers: DrapeLayers::of(layers), is_ball: true });
         }
         if *activity == Activity::Resting {
             stir.balls.insert(entity, bounds);
@@ -162,7 +166,8 @@ pub(crate) fn wake(
             particles.bypass_change_detection().rouse();
         }
         if *activity == Activity::Active {
-            stir.stirrers.push(Stirrer { bounds: body_reach(state, dt, gravity), is_ball: false });
+            let bounds = body_reach(state, dt, gravity);
+            stir.stirrers.push(Stirrer { bounds, layers, is_ball: false });
         }
         if *activity == Activity::Resting {
             stir.bodies.insert(entity, bounds);
@@ -170,19 +175,19 @@ pub(crate) fn wake(
             stir.bodies.remove(entity);
         }
     }
-    for &space in &stirred.0 {
+    for &(space, layers) in &stirred.0 {
         stir.bodies.find(space, &mut stir.found);
         stir.balls.find(space, &mut stir.found);
-        stir.wake_found(space, &mut may_rest);
+        stir.wake_found(space, layers, &mut may_rest);
     }
     let mut next = 0;
-    while let Some(&Stirrer { bounds, is_ball }) = stir.stirrers.get(next) {
+    while let Some(&Stirrer { bounds, layers, is_ball }) = stir.stirrers.get(next) {
         next += 1;
         stir.balls.find(bounds, &mut stir.found);
         // Only balls touch things: two cloths do not.
         if is_ball {
             stir.bodies.find(bounds, &mut stir.found);
         }
-        stir.wake_found(bounds, &mut may_rest);
+        stir.wake_found(bounds, layers, &mut may_rest);
     }
 }
