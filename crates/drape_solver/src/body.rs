@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::columns::Columns;
+use crate::contact_face_obstacle::FaceContacts;
 use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::integrate::Drag;
 use crate::layers::Layers;
@@ -57,6 +58,7 @@ pub struct BodyContext {
     /// Positions after integration: what projections are measured against.
     pub(crate) integrated: Columns,
     pub(crate) contacts: ObstacleContacts,
+    pub(crate) faces: FaceContacts,
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,

@@ -93,8 +93,8 @@ pub const MAX_TETHERS: usize = 4;
 pub const RECENTRE_DISTANCE: f32 = 2.0;
 
 /// Speed above which an obstacle's move counts as a teleport, which carries no velocity into contacts,
-/// in metres per second. Faster than anything a game swings; slower than any cut or respawn.
-pub const TELEPORT_SPEED: f32 = 300.0;
+/// in metres per second: 25 m in a frame. Faster than anything a game swings.
+pub const TELEPORT_SPEED: f32 = 1500.0;
 
 /// Largest size, position or speed that a builder accepts (metres, metres per second): squares stay far
 /// from the end of single precision.
@@ -103,6 +103,9 @@ pub const MAX_MAGNITUDE: f32 = 1.0e6;
 /// Overlaps that were there before a substep are taken back at least at this speed, in metres per second. Slow
 /// enough to throw nothing; fast enough that what rounding and round shapes leave is gone within the substep.
 pub const PUSH_OUT_SPEED: f32 = 3.0;
+
+/// The same for overlaps of faces and obstacles.
+pub const GENTLE_PUSH_OUT_SPEED: f32 = 0.2;
 
 /// A ball's centre that passes a face's plane within this part of its radius beside the face has passed through it.
 /// Closes the cracks between neighbouring faces.
@@ -118,6 +121,29 @@ pub const PASSAGE_HALVINGS: u32 = 10;
 
 /// Two that meet slower than this, in metres per second, do not bounce: else what rests would tremble.
 pub const RESTITUTION_SPEED: f32 = 0.2;
+
+/// Where an obstacle could poke deeper than this between the particles of a cloth, in thicknesses, faces meet it too: up
+/// to there the middle of the cloth stays outside.
+pub const POKING: f32 = 1.0;
+
+/// The distance that faces keep, in thicknesses: less than particles do, so that what lies flat lies on its particles
+/// alone. With both at one distance they take turns, and the cloth trembles.
+pub const FACE_THICKNESS: f32 = 0.5;
+
+/// Rounds of the search for the deepest point of a face in an obstacle: when it is first seen in a step, and from then on,
+/// from where it was. Each halves the way that is left, at least.
+pub const DESCENT_ROUNDS: u32 = 10;
+/// See [`DESCENT_ROUNDS`].
+pub const DESCENT_ROUNDS_AGAIN: u32 = 5;
+
+/// As [`CONTACT_MARGIN`], for faces, metres: they are looked at one by one, and many at the edge of a table.
+pub const FACE_MARGIN: f32 = 0.01;
+
+/// Rounds of the same search in each substep, for shapes that are slow to ask.
+pub const LOOKS_AGAIN: u32 = 2;
+
+/// A deepest point with a greater weight than this is a corner, which is met as a particle.
+pub const VERTEX_WEIGHT: f32 = 0.99;
 
 /// Colours used to make batches of sticks that share no particle. A particle with more sticks than this in
 /// one family puts the rest into a last batch that is relaxed in order.

@@ -68,8 +68,16 @@ impl Element {
         }
     }
 
+    /// Weights of its middle.
+    pub fn middle(self) -> [f32; 3] {
+        match self {
+            Self::Face(_) => [1.0 / 3.0; 3],
+            Self::Segment(_) => [0.5, 0.5, 0.0],
+        }
+    }
+
     /// Weights of the point nearest to `point`.
-    fn nearest(self, corners: [Vec3; 3], point: Vec3) -> [f32; 3] {
+    pub fn nearest(self, corners: [Vec3; 3], point: Vec3) -> [f32; 3] {
         match self {
             Self::Face(_) => on_triangle(corners, point),
             Self::Segment(_) => on_segment([corners[0], corners[1]], point),

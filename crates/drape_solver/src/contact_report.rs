@@ -6,7 +6,9 @@
 use glam::Vec3;
 
 use crate::columns::LANES;
+use crate::contact_ball_cloth::{Element, weighted};
 use crate::contact_ball_obstacle::BallObstacle;
+use crate::contact_face_obstacle::PushedElement;
 use crate::contact_self;
 use crate::island::{Environment, Island, IslandContext};
 use crate::obstacle::Obstacle;
@@ -135,7 +137,8 @@ pub(crate) fn detect(island: &mut Island, environment: &Environment, reach: f32)
     for (index, body) in bodies.iter().enumerate() {
         let contacts = &body.context.contacts;
         let is_reported = |obstacle: &Obstacle| body.reports_contacts || obstacle.reports_contacts();
-        let is_touched = contacts.obstacles().any(|index| is_reported(&obstacles[index]));
+        let mut met = contacts.obstacles().chain(body.context.faces.obstacles());
+        let is_touched = met.any(|index| is_reported(&obstacles[index]));
         report.is_on |= is_touched || (body.reports_contacts && !balls.is_empty());
         let reach = reach + body.settings.thickness;
         for sensor in contacts.near.iter().map(|&index| index as usize) {
@@ -183,7 +186,7 @@ pub(crate) fn gather(island: &mut Island, environment: &Environment) {
     sense(island, environment);
 }
 
-/// Particles that obstacles have pushed.
+/// Particles and faces that obstacles have pushed.
 fn gather_particles(island: &mut Island, environment: &Environment) {
     let Island { bodies, context, .. } = island;
     let time = context.substep_index as f32 * context.substep;
@@ -201,6 +204,31 @@ fn gather_particles(island: &mut Island, environment: &Environment) {
                 // What was pushed out in one substep was that fast, and weighed this much.
                 impulse: depth / (particles.inverse_mass[slot] * context.substep),
                 feature: particles.layout.index(slot).map(Feature::Particle),
+                face: None,
+            };
+            context.report.add(push, time);
+        }
+        for PushedElement { element, place, obstacle, weights, normal, depth } in body.context.faces.pushed()
+        {
+            if !(body.reports_contacts || environment.obstacles[obstacle].reports_contacts()) {
+                continue;
+            }
+            let corners = element.corners();
+            let point = weighted(weights, corners.map(|slot| particles.position.get(slot)));
+            let felt = corners.iter().zip(weights).map(|(&slot, b)| b * b * particles.inverse_mass[slot]);
+            let feature = match element {
+                Element::Face(_) => Some(Feature::Face(place)),
+                Element::Segment(_) => {
+                    let nearest_end = if weights[0] >= weights[1] { corners[0] } else { corners[1] };
+                    particles.layout.index(nearest_end).map(Feature::Particle)
+                }
+            };
+            let push = Push {
+                pair: (Party::Body(index), Other::Obstacle(obstacle)),
+                point: point - normal * body.settings.thickness + particles.origin,
+                normal,
+                impulse: depth / (felt.sum::<f32>() * context.substep),
+                feature,
                 face: None,
             };
             context.report.add(push, time);

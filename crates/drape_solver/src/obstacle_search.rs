@@ -3,26 +3,42 @@
 use core::ops::Range;
 
 use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
 
-use crate::body::Body;
+use crate::body::{Body, BodyContext};
 use crate::columns::{Cell, LANES};
-use crate::constants::LEAST_SHARED_CELLS;
+use crate::constants::{CONTACT_MARGIN, FACE_MARGIN, LEAST_SHARED_CELLS};
+use crate::contact_face_obstacle::Met;
 use crate::contact_particle_obstacle::{Candidate, Group, ObstacleContacts};
 use crate::crew::Crew;
 use crate::isa::{Isa, Kernel};
 use crate::lanes::{Lanes3, load};
+use crate::obstacle::Obstacle;
 use crate::obstacles::Obstacles;
 use crate::particles::Particles;
 use crate::pose::Pose;
-use crate::shape::{Shape, container_walls};
+use crate::shape::{Plane, Shape, container_walls};
 use crate::surface_lanes::{LanePlanes, LanePose, Solid};
 
-/// Lists the particles that could touch each obstacle if nothing moves more than `reach` (metres) on top of
-/// the obstacle's own travel.
-pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, reach: f32, isa: Isa, crew: &Crew) {
+/// The step that is searched.
+#[derive(Clone, Copy)]
+pub(crate) struct Span {
+    /// Seconds.
+    pub dt: f32,
+    pub substeps: u32,
+    /// How far anything may move, in metres, on top of the obstacles' own travel.
+    pub reach: f32,
+}
+
+/// Lists the particles that could touch each obstacle in the step.
+pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Isa, crew: &Crew) {
+    let reach = span.reach;
     let (low, high) = body.particles.bounds();
-    let Body { particles, settings, layers, context, .. } = body;
-    let contacts = &mut context.contacts;
+    let Body { particles, topology, settings, layers, context, .. } = body;
+    let BodyContext { contacts, faces, uniform_acceleration, .. } = context;
+    let flight = Flight { substeps: span.substeps as f32, fall: *uniform_acceleration * (span.dt * span.dt) };
+    let fastest = particles.greatest_speed() * span.dt + flight.fall.length();
+    faces.begin_step();
     contacts.layout = particles.layout.clone();
     contacts.groups.clear();
     contacts.candidates.clear();
@@ -37,6 +53,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, reach: f32, isa: Is
             continue;
         }
         let pose = obstacle.pose_at(0.0, particles.origin);
+        let friction = settings.surface_friction().with(obstacle.surface_friction());
         let first = contacts.candidates.len();
         let group = contacts.groups.len() as u16;
         let reach = reach + obstacle.travel();
@@ -53,20 +70,43 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, reach: f32, isa: Is
                     search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
                 }
             }
-            shape @ Shape::Parry(_) => search_by_query(contacts, particles, shape, pose, reach, group),
+            shape if !shape.has_formula() => {
+                let search = Query {
+                    particles,
+                    shape,
+                    pose,
+                    reach,
+                    group,
+                    sight: flight.towards(obstacle, particles),
+                };
+                search.run(contacts, settings.thickness);
+            }
             shape => {
+                let half = shape.least_half_extent() + settings.thickness;
+                if (fastest + obstacle.travel()) / flight.substeps > half {
+                    let sight = flight.towards(obstacle, particles);
+                    let search = Query { particles, shape, pose, reach, group, sight };
+                    search.run_ahead(contacts);
+                }
                 let solid = Solid::Formula(shape);
                 let search = Search { particles, solid, pose, reach, group, planes: None };
                 search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
             }
         }
-        if contacts.candidates.len() > first {
-            contacts.groups.push(Group {
+        faces.search(
+            particles,
+            topology,
+            settings,
+            Met {
+                shape: obstacle.shape(),
                 obstacle: index,
-                friction: settings.surface_friction().with(obstacle.surface_friction()),
-                is_moving: obstacle.is_moving(),
+                friction,
                 pose,
-            });
+                reach: reach - CONTACT_MARGIN + FACE_MARGIN,
+            },
+        );
+        if contacts.candidates.len() > first {
+            contacts.groups.push(Group { obstacle: index, friction, is_moving: obstacle.is_moving(), pose });
         }
     }
     contacts.sort();
@@ -76,35 +116,104 @@ fn candidate(cell: usize, group: u16, lanes: u16, planes: Option<u32>) -> Candid
     Candidate { cell: cell as u32, group, lanes, is_touching: false, planes }
 }
 
-/// Asks a shape without a formula for the nearest point of every particle in its reach.
-fn search_by_query(
-    contacts: &mut ObstacleContacts,
-    particles: &Particles,
-    shape: &Shape,
+/// How particles fly through the step if nothing stops them.
+#[derive(Clone, Copy)]
+struct Flight {
+    substeps: f32,
+    /// What acceleration adds to the way of all, in metres.
+    fall: Vec3,
+}
+
+/// The same as an obstacle sees it, which may move itself.
+#[derive(Clone, Copy)]
+struct Sight {
+    flight: Flight,
+    end: Pose,
+}
+
+impl Flight {
+    fn towards(self, obstacle: &Obstacle, particles: &Particles) -> Sight {
+        Sight { flight: self, end: obstacle.pose_at(1.0, particles.origin) }
+    }
+}
+
+impl Sight {
+    /// The way of the particle in `slot`, which starts at `local`, through the obstacle's coordinates.
+    fn way(self, particles: &Particles, slot: usize, local: Vec3) -> Vec3 {
+        let Flight { substeps, fall } = self.flight;
+        let way = particles.displacement.get(slot) * substeps + fall;
+        self.end.to_local(particles.position.get(slot) + way) - local
+    }
+}
+
+/// The search that asks a shape about every particle in its reach, one by one.
+#[derive(Clone, Copy)]
+struct Query<'a> {
+    particles: &'a Particles,
+    shape: &'a Shape,
     pose: Pose,
     reach: f32,
     group: u16,
-) {
-    let (low, high) = shape.local_bounds();
-    for (cell, positions) in particles.position.cells.iter().enumerate() {
-        let mut lanes = 0;
-        let mut planes = LanePlanes::default();
-        for lane in (0..LANES).filter(|lane| particles.inverse_mass[cell * LANES + lane] > 0.0) {
-            let local = pose.to_local(positions.get(lane));
-            if !(local.cmpge(low - reach).all() && local.cmple(high + reach).all()) {
-                continue;
+    sight: Sight,
+}
+
+impl Query<'_> {
+    /// Looks for the nearest point of a shape without a formula; where the particle is on its way to another, for that.
+    fn run(self, contacts: &mut ObstacleContacts, thickness: f32) {
+        self.list(contacts, |local, way| {
+            let surface = self.shape.surface(local);
+            if surface.distance >= self.reach {
+                return None;
             }
-            let surface = shape.surface(local);
-            if surface.distance < reach {
-                lanes |= 1 << lane;
-                planes.normal.set(lane, surface.normal);
-                planes.offset[lane] = surface.normal.dot(local) - surface.distance;
+            let path = way.length();
+            let is_ahead = path > thickness && surface.distance > 0.0 && surface.distance < path + thickness;
+            let ahead = if is_ahead { self.ahead(local, way) } else { None };
+            ahead.or(Some(Plane {
+                normal: surface.normal,
+                offset: surface.normal.dot(local) - surface.distance,
+            }))
+        });
+    }
+
+    /// Looks for what a particle will run into, on top of what its formula tells in each substep: for those that may be
+    /// through and out on the other side by then.
+    fn run_ahead(self, contacts: &mut ObstacleContacts) {
+        self.list(contacts, |local, way| {
+            let is_outside = self.shape.surface(local).distance > 0.0;
+            if is_outside { self.ahead(local, way) } else { None }
+        });
+    }
+
+    /// The plane that the way from `local` runs into.
+    fn ahead(self, local: Vec3, way: Vec3) -> Option<Plane> {
+        let (fraction, normal) = self.shape.cast(local, way)?;
+        Some(Plane { normal, offset: normal.dot(local + way * fraction) })
+    }
+
+    fn list(self, contacts: &mut ObstacleContacts, look: impl Fn(Vec3, Vec3) -> Option<Plane>) {
+        let Self { particles, shape, pose, reach, group, sight } = self;
+        let (low, high) = shape.local_bounds();
+        for (cell, positions) in particles.position.cells.iter().enumerate() {
+            let mut lanes = 0;
+            let mut planes = LanePlanes::default();
+            for lane in 0..LANES {
+                let slot = cell * LANES + lane;
+                let local = pose.to_local(positions.get(lane));
+                let is_near = local.cmpge(low - reach).all() && local.cmple(high + reach).all();
+                if !is_near || particles.inverse_mass[slot] == 0.0 {
+                    continue;
+                }
+                if let Some(plane) = look(local, sight.way(particles, slot, local)) {
+                    lanes |= 1 << lane;
+                    planes.normal.set(lane, plane.normal);
+                    planes.offset[lane] = plane.offset;
+                }
             }
-        }
-        if lanes != 0 {
-            let plane = contacts.planes.len() as u32;
-            contacts.candidates.push(candidate(cell, group, lanes, Some(plane)));
-            contacts.planes.push(planes);
+            if lanes != 0 {
+                let place = contacts.planes.len() as u32;
+                contacts.candidates.push(candidate(cell, group, lanes, Some(place)));
+                contacts.planes.push(planes);
+            }
         }
     }
 }

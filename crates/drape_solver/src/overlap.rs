@@ -14,7 +14,7 @@
 
 use fearless_simd::{Simd, f32x16, prelude::*};
 
-use crate::constants::{PUSH_OUT_SPEED, REFERENCE_STEP};
+use crate::constants::{GENTLE_PUSH_OUT_SPEED, PUSH_OUT_SPEED, REFERENCE_STEP};
 use crate::island::IslandContext;
 
 /// The overlap of one contact in one substep.
@@ -55,6 +55,12 @@ impl Pace {
         let short = substep * (substeps as f32) < 0.999 * REFERENCE_STEP;
         let spread = if short { left.max(REFERENCE_STEP / substep) } else { left };
         Self { share: 1.0 / spread, at_once: PUSH_OUT_SPEED * substep }
+    }
+
+    /// For contacts whose place wanders over a face: what one place finds of the overlap that another left is no more
+    /// than noise, and to take it back quickly would shake the cloth.
+    pub fn gentle(substep: f32) -> Self {
+        Self { share: 0.0, at_once: GENTLE_PUSH_OUT_SPEED * substep }
     }
 }
 

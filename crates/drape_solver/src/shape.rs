@@ -3,20 +3,24 @@
 //! The common shapes are worked out here, as they are asked for millions of times a second; every other
 //! parry shape answers through its point query.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose as ParryPose;
-use parry3d::query::{PointProjection, PointQueryWithLocation};
-use parry3d::shape::{SharedShape, TriMesh, TriMeshFlags};
+use parry3d::query::{PointProjection, Ray, RayCast};
+use parry3d::shape::{Ball, Capsule, Cuboid, ShapeType, SharedShape};
 
 use crate::error::{BuildError, finite_vector, positive};
+use crate::shape_compound::CompoundShape;
+use crate::shape_mesh::MeshShape;
 
 /// Corners around a round shape that an uneven scale turns into a convex hull.
 const SCALED_SUBDIVISIONS: u32 = 24;
 
 /// Nearer to a surface than this part of a point's coordinates, rounding turns the direction to the surface by
 /// more than a degree.
-const SURFACE_NOISE: f32 = 1.0e-5;
+pub(crate) const SURFACE_NOISE: f32 = 1.0e-5;
 
 /// How far beside a point that parry cannot project well another is tried, in metres: too small to be seen.
 const BESIDE: f32 = 1.0e-3;
@@ -51,6 +55,10 @@ pub enum Shape {
         /// Half the sides in metres.
         half_extents: Vec3,
     },
+    /// Triangles: a mesh, a height field or voxels.
+    Mesh(Arc<MeshShape>),
+    /// Several shapes as one.
+    Compound(Arc<CompoundShape>),
     /// Any other parry shape, by its point query.
     Parry(SharedShape),
 }
@@ -63,6 +71,8 @@ impl core::fmt::Debug for Shape {
             Self::Capsule { half_length, radius } => write!(f, "Capsule({half_length}, {radius})"),
             Self::Cuboid { half_extents } => write!(f, "Cuboid({half_extents})"),
             Self::Container { half_extents } => write!(f, "Container({half_extents})"),
+            Self::Mesh(_) => write!(f, "Mesh"),
+            Self::Compound(compound) => write!(f, "{compound:?}"),
             Self::Parry(shape) => write!(f, "Parry({:?})", shape.shape_type()),
         }
     }
@@ -79,7 +89,8 @@ pub(crate) struct Surface {
 impl Shape {
     /// A parry shape, as one of the shapes worked out here where there is one.
     ///
-    /// A triangle mesh is given the pseudo-normals that tell its inside from its outside.
+    /// The inside of a closed triangle mesh is solid, whichever way its triangles turn; an open one is a thin sheet. What is
+    /// below a height field is solid.
     ///
     /// # Errors
     /// [`BuildError`] if a size is not above zero or not finite, or if the shape has no surface.
@@ -90,8 +101,18 @@ impl Shape {
             Self::Cuboid { half_extents: Vec3::from(cuboid.half_extents.to_array()) }
         } else if let Some(half_space) = shape.as_halfspace() {
             Self::HalfSpace { normal: half_space.normal }
+        } else if let Some(capsule) = shape.as_capsule().filter(|capsule| is_upright(capsule)) {
+            Self::Capsule { half_length: capsule.half_height(), radius: capsule.radius }
         } else if let Some(mesh) = shape.as_trimesh() {
-            Self::Parry(oriented(mesh)?)
+            Self::Mesh(MeshShape::of_mesh(mesh)?.into())
+        } else if let Some(hull) = shape.as_convex_polyhedron() {
+            Self::Mesh(MeshShape::of_hull(hull)?.into())
+        } else if let Some(field) = shape.as_heightfield() {
+            Self::Mesh(MeshShape::of_height_field(field)?.into())
+        } else if let Some(voxels) = shape.as_voxels() {
+            Self::Mesh(MeshShape::of_voxels(voxels)?.into())
+        } else if let Some(compound) = shape.as_compound() {
+            Self::Compound(CompoundShape::of_compound(compound)?.into())
         } else {
             Self::Parry(shape)
         };
@@ -129,6 +150,12 @@ impl Shape {
             Self::Capsule { half_length, radius } if scale.x == scale.z && scale.x == scale.y => {
                 return Ok(Self::Capsule { half_length: half_length * scale.x, radius: radius * scale.x });
             }
+            Self::Mesh(mesh) => {
+                let scaled = Self::Mesh(mesh.scaled(scale).into());
+                scaled.validate()?;
+                return Ok(scaled);
+            }
+            Self::Compound(compound) => return Ok(Self::Compound(compound.scaled(scale)?.into())),
             Self::Sphere { radius } => SharedShape::ball(*radius),
             Self::Capsule { half_length, radius } => SharedShape::capsule_y(*half_length, *radius),
             Self::Parry(shape) => shape.clone(),
@@ -162,13 +189,17 @@ impl Shape {
                     positive("half_extents", side)?;
                 }
             }
-            Self::Parry(shape) => {
-                let aabb = shape.compute_local_aabb();
-                if !(aabb.mins.is_finite() && aabb.maxs.is_finite()) {
+            Self::Mesh(_) | Self::Compound(_) | Self::Parry(_) => {
+                let (low, high) = self.local_bounds();
+                if !(low.is_finite() && high.is_finite()) {
                     return Err(BuildError::BadShape { reason: "its bounds are not finite" });
                 }
-                if aabb.mins == aabb.maxs {
+                if low == high {
                     return Err(BuildError::BadShape { reason: "it has no extent" });
+                }
+                let is_flat = !low.cmplt(high).all();
+                if is_flat && matches!(self, Self::Parry(shape) if is_meant_to_be_solid(shape)) {
+                    return Err(BuildError::BadShape { reason: "it is flat" });
                 }
             }
         }
@@ -191,8 +222,55 @@ impl Shape {
                 let nearest = walls.into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
                 nearest.unwrap_or(walls[0])
             }
+            Self::Mesh(mesh) => mesh.surface(point),
+            Self::Compound(compound) => compound.surface(point),
             Self::Parry(shape) => parry_surface(shape, point),
         }
+    }
+
+    /// Half of what a particle has to cross to get from one side to the other, at least, in metres.
+    pub(crate) fn least_half_extent(&self) -> f32 {
+        match self {
+            Self::HalfSpace { .. } | Self::Container { .. } => f32::INFINITY,
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Cuboid { half_extents } => half_extents.min_element(),
+            Self::Mesh(_) | Self::Compound(_) | Self::Parry(_) => 0.0,
+        }
+    }
+
+    /// Whether it is known to be convex.
+    pub(crate) fn is_convex(&self) -> bool {
+        match self {
+            Self::HalfSpace { .. } | Self::Sphere { .. } | Self::Capsule { .. } | Self::Cuboid { .. } => true,
+            Self::Container { .. } | Self::Compound(_) => false,
+            Self::Mesh(mesh) => mesh.is_convex(),
+            Self::Parry(shape) => shape.is_convex(),
+        }
+    }
+
+    /// Whether the surface is worked out by a formula, cheaply enough to be asked for in every projection.
+    pub(crate) fn has_formula(&self) -> bool {
+        !matches!(self, Self::Mesh(_) | Self::Compound(_) | Self::Parry(_))
+    }
+
+    /// Where the way from `start` (outside) first meets the surface: the part of the way, 0 to 1, and the unit normal
+    /// there. Shapes without end have no other side to get to, and are met without this.
+    pub(crate) fn cast(&self, start: Vec3, way: Vec3) -> Option<(f32, Vec3)> {
+        let ray = Ray::new(start, way);
+        let hit = match self {
+            Self::HalfSpace { .. } | Self::Container { .. } => None,
+            Self::Sphere { radius } => Ball::new(*radius).cast_local_ray_and_get_normal(&ray, 1.0, false),
+            Self::Capsule { half_length, radius } => {
+                Capsule::new_y(*half_length, *radius).cast_local_ray_and_get_normal(&ray, 1.0, false)
+            }
+            Self::Cuboid { half_extents } => {
+                Cuboid::new(*half_extents).cast_local_ray_and_get_normal(&ray, 1.0, false)
+            }
+            Self::Mesh(mesh) => return mesh.cast(start, way),
+            Self::Compound(compound) => return compound.cast(start, way),
+            Self::Parry(shape) => shape.cast_local_ray_and_get_normal(&ray, 1.0, false),
+        };
+        hit.filter(|hit| hit.normal.dot(way) < 0.0).map(|hit| (hit.time_of_impact, hit.normal))
     }
 
     /// A box that holds the shape, as (least, greatest) corner in its own coordinates; infinite where it has
@@ -208,6 +286,8 @@ impl Shape {
                 (-half, half)
             }
             Self::Cuboid { half_extents } => (-*half_extents, *half_extents),
+            Self::Mesh(mesh) => mesh.bounds(),
+            Self::Compound(compound) => compound.bounds(),
             Self::Parry(shape) => {
                 let Aabb { mins, maxs } = shape.compute_aabb(&ParryPose::IDENTITY);
                 (mins, maxs)
@@ -290,10 +370,6 @@ fn parry_surface(shape: &SharedShape, point: Vec3) -> Surface {
 
 /// The normal at a `point` on the surface itself, where the direction to the surface is lost in rounding.
 fn normal_on_surface(shape: &SharedShape, point: Vec3) -> Vec3 {
-    if let Some(mesh) = shape.as_trimesh() {
-        let (_, (triangle, _)) = mesh.project_local_point_and_get_location(point, false);
-        return mesh.triangle(triangle).normal().unwrap_or(Vec3::Y);
-    }
     // Seen from a little farther out there is a direction again.
     let outwards = (point - shape.compute_local_aabb().center()).try_normalize().unwrap_or(Vec3::Y);
     let farther = point + outwards * BESIDE;
@@ -303,18 +379,19 @@ fn normal_on_surface(shape: &SharedShape, point: Vec3) -> Vec3 {
 }
 
 fn parry_projection(shape: &SharedShape, point: Vec3) -> PointProjection {
-    match shape.as_trimesh() {
-        // The plain query of a mesh always answers "outside"; this one asks the pseudo-normals.
-        Some(mesh) => mesh.project_local_point_and_get_location(point, false).0,
-        None => shape.project_local_point(point, false),
-    }
+    shape.project_local_point(point, false)
 }
 
-fn oriented(mesh: &TriMesh) -> Result<SharedShape, BuildError> {
-    let mut mesh = mesh.clone();
-    mesh.set_flags(mesh.flags() | TriMeshFlags::ORIENTED)
-        .map_err(|_| BuildError::BadShape { reason: "its triangles do not form a surface" })?;
-    Ok(SharedShape::new(mesh))
+/// Whether it is about its Y axis and its middle, as ours are.
+fn is_upright(capsule: &Capsule) -> bool {
+    let (a, b) = (capsule.segment.a, capsule.segment.b);
+    a == -b && a.x == 0.0 && a.z == 0.0 && a.y != 0.0
+}
+
+/// Whether the shape would be a mistake without a thickness.
+fn is_meant_to_be_solid(shape: &SharedShape) -> bool {
+    use ShapeType as T;
+    matches!(shape.shape_type(), T::Capsule | T::Cylinder | T::Cone | T::ConvexPolyhedron)
 }
 
 #[cfg(test)]
@@ -352,7 +429,7 @@ mod tests {
 
     #[test]
     fn on_the_surface_itself_the_normal_is_that_of_the_face() {
-        let (vertices, indices) = parry3d::shape::Cuboid::new(Vec3::ONE).to_trimesh();
+        let (vertices, indices) = Cuboid::new(Vec3::ONE).to_trimesh();
         let mesh = SharedShape::trimesh(vertices.clone(), indices).expect("a box");
         let hull = SharedShape::convex_hull(&vertices).expect("a box");
         let cylinder = SharedShape::cylinder(1.0, 1.0);
@@ -362,19 +439,6 @@ mod tests {
             assert!(surface.distance.abs() < 1e-5);
             assert!(surface.normal.dot(Vec3::Y) > 0.999, "{shape:?}: {}", surface.normal);
         }
-    }
-
-    #[test]
-    fn a_closed_mesh_tells_inside_from_outside() {
-        let (vertices, indices) = parry3d::shape::Cuboid::new(Vec3::ONE).to_trimesh();
-        let mesh = SharedShape::trimesh(vertices, indices).expect("a box");
-        let shape = Shape::from_parry(mesh).expect("valid");
-        let inside = shape.surface(Vec3::new(0.9, 0.1, 0.2));
-        assert!((inside.distance + 0.1).abs() < 1e-5);
-        assert!(inside.normal.dot(Vec3::X) > 0.999);
-        let outside = shape.surface(Vec3::new(1.5, 0.1, 0.2));
-        assert!((outside.distance - 0.5).abs() < 1e-5);
-        assert!(outside.normal.dot(Vec3::X) > 0.999);
     }
 
     #[test]

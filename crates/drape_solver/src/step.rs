@@ -21,13 +21,14 @@ use crate::crew::Crew;
 use crate::error::StepError;
 use crate::isa::Isa;
 use crate::island::{Environment, Island, IslandContext};
+use crate::obstacle_search::Span;
 use crate::strain::greatest_strain;
 use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self};
 use crate::{
-    contact_ball_obstacle as ball_obstacle, contact_report, force, impact_zone, integrate as verlet,
-    obstacle_search, rest, stick,
+    contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle, contact_report, force,
+    impact_zone, integrate as verlet, obstacle_search, rest, stick,
 };
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -161,8 +162,9 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     let speed_of = |body: &Body| body.particles.greatest_speed() + body.pull() / dt;
     let speed = island.bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + crate::constants::CONTACT_MARGIN;
+    let span = Span { dt, substeps: island.context.substeps, reach };
     for body in &mut island.bodies {
-        obstacle_search::detect(body, &environment.obstacles, reach, island.isa, crew);
+        obstacle_search::detect(body, &environment.obstacles, span, island.isa, crew);
     }
     ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
     ball_ball::detect(island, dt, gravity);
@@ -177,6 +179,7 @@ pub fn integrate(island: &mut Island, environment: &Environment) {
     let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
         sweep::integrate(body, around);
+        face_obstacle::begin_substep(body, around);
     }
     for ball in &mut island.balls {
         let acceleration = environment.gravity + ball.force * ball.inverse_mass;
@@ -228,6 +231,7 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
         sweep::update(body, around);
         stick::damp(&mut body.particles, &body.topology, &body.context.damping);
         sweep::apply_friction(body, around);
+        face_obstacle::apply_friction(body, around);
     }
     for ball in &mut island.balls {
         ball.displacement = ball.travel();
@@ -286,6 +290,7 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
     ball_obstacle::project(island, &environment.obstacles);
     let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
+        face_obstacle::project(body, around);
         sweep::project_contacts(body, around, index);
     }
 }

@@ -73,9 +73,9 @@ impl Solid<'_> {
             }
             Self::Formula(Shape::Cuboid { half_extents }) => cuboid(simd, point, *half_extents),
             // Containers and other shapes are met as planes.
-            Self::Formula(Shape::Container { .. } | Shape::Parry(_)) => {
-                (f32x16::splat(simd, f32::INFINITY), Lanes3::splat(simd, Vec3::Y))
-            }
+            Self::Formula(
+                Shape::Container { .. } | Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_),
+            ) => (f32x16::splat(simd, f32::INFINITY), Lanes3::splat(simd, Vec3::Y)),
         }
     }
 }

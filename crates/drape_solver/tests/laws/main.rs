@@ -8,6 +8,7 @@ mod common;
 mod contact;
 mod determinism;
 mod drag;
+mod drape;
 mod free_flight;
 mod friction;
 mod impact_zone;

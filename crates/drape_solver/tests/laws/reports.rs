@@ -267,3 +267,23 @@ fn two_cloths_have_one_contact_unless_layers_part_them() {
         assert!((impulse / expected - 1.0).abs() < 0.15, "{impulse} N s instead of {expected}");
     }
 }
+
+#[test]
+fn a_pole_between_particles_tells_the_face() {
+    // Rows are 0.25 m apart, the pole is half as thick and between them.
+    let settings = SolverSettings { thickness: 0.01, ..SolverSettings::default() };
+    let cloth = ClothBuilder::new(1.0, 1.0, 5, 5)
+        .placed(Vec3::new(-0.5, 0.1, 0.5), Vec3::X, Vec3::NEG_Z)
+        .build(settings)
+        .expect("valid");
+    let mut island = Island::of_body(Body { reports_contacts: true, ..cloth });
+    let pole = Shape::Cuboid { half_extents: Vec3::new(0.03, 0.05, 3.0) };
+    let place = |x: f32| Obstacle::new(pole.clone(), Placement::at(Vec3::X * x), 1.0).expect("valid");
+    let environment = Environment { obstacles: [place(-0.37), place(0.37)].into(), ..gravity(FRAME) };
+    let all = contacts(&mut island, &environment, 30);
+    for pole in [0, 1] {
+        let mut told = all.iter().filter(|contact| contact.other == Other::Obstacle(pole));
+        let is_face = |contact: &Contact| matches!(contact.feature, Some(Feature::Face(0..32)));
+        assert!(told.any(|contact| is_face(contact) && contact.impulse > 0.0 && contact.normal.y > 0.5));
+    }
+}

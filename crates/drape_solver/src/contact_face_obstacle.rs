@@ -1,0 +1,406 @@
+//! Faces and segments against obstacles: what particles alone let through.
+//!
+//! A pole that is thinner than the spacing slides between particles; the edge of a box pokes through a coarse cloth whose
+//! particles lie on either side of it. There the point of the face that is deepest in the obstacle is a contact of its
+//! own, with barycentric weights `b_i`:
+//!
+//! ```text
+//!     x1 o--------p--------o x2      C = n . (sum b_i x_i - q) - t
+//!         \      _|_      /          if C < 0:  x_i -= b_i w_i C n / sum(b_i^2 w_i)
+//!          o    / q \    o
+//!              |     |  obstacle
+//! ```
+//!
+//! The deepest point is found by descent along the surface normal, from where it was found last (the idea is that of
+//! Macklin et al. 2020, "Local optimization for robust signed distance field collision"). Faces of which all particles
+//! see the same plane need none of this and are left to their particles.
+
+use glam::Vec3;
+
+use crate::body::Body;
+use crate::constants::{
+    DESCENT_ROUNDS, DESCENT_ROUNDS_AGAIN, FACE_THICKNESS, LOOKS_AGAIN, POKING, VERTEX_WEIGHT,
+};
+use crate::contact_ball_cloth::{Element, weighted};
+use crate::friction::Friction;
+use crate::obstacle::Obstacle;
+use crate::overlap::{Overlap, Pace};
+use crate::particles::Particles;
+use crate::pose::Pose;
+use crate::settings::SolverSettings;
+use crate::shape::{Plane, Shape, Surface};
+use crate::sweep::Surroundings;
+use crate::topology::Topology;
+
+/// Faces and segments of one body that may touch obstacles in this step, obstacle by obstacle.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FaceContacts {
+    contacts: Vec<FaceContact>,
+    /// Those of the step before, in the same order: where the deepest points were.
+    before: Vec<FaceContact>,
+    /// Of those, how many are behind.
+    passed: usize,
+    /// For each slot, the surface of the obstacle that is looked at, in its own coordinates.
+    seen: Vec<Surface>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct FaceContact {
+    element: Element,
+    /// Place of the element among the body's faces, then segments.
+    place: usize,
+    obstacle: usize,
+    friction: Friction,
+    /// Of the deepest point when last looked for.
+    weights: [f32; 3],
+    /// The surface there, in the obstacle's coordinates, where asking the shape each time would be slow.
+    plane: Option<Plane>,
+    depth: f32,
+    overlap: Overlap,
+    /// In the world, of the last projection.
+    normal: Vec3,
+}
+
+/// A face or segment that an obstacle has pushed.
+pub(crate) struct PushedElement {
+    pub element: Element,
+    /// Place of the element among the body's faces, then segments.
+    pub place: usize,
+    pub obstacle: usize,
+    /// Of the point that was pushed.
+    pub weights: [f32; 3],
+    /// In the world.
+    pub normal: Vec3,
+    /// Metres, summed over the projections of the substep.
+    pub depth: f32,
+}
+
+/// An obstacle as a body meets it in a step: all in its own coordinates, at the start of the step.
+#[derive(Clone, Copy)]
+pub(crate) struct Met<'a> {
+    pub shape: &'a Shape,
+    /// By index in the environment.
+    pub obstacle: usize,
+    pub friction: Friction,
+    pub pose: Pose,
+    /// How far apart they may be to touch within the step, in metres.
+    pub reach: f32,
+}
+
+/// How deep a shape can reach between the corners of a face with sides of `side` metres that all see the same distance, if
+/// that is told without a look: `None` where it depends on the place.
+fn poke(shape: &Shape, side: f32) -> Option<f32> {
+    match shape {
+        Shape::HalfSpace { .. } | Shape::Container { .. } => Some(0.0),
+        // The rise of an arc over its chord.
+        Shape::Sphere { radius } | Shape::Capsule { radius, .. } => {
+            (side < *radius).then(|| side * side / (4.0 * radius))
+        }
+        Shape::Cuboid { .. } | Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) => None,
+    }
+}
+
+impl FaceContacts {
+    pub fn is_empty(&self) -> bool {
+        self.contacts.is_empty()
+    }
+
+    /// Obstacles that have contacts, by index.
+    pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
+        self.contacts.iter().map(|contact| contact.obstacle)
+    }
+
+    /// What was pushed in the last substep.
+    pub fn pushed(&self) -> impl Iterator<Item = PushedElement> + '_ {
+        self.contacts.iter().filter(|contact| contact.depth > 0.0).map(|contact| {
+            let &FaceContact { element, place, obstacle, weights, normal, depth, .. } = contact;
+            PushedElement { element, place, obstacle, weights, normal, depth }
+        })
+    }
+
+    /// Begins a new list.
+    pub fn begin_step(&mut self) {
+        core::mem::swap(&mut self.contacts, &mut self.before);
+        self.contacts.clear();
+        self.passed = 0;
+    }
+
+    /// Lists the faces and segments that may touch an obstacle between their particles.
+    pub fn search(
+        &mut self,
+        particles: &Particles,
+        topology: &Topology,
+        settings: &SolverSettings,
+        met: Met,
+    ) {
+        let side = topology.longest_edge;
+        let most = POKING * settings.thickness;
+        // A body without thickness is met at its particles alone.
+        if most == 0.0 || side == 0.0 || poke(met.shape, side).is_some_and(|depth| depth <= most) {
+            return;
+        }
+        if !self.look(particles, met, met.reach + side) {
+            return;
+        }
+        let slot = |i: u32| particles.layout.slot(i as usize) as u32;
+        let faces = topology.faces.iter().map(|face| Element::Face(face.map(slot)));
+        let segments = topology.segments.iter().map(|ends| Element::Segment(ends.map(slot)));
+        for (place, element) in faces.chain(segments).enumerate() {
+            self.add(element, place, particles, met, side, most);
+        }
+    }
+
+    /// Asks the shape for the surface next to every particle within `reach`; false if there is none.
+    fn look(&mut self, particles: &Particles, met: Met, reach: f32) -> bool {
+        let (low, high) = met.shape.local_bounds();
+        let (low, high) = (low - reach, high + reach);
+        let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
+        self.seen.clear();
+        self.seen.resize(particles.inverse_mass.len(), away);
+        let mut is_any = false;
+        for slot in particles.layout.slots() {
+            let local = met.pose.to_local(particles.position.get(slot));
+            if local.cmpge(low).all() && local.cmple(high).all() {
+                let surface = met.shape.surface(local);
+                is_any |= surface.distance < reach;
+                self.seen[slot] = surface;
+            }
+        }
+        is_any
+    }
+
+    /// Weights of the deepest point of an element in the step before. To be asked for in the order of the list.
+    fn known(&mut self, place: usize, obstacle: usize) -> Option<[f32; 3]> {
+        let rest = &self.before[self.passed..];
+        self.passed += rest.iter().take_while(|c| (c.obstacle, c.place) < (obstacle, place)).count();
+        let known = self.before.get(self.passed)?;
+        ((known.obstacle, known.place) == (obstacle, place)).then_some(known.weights)
+    }
+
+    fn add(&mut self, element: Element, place: usize, particles: &Particles, met: Met, side: f32, most: f32) {
+        let corners = element.corners();
+        let seen = corners.map(|slot| self.seen[slot]);
+        let nearest = seen.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
+        let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
+        if nearest >= met.reach + side || is_held || !may_poke(seen.map(|s| s.normal), side, most) {
+            return;
+        }
+        let local = corners.map(|slot| met.pose.to_local(particles.position.get(slot)));
+        if met.shape.is_convex() && least_distance(seen, local) >= met.reach {
+            return;
+        }
+        let (start, stride) = match self.known(place, met.obstacle) {
+            Some(weights) => (weights, 0.0),
+            None => (element.middle(), 0.5 * side),
+        };
+        let (weights, surface) = deepest(met.shape, element, local, start, stride, DESCENT_ROUNDS);
+        if surface.distance >= met.reach {
+            return;
+        }
+        let plane = Plane {
+            normal: surface.normal,
+            offset: surface.normal.dot(weighted(weights, local)) - surface.distance,
+        };
+        self.contacts.push(FaceContact {
+            element,
+            place,
+            obstacle: met.obstacle,
+            friction: met.friction,
+            weights,
+            plane: (!met.shape.has_formula()).then_some(plane),
+            depth: 0.0,
+            overlap: Overlap::default(),
+            normal: Vec3::ZERO,
+        });
+    }
+}
+
+/// Whether a surface with these normals next to the corners may rise between them by more than `most` metres. Two planes
+/// that meet at an angle `a` rise by `side / 2 tan(a / 2)`, and any rounder surface by less.
+fn may_poke([a, b, c]: [Vec3; 3], side: f32, most: f32) -> bool {
+    if a == Vec3::ZERO || b == Vec3::ZERO || c == Vec3::ZERO {
+        // One is too far away to see anything.
+        return true;
+    }
+    let cosine = a.dot(b).min(b.dot(c)).min(c.dot(a));
+    // tan^2 (a / 2) = (1 - cos a) / (1 + cos a)
+    0.25 * side * side * (1.0 - cosine) > most * most * (1.0 + cosine)
+}
+
+/// A bound on how near an element can be to a convex shape, from the `surfaces` next to its corners: the shape lies behind
+/// the tangent plane of each.
+fn least_distance(surfaces: [Surface; 3], corners: [Vec3; 3]) -> f32 {
+    let bounds = [0, 1, 2].map(|k| {
+        let Surface { distance, normal } = surfaces[k];
+        let rises = corners.map(|corner| normal.dot(corner - corners[k]));
+        if distance < f32::INFINITY { distance + rises[0].min(rises[1]).min(rises[2]) } else { 0.0 }
+    });
+    bounds[0].max(bounds[1]).max(bounds[2])
+}
+
+/// Weights of the point of an element that is deepest in a shape, and the surface next to it. `corners` are in the shape's
+/// coordinates; `stride` (metres) is how far the first round goes.
+fn deepest(
+    shape: &Shape,
+    element: Element,
+    corners: [Vec3; 3],
+    mut weights: [f32; 3],
+    mut stride: f32,
+    rounds: u32,
+) -> ([f32; 3], Surface) {
+    if let Shape::Sphere { .. } = shape {
+        weights = element.nearest(corners, Vec3::ZERO);
+        return (weights, shape.surface(weighted(weights, corners)));
+    }
+    let mut best = shape.surface(weighted(weights, corners));
+    for round in 0..rounds {
+        // First down the slope; then, as for the nearest points of two convex bodies, to and fro between the two.
+        let is_late = 2 * round >= rounds || stride == 0.0;
+        let way = if is_late { best.distance.abs() } else { stride };
+        let inwards = weighted(weights, corners) - best.normal * way;
+        let trial = element.nearest(corners, inwards);
+        let surface = shape.surface(weighted(trial, corners));
+        if surface.distance < best.distance {
+            (weights, best) = (trial, surface);
+        } else {
+            stride *= 0.5;
+        }
+    }
+    (weights, best)
+}
+
+/// Forgets the last substep's depths, and looks anew at the shapes that are not asked in each projection.
+pub(crate) fn begin_substep(body: &mut Body, around: Surroundings) {
+    let Body { particles, context, .. } = body;
+    let mut poses = None;
+    for contact in &mut context.faces.contacts {
+        contact.depth = 0.0;
+        contact.overlap = Overlap::default();
+        if contact.plane.is_some() {
+            let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
+            contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
+        }
+    }
+}
+
+/// The poses of the obstacle that was asked for last, at the start and the end of the substep.
+struct Poses {
+    obstacle: usize,
+    before: Pose,
+    now: Pose,
+}
+
+impl Poses {
+    fn of(obstacle: usize, around: Surroundings, origin: Vec3) -> Self {
+        let pose_at = |k: u32| around.obstacles[obstacle].pose_at(k as f32 / around.substeps as f32, origin);
+        Self { obstacle, before: pose_at(around.substep_index), now: pose_at(around.substep_index + 1) }
+    }
+}
+
+/// Moves the faces that an obstacle pokes into out to its surface.
+pub(crate) fn project(body: &mut Body, around: Surroundings) {
+    let mut contacts = core::mem::take(&mut body.context.faces.contacts);
+    let pace = Pace::gentle(around.substep);
+    let mut poses = None;
+    for contact in &mut contacts {
+        let poses = kept(&mut poses, contact.obstacle, around, body.particles.origin);
+        contact.project(body, around.obstacles, poses, pace);
+    }
+    body.context.faces.contacts = contacts;
+}
+
+fn kept<'a>(poses: &'a mut Option<Poses>, obstacle: usize, around: Surroundings, origin: Vec3) -> &'a Poses {
+    if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
+        *poses = None;
+    }
+    poses.get_or_insert_with(|| Poses::of(obstacle, around, origin))
+}
+
+impl FaceContact {
+    /// Follows the deepest point, and keeps the surface there as a plane.
+    fn look(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) {
+        let corners = self.element.corners().map(|slot| poses.now.to_local(particles.position.get(slot)));
+        let (weights, surface) = deepest(shape, self.element, corners, self.weights, 0.0, LOOKS_AGAIN);
+        self.weights = weights;
+        let offset = surface.normal.dot(weighted(weights, corners)) - surface.distance;
+        self.plane = Some(Plane { normal: surface.normal, offset });
+    }
+
+    fn project(&mut self, body: &mut Body, obstacles: &[Obstacle], poses: &Poses, pace: Pace) {
+        let corners = self.element.corners();
+        let thickness = FACE_THICKNESS * body.settings.thickness;
+        let places = corners.map(|slot| body.particles.position.get(slot));
+        let local = places.map(|place| poses.now.to_local(place));
+        let shape = obstacles[self.obstacle].shape();
+        let surface = match self.plane {
+            Some(plane) => plane.surface(weighted(self.weights, local)),
+            None => {
+                let side =
+                    local[0].distance_squared(local[1]).max(local[0].distance_squared(local[2])).sqrt();
+                let start = shape.surface(weighted(self.weights, local));
+                if start.distance >= thickness + side {
+                    return;
+                }
+                let (weights, surface) =
+                    deepest(shape, self.element, local, self.weights, 0.0, DESCENT_ROUNDS_AGAIN);
+                self.weights = weights;
+                surface
+            }
+        };
+        let depth = thickness - surface.distance;
+        // A corner is met as a particle.
+        if depth <= 0.0 || self.weights.iter().any(|&weight| weight > VERTEX_WEIGHT) {
+            return;
+        }
+        let felt = self.felt(&body.particles);
+        if felt == 0.0 {
+            return;
+        }
+        let normal = poses.now.direction_to_world(surface.normal);
+        let point = weighted(self.weights, places);
+        let travel = weighted(self.weights, corners.map(|slot| body.travel(slot)));
+        let carried = point - poses.before.point_to_world(poses.now.to_local(point));
+        let start = poses.before.to_local(point - travel);
+        let at_start =
+            || thickness - self.plane.map_or_else(|| shape.surface(start), |p| p.surface(start)).distance;
+        let push = self.overlap.split(depth, (travel - carried).dot(normal), at_start, pace);
+        self.depth += push.fresh;
+        self.normal = normal;
+        for (slot, weight) in corners.into_iter().zip(self.weights) {
+            let share = weight * body.particles.inverse_mass[slot] / felt;
+            let (fresh, all) = (normal * (push.fresh * share), normal * ((push.fresh + push.old) * share));
+            body.particles.displacement.add(slot, fresh);
+            body.particles.position.add(slot, all);
+            body.context.integrated.add(slot, all);
+        }
+    }
+
+    /// Inverse mass of the deepest point, in 1/kg.
+    fn felt(&self, particles: &Particles) -> f32 {
+        let mut sum = 0.0;
+        for (slot, weight) in self.element.corners().into_iter().zip(self.weights) {
+            sum += weight * weight * particles.inverse_mass[slot];
+        }
+        sum
+    }
+}
+
+/// Friction at the deepest points, on what they have slipped in this substep.
+pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
+    let Body { particles, context, .. } = body;
+    let mut poses = None;
+    for contact in context.faces.contacts.iter().filter(|contact| contact.depth > 0.0) {
+        let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
+        let corners = contact.element.corners();
+        let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
+        let moved = weighted(contact.weights, corners.map(|slot| particles.displacement.get(slot)));
+        let carried = point - poses.before.point_to_world(poses.now.to_local(point));
+        let taken = contact.friction.slip_taken(moved - carried, contact.normal, contact.depth);
+        let felt = contact.felt(particles);
+        for (slot, weight) in corners.into_iter().zip(contact.weights) {
+            let shift = taken * (-weight * particles.inverse_mass[slot] / felt);
+            particles.position.add(slot, shift);
+            particles.displacement.add(slot, shift);
+        }
+    }
+}
