@@ -26,6 +26,8 @@ fn components_and_resources_are_registered() {
     assert_component::<Activity>(&app);
     assert_component::<Cannon>(&app);
     assert_component::<Cloth>(&app);
+    assert_component::<ContactEvents>(&app);
+    assert_component::<DrapeLayers>(&app);
     assert_component::<InRig>(&app);
     assert_component::<Interpolated>(&app);
     assert_component::<Obstacle>(&app);
@@ -42,6 +44,8 @@ fn components_and_resources_are_registered() {
     assert_resource::<ActivityCounts>(&app);
     assert_resource::<DefaultSolverSettings>(&app);
     assert_resource::<DrapeClock>(&app);
+    assert_resource::<DrapeContactCounts>(&app);
+    assert_resource::<DrapeContactSettings>(&app);
     assert_resource::<DrapeGravity>(&app);
     assert_resource::<Refusals>(&app);
     assert_resource::<SceneManager>(&app);
@@ -53,7 +57,8 @@ fn components_and_resources_are_registered() {
 fn messages_are_registered() {
     let app = app();
     let registry = app.world().resource::<AppTypeRegistry>().read();
-    for name in ["FireCannon", "CannonFired", "BallHit"] {
+    let contacts = ["DrapeContactStarted", "DrapeContactHit", "DrapeContactEnded"];
+    for name in ["FireCannon", "CannonFired", "BallHit"].into_iter().chain(contacts) {
         assert!(registry.get_with_short_type_path(name).is_some(), "{name} is not registered");
     }
 }
@@ -87,8 +92,9 @@ mod both {
     /// Every name of the prelude, and the full one that it stands for.
     pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
         full_names! {
-            Activity ActivityCounts BallHit Cannon CannonFired Cloth ClothPins DefaultSolverSettings DrapeClock
-            DrapeGravity DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems FireCannon Grab HitTarget InRig
+            Activity ActivityCounts BallHit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
+            DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
+            DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems FireCannon Grab HitTarget InRig
             Interpolated Obstacle ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope
             SceneManager SolverSettings Stick StickKind StickProjection Sticks StructuralSolve Viewer Wind
         }

@@ -5,6 +5,7 @@ use drape_solver::Environment;
 use drape_solver::constants::MAX_MAGNITUDE;
 
 use crate::clock::DrapeClock;
+use crate::obstacle::KnownObstacles;
 use crate::refusal::Refusals;
 
 /// Acceleration of gravity in m/s^2.
@@ -54,8 +55,8 @@ impl From<Wind> for drape_solver::Wind {
 #[derive(Resource, Default)]
 pub(crate) struct SolverEnvironment {
     pub environment: Environment,
-    /// Entity of each obstacle, in the same order.
-    pub obstacles: Vec<Entity>,
+    /// The entities behind the obstacles.
+    pub obstacles: KnownObstacles,
     /// Whether gravity or wind changed since the last step, which wakes everything.
     pub changed: bool,
 }

@@ -40,7 +40,7 @@ pub struct BallHit {
 
 /// Time in seconds for which two must have been apart before they can touch anew. A ball that slides down a curtain
 /// loses it for moments.
-const APART: f64 = 0.1;
+pub(crate) const APART: f64 = 0.1;
 
 /// Pairs (ball, other) that touch or have just done so, in order, so that a lasting touch is one hit.
 #[derive(Resource, Default)]

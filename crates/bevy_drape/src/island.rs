@@ -4,16 +4,26 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
-use drape_solver::{Alone, Ball, Body, Environment, Other, StepError, Threads, step};
+use drape_solver::{Alone, Ball, Body, Environment, StepError, Threads, step};
 
+use crate::contact_events::ContactEvents;
 use crate::islands::ComputeThreads;
+use crate::layers::DrapeLayers;
 use crate::particles::{BodyState, Extent, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 
 pub(crate) type BodyQuery<'w, 's> =
-    Query<'w, 's, (&'static mut Particles, &'static Sticks, &'static mut BodyState)>;
-pub(crate) type BallQuery<'w, 's> =
-    Query<'w, 's, (&'static mut ProjectileState, &'static mut ProjectileRecord)>;
+    Query<'w, 's, (&'static mut Particles, &'static Sticks, &'static mut BodyState, Has<ContactEvents>)>;
+pub(crate) type BallQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static mut ProjectileState,
+        &'static mut ProjectileRecord,
+        Option<&'static DrapeLayers>,
+        Has<ContactEvents>,
+    ),
+>;
 
 /// The stages of a step, in their order. The three of a substep come once for each substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -147,12 +157,16 @@ impl Island {
         solver.bodies.clear();
         for entity in &mut self.bodies {
             let body = match bodies.get_mut(*entity) {
-                Ok((mut particles, sticks, mut state)) if fits(&particles, sticks) => Body {
-                    particles: core::mem::take(&mut particles.bypass_change_detection().0),
-                    topology: Arc::clone(&sticks.0),
-                    settings: state.settings,
-                    context: core::mem::take(&mut state.context),
-                },
+                Ok((mut particles, sticks, mut state, reports_contacts)) if fits(&particles, sticks) => {
+                    Body {
+                        particles: core::mem::take(&mut particles.bypass_change_detection().0),
+                        topology: Arc::clone(&sticks.0),
+                        settings: state.settings,
+                        layers: state.layers,
+                        reports_contacts,
+                        context: core::mem::take(&mut state.context),
+                    }
+                }
                 _ => Body::default(),
             };
             let is_gone = body.particles.is_empty();
@@ -165,12 +179,14 @@ impl Island {
         }
         let is_first_time = solver.balls.is_empty();
         for (slot, &entity) in self.balls.iter().enumerate() {
-            if let Ok((state, _)) = balls.get(entity) {
+            if let Ok((state, _, layers, reports_contacts)) = balls.get(entity) {
                 if is_first_time {
                     solver.balls.push(state.0.clone());
                 } else {
                     solver.balls[slot].clone_from(&state.0);
                 }
+                solver.balls[slot].set_layers(DrapeLayers::of(layers));
+                solver.balls[slot].set_reports_contacts(reports_contacts);
             }
         }
     }
@@ -180,37 +196,17 @@ impl Island {
         let mut extents = self.extents.drain(..);
         for (&entity, body) in self.bodies.iter().zip(self.solver.bodies.drain(..)) {
             let extent = extents.next();
-            if let Ok((mut particles, _, mut state)) = bodies.get_mut(entity) {
+            if let Ok((mut particles, _, mut state, _)) = bodies.get_mut(entity) {
                 particles.0 = body.particles;
                 state.context = body.context;
                 state.extent = extent.unwrap_or(state.extent);
             }
         }
         for (&entity, ball) in self.balls.iter().zip(&self.solver.balls) {
-            if let Ok((mut state, _)) = balls.get_mut(entity) {
+            if let Ok((mut state, ..)) = balls.get_mut(entity) {
                 state.0.clone_from(ball);
             }
         }
-    }
-
-    /// Drops the touches of a body or ball that has been taken out, and counts down the indices behind it.
-    pub fn forget_touches(&mut self, gone: Other) {
-        self.solver.touches.retain_mut(|touch| {
-            if let Other::Ball(index) = gone {
-                if touch.ball == index {
-                    return false;
-                }
-                touch.ball -= usize::from(touch.ball > index);
-            }
-            match (&mut touch.other, gone) {
-                (other, gone) if *other == gone => return false,
-                (Other::Body(i), Other::Body(gone)) | (Other::Ball(i), Other::Ball(gone)) => {
-                    *i -= usize::from(*i > gone);
-                }
-                _ => {}
-            }
-            true
-        });
     }
 }
 

@@ -13,6 +13,7 @@ use crate::environment::SolverEnvironment;
 use crate::hit::{BallHit, HitTarget, Touching};
 use crate::island::{BallQuery, BodyQuery, Island, Stage, fits};
 use crate::islands::{Islands, Member};
+use crate::obstacle::KnownObstacles;
 use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::refusal::Refusals;
@@ -152,7 +153,7 @@ impl Members<'_, '_> {
                 let entity = island.bodies.remove(index);
                 let mut body = island.solver.bodies.remove(index);
                 body.particles.clear_requests();
-                if let Ok((mut particles, _, mut state)) = self.bodies.get_mut(entity) {
+                if let Ok((mut particles, _, mut state, _)) = self.bodies.get_mut(entity) {
                     particles.bypass_change_detection().0 = body.particles;
                     state.context = body.context;
                     state.refused = true;
@@ -162,19 +163,19 @@ impl Members<'_, '_> {
                 } else {
                     self.refusals.entity(entity, "Particles", NOT_FINITE);
                 }
-                island.forget_touches(Other::Body(index));
+                island.solver.forget(Other::Body(index));
                 entity
             }
             StepError::NonFiniteBall(index) => {
                 let entity = island.balls.remove(index);
                 let mut ball = island.solver.balls.remove(index);
                 ball.clear_force();
-                if let Ok((mut state, mut record)) = self.balls.get_mut(entity) {
+                if let Ok((mut state, mut record, ..)) = self.balls.get_mut(entity) {
                     state.bypass_change_detection().0 = ball;
                     record.refused = true;
                 }
                 self.refusals.entity(entity, "ProjectileState", NOT_FINITE);
-                island.forget_touches(Other::Ball(index));
+                island.solver.forget(Other::Ball(index));
                 entity
             }
             _ => return false,
@@ -217,7 +218,7 @@ pub(crate) fn finish_islands(
 
 fn report_hits(
     island: &Island,
-    obstacles: &[Entity],
+    obstacles: &KnownObstacles,
     elapsed: f64,
     touching: &mut Touching,
     hits: &mut MessageWriter<BallHit>,
@@ -227,7 +228,7 @@ fn report_hits(
         let (target, kind) = match touch.other {
             Other::Body(i) => (island.bodies[i], HitTarget::Body),
             Other::Ball(i) => (island.balls[i], HitTarget::Projectile),
-            Other::Obstacle(i) => (obstacles[i], HitTarget::Obstacle),
+            Other::Obstacle(i) => (obstacles.entity(i), HitTarget::Obstacle),
         };
         if touching.note(elapsed, projectile, target) {
             hits.write(BallHit {

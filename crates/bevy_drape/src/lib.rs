@@ -5,6 +5,7 @@ mod attention;
 pub mod cannon;
 pub mod clock;
 pub mod cloth;
+pub mod contact_events;
 mod description;
 pub mod environment;
 #[cfg(feature = "gizmos")]
@@ -15,6 +16,7 @@ pub mod interpolation;
 mod island;
 mod island_systems;
 mod islands;
+pub mod layers;
 #[cfg(feature = "mesh")]
 pub mod mesh;
 #[cfg(feature = "mesh")]
@@ -59,10 +61,15 @@ pub mod prelude {
         cannon::{Cannon, CannonFired, FireCannon},
         clock::DrapeClock,
         cloth::{Cloth, ClothPins},
+        contact_events::{
+            ContactEvents, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded,
+            DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
+        },
         environment::{DrapeGravity, Wind},
         grab::Grab,
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
+        layers::DrapeLayers,
         obstacle::{Obstacle, ObstacleShape},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,

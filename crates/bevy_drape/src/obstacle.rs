@@ -1,12 +1,21 @@
 //! Obstacles: what cloth and balls collide with.
 
+use core::ops::Range;
+
+use bevy::ecs::change_detection::ContiguousRef;
+use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::parry3d::shape::SharedShape;
-use drape_solver::{Placement, Shape};
+use drape_solver::{Layers, Placement, Shape};
 
 use crate::clock::DrapeClock;
+use crate::contact_events::ContactEvents;
 use crate::environment::SolverEnvironment;
+use crate::layers::DrapeLayers;
 use crate::refusal::Refusals;
+use crate::scan::{collect_rows, is_any_changed};
+use crate::scene_manager::Bounds;
 
 /// Something solid that cloth, ropes and balls collide with and that nothing pushes back. Its [`Transform`] says
 /// where it is, scale included; moving it carries its velocity into the contact.
@@ -20,6 +29,8 @@ pub struct Obstacle {
     pub shape: ObstacleShape,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
+    /// Whether it moves nothing and only tells what touches it: see [`as_sensor`](Self::as_sensor).
+    pub is_sensor: bool,
 }
 
 /// The form of an [`Obstacle`]: half-space, sphere, capsule, cuboid, the inside of a box, or any parry shape.
@@ -32,7 +43,7 @@ impl Obstacle {
     /// An obstacle of `shape` with a friction of 0.5. Sizes are checked in the next step: what cannot be used is
     /// logged and left out.
     pub fn new(shape: Shape) -> Self {
-        Self { shape: ObstacleShape(shape), friction: 0.5 }
+        Self { shape: ObstacleShape(shape), friction: 0.5, is_sensor: false }
     }
 
     /// The half-space below the entity.
@@ -60,6 +71,12 @@ impl Obstacle {
         Self::new(Shape::Container { half_extents: Vec3::new(x, y, z) * 0.5 })
     }
 
+    /// Makes it a sensor: it moves nothing. With [`ContactEvents`] on it, or on what touches it, that is told.
+    pub fn as_sensor(mut self) -> Self {
+        self.is_sensor = true;
+        self
+    }
+
     /// Sets the friction coefficient.
     pub fn with_friction(mut self, friction: f32) -> Self {
         self.friction = friction;
@@ -73,107 +90,193 @@ impl From<SharedShape> for Obstacle {
     }
 }
 
-/// What the plugin keeps about an obstacle between steps.
-#[derive(Component, Clone, Copy, Debug)]
-pub(crate) struct ObstacleRecord {
-    scale: Vec3,
+/// The obstacles that the solver knows: their entities by slot, and their slots by entity.
+#[derive(Default)]
+pub(crate) struct KnownObstacles {
+    entities: Vec<Entity>,
+    /// The scales that they were built at.
+    scales: Vec<Vec3>,
+    slots: EntityHashMap<usize>,
 }
 
-impl ObstacleRecord {
+impl KnownObstacles {
+    /// The entity of an obstacle of the solver.
+    pub fn entity(&self, slot: usize) -> Entity {
+        self.entities[slot]
+    }
+
+    fn slot(&self, entity: Entity) -> Option<usize> {
+        self.slots.get(&entity).copied()
+    }
+
+    fn push(&mut self, entity: Entity, scale: Vec3) {
+        self.slots.insert(entity, self.entities.len());
+        self.entities.push(entity);
+        self.scales.push(scale);
+    }
+
+    /// Takes one out; the last takes its slot.
+    fn swap_remove(&mut self, slot: usize) {
+        self.slots.remove(&self.entities.swap_remove(slot));
+        self.scales.swap_remove(slot);
+        if let Some(moved) = self.entities.get(slot) {
+            self.slots.insert(*moved, slot);
+        }
+    }
+
     /// Whether the obstacle was built at this scale. The scale that is read from a matrix wavers in its last digits
     /// as the obstacle turns; that is no change of shape.
-    fn has_scale(self, scale: Vec3) -> bool {
-        (scale - self.scale).abs().cmple(1e-4 * self.scale.abs()).all()
+    fn has_scale(&self, slot: usize, scale: Vec3) -> bool {
+        let known = self.scales[slot];
+        (scale - known).abs().cmple(1e-4 * known.abs()).all()
     }
 }
 
-/// Boxes of what appeared, vanished, changed or moves in this step: bodies at rest there wake up.
+/// Obstacles that have to be looked at in the next step though their components do not tell.
 #[derive(Resource, Default)]
-pub(crate) struct StirredSpace(pub Vec<(Vec3, Vec3)>);
+pub(crate) struct ObstacleNews {
+    /// Those that were despawned, disabled or lost their [`Obstacle`].
+    gone: Vec<Entity>,
+    /// Those that were enabled, or gained or lost a component that matters.
+    again: Vec<Entity>,
+    /// Those that moved in the last step, and may have stopped.
+    moving: Vec<Entity>,
+    /// Those to look at.
+    seen: Vec<Entity>,
+}
 
-/// Brings obstacles into the solver: new ones, changed ones, moved ones; and takes out those that are gone.
+pub(crate) fn note_gone_obstacle(gone: On<Remove, Obstacle>, mut news: ResMut<ObstacleNews>) {
+    news.gone.push(gone.entity);
+}
+
+pub(crate) fn note_disabled_obstacle(disabled: On<Add, Disabled>, mut news: ResMut<ObstacleNews>) {
+    news.gone.push(disabled.entity);
+}
+
+/// Has an entity looked at in the next step, in case it is an obstacle.
+pub(crate) fn look_again<E: EntityEvent, C: Component>(event: On<E, C>, mut news: ResMut<ObstacleNews>) {
+    news.again.push(event.event_target());
+}
+
+/// Boxes and layers of what appeared, vanished, changed or moves in this step: bodies at rest there wake up, if they could
+/// touch it.
+#[derive(Resource, Default)]
+pub(crate) struct StirredSpace(pub Vec<(Bounds, Layers)>);
+
+impl StirredSpace {
+    fn push(&mut self, obstacle: &drape_solver::Obstacle) {
+        self.0.push((obstacle.swept_bounds(), obstacle.layers()));
+    }
+}
+
+/// Brings obstacles into the solver: new ones, changed ones, moved ones; and takes out those that are gone. Looks at
+/// none that has been left alone.
 pub(crate) fn sync_obstacles(
-    mut commands: Commands,
-    obstacles: Query<(Entity, Ref<Obstacle>, Ref<GlobalTransform>, Option<&ObstacleRecord>)>,
+    obstacles: Query<(
+        Entity,
+        Ref<Obstacle>,
+        Ref<GlobalTransform>,
+        Option<Ref<DrapeLayers>>,
+        Has<ContactEvents>,
+    )>,
     clock: Res<DrapeClock>,
     mut solver: ResMut<SolverEnvironment>,
     mut stirred: ResMut<StirredSpace>,
+    mut news: ResMut<ObstacleNews>,
     mut refusals: ResMut<Refusals>,
 ) {
     stirred.0.clear();
-    let SolverEnvironment { environment, obstacles: entities, .. } = &mut *solver;
-    remove_missing(entities, &mut environment.obstacles, &mut stirred, |entity| obstacles.contains(entity));
-    let any_moves = environment.obstacles.iter().any(drape_solver::Obstacle::is_moving);
-    for (entity, obstacle, transform, record) in &obstacles {
-        if !(any_moves || obstacle.is_changed() || transform.is_changed()) {
-            continue;
+    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
+    let ObstacleNews { gone, again, moving, seen } = &mut *news;
+    for entity in gone.drain(..).filter(|&entity| !obstacles.contains(entity)) {
+        if let Some(slot) = known.slot(entity) {
+            stirred.push(&environment.obstacles.swap_remove(slot));
+            known.swap_remove(slot);
         }
+    }
+    seen.clear();
+    for (entities, components, transforms, layers, _) in obstacles.contiguous_iter().into_iter().flatten() {
+        let (_, ticks) = ContiguousRef::split(components);
+        let (_, transform_ticks) = ContiguousRef::split(transforms);
+        let layer_ticks = layers.map(|layers| ContiguousRef::split(layers).1);
+        let is_any = |rows: Range<usize>| {
+            is_any_changed(&ticks, rows.clone())
+                || is_any_changed(&transform_ticks, rows.clone())
+                || layer_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows))
+        };
+        collect_rows(entities, is_any, seen);
+    }
+    // Each is looked at once: a second look would take a move for a halt.
+    let is_unseen = |entity: Entity| {
+        obstacles.get(entity).is_ok_and(|(_, obstacle, transform, layers, _)| {
+            let is_seen = obstacle.is_changed()
+                || transform.is_changed()
+                || layers.is_some_and(|layers| layers.is_changed());
+            !is_seen
+        })
+    };
+    again.retain(|entity| !moving.contains(entity));
+    seen.extend(moving.drain(..).chain(again.drain(..)).filter(|&entity| is_unseen(entity)));
+    for &entity in &*seen {
+        let Ok((_, obstacle, transform, layers, reports)) = obstacles.get(entity) else { continue };
+        let layers = DrapeLayers::of(layers.as_deref());
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         let placement = Placement { translation, rotation };
-        let slot = entities.iter().position(|&known| known == entity);
+        let slot = known.slot(entity);
         if !(placement.is_valid() && scale.is_finite()) {
             refusals.entity(entity, "Transform", "an obstacle's must be finite; it stays where it was");
             if let Some(slot) = slot {
-                let known = &mut environment.obstacles[slot];
-                known.teleport(known.placement());
+                let obstacle = &mut environment.obstacles[slot];
+                obstacle.teleport(obstacle.placement());
             }
             continue;
         }
-        let reshaped = transform.is_changed()
-            && (slot.is_none() || record.is_none_or(|record| !record.has_scale(scale)));
-        if obstacle.is_changed() || reshaped {
-            let built = obstacle
-                .shape
-                .scaled(scale)
-                .and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction));
-            commands.entity(entity).try_insert(ObstacleRecord { scale });
-            if built.is_ok() {
-                refusals.forget(entity);
+        let is_another = slot.is_none_or(|slot| {
+            let built = &environment.obstacles[slot];
+            !known.has_scale(slot, scale) || built.layers() != layers || built.reports_contacts() != reports
+        });
+        if obstacle.is_changed() || is_another {
+            let shape = obstacle.shape.scaled(scale);
+            let built = shape
+                .and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction))
+                .map(|built| built.with_layers(layers))
+                .map(|built| if obstacle.is_sensor { built.as_sensor() } else { built })
+                .map(|built| if reports { built.reporting_contacts() } else { built });
+            if let Some(slot) = slot {
+                stirred.push(&environment.obstacles[slot]);
             }
             match (built, slot) {
-                (Ok(built), Some(slot)) => {
-                    stirred.0.push(environment.obstacles[slot].swept_bounds());
-                    stirred.0.push(built.swept_bounds());
-                    environment.obstacles[slot] = built;
-                }
-                (Ok(built), None) => {
-                    stirred.0.push(built.swept_bounds());
-                    environment.obstacles.push(built);
-                    entities.push(entity);
+                (Ok(built), slot) => {
+                    refusals.forget(entity);
+                    stirred.push(&built);
+                    match slot {
+                        Some(slot) => {
+                            environment.obstacles[slot] = built;
+                            known.scales[slot] = scale;
+                        }
+                        None => {
+                            environment.obstacles.push(built);
+                            known.push(entity, scale);
+                        }
+                    }
                 }
                 (Err(error), slot) => {
                     refusals.entity(entity, "Obstacle", error);
                     if let Some(slot) = slot {
-                        stirred.0.push(environment.obstacles[slot].swept_bounds());
-                        environment.obstacles.remove(slot);
-                        entities.remove(slot);
+                        environment.obstacles.swap_remove(slot);
+                        known.swap_remove(slot);
                     }
                 }
             }
         } else if let Some(slot) = slot {
-            let known = &mut environment.obstacles[slot];
-            if known.placement() != placement || known.is_moving() {
-                known.move_to(placement, clock.delta());
-                stirred.0.push(known.swept_bounds());
+            let obstacle = &mut environment.obstacles[slot];
+            if obstacle.placement() != placement || obstacle.is_moving() {
+                obstacle.move_to(placement, clock.delta());
+                stirred.push(obstacle);
+                if obstacle.is_moving() {
+                    moving.push(entity);
+                }
             }
-        }
-    }
-}
-
-fn remove_missing(
-    entities: &mut Vec<Entity>,
-    obstacles: &mut Vec<drape_solver::Obstacle>,
-    stirred: &mut StirredSpace,
-    exists: impl Fn(Entity) -> bool,
-) {
-    let mut slot = 0;
-    while slot < entities.len() {
-        if exists(entities[slot]) {
-            slot += 1;
-        } else {
-            stirred.0.push(obstacles[slot].swept_bounds());
-            entities.remove(slot);
-            obstacles.remove(slot);
         }
     }
 }

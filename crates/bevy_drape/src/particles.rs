@@ -44,6 +44,8 @@ pub(crate) struct BodyState {
     pub refused: bool,
     /// Settings of the last step; a change wakes the body.
     pub settings: drape_solver::SolverSettings,
+    /// Layers of the last step, likewise.
+    pub layers: drape_solver::Layers,
 }
 
 /// Where the particles of a body are, and how fast.

@@ -1,6 +1,7 @@
 //! The plugins.
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
@@ -10,10 +11,14 @@ use bevy::transform::systems::{
 };
 
 use crate::activity::{Activity, ActivityCounts, count_activity};
-use crate::attention::{Attention, note_lost_settings, pay_attention};
+use crate::attention::{Attention, note_lost, pay_attention};
 use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
 use crate::clock::DrapeClock;
 use crate::cloth::Cloth;
+use crate::contact_events::{
+    ContactEvents, ContactFeature, ContactPairs, DrapeContact, DrapeContactCounts, DrapeContactEnded,
+    DrapeContactHit, DrapeContactSettings, DrapeContactStarted, send_contacts,
+};
 use crate::description::{build_described, remove_described_body};
 use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
 use crate::grab::{Grab, pull_grabbed};
@@ -21,7 +26,11 @@ use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
 use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
 use crate::islands::Islands;
-use crate::obstacle::{Obstacle, StirredSpace, sync_obstacles};
+use crate::layers::DrapeLayers;
+use crate::obstacle::{
+    Obstacle, ObstacleNews, StirredSpace, look_again, note_disabled_obstacle, note_gone_obstacle,
+    sync_obstacles,
+};
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
@@ -95,14 +104,21 @@ impl Plugin for SolverPlugin {
             .register_type::<(Projectile, ProjectileState, Cannon, Viewer, Quality)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
             .register_type::<(Particle, Stick, Rig, InRig, Grab)>()
+            .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
+            .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
+            .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
         app.init_resource::<ActivityCounts>()
             .init_resource::<Attention>()
+            .init_resource::<ContactPairs>()
             .init_resource::<CreationOrder>()
             .init_resource::<DefaultSolverSettings>()
             .init_resource::<DrapeClock>()
+            .init_resource::<DrapeContactCounts>()
+            .init_resource::<DrapeContactSettings>()
             .init_resource::<DrapeGravity>()
             .init_resource::<Islands>()
+            .init_resource::<ObstacleNews>()
             .init_resource::<Refusals>()
             .init_resource::<RigEdits>()
             .init_resource::<SceneManager>()
@@ -115,11 +131,21 @@ impl Plugin for SolverPlugin {
             .init_resource::<Wind>()
             .add_message::<BallHit>()
             .add_message::<CannonFired>()
+            .add_message::<DrapeContactEnded>()
+            .add_message::<DrapeContactHit>()
+            .add_message::<DrapeContactStarted>()
             .add_message::<FireCannon>();
         app.add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
             .add_observer(remove_ball)
-            .add_observer(note_lost_settings)
+            .add_observer(note_lost::<SolverSettings>)
+            .add_observer(note_gone_obstacle)
+            .add_observer(note_disabled_obstacle)
+            .add_observer(look_again::<Remove, Disabled>)
+            .add_observer(look_again::<Add, ContactEvents>)
+            .add_observer(look_again::<Remove, ContactEvents>)
+            .add_observer(look_again::<Remove, DrapeLayers>)
+            .add_observer(note_lost::<DrapeLayers>)
             .add_observer(forget_removed::<Cannon>)
             .add_observer(forget_removed::<Cloth>)
             .add_observer(forget_removed::<Obstacle>)
@@ -150,7 +176,13 @@ impl Plugin for SolverPlugin {
                 read_environment.in_set(DrapeSystems::AccumulateForces),
                 (form_islands, begin_islands).chain().in_set(DrapeSystems::FormIslands),
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
-                (finish_islands, write_projectile_transforms, write_rig_transforms, count_activity)
+                (
+                    finish_islands,
+                    send_contacts,
+                    write_projectile_transforms,
+                    write_rig_transforms,
+                    count_activity,
+                )
                     .chain()
                     .in_set(DrapeSystems::Finish),
             ),

@@ -2,11 +2,13 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use drape_solver::Layers;
 
 use crate::activity::Activity;
 use crate::attention::Attention;
 use crate::clock::DrapeClock;
 use crate::environment::SolverEnvironment;
+use crate::layers::DrapeLayers;
 use crate::obstacle::StirredSpace;
 use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
@@ -18,6 +20,7 @@ use crate::sleepers::Sleepers;
 #[derive(Clone, Copy)]
 struct Stirrer {
     bounds: Bounds,
+    layers: Layers,
     is_ball: bool,
 }
 
@@ -42,12 +45,18 @@ pub(crate) struct MayRest<'w, 's> {
             Ref<'static, Sticks>,
             &'static mut BodyState,
             Option<&'static SolverSettings>,
+            Option<&'static DrapeLayers>,
         ),
     >,
     balls: Query<
         'w,
         's,
-        (&'static mut Activity, &'static mut ProjectileState, &'static mut ProjectileRecord),
+        (
+            &'static mut Activity,
+            &'static mut ProjectileState,
+            &'static mut ProjectileRecord,
+            Option<&'static DrapeLayers>,
+        ),
         Without<Particles>,
     >,
     solver: Res<'w, SolverEnvironment>,
@@ -62,25 +71,27 @@ impl MayRest<'_, '_> {
 }
 
 impl Stir {
-    /// Wakes what was found and does rest within `space`, so that it stirs itself.
-    fn wake_found(&mut self, space: Bounds, may_rest: &mut MayRest) {
+    /// Wakes what was found, does rest within `space` and could touch who stirs there, so that it stirs itself.
+    fn wake_found(&mut self, space: Bounds, layers: Layers, may_rest: &mut MayRest) {
         let (dt, gravity) = may_rest.pace();
         for entity in self.found.drain(..) {
-            if let Ok((mut activity, mut ball, _)) = may_rest.balls.get_mut(entity) {
+            if let Ok((mut activity, mut ball, ..)) = may_rest.balls.get_mut(entity) {
                 let bounds = ball_reach(&ball, dt, gravity);
-                if *activity == Activity::Resting && overlap(space, bounds) {
+                let own = ball.layers();
+                if *activity == Activity::Resting && overlap(space, bounds) && layers.interact(own) {
                     *activity = Activity::Active;
                     ball.bypass_change_detection().rouse();
                     self.balls.remove(entity);
-                    self.stirrers.push(Stirrer { bounds, is_ball: true });
+                    self.stirrers.push(Stirrer { bounds, layers: own, is_ball: true });
                 }
-            } else if let Ok((mut activity, mut particles, _, state, _)) = may_rest.bodies.get_mut(entity) {
+            } else if let Ok((mut activity, mut particles, _, state, ..)) = may_rest.bodies.get_mut(entity) {
                 let bounds = grown(state.extent.bounds, state.settings.thickness);
-                if *activity == Activity::Resting && overlap(space, bounds) {
+                let own = state.layers;
+                if *activity == Activity::Resting && overlap(space, bounds) && layers.interact(own) {
                     *activity = Activity::Active;
                     particles.bypass_change_detection().rouse();
                     self.bodies.remove(entity);
-                    self.stirrers.push(Stirrer { bounds, is_ball: false });
+                    self.stirrers.push(Stirrer { bounds, layers: own, is_ball: false });
                 }
             } else {
                 // It was despawned in its sleep.
@@ -103,21 +114,21 @@ pub(crate) fn wake(
     let stir = &mut *stir;
     let (dt, gravity) = may_rest.pace();
     let MayRest { bodies, balls, solver, .. } = &mut may_rest;
-    let is_stirred = |bounds: Bounds| stirred.0.iter().any(|&space| overlap(space, bounds));
     stir.stirrers.clear();
     for &entity in &attention.balls {
-        let Ok((mut activity, mut ball, mut record)) = balls.get_mut(entity) else { continue };
+        let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
         // A ball that was refused gets another chance when somebody has edited it.
         let mended = record.refused && ball.is_changed();
         let bounds = ball_reach(&ball, dt, gravity);
         let resting = *activity == Activity::Resting;
-        if mended || (resting && (ball.is_disturbed() || solver.changed || is_stirred(bounds))) {
+        let is_elsewhere = ball.layers() != DrapeLayers::of(layers);
+        if mended || (resting && (ball.is_disturbed() || is_elsewhere || solver.changed)) {
             record.refused = false;
             *activity = Activity::Active;
             ball.bypass_change_detection().rouse();
         }
         if *activity == Activity::Active {
-            stir.stirrers.push(Stirrer { bounds, is_ball: true });
+            stir.stirrers.push(Stirrer { bounds, layers: DrapeLayers::of(layers), is_ball: true });
         }
         if *activity == Activity::Resting {
             stir.balls.insert(entity, bounds);
@@ -126,7 +137,8 @@ pub(crate) fn wake(
         }
     }
     for &entity in &attention.bodies {
-        let Ok((mut activity, mut particles, sticks, mut state, settings)) = bodies.get_mut(entity) else {
+        let Ok((mut activity, mut particles, sticks, mut state, settings, layers)) = bodies.get_mut(entity)
+        else {
             continue;
         };
         let state = &mut *state;
@@ -139,19 +151,23 @@ pub(crate) fn wake(
         } else if edited && particles.is_changed() {
             state.extent = Extent::of(&particles);
         }
-        let rearranged =
-            !same_settings(&state.settings, &settings) || (sticks.is_changed() && !sticks.is_added());
+        let layers = DrapeLayers::of(layers);
+        let rearranged = state.layers != layers
+            || !same_settings(&state.settings, &settings)
+            || (sticks.is_changed() && !sticks.is_added());
         state.settings = settings;
+        state.layers = layers;
         let mended = state.refused && (rearranged || particles.is_changed());
         let resting = *activity == Activity::Resting;
         let bounds = grown(state.extent.bounds, settings.thickness);
-        if mended || (resting && (edited || rearranged || solver.changed || is_stirred(bounds))) {
+        if mended || (resting && (edited || rearranged || solver.changed)) {
             state.refused = false;
             *activity = Activity::Active;
             particles.bypass_change_detection().rouse();
         }
         if *activity == Activity::Active {
-            stir.stirrers.push(Stirrer { bounds: body_reach(state, dt, gravity), is_ball: false });
+            let bounds = body_reach(state, dt, gravity);
+            stir.stirrers.push(Stirrer { bounds, layers, is_ball: false });
         }
         if *activity == Activity::Resting {
             stir.bodies.insert(entity, bounds);
@@ -159,19 +175,19 @@ pub(crate) fn wake(
             stir.bodies.remove(entity);
         }
     }
-    for &space in &stirred.0 {
+    for &(space, layers) in &stirred.0 {
         stir.bodies.find(space, &mut stir.found);
         stir.balls.find(space, &mut stir.found);
-        stir.wake_found(space, &mut may_rest);
+        stir.wake_found(space, layers, &mut may_rest);
     }
     let mut next = 0;
-    while let Some(&Stirrer { bounds, is_ball }) = stir.stirrers.get(next) {
+    while let Some(&Stirrer { bounds, layers, is_ball }) = stir.stirrers.get(next) {
         next += 1;
         stir.balls.find(bounds, &mut stir.found);
         // Only balls touch things: two cloths do not.
         if is_ball {
             stir.bodies.find(bounds, &mut stir.found);
         }
-        stir.wake_found(bounds, &mut may_rest);
+        stir.wake_found(bounds, layers, &mut may_rest);
     }
 }

@@ -32,7 +32,12 @@ fn a_warm_step_allocates_nothing() {
     app.update();
     app.update();
     let world = app.world_mut();
-    world.spawn(Obstacle::ground());
+    world.spawn((Obstacle::ground(), ContactEvents));
+    world.spawn((
+        Obstacle::cuboid(1.0, 1.0, 1.0).as_sensor(),
+        Transform::from_xyz(0.0, 1.0, 0.0),
+        ContactEvents,
+    ));
     let door = world.spawn((Obstacle::cuboid(0.5, 0.5, 0.1), Transform::from_xyz(5.0, 1.0, 0.0))).id();
     let curtain = world.spawn((Cloth::new(1.0, 1.0), Transform::from_xyz(0.0, 1.5, 0.0))).id();
     for i in 0..3 {
@@ -61,6 +66,8 @@ fn a_warm_step_allocates_nothing() {
     let change = region.change();
     assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
     assert_eq!(world.resource::<DrapeClock>().steps(), 820);
+    let contacts = world.resource::<DrapeContactCounts>();
+    assert!(contacts.touching >= 4, "the balls on the ground and the curtain in the sensor: {contacts:?}");
     let counts = world.resource::<ActivityCounts>();
     assert!(counts.active >= 1 && counts.resting >= 20, "{counts:?}");
 }

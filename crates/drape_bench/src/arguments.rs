@@ -6,6 +6,9 @@ use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand};
 
+#[cfg(feature = "plugin")]
+use crate::broad::Field;
+use crate::contact_cost::Trials;
 use crate::model::Pins;
 use crate::run::Job;
 use crate::scene::{Scene, SceneKind};
@@ -38,6 +41,11 @@ pub enum Task {
     },
     /// Shoots balls at curtains, and counts those that pass through.
     Shots(Range),
+    /// Measures many cloths among many obstacles.
+    #[cfg(feature = "plugin")]
+    Broad(Field),
+    /// Measures what each kind of contact costs per particle.
+    Contacts(Trials),
     /// Prints hashes of how scenes end, which are the same on every machine.
     Hashes {
         /// Also compare them with those in this file.

@@ -138,7 +138,7 @@ pub fn settings(effort: &Effort) -> SolverSettings {
 fn environment() -> Result<Environment, BuildError> {
     let shape = Shape::Sphere { radius: SPHERE_RADIUS };
     let sphere = Obstacle::new(shape, Placement::at(SPHERE_CENTRE), 0.0)?;
-    Ok(Environment { dt: STEP, gravity: GRAVITY, obstacles: vec![sphere], ..Environment::default() })
+    Ok(Environment { dt: STEP, gravity: GRAVITY, obstacles: vec![sphere].into(), ..Environment::default() })
 }
 
 /// Energy of the free particles in joules.

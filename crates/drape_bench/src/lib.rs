@@ -5,15 +5,19 @@
 //! noisy machine is noisy for all of them.
 //!
 //! `stability` looks whether any choice of settings gains energy; `hashes` prints what must be the same on every machine;
-//! `shots` counts the balls that pass through a curtain.
+//! `shots` counts the balls that pass through a curtain; `broad` measures many cloths among many obstacles, `contacts` what
+//! each kind of contact costs per particle.
 //!
 //! A library too, so that the peers that bring an old Bevy can be compiled apart, in `peers`: they hand their own
 //! [`Solver`]s to [`main_with`].
 
 pub mod arguments;
 pub mod bombardment;
+#[cfg(feature = "plugin")]
+pub mod broad;
 pub mod collision;
 pub mod coloured;
+pub mod contact_cost;
 pub mod contender;
 pub mod drape;
 pub mod golden;
@@ -70,6 +74,9 @@ fn work(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Measure(command) => measure(command, solvers)?,
         Task::Stability { sizes, steps } => stability::report(sizes, *steps as usize)?,
         Task::Shots(range) => shots::report(range)?,
+        #[cfg(feature = "plugin")]
+        Task::Broad(field) => broad::report(field)?,
+        Task::Contacts(trials) => contact_cost::report(trials)?,
         Task::Hashes { golden, threads } => {
             let hashes = golden::hashes(Isa::detected(), *threads)?;
             print!("{hashes}");

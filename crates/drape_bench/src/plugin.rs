@@ -80,7 +80,7 @@ impl Plugin {
 }
 
 /// An app with the plugin, on `threads` threads, before its first step.
-fn app(threads: u32) -> Result<App, Failure> {
+pub(crate) fn app(threads: u32) -> Result<App, Failure> {
     // Bevy's pool is made once for a process.
     let pool = ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(threads as usize).build());
     if pool.thread_num() != threads as usize {

@@ -5,6 +5,7 @@ use glam::{Quat, Vec3};
 use crate::constants::{CONTACT_MARGIN, INITIAL_SUBSTEP};
 use crate::error::{BuildError, finite_vector, in_range, positive};
 use crate::friction::Friction;
+use crate::layers::Layers;
 use crate::pose::turned;
 
 /// What a ball is made of.
@@ -63,6 +64,8 @@ pub struct Ball {
     pub(crate) material: BallMaterial,
     pub(crate) inverse_mass: f32,
     pub(crate) force: Vec3,
+    pub(crate) layers: Layers,
+    pub(crate) reports_contacts: bool,
     pub(crate) disturbed: bool,
     pub(crate) still_for: f32,
     /// Substeps per step that it asks for because of a cloth near by; 0 where there is none.
@@ -97,6 +100,8 @@ impl Ball {
             material,
             inverse_mass: 1.0 / material.mass,
             force: Vec3::ZERO,
+            layers: Layers::ALL,
+            reports_contacts: false,
             disturbed: true,
             still_for: 0.0,
             hit_substeps: 0.0,
@@ -156,6 +161,21 @@ impl Ball {
     /// How long it has been slower than the threshold of rest, in seconds.
     pub fn still_for(&self) -> f32 {
         self.still_for
+    }
+
+    /// Which layers it belongs to, and which it touches.
+    pub fn layers(&self) -> Layers {
+        self.layers
+    }
+
+    /// Sets the layers that it belongs to and those that it touches.
+    pub fn set_layers(&mut self, layers: Layers) {
+        self.layers = layers;
+    }
+
+    /// Has [`Island::contacts`](crate::Island::contacts) tell what it touches, or not.
+    pub fn set_reports_contacts(&mut self, reports: bool) {
+        self.reports_contacts = reports;
     }
 
     /// Puts the ball at `position` (metres), keeping its velocity.

@@ -8,6 +8,7 @@ use crate::columns::Columns;
 use crate::contact_face_obstacle::FaceContacts;
 use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::integrate::Drag;
+use crate::layers::Layers;
 use crate::line::LineScratch;
 use crate::particles::Particles;
 use crate::plan::Plan;
@@ -25,6 +26,11 @@ pub struct Body {
     pub topology: Arc<Topology>,
     /// How the body is stepped.
     pub settings: SolverSettings,
+    /// Which layers it belongs to, and which it touches.
+    pub layers: Layers,
+    /// Whether [`Island::contacts`](crate::Island::contacts) tells what it touches. Such a body is stepped substep by
+    /// substep while it touches something.
+    pub reports_contacts: bool,
     /// Scratch of the step, kept so that a step allocates nothing once warm.
     pub context: BodyContext,
 }
@@ -32,7 +38,7 @@ pub struct Body {
 impl Body {
     /// A body of these particles, joined by this topology.
     pub fn new(particles: Particles, topology: Arc<Topology>, settings: SolverSettings) -> Self {
-        Self { particles, topology, settings, context: BodyContext::default() }
+        Self { particles, topology, settings, ..Self::default() }
     }
 
     /// How long the body has been slower than the threshold of rest, in seconds.
@@ -89,7 +95,7 @@ impl Body {
     ///
     /// `projections` is the number of iterations of the island, and so of the projections of contacts.
     pub(crate) fn begin_step(&mut self, substep: f32, substeps: u32, projections: u32) {
-        let Self { particles, topology, settings, context } = self;
+        let Self { particles, topology, settings, context, .. } = self;
         particles.set_substep(substep);
         context.drag = Drag::new(settings.drag, substep);
         let materials = topology.batches.iter().map(|batch| &batch.material);

@@ -27,7 +27,8 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
     for (b, second) in island.balls.iter().enumerate() {
         for (a, first) in island.balls[..b].iter().enumerate() {
             let reach = first.reach(dt, gravity) + second.reach(dt, gravity);
-            if first.position.distance_squared(second.position) < reach * reach {
+            let is_near = first.position.distance_squared(second.position) < reach * reach;
+            if is_near && first.layers.interact(second.layers) {
                 pairs.push(BallPair {
                     a,
                     b,

@@ -46,6 +46,14 @@ pub(crate) struct BallCloth {
     weights: [f32; 3],
 }
 
+impl BallCloth {
+    /// If it was pushed in the last substep: the slots of the element's corners (a segment has its last one twice), the
+    /// weights of the contact's point, and how deep it was in metres.
+    pub(crate) fn pushed(&self) -> Option<([usize; 3], [f32; 3], f32)> {
+        (self.depth > 0.0).then(|| (self.element.corners(), self.weights, self.depth))
+    }
+}
+
 /// A face, or a segment of a body that has no faces, by the slots of its corners.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Element {
@@ -91,7 +99,7 @@ impl Element {
 pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
     let BallMaterial { radius, mass, .. } = ball.material;
     let mut wanted = 0.0_f32;
-    for body in bodies {
+    for body in bodies.iter().filter(|body| body.layers.interact(ball.layers)) {
         let (low, high) = body.particles.bounds();
         let reach = radius + 2.0 * path + CONTACT_MARGIN;
         if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
@@ -127,7 +135,8 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
     for (body_index, body) in bodies.iter().enumerate() {
         let topology = &body.topology;
         let (low, high) = body.particles.bounds();
-        for (ball_index, ball) in balls.iter().enumerate() {
+        let layers = body.layers;
+        for (ball_index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.layers.interact(layers)) {
             // The ball's own reach, the cloth's, and from any point of a face to its nearest corner.
             let reach =
                 ball.reach(dt, gravity) + speed * dt + body.settings.thickness + topology.longest_edge;

@@ -3,8 +3,9 @@
 use glam::Vec3;
 
 use crate::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
-use crate::island::Island;
+use crate::island::{Island, IslandContext};
 use crate::obstacle::Obstacle;
+use crate::obstacles::Obstacles;
 use crate::overlap::{Overlap, Pace};
 use crate::pose::Pose;
 use crate::restitution::Impact;
@@ -25,15 +26,25 @@ pub(crate) struct BallObstacle {
     now: Pose,
 }
 
+impl BallObstacle {
+    /// The obstacle, by its index.
+    pub(crate) fn obstacle(&self) -> usize {
+        self.obstacle
+    }
+}
+
 /// Lists the pairs whose boxes come within `dt` seconds of each other.
-pub(crate) fn detect(island: &mut Island, obstacles: &[Obstacle], dt: f32, gravity: f32) {
-    let pairs = &mut island.context.ball_obstacle;
+pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravity: f32) {
+    let IslandContext { ball_obstacle: pairs, near_obstacles: near, report, .. } = &mut island.context;
     pairs.clear();
     for (ball_index, ball) in island.balls.iter().enumerate() {
         let reach = ball.reach(dt, gravity);
-        for (obstacle_index, obstacle) in obstacles.iter().enumerate() {
-            let (low, high) = obstacle.swept_bounds();
-            if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
+        near.clear();
+        obstacles.near(ball.position - reach, ball.position + reach, near);
+        for obstacle_index in near.iter().map(|&index| index as usize) {
+            let obstacle = &obstacles[obstacle_index];
+            if !obstacle.stops(ball.layers) {
+                report.note_passable(ball_index, obstacle_index);
                 continue;
             }
             let pose = obstacle.pose_at(0.0, Vec3::ZERO);

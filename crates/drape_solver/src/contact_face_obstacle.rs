@@ -42,6 +42,8 @@ pub(crate) struct FaceContacts {
 #[derive(Clone, Copy, Debug)]
 struct FaceContact {
     element: Element,
+    /// Place of the element among the body's faces, then segments.
+    place: usize,
     obstacle: usize,
     friction: Friction,
     /// Of the deepest point when last looked for.
@@ -52,6 +54,20 @@ struct FaceContact {
     overlap: Overlap,
     /// In the world, of the last projection.
     normal: Vec3,
+}
+
+/// A face or segment that an obstacle has pushed.
+pub(crate) struct PushedElement {
+    pub element: Element,
+    /// Place of the element among the body's faces, then segments.
+    pub place: usize,
+    pub obstacle: usize,
+    /// Of the point that was pushed.
+    pub weights: [f32; 3],
+    /// In the world.
+    pub normal: Vec3,
+    /// Metres, summed over the projections of the substep.
+    pub depth: f32,
 }
 
 /// An obstacle as a body meets it in a step: all in its own coordinates, at the start of the step.
@@ -84,6 +100,19 @@ impl FaceContacts {
         self.contacts.is_empty()
     }
 
+    /// Obstacles that have contacts, by index.
+    pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
+        self.contacts.iter().map(|contact| contact.obstacle)
+    }
+
+    /// What was pushed in the last substep.
+    pub fn pushed(&self) -> impl Iterator<Item = PushedElement> + '_ {
+        self.contacts.iter().filter(|contact| contact.depth > 0.0).map(|contact| {
+            let &FaceContact { element, place, obstacle, weights, normal, depth, .. } = contact;
+            PushedElement { element, place, obstacle, weights, normal, depth }
+        })
+    }
+
     pub fn clear(&mut self) {
         self.contacts.clear();
     }
@@ -110,8 +139,8 @@ impl FaceContacts {
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
         let faces = topology.faces.iter().map(|face| Element::Face(face.map(slot)));
         let segments = topology.segments.iter().map(|ends| Element::Segment(ends.map(slot)));
-        for element in faces.chain(segments) {
-            self.add(element, particles, met, side, most);
+        for (place, element) in faces.chain(segments).enumerate() {
+            self.add(element, place, particles, met, side, most);
         }
     }
 
@@ -134,7 +163,7 @@ impl FaceContacts {
         nearest
     }
 
-    fn add(&mut self, element: Element, particles: &Particles, met: Met, side: f32, most: f32) {
+    fn add(&mut self, element: Element, place: usize, particles: &Particles, met: Met, side: f32, most: f32) {
         let corners = element.corners();
         let seen = corners.map(|slot| self.seen[slot]);
         let nearest = seen.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
@@ -174,6 +203,7 @@ impl FaceContacts {
         };
         self.contacts.push(FaceContact {
             element,
+            place,
             obstacle: met.obstacle,
             friction: met.friction,
             weights,

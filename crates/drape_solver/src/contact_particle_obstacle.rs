@@ -32,6 +32,8 @@ use crate::work::{Common, Moving};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ObstacleContacts {
     pub layout: Layout,
+    /// Obstacles near the body, by index.
+    pub near: Vec<u32>,
     pub groups: Vec<Group>,
     pub candidates: Vec<Candidate>,
     /// Room for what a helper finds.
@@ -91,18 +93,31 @@ impl BodyContext {
     /// surface in the world, and the depth in metres, summed over the projections of the substep.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
         let layout = &self.contacts.layout;
-        let candidates = self.contacts.candidates.iter().zip(&self.contacts.pushes);
-        candidates.filter(|(candidate, _)| candidate.is_touching).flat_map(move |(candidate, pushes)| {
-            let touching = (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0);
-            touching.filter_map(move |lane| {
-                let index = layout.index(candidate.cell as usize * LANES + lane)?;
-                Some((index, pushes.normal.get(lane), pushes.depth[lane]))
-            })
-        })
+        let pushed = self.contacts.pushed();
+        pushed.filter_map(|(_, slot, normal, depth)| Some((layout.index(slot)?, normal, depth)))
     }
 }
 
 impl ObstacleContacts {
+    /// Obstacles that have candidates, by index.
+    pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
+        self.groups.iter().map(|group| group.obstacle)
+    }
+
+    /// Particles that were pushed in the last substep: by which obstacle, the particle's slot, the unit normal of the
+    /// surface in the world, and the depth in metres, summed over the projections of the substep.
+    pub fn pushed(&self) -> impl Iterator<Item = (usize, usize, Vec3, f32)> + '_ {
+        let candidates = self.candidates.iter().zip(&self.pushes);
+        candidates.filter(|(candidate, _)| candidate.is_touching).flat_map(move |(candidate, pushes)| {
+            let obstacle = self.groups[usize::from(candidate.group)].obstacle;
+            let touching = (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0);
+            touching.map(move |lane| {
+                let slot = candidate.cell as usize * LANES + lane;
+                (obstacle, slot, pushes.normal.get(lane), pushes.depth[lane])
+            })
+        })
+    }
+
     /// Puts the candidates in the order in which a sweep takes them, and notes where each strip's begin.
     pub fn sort(&mut self) {
         let Self { layout, candidates, first_of_strip, pushes, .. } = self;

@@ -110,6 +110,18 @@ impl SelfContacts {
         }
     }
 
+    /// Particles of different bodies that were pushed apart in the last substep: each as its body and slot, the unit normal
+    /// from the second to the first, and the depth in metres, summed over the projections of the substep.
+    pub fn pushed_bodies(&self) -> impl Iterator<Item = ([(usize, usize); 2], Vec3, f32)> + '_ {
+        let touching =
+            self.touching.iter().map(|&pair| (self.pairs[pair as usize], &self.contacts[pair as usize]));
+        let pushed = touching.filter(|(_, contact)| contact.depth > 0.0).map(|(pair, contact)| {
+            let ends = pair.map(|place| self.holders[place as usize]);
+            (ends.map(|end| (end.body as usize, end.slot as usize)), contact.normal, contact.depth)
+        });
+        pushed.filter(|([(a, _), (b, _)], ..)| a != b)
+    }
+
     /// The number of pairs that are watched.
     pub fn pair_count(&self) -> usize {
         self.pairs.len()
@@ -184,11 +196,14 @@ fn sphere(holder: &Holder, bodies: &[Body], origin: Vec3) -> Sphere {
     Sphere { centre, radius: body.settings.thickness }
 }
 
-/// Whether two may touch at all: one must be free, and of one body they must not be neighbours at rest.
+/// Whether two may touch at all: one must be free, their layers must meet, and of one body they must not be neighbours at rest.
 fn may_touch(a: &Holder, b: &Holder, apart: f32, bodies: &[Body]) -> bool {
     let inverse_mass =
         |holder: &Holder| bodies[holder.body as usize].particles.inverse_mass[holder.slot as usize];
     if inverse_mass(a) + inverse_mass(b) == 0.0 {
+        return false;
+    }
+    if a.body != b.body && !bodies[a.body as usize].layers.interact(bodies[b.body as usize].layers) {
         return false;
     }
     let rest = &bodies[a.body as usize].topology.rest;

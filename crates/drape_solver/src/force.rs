@@ -46,7 +46,7 @@ impl Wind {
 
 /// Sums up the accelerations of a body's particles for the coming step of `dt` seconds.
 pub(crate) fn accumulate(body: &mut Body, gravity: Vec3, wind: &Wind, dt: f32) {
-    let Body { particles, topology, settings, context } = body;
+    let Body { particles, topology, settings, context, .. } = body;
     context.uniform_acceleration = gravity;
     context.acceleration.clear();
     let blows = wind.velocity != Vec3::ZERO;

@@ -8,12 +8,13 @@ use crate::body::Body;
 use crate::contact_ball_ball::BallPair;
 use crate::contact_ball_cloth::BallCloth;
 use crate::contact_ball_obstacle::BallObstacle;
+use crate::contact_report::ContactReport;
 use crate::contact_self::SelfContacts;
 use crate::force::Wind;
 use crate::impact_zone::ImpactZones;
 use crate::isa::Isa;
-use crate::obstacle::Obstacle;
-use crate::touch::Touch;
+use crate::obstacles::Obstacles;
+use crate::touch::{Contact, Other, Party, Touch, pair_without};
 
 /// What is the same for all islands in one step.
 #[derive(Clone, Debug)]
@@ -25,7 +26,7 @@ pub struct Environment {
     /// The wind.
     pub wind: Wind,
     /// The obstacles.
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Obstacles,
 }
 
 impl Default for Environment {
@@ -34,7 +35,7 @@ impl Default for Environment {
             dt: 1.0 / 60.0,
             gravity: Vec3::new(0.0, -9.81, 0.0),
             wind: Wind::default(),
-            obstacles: Vec::new(),
+            obstacles: Obstacles::new(),
         }
     }
 }
@@ -48,6 +49,9 @@ pub struct Island {
     pub balls: Vec<Ball>,
     /// What touched what in the last step, balls first by index.
     pub touches: Vec<Touch>,
+    /// What happened in the last step to whoever [reports](Body::reports_contacts) it: one contact for each two, bodies
+    /// first by index.
+    pub contacts: Vec<Contact>,
     /// The instruction set to run on; the bits do not depend on it.
     pub isa: Isa,
     /// Scratch of the step.
@@ -65,10 +69,13 @@ pub struct IslandContext {
     pub(crate) substep_index: u32,
     /// Length of a substep in seconds.
     pub(crate) substep: f32,
+    /// Obstacles near a ball, while the search looks at it.
+    pub(crate) near_obstacles: Vec<u32>,
     pub(crate) ball_obstacle: Vec<BallObstacle>,
     pub(crate) ball_cloth: Vec<BallCloth>,
     pub(crate) ball_pairs: Vec<BallPair>,
     pub(crate) self_contacts: SelfContacts,
+    pub(crate) report: ContactReport,
     pub(crate) impact_zones: ImpactZones,
     pub(crate) ball_search: BallSearch,
     /// Places of the particles that a ball touches, while tethers are projected.
@@ -91,6 +98,7 @@ impl Island {
         self.bodies.clear();
         self.balls.clear();
         self.touches.clear();
+        self.contacts.clear();
     }
 
     /// Takes the body at `index` out in the middle of a step: an empty one is left in its place, and nothing touches
@@ -100,6 +108,19 @@ impl Island {
         self.context.ball_cloth.retain(|contact| contact.body != index);
         self.context.ball_search.forget(self.context.ball_cloth.len());
         self.context.self_contacts.forget(index);
+        self.context.report.vacate(index);
+    }
+
+    /// Drops the touches of a body or ball that has been taken out of its list, and counts down the indices behind it.
+    pub fn forget(&mut self, gone: Other) {
+        self.context.report.forget(gone);
+        self.touches.retain_mut(|touch| {
+            let left = pair_without((Party::Ball(touch.ball), touch.other), gone);
+            if let Some((Party::Ball(ball), other)) = left {
+                (touch.ball, touch.other) = (ball, other);
+            }
+            left.is_some()
+        });
     }
 
     /// The most iterations that a body takes.

@@ -178,7 +178,7 @@ fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
 
 /// Solves the lines of a body, as its plan lists them.
 pub(crate) fn solve(body: &mut Body, isa: Isa) {
-    let Body { particles, topology, settings, context } = body;
+    let Body { particles, topology, settings, context, .. } = body;
     let Layout::Grid(grid) = topology.layout else {
         return;
     };

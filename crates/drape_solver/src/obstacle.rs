@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::constants::TELEPORT_SPEED;
 use crate::error::{BuildError, in_range};
 use crate::friction::Friction;
+use crate::layers::Layers;
 use crate::pose::{Placement, Pose};
 use crate::shape::Shape;
 
@@ -17,6 +18,9 @@ pub struct Obstacle {
     before: Placement,
     friction: Friction,
     restitution: f32,
+    layers: Layers,
+    is_sensor: bool,
+    reports_contacts: bool,
 }
 
 impl Obstacle {
@@ -31,7 +35,7 @@ impl Obstacle {
             return Err(BuildError::BadShape { reason: "its placement is not finite" });
         }
         let friction = Friction::new(friction, friction);
-        Ok(Self { shape, placement, before: placement, friction, restitution: 0.0 })
+        Ok(Self { shape, placement, before: placement, friction, ..Self::ground() })
     }
 
     /// The horizontal ground at height 0, with friction 0.5.
@@ -42,7 +46,54 @@ impl Obstacle {
             before: Placement::default(),
             friction: Friction::new(0.5, 0.5),
             restitution: 0.0,
+            layers: Layers::ALL,
+            is_sensor: false,
+            reports_contacts: false,
         }
+    }
+
+    /// The same in these layers.
+    #[must_use]
+    pub fn with_layers(self, layers: Layers) -> Self {
+        Self { layers, ..self }
+    }
+
+    /// The same as a sensor: it moves nothing, and tells what touches it, at the end of each substep. A sensor tells
+    /// something only if it, or what touches it, [reports contacts](Self::reporting_contacts).
+    #[must_use]
+    pub fn as_sensor(self) -> Self {
+        Self { is_sensor: true, ..self }
+    }
+
+    /// The same, with [`Island::contacts`](crate::Island::contacts) telling what touches it.
+    #[must_use]
+    pub fn reporting_contacts(self) -> Self {
+        Self { reports_contacts: true, ..self }
+    }
+
+    /// Which layers it belongs to, and which it touches.
+    pub fn layers(&self) -> Layers {
+        self.layers
+    }
+
+    /// Whether it moves nothing.
+    pub fn is_sensor(&self) -> bool {
+        self.is_sensor
+    }
+
+    /// Whether [`Island::contacts`](crate::Island::contacts) tells what touches it.
+    pub fn reports_contacts(&self) -> bool {
+        self.reports_contacts
+    }
+
+    /// Whether it stops what is in these layers.
+    pub(crate) fn stops(&self, layers: Layers) -> bool {
+        !self.is_sensor && self.layers.interact(layers)
+    }
+
+    /// Whether it is a sensor for what is in these layers.
+    pub(crate) fn senses(&self, layers: Layers) -> bool {
+        self.is_sensor && self.layers.interact(layers)
     }
 
     /// The shape.

@@ -14,6 +14,7 @@ use crate::crew::Crew;
 use crate::isa::{Isa, Kernel};
 use crate::lanes::{Lanes3, load};
 use crate::obstacle::Obstacle;
+use crate::obstacles::Obstacles;
 use crate::particles::Particles;
 use crate::pose::Pose;
 use crate::shape::{Plane, Shape, container_walls};
@@ -30,10 +31,10 @@ pub(crate) struct Span {
 }
 
 /// Lists the particles that could touch each obstacle in the step.
-pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], span: Span, isa: Isa, crew: &Crew) {
+pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Isa, crew: &Crew) {
     let reach = span.reach;
     let (low, high) = body.particles.bounds();
-    let Body { particles, topology, settings, context } = body;
+    let Body { particles, topology, settings, layers, context, .. } = body;
     let BodyContext { contacts, faces, uniform_acceleration, .. } = context;
     let flight = Flight { substeps: span.substeps as f32, fall: *uniform_acceleration * (span.dt * span.dt) };
     let fastest = particles.greatest_speed() * span.dt + flight.fall.length();
@@ -42,10 +43,13 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], span: Span, isa: I
     contacts.groups.clear();
     contacts.candidates.clear();
     contacts.planes.clear();
-    for (index, obstacle) in obstacles.iter().enumerate() {
-        let reach = reach + settings.thickness;
-        let (obstacle_low, obstacle_high) = obstacle.swept_bounds();
-        if !(low - reach).cmple(obstacle_high).all() || !(high + reach).cmpge(obstacle_low).all() {
+    contacts.near.clear();
+    let reach = reach + settings.thickness;
+    obstacles.near(low - reach, high + reach, &mut contacts.near);
+    for place in 0..contacts.near.len() {
+        let index = contacts.near[place] as usize;
+        let obstacle = &obstacles[index];
+        if !obstacle.stops(*layers) {
             continue;
         }
         let pose = obstacle.pose_at(0.0, particles.origin);

@@ -27,8 +27,8 @@ use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self};
 use crate::{
-    contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle, force, impact_zone,
-    integrate as verlet, obstacle_search, rest, stick,
+    contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle, contact_report, force,
+    impact_zone, integrate as verlet, obstacle_search, rest, stick,
 };
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -74,7 +74,8 @@ fn lent<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
 }
 
 fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
-    if island.balls.is_empty() && island.bodies.iter().all(sweep::is_all_stages) {
+    let is_fused = island.balls.is_empty() && !island.context.report.is_on();
+    if is_fused && island.bodies.iter().all(sweep::is_all_stages) {
         let around = surroundings(&island.context, island.isa, environment);
         for body in &mut island.bodies {
             sweep::substeps(body, around, crew);
@@ -128,6 +129,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     island.context.substep = h;
     island.context.substep_index = 0;
     island.touches.clear();
+    island.contacts.clear();
+    island.context.report.clear();
     let iterations = island.iterations();
     for body in &mut island.bodies {
         body.begin_step(h, substeps, iterations);
@@ -168,6 +171,7 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     ball_cloth::detect(island, dt, gravity, speed);
     impact_zone::begin_step(island);
     contact_self::detect(island);
+    contact_report::detect(island, environment, reach);
 }
 
 /// Stage 1 of a substep: particles and balls fly freely for one substep.
@@ -243,6 +247,7 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
     for ball in &mut island.balls {
         ball.turn();
     }
+    contact_report::gather(island, environment);
     island.context.substep_index += 1;
 }
 
@@ -272,6 +277,7 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
         ball.force = Vec3::ZERO;
         ball.disturbed = false;
     }
+    contact_report::finish(island);
     Ok(())
 }
 

@@ -228,7 +228,7 @@ fn with_work(
 ) {
     let is_update = body.context.plan.stages.get(first) == Some(&Stage::Update);
     let drift = if is_update { drift(body) } else { Vec3::ZERO };
-    let Body { particles, topology, settings, context } = body;
+    let Body { particles, topology, settings, context, .. } = body;
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let mut work = Work {
         first_strip: 0,

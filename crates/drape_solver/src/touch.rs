@@ -13,6 +13,52 @@ pub enum Other {
     Obstacle(usize),
 }
 
+/// One side of a [`Contact`], by index in the island.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Party {
+    /// A body.
+    Body(usize),
+    /// A ball.
+    Ball(usize),
+}
+
+/// What of a body touched, by index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Feature {
+    /// A particle.
+    Particle(usize),
+    /// A face of the topology.
+    Face(usize),
+}
+
+/// What happened between two over one step, for those that [ask](crate::Body::reports_contacts) for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The body or ball that touched something; of a body and a ball, the ball; of two bodies or two balls, the first.
+    pub party: Party,
+    /// What it touched.
+    pub other: Other,
+    /// When in the step they first touched, in seconds from its start. Interpolated within the substep for balls; the
+    /// start of the substep for particles and sensors.
+    pub time: f32,
+    /// Point of the other's surface, in the world: of a body, where it was pushed the hardest; of a ball, where they first
+    /// touched; in a sensor, where the first particle or the ball's centre was found.
+    pub point: Vec3,
+    /// Unit normal there, from the other towards the party. In a sensor, from its middle to the point.
+    pub normal: Vec3,
+    /// Sum of the sizes of all normal impulses over the step, in newton seconds; 0 for a sensor.
+    pub impulse: f32,
+    /// The part of the body at that point: of two bodies, of the party. None between a ball and another or an obstacle.
+    pub feature: Option<Feature>,
+}
+
+impl Contact {
+    /// The two sides.
+    pub fn pair(&self) -> (Party, Other) {
+        (self.party, self.other)
+    }
+}
+
 /// A contact between a ball and something else, over one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
@@ -32,6 +78,39 @@ pub struct Touch {
     pub normal: Vec3,
     /// Size of the normal impulse on the ball over the step, in newton seconds.
     pub impulse: f32,
+}
+
+/// What is left of an index once `gone` was taken out of the list, with those behind it moving up. None if it is the one.
+fn moved_up(index: usize, gone: usize) -> Option<usize> {
+    (index != gone).then(|| index - usize::from(index > gone))
+}
+
+impl Other {
+    /// The same thing once `gone` was taken out of the island; none if it is that.
+    fn without(self, gone: Self) -> Option<Self> {
+        match (self, gone) {
+            (Self::Body(i), Self::Body(gone)) => moved_up(i, gone).map(Self::Body),
+            (Self::Ball(i), Self::Ball(gone)) => moved_up(i, gone).map(Self::Ball),
+            (Self::Obstacle(i), Self::Obstacle(gone)) => moved_up(i, gone).map(Self::Obstacle),
+            _ => Some(self),
+        }
+    }
+}
+
+impl Party {
+    /// As [`Other::without`].
+    fn without(self, gone: Other) -> Option<Self> {
+        match (self, gone) {
+            (Self::Body(i), Other::Body(gone)) => moved_up(i, gone).map(Self::Body),
+            (Self::Ball(i), Other::Ball(gone)) => moved_up(i, gone).map(Self::Ball),
+            _ => Some(self),
+        }
+    }
+}
+
+/// The two sides of a contact once `gone` was taken out of the island; none if it was one of them.
+pub(crate) fn pair_without((party, other): (Party, Other), gone: Other) -> Option<(Party, Other)> {
+    Some((party.without(gone)?, other.without(gone)?))
 }
 
 /// One projection of a ball against something: what [`record`] makes touches of.

@@ -3,6 +3,7 @@
 use std::alloc::System;
 
 use drape_solver::glam::{Quat, Vec3};
+use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{
     Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, Shape, SolverSettings,
     StructuralSolve, Wind, step,
@@ -12,7 +13,7 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations in the second half of a shot at a curtain, over ground and beside a turning capsule.
+/// Allocations in the second half of a shot at a curtain, over ground, in a sensor and beside a turning capsule.
 #[test]
 fn a_warm_step_allocates_nothing() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
@@ -30,7 +31,7 @@ fn fold_allocating_nothing() {
         .build(settings)
         .expect("valid");
     let mut island = Island::of_body(cloth);
-    let environment = Environment { obstacles: vec![Obstacle::ground()], ..Environment::default() };
+    let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..Environment::default() };
     let mut steps = |count: u32| {
         (0..count).for_each(|_| step(&mut island, &environment).expect("a good step"));
     };
@@ -55,13 +56,17 @@ fn allocate_nothing(settings: SolverSettings) {
     island.balls.push(shot(2.5).expect("valid"));
     let capsule = Shape::Capsule { half_length: 0.5, radius: 0.2 };
     let capsule = Obstacle::new(capsule, Placement::at(Vec3::new(0.0, 0.3, -0.3)), 0.5).expect("valid");
+    let sensor = Shape::Parry(SharedShape::cone(1.0, 1.0));
+    let sensor = Obstacle::new(sensor, Placement::at(Vec3::Y), 0.5).expect("valid").as_sensor();
+    island.bodies[0].reports_contacts = true;
+    island.balls[0].set_reports_contacts(true);
     let mut environment = Environment {
         dt,
         wind: Wind::new(Vec3::Z),
-        obstacles: vec![Obstacle::ground(), capsule],
+        obstacles: vec![Obstacle::ground(), capsule, sensor].into(),
         ..Environment::default()
     };
-    let mut touches = 0;
+    let (mut touches, mut contacts) = (0, 0);
     let mut steps = |count: usize| {
         for index in 0..count {
             let rotation = Quat::from_rotation_z(0.02 * index as f32);
@@ -71,6 +76,7 @@ fn allocate_nothing(settings: SolverSettings) {
             island.bodies[0].particles.set_pin_target(0, Vec3::new(-0.75, 1.2, 0.001 * (index % 7) as f32));
             step(&mut island, &environment).expect("a good step");
             touches += island.touches.len();
+            contacts += island.contacts.len();
         }
     };
     // The first seconds see the hit: every list has then been as long as it gets.
@@ -80,4 +86,5 @@ fn allocate_nothing(settings: SolverSettings) {
     let change = region.change();
     assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
     assert!(touches > 10, "the balls must have hit something");
+    assert!(contacts > 400, "the sensor must have told of the curtain: {contacts}");
 }

@@ -190,7 +190,7 @@ fn coincident_things_stay_finite() {
     let twin = island.balls[0].clone();
     island.balls.push(twin);
     let obstacles = vec![obstacle(Shape::Sphere { radius: 0.2 }, place, 0.5)];
-    let environment = Environment { obstacles, ..gravity(FRAME) };
+    let environment = Environment { obstacles: obstacles.into(), ..gravity(FRAME) };
     run_with(&mut island, &environment, 1.0, |island, _| assert!(greatest_speed(island) < 50.0));
 }
 
@@ -198,7 +198,7 @@ fn coincident_things_stay_finite() {
 #[test]
 fn a_step_of_ten_seconds_is_survived() {
     let mut island = scene();
-    let environment = Environment { obstacles: vec![Obstacle::ground()], ..gravity(10.0) };
+    let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(10.0) };
     step(&mut island, &environment).expect("long, but good");
     run(&mut island, &gravity(FRAME), 1.0);
     assert!(particles(&island).is_finite() && greatest_speed(&island) < 500.0);

@@ -9,7 +9,7 @@ use drape_solver::{
 use crate::common::*;
 
 fn ground() -> Environment {
-    Environment { obstacles: vec![Obstacle::ground()], ..gravity(FRAME) }
+    Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) }
 }
 
 /// S18: a launched ball is on the parabola at the end of every step, whatever the step and the substeps.
@@ -78,7 +78,7 @@ fn a_ball_rolls_down_an_incline_by_five_sevenths_of_gravity() {
         let material = BallMaterial { rolling_resistance: resistance, ..BallMaterial::default() };
         let start = rotation * Vec3::Y * material.radius;
         let mut island = Island::of_ball(ball(material, start, Vec3::ZERO));
-        run(&mut island, &Environment { obstacles: vec![plane], ..gravity(FRAME) }, 1.0);
+        run(&mut island, &Environment { obstacles: vec![plane].into(), ..gravity(FRAME) }, 1.0);
         let found = island.balls[0].velocity().dot(rotation * Vec3::X);
         let expected = 5.0 / 7.0 * G * (angle.sin() - resistance * angle.cos());
         assert_close("acceleration", found.into(), expected.into(), 0.01);
@@ -128,7 +128,7 @@ fn a_ball_does_not_bounce() {
     let material = smooth(0.15, 2.0);
     let mut island = Island::of_ball(ball(material, Vec3::Y * 1.0, Vec3::new(3.0, -8.0, 0.0)));
     let mut landed = false;
-    let environment = Environment { obstacles: vec![ice()], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![ice()].into(), ..gravity(FRAME) };
     run_with(&mut island, &environment, 2.0, |island, _| {
         let height = island.balls[0].position().y;
         landed |= height < material.radius + 1e-4;
@@ -143,7 +143,7 @@ fn a_ball_does_not_bounce() {
 #[test]
 fn balls_stay_inside_the_box() {
     let walls = obstacle(Shape::Container { half_extents: Vec3::ONE }, Vec3::ZERO, 0.3);
-    let environment = Environment { obstacles: vec![walls], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![walls].into(), ..gravity(FRAME) };
     let mut dice = Dice(3);
     let mut island = Island::default();
     for k in 0..8 {

@@ -12,7 +12,7 @@ fn slab() -> Obstacle {
 
 /// Steps through `seconds` with the slab where `place` says at the end of each step.
 fn run_on_slab(island: &mut Island, seconds: f32, place: impl Fn(f32) -> Placement) {
-    let mut environment = Environment { obstacles: vec![slab()], ..gravity(FRAME) };
+    let mut environment = Environment { obstacles: vec![slab()].into(), ..gravity(FRAME) };
     let steps = (seconds / FRAME).round() as usize;
     for index in 1..=steps {
         environment.obstacles[0].move_to(place(index as f32 * FRAME), FRAME);
@@ -59,7 +59,7 @@ fn a_turntable_carries_particles_round() {
     let mut island = Island::of_body(loose(&[Vec3::X], settings));
     let turns = 1.0;
     let mut angle = 0.0;
-    let mut environment = Environment { obstacles: vec![slab()], ..gravity(FRAME) };
+    let mut environment = Environment { obstacles: vec![slab()].into(), ..gravity(FRAME) };
     for index in 1..=180 {
         // Spun up over a second, then at a constant rate: mu g holds it at this radius.
         let t = index as f32 * FRAME;

@@ -24,7 +24,7 @@ fn projection_leaves_no_normal_velocity() {
             let mut body = loose(&[Vec3::Y * 0.3], settings);
             body.particles.set_velocity(0, Vec3::new(1.0, -speed, 0.0));
             let mut island = Island::of_body(body);
-            let environment = Environment { obstacles: vec![ice()], ..weightless(FRAME) };
+            let environment = Environment { obstacles: vec![ice()].into(), ..weightless(FRAME) };
             run_with(&mut island, &environment, 1.0, |island, _| {
                 let particles = particles(island);
                 assert!(particles.position(0).y > -1e-6, "it is on or above the ground after every step");
@@ -58,7 +58,7 @@ fn projection_goes_to_the_nearest_point_of_the_surface() {
         let body = loose(&[world(start)], bare());
         let obstacles = vec![Obstacle::new(shape, placement, 0.0).expect("valid")];
         let mut island = Island::of_body(body);
-        run(&mut island, &Environment { obstacles, ..weightless(FRAME) }, FRAME);
+        run(&mut island, &Environment { obstacles: obstacles.into(), ..weightless(FRAME) }, FRAME);
         let found = particles(&island).position(0);
         assert!((found - world(end)).length() < 1e-5, "{name}: {found} and not {}", world(end));
     }
@@ -81,7 +81,7 @@ fn cloth_keeps_its_thickness() {
         let settings = SolverSettings { thickness: 0.02, ..bare() };
         let mut island = Island::of_body(loose(&[Vec3::new(0.01, 1.3, 0.02)], settings));
         let obstacles = vec![obstacle(shape.clone(), Vec3::ZERO, 0.0)];
-        let mut environment = Environment { obstacles, ..gravity(FRAME) };
+        let mut environment = Environment { obstacles: obstacles.into(), ..gravity(FRAME) };
         environment.gravity = Vec3::NEG_Y;
         run(&mut island, &environment, 0.9);
         let height = particles(&island).position(0).y;
@@ -108,7 +108,7 @@ fn the_box_is_componentwise_min_and_max() {
         body.particles.set_velocity(i, velocity);
     }
     let mut island = Island::of_body(body);
-    let environment = Environment { obstacles: vec![founding_box()], ..weightless(FRAME) };
+    let environment = Environment { obstacles: vec![founding_box()].into(), ..weightless(FRAME) };
     run(&mut island, &environment, FRAME);
     let mut corners = 0;
     for (i, (&start, &velocity)) in starts.iter().zip(&velocities).enumerate() {
@@ -130,7 +130,7 @@ fn the_box_takes_in_what_starts_outside() {
     for (substeps, iterations) in [(1, 1), (8, 2)] {
         let settings = SolverSettings { substeps, iterations, ..bare() };
         let mut island = Island::of_body(loose(&starts, settings));
-        let environment = Environment { obstacles: vec![founding_box()], ..weightless(FRAME) };
+        let environment = Environment { obstacles: vec![founding_box()].into(), ..weightless(FRAME) };
         run(&mut island, &environment, FRAME);
         for (i, start) in starts.iter().enumerate() {
             let expected = start.clamp(Vec3::ZERO, Vec3::splat(1000.0));
@@ -154,7 +154,7 @@ fn particles_in_the_box_never_leave_it_and_settle_on_its_floor() {
         body.particles.set_velocity(i, dice.vector(200.0));
     }
     let mut island = Island::of_body(body);
-    let environment = Environment { obstacles: vec![founding_box()], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![founding_box()].into(), ..gravity(FRAME) };
     run_with(&mut island, &environment, 120.0, |island, _| {
         assert!(particles(island).positions().all(inside));
     });
@@ -178,7 +178,7 @@ fn the_stick_and_the_box_hold_together() {
         body.particles.set_velocity(0, outwards);
         body.particles.set_velocity(1, outwards);
         let mut island = Island::of_body(body);
-        let environment = Environment { obstacles: vec![founding_box()], ..gravity(FRAME) };
+        let environment = Environment { obstacles: vec![founding_box()].into(), ..gravity(FRAME) };
         run_with(&mut island, &environment, 5.0, |island, index| {
             let [a, b] = [0, 1].map(|i| particles(island).position(i));
             assert!(inside(a) && inside(b), "case {case}: {a} and {b}");

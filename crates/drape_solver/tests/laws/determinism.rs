@@ -32,7 +32,8 @@ fn scene() -> (Island, Environment) {
             Obstacle::ground(),
             obstacle(capsule, Vec3::new(0.0, 1.0, -0.4), 0.5),
             obstacle(cylinder, Vec3::new(0.5, 0.5, -0.5), 0.5),
-        ],
+        ]
+        .into(),
         ..gravity(FRAME)
     };
     (island, environment)
@@ -130,7 +131,7 @@ fn sheet(columns: u32, rows: u32, isa: Isa) -> (Island, Environment) {
         obstacle(Shape::Sphere { radius: 0.5 }, Vec3::new(0.0, 0.3, 0.0), 0.5),
         obstacle(cuboid, Vec3::new(0.6, 0.5, 0.6), 0.5),
     ];
-    (Island { isa, ..Island::of_body(sheet) }, Environment { obstacles, ..gravity(FRAME) })
+    (Island { isa, ..Island::of_body(sheet) }, Environment { obstacles: obstacles.into(), ..gravity(FRAME) })
 }
 
 #[test]

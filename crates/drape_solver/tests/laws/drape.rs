@@ -239,7 +239,8 @@ fn drop_on(models: Vec<Model>) {
             .expect("valid");
         let mut island = Island::of_body(cloth);
         let ground = obstacle(Shape::HalfSpace { normal: Vec3::Y }, Vec3::ZERO, 0.6);
-        let environment = Environment { obstacles: vec![ground, model.obstacle.clone()], ..gravity(FRAME) };
+        let environment =
+            Environment { obstacles: vec![ground, model.obstacle.clone()].into(), ..gravity(FRAME) };
         let (mut asleep_after, mut deepest) = (None, f32::NEG_INFINITY);
         run_with(&mut island, &environment, 10.0, |island, index| {
             if index % 30 == 29 {

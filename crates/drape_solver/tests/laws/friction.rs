@@ -20,7 +20,7 @@ fn incline(angle: f32, friction: f32) -> (Obstacle, Vec3) {
 /// coefficient `friction`.
 fn slid(body: Body, angle: f32, friction: f32, seconds: f32) -> f32 {
     let (plane, downhill) = incline(angle, friction);
-    let environment = Environment { obstacles: vec![plane], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![plane].into(), ..gravity(FRAME) };
     let mut island = Island::of_body(body);
     let middle =
         |island: &Island| particles(island).positions().sum::<Vec3>() / particles(island).len() as f32;
@@ -109,7 +109,7 @@ fn a_slide_ends_after_the_distance_of_coulomb() {
         let mut body = loose(&[Vec3::ZERO], settings);
         body.particles.set_velocity(0, Vec3::X * speed);
         let mut island = Island::of_body(body);
-        let environment = Environment { obstacles: vec![Obstacle::ground()], ..gravity(FRAME) };
+        let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
         run_with(&mut island, &environment, 2.0, |island, _| {
             assert!(particles(island).velocity(0).x >= 0.0, "never reversed");
         });
@@ -125,7 +125,7 @@ fn the_coefficients_of_two_surfaces_are_averaged() {
     let angle = 20.0_f32.to_radians();
     let way = |own: f32, planes: f32| {
         let (plane, _) = incline(angle, planes);
-        let environment = Environment { obstacles: vec![plane], ..gravity(FRAME) };
+        let environment = Environment { obstacles: vec![plane].into(), ..gravity(FRAME) };
         let mut island = Island::of_body(particle(angle, own, 4));
         run(&mut island, &environment, 1.0);
         particles(&island).position(0).length()
@@ -149,7 +149,7 @@ fn static_friction_holds_what_does_not_slide_yet() {
     };
     let (plane, downhill) = incline(angle, kinetic);
     let plane = plane.with_static_friction(sticking).expect("valid");
-    let environment = Environment { obstacles: vec![plane], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![plane].into(), ..gravity(FRAME) };
     let after = |speed: f32| {
         let mut island = Island::of_body(body(speed));
         run(&mut island, &environment, 1.0);
@@ -196,7 +196,7 @@ fn a_rope_over_a_cylinder_slides_where_eulers_formula_has_it() {
             ..Placement::default()
         };
         let cylinder = Obstacle::new(cylinder, placement, friction).expect("valid");
-        let environment = Environment { obstacles: vec![cylinder], ..gravity(FRAME) };
+        let environment = Environment { obstacles: vec![cylinder].into(), ..gravity(FRAME) };
         run(&mut island, &environment, 1.0);
         particles(&island).position(LINKS as usize).y + side
     };

@@ -14,7 +14,7 @@ fn a_particle_that_starts_in_the_ground_is_put_on_it_and_not_thrown() {
     for (substeps, iterations) in [(1, 1), (8, 2), (16, 1)] {
         let settings = SolverSettings { substeps, iterations, ..bare() };
         let mut island = Island::of_body(loose(&[Vec3::Y * -0.4], settings));
-        let environment = Environment { obstacles: vec![Obstacle::ground()], ..gravity(FRAME) };
+        let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
         run(&mut island, &environment, FRAME);
         assert!(particles(&island).position(0).y.abs() < 1e-5, "on the ground after the first step");
         run_with(&mut island, &environment, 0.5, |island, _| {
@@ -29,7 +29,7 @@ fn a_particle_that_starts_in_the_ground_is_put_on_it_and_not_thrown() {
 fn a_ball_that_starts_in_the_ground_is_put_on_it_and_not_thrown() {
     let material = BallMaterial::default();
     let mut island = Island::of_ball(ball(material, Vec3::Y * -0.05, Vec3::ZERO));
-    let environment = Environment { obstacles: vec![Obstacle::ground()], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
     run_with(&mut island, &environment, 1.0, |island, _| {
         let height = island.balls[0].position().y;
         assert!((height - material.radius).abs() < 1e-3, "the centre is at {height} m");
@@ -77,7 +77,7 @@ fn curtain() -> drape_solver::Body {
 fn after_appearing(centre: Vec3, by_teleport: bool) -> (f32, f32, Island) {
     let mut island = Island::of_body(curtain());
     let mut environment = gravity(FRAME);
-    environment.obstacles = vec![obstacle(Shape::Sphere { radius: 0.3 }, Vec3::Y * 100.0, 0.3)];
+    environment.obstacles = vec![obstacle(Shape::Sphere { radius: 0.3 }, Vec3::Y * 100.0, 0.3)].into();
     run(&mut island, &environment, 0.5);
     if by_teleport {
         environment.obstacles[0].teleport(Placement::at(centre));
@@ -125,7 +125,7 @@ fn ground_that_rises_at_once_lifts_a_sheet_without_throwing_it() {
         .build(SolverSettings::default())
         .expect("valid");
     let mut island = Island::of_body(sheet);
-    let mut environment = Environment { obstacles: vec![Obstacle::ground()], ..gravity(FRAME) };
+    let mut environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
     run(&mut island, &environment, 0.2);
     environment.obstacles[0].teleport(Placement::at(Vec3::Y * 0.3));
     run_with(&mut island, &environment, 1.0, |island, _| {

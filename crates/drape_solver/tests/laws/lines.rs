@@ -277,7 +277,7 @@ fn sheet(columns: u32, rows: u32, isa: Isa) -> (Island, Environment) {
         .build(lines(4, 2))
         .expect("valid");
     let sphere = obstacle(Shape::Sphere { radius: 0.5 }, Vec3::new(0.0, 0.3, 0.0), 0.5);
-    let environment = Environment { obstacles: vec![sphere], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![sphere].into(), ..gravity(FRAME) };
     (Island { isa, ..Island::of_body(sheet) }, environment)
 }
 

@@ -20,6 +20,7 @@ mod obstacles;
 mod property;
 mod reference;
 mod relaxation;
+mod reports;
 mod restitution;
 mod rope;
 mod self_contact;

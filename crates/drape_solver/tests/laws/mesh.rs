@@ -87,7 +87,7 @@ fn falling(isa: Isa, settings: SolverSettings) -> (Island, Environment) {
     // Some neighbours weigh the same, most do not.
     let masses = |i: usize| if pins.contains(&i) { 0.0 } else { 300.0 + (i % 5) as f32 * 40.0 };
     let sphere = obstacle(Shape::Sphere { radius: 0.5 }, Vec3::new(0.0, 0.3, 0.0), 0.5);
-    let environment = Environment { obstacles: vec![Obstacle::ground(), sphere], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![Obstacle::ground(), sphere].into(), ..gravity(FRAME) };
     (Island { isa, ..Island::of_body(body(&mesh, masses, settings)) }, environment)
 }
 

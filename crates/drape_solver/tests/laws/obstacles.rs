@@ -24,7 +24,7 @@ fn a_moving_sphere_pushes_a_sheet_ahead() {
     let radius = 0.3;
     let mut island = sheet(false);
     let mut environment = weightless(FRAME);
-    environment.obstacles = vec![obstacle(Shape::Sphere { radius }, Vec3::Z * -0.4, 0.5)];
+    environment.obstacles = vec![obstacle(Shape::Sphere { radius }, Vec3::Z * -0.4, 0.5)].into();
     for index in 1..=60 {
         let centre = Vec3::Z * (-0.4 + 2.0 * FRAME * index as f32);
         environment.obstacles[0].move_to(Placement::at(centre), FRAME);
@@ -51,7 +51,7 @@ fn a_fast_obstacle_leaves_no_particle_inside() {
     for shape in [Shape::Sphere { radius }, capsule, cuboid] {
         let mut island = sheet(true);
         let mut environment = gravity(FRAME);
-        environment.obstacles = vec![obstacle(shape.clone(), Vec3::new(0.0, -0.2, -1.0), 0.3)];
+        environment.obstacles = vec![obstacle(shape.clone(), Vec3::new(0.0, -0.2, -1.0), 0.3)].into();
         for index in 1..=36 {
             let centre = Vec3::new(0.0, -0.2, -1.0 + 5.0 * FRAME * index as f32);
             environment.obstacles[0].move_to(Placement::at(centre), FRAME);
@@ -80,7 +80,7 @@ fn a_turning_paddle_sweeps_particles_along() {
     let mut island = Island::of_body(loose(&[Vec3::new(1.0, 0.0, -0.15)], settings));
     let mut environment = weightless(FRAME);
     let half_extents = Vec3::new(2.0, 1.0, 0.1);
-    environment.obstacles = vec![obstacle(Shape::Cuboid { half_extents }, Vec3::ZERO, 0.0)];
+    environment.obstacles = vec![obstacle(Shape::Cuboid { half_extents }, Vec3::ZERO, 0.0)].into();
     let rate = 3.0;
     for index in 1..=15 {
         let rotation = Quat::from_rotation_y(rate * FRAME * index as f32);
@@ -103,7 +103,7 @@ fn an_obstacle_that_stops_carries_no_further() {
     ground.move_to(Placement::at(Vec3::X * 0.1), FRAME);
     assert!(!ground.is_moving());
     let mut island = Island::of_body(loose(&[Vec3::ZERO], SolverSettings { friction: 0.5, ..bare() }));
-    run(&mut island, &Environment { obstacles: vec![ground], ..gravity(FRAME) }, 1.0);
+    run(&mut island, &Environment { obstacles: vec![ground].into(), ..gravity(FRAME) }, 1.0);
     assert!(particles(&island).position(0).length() < 1e-6);
 }
 

@@ -217,7 +217,7 @@ fn compare(columns: u32, rows: u32, is_grid: bool, settings: SolverSettings, isa
     );
     let obstacles =
         vec![ground.expect("valid"), obstacle(Shape::Sphere { radius: RADIUS }, CENTRE, FRICTION)];
-    let environment = Environment { obstacles, ..gravity(FRAME) };
+    let environment = Environment { obstacles: obstacles.into(), ..gravity(FRAME) };
     let mut island = Island { isa, ..Island::of_body(body) };
     let mut touched = [false; 2];
     for index in 0..steps {

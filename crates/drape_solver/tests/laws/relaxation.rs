@@ -207,7 +207,8 @@ fn collapsed_sticks_stay_finite_and_recover() {
         for i in 8..64 {
             island.bodies[0].particles.set_position(i, Vec3::new(0.5, -0.5, 0.0));
         }
-        let environment = Environment { obstacles: vec![drape_solver::Obstacle::ground()], ..gravity(FRAME) };
+        let environment =
+            Environment { obstacles: vec![drape_solver::Obstacle::ground()].into(), ..gravity(FRAME) };
         run_with(&mut island, &environment, 2.0, |island, _| assert!(particles(island).is_finite()));
         assert!(greatest_speed(&island) < 50.0);
     }

@@ -52,7 +52,7 @@ fn a_bounce_takes_place_within_the_step() {
             let mut island = Island::of_ball(ball(bouncy(0.3, 2.0, restitution), Vec3::Z * 2.0, velocity));
             let wall = obstacle(Shape::HalfSpace { normal: Vec3::Z }, Vec3::ZERO, 0.0);
             let wall = wall.with_restitution(restitution).expect("valid");
-            let environment = Environment { obstacles: vec![wall], ..weightless(dt) };
+            let environment = Environment { obstacles: vec![wall].into(), ..weightless(dt) };
             let hit = (2.0 - 0.3) / 7.0;
             run_with(&mut island, &environment, 0.5, |island, index| {
                 let time = (index + 1) as f32 * dt;
@@ -72,7 +72,7 @@ fn a_moving_wall_strikes_back() {
     let mut island = Island::of_ball(ball(bouncy(0.2, 1.0, 1.0), Vec3::Z * 1.0, Vec3::NEG_Z * 3.0));
     let shape = Shape::Cuboid { half_extents: Vec3::new(2.0, 2.0, 0.5) };
     let wall = obstacle(shape, Vec3::NEG_Z * 1.5, 0.0).with_restitution(1.0).expect("valid");
-    let mut environment = Environment { obstacles: vec![wall], ..weightless(FRAME) };
+    let mut environment = Environment { obstacles: vec![wall].into(), ..weightless(FRAME) };
     for index in 1..=40 {
         let place = Placement::at(Vec3::Z * (2.0 * FRAME * index as f32 - 1.5));
         environment.obstacles[0].move_to(place, FRAME);
@@ -88,7 +88,7 @@ fn a_bouncing_ball_comes_to_rest() {
     let mut island = Island::of_ball(ball(bouncy(0.1, 1.0, restitution), Vec3::Y * 1.1, Vec3::ZERO));
     let ground = obstacle(Shape::HalfSpace { normal: Vec3::Y }, Vec3::ZERO, 0.5);
     let ground = ground.with_restitution(restitution).expect("valid");
-    let environment = Environment { obstacles: vec![ground], ..gravity(1.0 / 240.0) };
+    let environment = Environment { obstacles: vec![ground].into(), ..gravity(1.0 / 240.0) };
     let (mut has_hit, mut highest) = (false, 0.0_f32);
     run_with(&mut island, &environment, 1.0, |island, _| {
         has_hit |= !island.touches.is_empty();

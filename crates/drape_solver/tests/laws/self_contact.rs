@@ -29,7 +29,7 @@ fn on_edge(size: u32, settings: SolverSettings) -> Body {
 }
 
 fn over_ground() -> Environment {
-    Environment { obstacles: vec![Obstacle::ground()], ..gravity(FRAME) }
+    Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) }
 }
 
 /// Least distance of two particles of the island's first body that are not neighbours at rest, in metres.

@@ -53,7 +53,7 @@ fn halving_dt_keeps_friction() {
         let mut body = loose(&[Vec3::ZERO], SolverSettings { friction: 0.5, ..bare() });
         body.particles.set_velocity(0, Vec3::X * 5.0);
         let mut island = Island::of_body(body);
-        let environment = Environment { obstacles: vec![Obstacle::ground()], ..gravity(dt) };
+        let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(dt) };
         run(&mut island, &environment, 2.0);
         f64::from(particles(&island).position(0).x)
     });

@@ -31,7 +31,7 @@ fn a_ball_meets_a_wall_when_the_closed_form_says() {
             let velocity = Vec3::new(1.0, 4.0, -speed);
             let mut island = shot(velocity, dt);
             let wall = obstacle(Shape::HalfSpace { normal: Vec3::Z }, Vec3::Z * -10.0, 0.0);
-            let environment = Environment { obstacles: vec![wall], ..gravity(dt) };
+            let environment = Environment { obstacles: vec![wall].into(), ..gravity(dt) };
             let (time, place, other) = first_touch(&mut island, &environment, 1.0);
             let expected = (10.0 - 0.15) / f64::from(speed);
             assert_close("time of contact", time, expected, 0.01);
@@ -85,7 +85,7 @@ fn two_balls_meet_half_way() {
 fn the_reported_impulse_is_the_change_of_momentum() {
     let mut island = shot(Vec3::NEG_Z * 10.0, FRAME);
     let wall = obstacle(Shape::HalfSpace { normal: Vec3::Z }, Vec3::Z * -3.0, 0.0);
-    let environment = Environment { obstacles: vec![wall], ..weightless(FRAME) };
+    let environment = Environment { obstacles: vec![wall].into(), ..weightless(FRAME) };
     let mut impulse = 0.0;
     run_with(&mut island, &environment, 0.5, |island, _| {
         impulse += island.touches.iter().map(|touch| touch.impulse).sum::<f32>();
@@ -97,7 +97,7 @@ fn the_reported_impulse_is_the_change_of_momentum() {
 #[test]
 fn a_resting_ball_weighs_on_the_ground() {
     let mut island = Island::of_ball(ball(smooth(0.15, 2.0), Vec3::Y * 0.15, Vec3::ZERO));
-    let environment = Environment { obstacles: vec![Obstacle::ground()], ..gravity(FRAME) };
+    let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
     run(&mut island, &environment, 0.5);
     run_with(&mut island, &environment, 0.5, |island, _| {
         let [touch] = island.touches[..] else { panic!("one touch a step, but {:?}", island.touches) };
