@@ -90,7 +90,7 @@ mod both {
             Activity ActivityCounts BallHit Cannon CannonFired Cloth ClothPins DefaultSolverSettings DrapeClock
             DrapeGravity DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems FireCannon Grab HitTarget InRig
             Interpolated Obstacle ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope
-            SceneManager SolverSettings Stick StickKind StickProjection Sticks StructuralSolve Viewer Wind
+            SceneManager SelfContact SolverSettings Stick StickKind StickProjection Sticks StructuralSolve Viewer Wind
         }
         .into_iter()
     }

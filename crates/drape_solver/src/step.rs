@@ -95,7 +95,7 @@ pub fn substep(island: &mut Island, environment: &Environment) {
 /// Checks the input, settles the number of substeps and everything that depends on it.
 ///
 /// The island takes the substeps of its most demanding body; a ball that would cross more than half its radius
-/// in a substep asks for more, so that it cannot jump over a cloth; a heavy one near a light cloth, for more still.
+/// in a substep asks for more, so that it cannot jump over a cloth; a heavy one near a light cloth, for more still; so do two cloths that fly at each other.
 ///
 /// # Errors
 /// [`StepError`] as [`step`].
@@ -121,6 +121,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
         ball.hit_substeps = ball_cloth::hit_substeps(ball, &island.bodies, path);
         substeps = substeps.max(wanted.max(ball.hit_substeps).min(MAX_SUBSTEPS as f32).ceil() as u32);
     }
+    let wanted = contact_self::hit_substeps(&island.bodies, dt);
+    substeps = substeps.max(wanted.min(MAX_SUBSTEPS as f32).ceil() as u32);
     let h = dt / substeps as f32;
     island.context.substeps = substeps;
     island.context.substep = h;
@@ -163,7 +165,6 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
     ball_ball::detect(island, dt, gravity);
     ball_cloth::detect(island, dt, gravity, speed);
-    contact_self::detect(island);
 }
 
 /// Stage 1 of a substep: particles and balls fly freely for one substep.
@@ -268,7 +269,10 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
 /// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and
 /// the cloth. `index` is the number of the projection in the substep.
 fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
-    contact_self::project(island);
+    // Dear, and as good once a substep: after the sticks.
+    if index == island.iterations() {
+        contact_self::project(island);
+    }
     ball_cloth::project(island);
     ball_ball::project(island);
     ball_obstacle::project(island, &environment.obstacles);

@@ -20,6 +20,7 @@ mod reference;
 mod relaxation;
 mod rope;
 mod self_contact;
+mod self_contact_triangles;
 mod stability;
 mod stiffness;
 mod tethers;
