@@ -11,6 +11,7 @@ mod culling;
 mod despawning;
 mod hits;
 mod isolation;
+mod layers;
 mod logging;
 mod pins;
 mod reflection;

@@ -33,7 +33,7 @@ pub struct Projectile {
 
 impl Default for Projectile {
     fn default() -> Self {
-        let BallMaterial { radius, mass, drag, friction, rolling_resistance } = BallMaterial::default();
+        let BallMaterial { radius, mass, drag, friction, rolling_resistance, .. } = BallMaterial::default();
         Self { radius, mass, velocity: Vec3::ZERO, drag, friction, rolling_resistance }
     }
 }
@@ -47,6 +47,7 @@ impl Projectile {
             drag: self.drag,
             friction: self.friction,
             rolling_resistance: self.rolling_resistance,
+            ..BallMaterial::default()
         };
         Ball::launch(material, position, self.velocity, gravity, LAUNCH_SUBSTEP)
     }

@@ -70,6 +70,9 @@ pub struct SolverSettings {
     pub drag: f32,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
+    /// Coefficient of static friction, which holds what does not slide yet, 0 or more; below `friction` it counts as
+    /// `friction`. Two surfaces in contact use the mean of theirs.
+    pub static_friction: f32,
     /// Distance that the middle of the cloth keeps from what it touches, in metres.
     pub thickness: f32,
     /// The formula for sticks.
@@ -114,6 +117,7 @@ impl From<solver::SolverSettings> for SolverSettings {
             tolerance,
             drag,
             friction,
+            static_friction,
             thickness,
             projection,
             structural,
@@ -139,6 +143,7 @@ impl From<solver::SolverSettings> for SolverSettings {
             tolerance,
             drag,
             friction,
+            static_friction,
             thickness,
             projection,
             structural,
@@ -156,6 +161,7 @@ impl From<SolverSettings> for solver::SolverSettings {
             tolerance,
             drag,
             friction,
+            static_friction,
             thickness,
             projection,
             structural,
@@ -181,6 +187,7 @@ impl From<SolverSettings> for solver::SolverSettings {
             tolerance,
             drag,
             friction,
+            static_friction,
             thickness,
             projection,
             structural,
@@ -192,7 +199,9 @@ impl From<SolverSettings> for solver::SolverSettings {
 
 /// Whether two settings are the same to the bit: unlike `==`, also where they are not a number.
 pub(crate) fn same_settings(a: &solver::SolverSettings, b: &solver::SolverSettings) -> bool {
-    let bits = |s: &solver::SolverSettings| [s.tolerance, s.drag, s.friction, s.thickness].map(f32::to_bits);
+    let bits = |s: &solver::SolverSettings| {
+        [s.tolerance, s.drag, s.friction, s.static_friction, s.thickness].map(f32::to_bits)
+    };
     let choices = |s: &solver::SolverSettings| {
         (s.substeps, s.iterations, s.projection, s.structural, s.tethers, s.self_contact)
     };

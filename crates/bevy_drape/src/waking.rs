@@ -18,7 +18,21 @@ use crate::sleepers::Sleepers;
 #[derive(Clone, Copy)]
 struct Stirrer {
     bounds: Bounds,
-    is_ball: bool,
+    touches: Touches,
+}
+
+/// Which bodies something active touches, and so wakes. All touch balls.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Touches {
+    NoBodies,
+    BodiesWithSelfContact,
+    AllBodies,
+}
+
+impl Touches {
+    fn of_body(settings: &drape_solver::SolverSettings) -> Self {
+        if settings.has_self_contact() { Self::BodiesWithSelfContact } else { Self::NoBodies }
+    }
 }
 
 /// What stirs in this step, and what rests.
@@ -63,7 +77,7 @@ impl MayRest<'_, '_> {
 
 impl Stir {
     /// Wakes what was found and does rest within `space`, so that it stirs itself.
-    fn wake_found(&mut self, space: Bounds, may_rest: &mut MayRest) {
+    fn wake_found(&mut self, space: Bounds, touches: Touches, may_rest: &mut MayRest) {
         let (dt, gravity) = may_rest.pace();
         for entity in self.found.drain(..) {
             if let Ok((mut activity, mut ball, _)) = may_rest.balls.get_mut(entity) {
@@ -72,15 +86,17 @@ impl Stir {
                     *activity = Activity::Active;
                     ball.bypass_change_detection().rouse();
                     self.balls.remove(entity);
-                    self.stirrers.push(Stirrer { bounds, is_ball: true });
+                    self.stirrers.push(Stirrer { bounds, touches: Touches::AllBodies });
                 }
             } else if let Ok((mut activity, mut particles, _, state, _)) = may_rest.bodies.get_mut(entity) {
                 let bounds = grown(state.extent.bounds, state.settings.thickness);
-                if *activity == Activity::Resting && overlap(space, bounds) {
+                let own = Touches::of_body(&state.settings);
+                let is_touched = touches == Touches::AllBodies || touches == own;
+                if is_touched && *activity == Activity::Resting && overlap(space, bounds) {
                     *activity = Activity::Active;
                     particles.bypass_change_detection().rouse();
                     self.bodies.remove(entity);
-                    self.stirrers.push(Stirrer { bounds, is_ball: false });
+                    self.stirrers.push(Stirrer { bounds, touches: own });
                 }
             } else {
                 // It was despawned in its sleep.
@@ -117,7 +133,7 @@ pub(crate) fn wake(
             ball.bypass_change_detection().rouse();
         }
         if *activity == Activity::Active {
-            stir.stirrers.push(Stirrer { bounds, is_ball: true });
+            stir.stirrers.push(Stirrer { bounds, touches: Touches::AllBodies });
         }
         if *activity == Activity::Resting {
             stir.balls.insert(entity, bounds);
@@ -151,7 +167,8 @@ pub(crate) fn wake(
             particles.bypass_change_detection().rouse();
         }
         if *activity == Activity::Active {
-            stir.stirrers.push(Stirrer { bounds: body_reach(state, dt, gravity), is_ball: false });
+            let touches = Touches::of_body(&state.settings);
+            stir.stirrers.push(Stirrer { bounds: body_reach(state, dt, gravity), touches });
         }
         if *activity == Activity::Resting {
             stir.bodies.insert(entity, bounds);
@@ -162,16 +179,15 @@ pub(crate) fn wake(
     for &space in &stirred.0 {
         stir.bodies.find(space, &mut stir.found);
         stir.balls.find(space, &mut stir.found);
-        stir.wake_found(space, &mut may_rest);
+        stir.wake_found(space, Touches::AllBodies, &mut may_rest);
     }
     let mut next = 0;
-    while let Some(&Stirrer { bounds, is_ball }) = stir.stirrers.get(next) {
+    while let Some(&Stirrer { bounds, touches }) = stir.stirrers.get(next) {
         next += 1;
         stir.balls.find(bounds, &mut stir.found);
-        // Only balls touch things: two cloths do not.
-        if is_ball {
+        if touches != Touches::NoBodies {
             stir.bodies.find(bounds, &mut stir.found);
         }
-        stir.wake_found(bounds, &mut may_rest);
+        stir.wake_found(bounds, touches, &mut may_rest);
     }
 }

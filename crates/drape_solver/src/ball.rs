@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 
 use crate::constants::{CONTACT_MARGIN, INITIAL_SUBSTEP};
 use crate::error::{BuildError, finite_vector, in_range, positive};
+use crate::friction::Friction;
 use crate::pose::turned;
 
 /// What a ball is made of.
@@ -17,15 +18,36 @@ pub struct BallMaterial {
     pub drag: f32,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
+    /// Coefficient of static friction, which holds what does not slide yet, 0 or more; below `friction` it counts as
+    /// `friction`. Two surfaces in contact use the mean of theirs.
+    pub static_friction: f32,
+    /// Coefficient of restitution, 0 (does not bounce) to 1 (loses nothing), against obstacles and other balls. Two in
+    /// contact use the mean of theirs. Below 0.2 m/s nothing bounces. Cloth never bounces a ball.
+    pub restitution: f32,
     /// Rolling resistance, 0 or more: the lever arm of the ground's reaction ahead of the centre, in parts of
     /// the radius. On level ground a rolling ball slows by `5/7 g` times this. A hard ball on a floor has
     /// 0.001 to 0.01, on grass 0.1.
     pub rolling_resistance: f32,
 }
 
+impl BallMaterial {
+    /// How rough the surface is.
+    pub(crate) fn surface_friction(&self) -> Friction {
+        Friction::new(self.friction, self.static_friction)
+    }
+}
+
 impl Default for BallMaterial {
     fn default() -> Self {
-        Self { radius: 0.15, mass: 2.0, drag: 0.0, friction: 0.5, rolling_resistance: 0.05 }
+        Self {
+            radius: 0.15,
+            mass: 2.0,
+            drag: 0.0,
+            friction: 0.5,
+            static_friction: 0.0,
+            restitution: 0.0,
+            rolling_resistance: 0.05,
+        }
     }
 }
 
@@ -61,6 +83,8 @@ impl Ball {
         positive("mass", material.mass)?;
         in_range("drag", material.drag, 0.0, 1e4)?;
         in_range("friction", material.friction, 0.0, 1e3)?;
+        in_range("static_friction", material.static_friction, 0.0, 1e3)?;
+        in_range("restitution", material.restitution, 0.0, 1.0)?;
         in_range("rolling_resistance", material.rolling_resistance, 0.0, 1e3)?;
         finite_vector("position", position)?;
         finite_vector("velocity", velocity)?;
@@ -272,6 +296,8 @@ mod tests {
             BallMaterial { mass: f32::INFINITY, ..good },
             BallMaterial { drag: -1.0, ..good },
             BallMaterial { friction: f32::NAN, ..good },
+            BallMaterial { static_friction: -1.0, ..good },
+            BallMaterial { restitution: 1.1, ..good },
         ];
         for material in bad {
             assert!(Ball::new(material, Vec3::ZERO, Vec3::ZERO).is_err());

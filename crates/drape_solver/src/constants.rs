@@ -124,6 +124,17 @@ pub const PUSH_OUT_SPEED: f32 = 3.0;
 /// Closes the cracks between neighbouring faces.
 pub const PASSING_SLACK: f32 = 0.1;
 
+/// A ball's centre that comes nearer to a face than this, in metres, may have passed through it: more than rounding can
+/// hide within some metres of a body's origin, less than a part of the smallest ball.
+pub const CLEARANCE: f32 = 1e-5;
+
+/// Halvings of a substep in the search for a moment in which a ball's centre passes through a face. What cannot be told
+/// in a thousandth of a substep counts as a passage.
+pub const PASSAGE_HALVINGS: u32 = 10;
+
+/// Two that meet slower than this, in metres per second, do not bounce: else what rests would tremble.
+pub const RESTITUTION_SPEED: f32 = 0.2;
+
 /// Colours used to make batches of sticks that share no particle. A particle with more sticks than this in
 /// one family puts the rest into a last batch that is relaxed in order.
 pub const MAX_COLOURS: usize = 64;

@@ -3,10 +3,10 @@
 use glam::Vec3;
 
 use crate::ball::SURFACE_INVERSE_MASS;
-use crate::friction::{combined, slip_taken};
 use crate::island::Island;
 use crate::overlap::{Overlap, Pace};
-use crate::touch::{Other, Projection, record};
+use crate::restitution::Impact;
+use crate::touch::{Other, Projection, add_impulse, record};
 
 /// Two balls that may touch in this step; `a < b`.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +15,7 @@ pub(crate) struct BallPair {
     b: usize,
     depth: f32,
     overlap: Overlap,
+    impact: Impact,
     /// From `b` to `a`.
     normal: Vec3,
 }
@@ -27,7 +28,14 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
         for (a, first) in island.balls[..b].iter().enumerate() {
             let reach = first.reach(dt, gravity) + second.reach(dt, gravity);
             if first.position.distance_squared(second.position) < reach * reach {
-                pairs.push(BallPair { a, b, depth: 0.0, overlap: Overlap::default(), normal: Vec3::ZERO });
+                pairs.push(BallPair {
+                    a,
+                    b,
+                    depth: 0.0,
+                    overlap: Overlap::default(),
+                    impact: Impact::default(),
+                    normal: Vec3::ZERO,
+                });
             }
         }
     }
@@ -38,6 +46,7 @@ pub(crate) fn begin_substep(island: &mut Island) {
     for pair in &mut island.context.ball_pairs {
         pair.depth = 0.0;
         pair.overlap = Overlap::default();
+        pair.impact = Impact::default();
     }
 }
 
@@ -80,9 +89,34 @@ pub(crate) fn project(island: &mut Island) {
             };
             let impulse = push.fresh / (weight * context.substep);
             record(touches, &projection, impulse, context.substep_index, context.substep);
+            pair.impact.note(gap_change, projection.fraction());
         }
         a.project(contact * a.inverse_mass, position_only * a.inverse_mass);
         b.project(contact * -b.inverse_mass, position_only * -b.inverse_mass);
+    }
+}
+
+/// Parts the balls that have met in this substep, as fast as their restitution has it.
+pub(crate) fn rebound(island: &mut Island) {
+    let Island { balls, touches, context, .. } = island;
+    for pair in &mut context.ball_pairs {
+        let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
+            continue;
+        };
+        let restitution = [a.material.restitution, b.material.restitution];
+        let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
+            continue;
+        };
+        let weight = a.inverse_mass + b.inverse_mass;
+        let change = rebound.displacement - (a.displacement - b.displacement).dot(pair.normal);
+        pair.depth += change;
+        for (ball, other, sign) in [(pair.a, pair.b, 1.0), (pair.b, pair.a, -1.0)] {
+            add_impulse(touches, ball, Other::Ball(other), change / (weight * context.substep));
+            let ball = &mut balls[ball];
+            let share = pair.normal * (sign * ball.inverse_mass / weight);
+            ball.displacement += share * change;
+            ball.position += share * rebound.position;
+        }
     }
 }
 
@@ -98,8 +132,8 @@ pub(crate) fn apply_friction(island: &mut Island) {
         }
         let (arm_a, arm_b) = (pair.normal * -a.material.radius, pair.normal * b.material.radius);
         let slip = a.surface_travel(arm_a) - b.surface_travel(arm_b);
-        let coefficient = combined(a.material.friction, b.material.friction);
-        let taken = slip_taken(slip, pair.normal, coefficient * SURFACE_INVERSE_MASS, pair.depth);
+        let friction = a.material.surface_friction().with(b.material.surface_friction());
+        let taken = friction.scaled(SURFACE_INVERSE_MASS).slip_taken(slip, pair.normal, pair.depth);
         let push = taken / (SURFACE_INVERSE_MASS * (a.inverse_mass + b.inverse_mass));
         a.push_surface(arm_a, -push);
         b.push_surface(arm_b, push);

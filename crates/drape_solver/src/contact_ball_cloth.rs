@@ -22,7 +22,7 @@ use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
     TETHERLESS_REACH,
 };
-use crate::friction::{combined, slip_taken};
+use crate::impact_zone::Placed;
 use crate::island::{Island, IslandContext};
 use crate::nearest::{on_segment, on_triangle};
 use crate::overlap::{Overlap, Pace};
@@ -33,32 +33,27 @@ use crate::touch::{Other, Projection, add_impulse, begin, is_known};
 /// A ball and a face, or a segment, that may touch in this step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BallCloth {
-    ball: usize,
-    body: usize,
-    element: Element,
+    pub ball: usize,
+    pub body: usize,
+    pub element: Element,
+    /// Where both were at the start of the substep.
+    pub start: Placed,
     depth: f32,
     overlap: Overlap,
     normal: Vec3,
     weights: [f32; 3],
 }
 
-impl BallCloth {
-    /// The body, by index in the island.
-    pub(crate) fn body(&self) -> usize {
-        self.body
-    }
-}
-
 /// A face, or a segment of a body that has no faces, by the slots of its corners.
 #[derive(Clone, Copy, Debug)]
-enum Element {
+pub(crate) enum Element {
     Face([u32; 3]),
     Segment([u32; 2]),
 }
 
 impl Element {
     /// Its corners; a segment has its last one twice, with a weight of zero.
-    fn corners(self) -> [usize; 3] {
+    pub fn corners(self) -> [usize; 3] {
         match self {
             Self::Face(corners) => corners.map(|i| i as usize),
             Self::Segment([a, b]) => [a as usize, b as usize, b as usize],
@@ -143,6 +138,7 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
                 ball: ball_index,
                 body: body_index,
                 element,
+                start: Placed::default(),
                 depth: 0.0,
                 overlap: Overlap::default(),
                 normal: Vec3::ZERO,
@@ -172,21 +168,10 @@ struct Overlapping {
     apart: f32,
 }
 
-/// A ball's centre and the corners of an element, relative to the body's origin.
-#[derive(Clone, Copy)]
-struct Placed {
-    centre: Vec3,
-    corners: [Vec3; 3],
-}
-
 impl Overlapping {
     fn find(contact: &BallCloth, ball: &Ball, body: &Body) -> Option<Self> {
-        let particles = &body.particles;
         let corners = contact.element.corners();
-        let now = Placed {
-            centre: ball.position - particles.origin,
-            corners: corners.map(|i| particles.position.get(i)),
-        };
+        let now = Placed::of(contact, ball, body);
         let apart = ball.material.radius + body.settings.thickness;
         let travels = corners.map(|i| body.travel(i));
         let travel = ball.travel();
@@ -355,8 +340,8 @@ pub(crate) fn apply_friction(island: &mut Island) {
         // limit on the push, mu * depth / (w + felt), is turned into one on the slip.
         let across = ball.surface_inverse_mass(arm) + felt;
         let along = ball.inverse_mass + felt;
-        let coefficient = combined(ball.material.friction, body.settings.friction);
-        let taken = slip_taken(slip, contact.normal, coefficient * across / along, contact.depth);
+        let friction = ball.material.surface_friction().with(body.settings.surface_friction());
+        let taken = friction.scaled(across / along).slip_taken(slip, contact.normal, contact.depth);
         let push = taken / across;
         ball.push_surface(arm, -push);
         for (corner, weight) in corners.into_iter().zip(contact.weights) {
@@ -367,7 +352,7 @@ pub(crate) fn apply_friction(island: &mut Island) {
     }
 }
 
-fn weighted(weights: [f32; 3], vectors: [Vec3; 3]) -> Vec3 {
+pub(crate) fn weighted(weights: [f32; 3], vectors: [Vec3; 3]) -> Vec3 {
     vectors[0] * weights[0] + vectors[1] * weights[1] + vectors[2] * weights[2]
 }
 

@@ -3,13 +3,13 @@
 use glam::Vec3;
 
 use crate::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
-use crate::friction::{combined, slip_taken};
 use crate::island::Island;
 use crate::obstacle::Obstacle;
 use crate::overlap::{Overlap, Pace};
 use crate::pose::Pose;
+use crate::restitution::Impact;
 use crate::shape::{Plane, Shape, container_walls};
-use crate::touch::{Other, Projection, record};
+use crate::touch::{Other, Projection, add_impulse, record};
 
 /// A ball and an obstacle that may touch in this step.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +19,7 @@ pub(crate) struct BallObstacle {
     plane: Option<Plane>,
     depth: f32,
     overlap: Overlap,
+    impact: Impact,
     normal: Vec3,
     before: Pose,
     now: Pose,
@@ -43,6 +44,7 @@ pub(crate) fn detect(island: &mut Island, obstacles: &[Obstacle], dt: f32, gravi
                     plane,
                     depth: 0.0,
                     overlap: Overlap::default(),
+                    impact: Impact::default(),
                     normal: Vec3::ZERO,
                     before: pose,
                     now: pose,
@@ -67,6 +69,7 @@ pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
         pair.now = pose_at(index + 1);
         pair.depth = 0.0;
         pair.overlap = Overlap::default();
+        pair.impact = Impact::default();
     }
 }
 
@@ -105,8 +108,29 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
             };
             let impulse = push.fresh * ball.material.mass / context.substep;
             record(touches, &projection, impulse, context.substep_index, context.substep);
+            pair.impact.note(gap_change, projection.fraction());
             ball.project(pair.normal * push.fresh, pair.normal * push.old);
         }
+    }
+}
+
+/// Throws back the balls that have met an obstacle in this substep, as fast as restitution has it.
+pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
+    let Island { balls, touches, context, .. } = island;
+    for pair in &mut context.ball_obstacle {
+        let (ball, obstacle) = (&mut balls[pair.ball], &obstacles[pair.obstacle]);
+        let restitution = [ball.material.restitution, obstacle.restitution()];
+        let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
+            continue;
+        };
+        let point = ball.position - pair.normal * ball.material.radius;
+        let carried = point - pair.before.point_to_world(pair.now.to_local(point));
+        let change = rebound.displacement - (ball.displacement - carried).dot(pair.normal);
+        pair.depth += change;
+        let impulse = change * ball.material.mass / context.substep;
+        add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);
+        ball.displacement += pair.normal * change;
+        ball.position += pair.normal * rebound.position;
     }
 }
 
@@ -117,15 +141,15 @@ pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
             continue;
         }
         let ball = &mut island.balls[pair.ball];
-        let coefficient = combined(ball.material.friction, obstacles[pair.obstacle].friction());
+        let surface = obstacles[pair.obstacle].surface_friction();
+        let friction = ball.material.surface_friction().with(surface);
         let arm = pair.normal * -ball.material.radius;
         let point = ball.position + arm;
         let carried = point - pair.before.point_to_world(pair.now.to_local(point));
         // The whole slip of a sphere's surface takes a push of slip / (3.5 w); Coulomb's limit is in terms of
         // the push on a mass point, mu * depth / w. In units of slip that limit is 3.5 times as long.
         let slip = ball.surface_travel(arm) - carried;
-        let limit = coefficient * SURFACE_INVERSE_MASS;
-        let taken = slip_taken(slip, pair.normal, limit, pair.depth);
+        let taken = friction.scaled(SURFACE_INVERSE_MASS).slip_taken(slip, pair.normal, pair.depth);
         ball.push_surface(arm, -taken / (SURFACE_INVERSE_MASS * ball.inverse_mass));
         resist_rolling(ball, pair.depth);
     }

@@ -18,6 +18,7 @@ use glam::Vec3;
 use crate::body::BodyContext;
 use crate::columns::{Cell, LANES};
 use crate::constants::LEAST_OVERLAP;
+use crate::friction::Friction;
 use crate::lanes::{Lanes3, load};
 use crate::layout::Layout;
 use crate::obstacle::Obstacle;
@@ -46,7 +47,7 @@ pub(crate) struct ObstacleContacts {
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
     pub obstacle: usize,
-    pub friction: f32,
+    pub friction: Friction,
     pub is_moving: bool,
     /// Its pose at the start of the step, in the body's own coordinates.
     pub pose: Pose,
@@ -260,7 +261,7 @@ impl ObstacleRows<'_> {
         let groups = self.groups;
         for (candidates, pushes) in self.of_strips(strips) {
             let group = &groups[usize::from(candidates[0].group)];
-            if group.friction == 0.0 {
+            if group.friction == Friction::default() {
                 continue;
             }
             let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));
@@ -280,8 +281,8 @@ impl ObstacleRows<'_> {
                 // Coulomb: at most the coefficient times the depth, and never more than there is. See `friction.rs`.
                 let tangential = slip.minus(normal.times(slip.dot(normal)));
                 let length = tangential.dot(tangential).sqrt();
-                let most = depth * group.friction;
-                let is_slipping = length.simd_gt(most);
+                let is_slipping = length.simd_gt(depth * group.friction.sticking);
+                let most = depth * group.friction.kinetic;
                 let one = f32x16::splat(simd, 1.0);
                 let part = is_slipping.select(most / is_slipping.select(length, one), one);
                 let taken = tangential.times(part);

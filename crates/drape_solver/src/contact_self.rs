@@ -13,7 +13,6 @@ use crate::body::Body;
 use crate::contact_particle_particle::ParticlePairs;
 use crate::contact_triangle_triangle::TrianglePairs;
 pub(crate) use crate::contact_triangle_triangle::hit_substeps;
-use crate::friction::{combined, slip_taken};
 use crate::island::{Island, IslandContext};
 use crate::overlap::{Overlap, Pace};
 use crate::relative_motion::RelativeMotion;
@@ -29,9 +28,7 @@ pub(crate) struct SelfContacts {
 
 /// Whether the body touches itself and others.
 pub(crate) fn is_on(body: &Body) -> bool {
-    body.settings.self_contact != SelfContact::Off
-        && body.settings.thickness > 0.0
-        && !body.particles.is_empty()
+    body.settings.has_self_contact() && !body.particles.is_empty()
 }
 
 /// Whether it does so by its triangles, where the other does too.
@@ -193,8 +190,8 @@ impl<const N: usize> Contact<N> {
         if self.depth == 0.0 {
             return;
         }
-        let rough = |corner: Corner| bodies[corner.body as usize].settings.friction;
-        let friction = combined(rough(self.corners[0]), rough(self.corners[N - 1]));
+        let rough = |corner: Corner| bodies[corner.body as usize].settings.surface_friction();
+        let friction = rough(self.corners[0]).with(rough(self.corners[N - 1]));
         let mut slip = Vec3::ZERO;
         let mut total = 0.0;
         for (corner, weight) in self.corners.into_iter().zip(self.weights) {
@@ -202,7 +199,7 @@ impl<const N: usize> Contact<N> {
             slip += particles.displacement.get(corner.slot as usize) * weight;
             total += weight * weight * particles.inverse_mass[corner.slot as usize];
         }
-        let push = slip_taken(slip, self.normal, friction, self.depth) / total;
+        let push = friction.slip_taken(slip, self.normal, self.depth) / total;
         for (corner, weight) in self.corners.into_iter().zip(self.weights) {
             let particles = &mut bodies[corner.body as usize].particles;
             let share = -weight * particles.inverse_mass[corner.slot as usize];

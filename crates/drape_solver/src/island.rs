@@ -9,6 +9,7 @@ use crate::contact_ball_cloth::BallCloth;
 use crate::contact_ball_obstacle::BallObstacle;
 use crate::contact_self::SelfContacts;
 use crate::force::Wind;
+use crate::impact_zone::ImpactZones;
 use crate::isa::Isa;
 use crate::obstacle::Obstacle;
 use crate::touch::Touch;
@@ -67,6 +68,7 @@ pub struct IslandContext {
     pub(crate) ball_cloth: Vec<BallCloth>,
     pub(crate) ball_pairs: Vec<BallPair>,
     pub(crate) self_contacts: SelfContacts,
+    pub(crate) impact_zones: ImpactZones,
     pub(crate) marks: Vec<bool>,
     /// Places of the particles that a ball touches, while tethers are projected.
     pub(crate) touched: Vec<(usize, Vec3)>,
@@ -94,7 +96,7 @@ impl Island {
     /// it any more. The other bodies keep their indices.
     pub fn vacate_body(&mut self, index: usize) {
         self.bodies[index] = Body::default();
-        self.context.ball_cloth.retain(|contact| contact.body() != index);
+        self.context.ball_cloth.retain(|contact| contact.body != index);
         self.context.self_contacts.forget(index);
     }
 

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::constants::TELEPORT_SPEED;
 use crate::error::{BuildError, in_range};
+use crate::friction::Friction;
 use crate::pose::{Placement, Pose};
 use crate::shape::Shape;
 
@@ -14,7 +15,8 @@ pub struct Obstacle {
     placement: Placement,
     /// Where it was one step ago: the difference is the velocity that enters contact and friction.
     before: Placement,
-    friction: f32,
+    friction: Friction,
+    restitution: f32,
 }
 
 impl Obstacle {
@@ -28,7 +30,8 @@ impl Obstacle {
         if !placement.is_valid() {
             return Err(BuildError::BadShape { reason: "its placement is not finite" });
         }
-        Ok(Self { shape, placement, before: placement, friction })
+        let friction = Friction::new(friction, friction);
+        Ok(Self { shape, placement, before: placement, friction, restitution: 0.0 })
     }
 
     /// The horizontal ground at height 0, with friction 0.5.
@@ -37,7 +40,8 @@ impl Obstacle {
             shape: Shape::HalfSpace { normal: Vec3::Y },
             placement: Placement::default(),
             before: Placement::default(),
-            friction: 0.5,
+            friction: Friction::new(0.5, 0.5),
+            restitution: 0.0,
         }
     }
 
@@ -51,8 +55,40 @@ impl Obstacle {
         self.placement
     }
 
-    /// The friction coefficient.
+    /// Sets the coefficient of static friction (0 or more), which holds what does not slide yet; below that of
+    /// friction it counts as that.
+    ///
+    /// # Errors
+    /// [`BuildError`] if it is out of range.
+    pub fn with_static_friction(mut self, coefficient: f32) -> Result<Self, BuildError> {
+        in_range("static_friction", coefficient, 0.0, 1e3)?;
+        self.friction = Friction::new(self.friction.kinetic, coefficient);
+        Ok(self)
+    }
+
+    /// Sets the coefficient of restitution against balls: 0 (they do not bounce) to 1 (they lose nothing). The mean of
+    /// the obstacle's and the ball's counts.
+    ///
+    /// # Errors
+    /// [`BuildError`] if it is out of range.
+    pub fn with_restitution(mut self, coefficient: f32) -> Result<Self, BuildError> {
+        in_range("restitution", coefficient, 0.0, 1.0)?;
+        self.restitution = coefficient;
+        Ok(self)
+    }
+
+    /// The coefficient of kinetic friction.
     pub fn friction(&self) -> f32 {
+        self.friction.kinetic
+    }
+
+    /// The coefficient of restitution.
+    pub fn restitution(&self) -> f32 {
+        self.restitution
+    }
+
+    /// How rough the surface is.
+    pub(crate) fn surface_friction(&self) -> Friction {
         self.friction
     }
 

@@ -9,7 +9,6 @@ use crate::columns::{Cell, LANES};
 use crate::constants::LEAST_SHARED_CELLS;
 use crate::contact_particle_obstacle::{Candidate, Group, ObstacleContacts};
 use crate::crew::Crew;
-use crate::friction::combined;
 use crate::isa::{Isa, Kernel};
 use crate::lanes::{Lanes3, load};
 use crate::obstacle::Obstacle;
@@ -61,7 +60,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &[Obstacle], reach: f32, isa: I
         if contacts.candidates.len() > first {
             contacts.groups.push(Group {
                 obstacle: index,
-                friction: combined(settings.friction, obstacle.friction()),
+                friction: settings.surface_friction().with(obstacle.surface_friction()),
                 is_moving: obstacle.is_moving(),
                 pose,
             });

@@ -2,6 +2,7 @@
 
 use crate::constants::{MAX_ITERATIONS, MAX_SUBSTEPS};
 use crate::error::{BuildError, in_range};
+use crate::friction::Friction;
 
 /// Which formula moves the ends of a stick to its rest length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -82,6 +83,9 @@ pub struct SolverSettings {
     pub drag: f32,
     /// Coulomb friction coefficient of the surface, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
+    /// Coefficient of static friction, which holds what does not slide yet, 0 or more; below `friction` it counts as
+    /// `friction`. Two surfaces in contact use the mean of theirs.
+    pub static_friction: f32,
     /// Distance that the middle of the cloth keeps from what it touches, in metres: half its thickness.
     pub thickness: f32,
     /// The formula for sticks.
@@ -102,6 +106,7 @@ impl Default for SolverSettings {
             tolerance: 0.0,
             drag: 0.6,
             friction: 0.5,
+            static_friction: 0.0,
             thickness: 0.005,
             projection: StickProjection::Exact,
             structural: StructuralSolve::Sweeps,
@@ -128,6 +133,16 @@ impl SolverSettings {
         Self { substeps, iterations, tolerance: 0.0, projection, structural, tethers: true, ..self }
     }
 
+    /// How rough the surface is.
+    pub(crate) fn surface_friction(&self) -> Friction {
+        Friction::new(self.friction, self.static_friction)
+    }
+
+    /// Whether the body touches itself, and others that do so too.
+    pub fn has_self_contact(&self) -> bool {
+        self.self_contact != SelfContact::Off && self.thickness > 0.0
+    }
+
     /// Checks every field against its range.
     ///
     /// # Errors
@@ -138,6 +153,7 @@ impl SolverSettings {
         in_range("tolerance", self.tolerance, 0.0, 1.0)?;
         in_range("drag", self.drag, 0.0, 1e4)?;
         in_range("friction", self.friction, 0.0, 1e3)?;
+        in_range("static_friction", self.static_friction, 0.0, 1e3)?;
         in_range("thickness", self.thickness, 0.0, 10.0)?;
         Ok(())
     }
@@ -169,6 +185,7 @@ mod tests {
             (SolverSettings { drag: f32::NAN, ..good }, "drag"),
             (SolverSettings { drag: -1.0, ..good }, "drag"),
             (SolverSettings { friction: f32::INFINITY, ..good }, "friction"),
+            (SolverSettings { static_friction: -0.1, ..good }, "static_friction"),
             (SolverSettings { thickness: -0.1, ..good }, "thickness"),
         ];
         for (settings, field) in bad {

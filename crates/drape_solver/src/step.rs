@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! begin -> accumulate forces -> detect collisions
-//!       -> [ integrate -> relax x N (contacts, sticks, tethers, lines) -> project collisions, friction ] x substeps
+//!       -> [ integrate -> relax x N (contacts, sticks, tethers, lines) -> project collisions, friction, zones ] x substeps
 //!       -> finish
 //! ```
 //!
@@ -26,7 +26,8 @@ use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self};
 use crate::{
-    contact_ball_obstacle as ball_obstacle, force, integrate as verlet, obstacle_search, rest, stick,
+    contact_ball_obstacle as ball_obstacle, force, impact_zone, integrate as verlet, obstacle_search, rest,
+    stick,
 };
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -165,6 +166,7 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
     ball_ball::detect(island, dt, gravity);
     ball_cloth::detect(island, dt, gravity, speed);
+    impact_zone::begin_step(island);
 }
 
 /// Stage 1 of a substep: particles and balls fly freely for one substep.
@@ -214,7 +216,8 @@ fn is_relaxed(island: &Island) -> bool {
     })
 }
 
-/// Stage 3 of a substep: contacts have the last word on positions; then velocities follow, and friction.
+/// Stage 3 of a substep: contacts have the last word on positions; then velocities follow, what bounces bounces, and
+/// friction; and zones, where a ball would have passed through a cloth.
 pub fn project_collisions(island: &mut Island, environment: &Environment) {
     project_contacts(island, environment, island.iterations());
     let around = surroundings(&island.context, island.isa, environment);
@@ -227,10 +230,13 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
         ball.displacement = ball.travel();
         ball.projected = Vec3::ZERO;
     }
+    ball_obstacle::rebound(island, &environment.obstacles);
+    ball_ball::rebound(island);
     ball_obstacle::apply_friction(island, &environment.obstacles);
     ball_ball::apply_friction(island);
     ball_cloth::apply_friction(island);
     contact_self::apply_friction(island);
+    impact_zone::enforce(island);
     for ball in &mut island.balls {
         ball.turn();
     }

@@ -23,6 +23,7 @@ pub fn bare() -> SolverSettings {
         tolerance: 0.0,
         drag: 0.0,
         friction: 0.0,
+        static_friction: 0.0,
         thickness: 0.0,
         projection: StickProjection::Exact,
         structural: StructuralSolve::Sweeps,
@@ -72,7 +73,7 @@ pub fn joined_by(
 
 /// A ball with no friction, drag or rolling resistance.
 pub fn smooth(radius: f32, mass: f32) -> BallMaterial {
-    BallMaterial { radius, mass, drag: 0.0, friction: 0.0, rolling_resistance: 0.0 }
+    BallMaterial { radius, mass, friction: 0.0, rolling_resistance: 0.0, ..BallMaterial::default() }
 }
 
 /// A ball, which the caller knows to be valid.

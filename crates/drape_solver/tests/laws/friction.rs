@@ -1,6 +1,7 @@
 //! S7: Coulomb friction, on an incline.
 
 use drape_solver::glam::{Quat, Vec3};
+use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{Body, ClothBuilder, Environment, Island, Obstacle, Placement, Shape, SolverSettings};
 
 use crate::common::*;
@@ -44,11 +45,11 @@ fn sheet(angle: f32, friction: f32, substeps: u32) -> Body {
         .expect("valid")
 }
 
-/// S7: half a degree below the angle of friction, nothing moves by a millimetre in two seconds.
+/// S7: a fifth of a degree below the angle of friction, nothing moves by a millimetre in two seconds.
 #[test]
 fn below_the_angle_of_friction_nothing_creeps() {
     for friction in COEFFICIENTS {
-        let angle = friction.atan() - 0.5_f32.to_radians();
+        let angle = friction.atan() - 0.2_f32.to_radians();
         for substeps in [1, 8] {
             for (name, body) in [
                 ("particle", particle(angle, friction, substeps)),
@@ -61,18 +62,18 @@ fn below_the_angle_of_friction_nothing_creeps() {
     }
 }
 
-/// S7: half a degree above it everything slides.
+/// S7: a fifth of a degree above it everything slides.
 #[test]
 fn above_the_angle_of_friction_everything_slides() {
     for friction in COEFFICIENTS {
-        let angle = friction.atan() + 0.5_f32.to_radians();
+        let angle = friction.atan() + 0.2_f32.to_radians();
         for substeps in [1, 8] {
             for (name, body) in [
                 ("particle", particle(angle, friction, substeps)),
                 ("sheet", sheet(angle, friction, substeps)),
             ] {
                 let way = slid(body, angle, friction, 2.0);
-                assert!(way > 0.05, "{name}, friction {friction}, {substeps} substeps: {way} m");
+                assert!(way > 0.03, "{name}, friction {friction}, {substeps} substeps: {way} m");
             }
         }
     }
@@ -93,7 +94,7 @@ fn sliding_accelerates_by_what_friction_leaves_of_gravity() {
             for (name, body) in bodies {
                 // The discrete way of a constant acceleration in n substeps is a h^2 n (n + 1) / 2.
                 let found = slid(body, angle, friction, 1.0) * 2.0 / (1.0 + h);
-                assert_close(&format!("{name}, friction {friction}"), found.into(), expected.into(), 0.02);
+                assert_close(&format!("{name}, friction {friction}"), found.into(), expected.into(), 0.01);
             }
         }
     }
@@ -132,4 +133,77 @@ fn the_coefficients_of_two_surfaces_are_averaged() {
     let even = way(0.2, 0.2);
     assert!((way(0.4, 0.0) - even).abs() < 1e-4 && (way(0.0, 0.4) - even).abs() < 1e-4);
     assert!(way(0.0, 0.0) > even + 0.1);
+}
+
+/// S7: between the angles of static and of kinetic friction, what lies still stays, and what slides goes on sliding.
+#[test]
+fn static_friction_holds_what_does_not_slide_yet() {
+    let (kinetic, sticking) = (0.3_f32, 0.6_f32);
+    let angle = 0.5 * (kinetic.atan() + sticking.atan());
+    let body = |speed: f32| {
+        let (_, downhill) = incline(angle, 0.0);
+        let mut body = particle(angle, kinetic, 8);
+        body.settings.static_friction = sticking;
+        body.particles.set_velocity(0, downhill * speed);
+        body
+    };
+    let (plane, downhill) = incline(angle, kinetic);
+    let plane = plane.with_static_friction(sticking).expect("valid");
+    let environment = Environment { obstacles: vec![plane], ..gravity(FRAME) };
+    let after = |speed: f32| {
+        let mut island = Island::of_body(body(speed));
+        run(&mut island, &environment, 1.0);
+        particles(&island).velocity(0).dot(downhill)
+    };
+    assert!(after(0.0).abs() < 1e-6, "it holds");
+    let expected = 1.0 + G * (angle.sin() - kinetic * angle.cos());
+    assert_close("speed after a second", after(1.0).into(), expected.into(), 0.01);
+}
+
+/// S7: the capstan equation. A rope lies over a fixed cylinder; the heavier end slides down if it weighs more than
+/// `exp(mu phi)` times the other.
+#[test]
+fn a_rope_over_a_cylinder_slides_where_eulers_formula_has_it() {
+    const LINKS: u32 = 60;
+    let (friction, radius, thickness) = (0.3_f32, 0.3_f32, 0.005_f32);
+    let slides = |ratio: f32| {
+        let r = radius + thickness;
+        // Half round the cylinder, and 0.4 m down on either side.
+        let (arc, side) = (core::f32::consts::PI * r, 0.4);
+        let length = arc + 2.0 * side;
+        let positions: Vec<Vec3> = (0..=LINKS)
+            .map(|i| {
+                let along = length * i as f32 / LINKS as f32 - side;
+                if along < 0.0 {
+                    Vec3::new(-r, along, 0.0)
+                } else if along > arc {
+                    Vec3::new(r, arc - along, 0.0)
+                } else {
+                    let angle = core::f32::consts::PI - along / r;
+                    Vec3::new(r * angle.cos(), r * angle.sin(), 0.0)
+                }
+            })
+            .collect();
+        // The rope itself weighs next to nothing.
+        let mut inverse_masses = vec![500.0; positions.len()];
+        (inverse_masses[0], inverse_masses[LINKS as usize]) = (1.0, 1.0 / ratio);
+        let sticks: Vec<[u32; 2]> = (0..LINKS).map(|i| [i, i + 1]).collect();
+        let settings = SolverSettings { friction, thickness, substeps: 16, iterations: 100, ..bare() };
+        let mut island = Island::of_body(joined(&positions, &inverse_masses, &sticks, settings));
+        let cylinder = Shape::from_parry(SharedShape::cylinder(1.0, radius)).expect("valid");
+        let placement = Placement {
+            rotation: Quat::from_rotation_x(core::f32::consts::FRAC_PI_2),
+            ..Placement::default()
+        };
+        let cylinder = Obstacle::new(cylinder, placement, friction).expect("valid");
+        let environment = Environment { obstacles: vec![cylinder], ..gravity(FRAME) };
+        run(&mut island, &environment, 1.0);
+        particles(&island).position(LINKS as usize).y + side
+    };
+    let critical = (friction * core::f32::consts::PI).exp();
+    let (below, above) = (slides(0.9 * critical), slides(1.1 * critical));
+    println!("critical ratio {critical}: {below} m at nine tenths of it, {above} m at eleven tenths");
+    // The rope stretches by a hundredth as the weights come onto it.
+    assert!(below > -0.03, "it holds: {below} m");
+    assert!(above < -0.1, "it slides: {above} m");
 }

@@ -23,6 +23,7 @@ fn settings() -> impl Strategy<Value = SolverSettings> {
             tolerance: 0.0,
             drag,
             friction,
+            static_friction: 2.0 * friction,
             thickness,
             projection: if exact { StickProjection::Exact } else { StickProjection::SquareRootFree },
             structural: if lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
