@@ -32,6 +32,7 @@ fn layers(self_contact: SelfContact) -> (App, [Entity; 2]) {
     app.world_mut().spawn((Obstacle::sphere(0.25), Transform::from_xyz(0.0, 0.3, 0.0)));
     let under = sheet(&mut app, Vec3::Y * 0.6, settings(self_contact));
     let over = sheet(&mut app, Vec3::Y * (0.6 + 2.0 * THICKNESS), settings(self_contact));
+    step(&mut app, 1);
     (app, [under, over])
 }
 
@@ -70,6 +71,7 @@ fn a_cloth_that_falls_on_a_sleeping_one_wakes_it_if_both_touch_cloth() {
         let mut app = app();
         app.world_mut().spawn(Obstacle::ground());
         let lower = sheet(&mut app, Vec3::Y * THICKNESS, settings(self_contact));
+        step(&mut app, 1);
         let mut steps = 0;
         while activity(&app, lower) != Activity::Resting {
             step(&mut app, 1);

@@ -182,9 +182,9 @@ impl Kernel for Sum<'_> {
         for cell in 0..self.0.position.len() {
             for axis in 0..3 {
                 let legs = self.0.legs(cell, axis, none);
-                for leg in 0..2 {
-                    for k in 0..LANES {
-                        sums[leg][axis][k] += legs[leg][k];
+                for (sums, leg) in sums.iter_mut().zip(legs) {
+                    for (sum, way) in sums[axis].iter_mut().zip(leg) {
+                        *sum += way;
                     }
                 }
             }

@@ -115,11 +115,11 @@ fn a_twisted_towel_holds() {
     for index in 1..=300 {
         let part = (index as f32 / twist_steps as f32).min(1.0);
         let angle = part * 2.0 * core::f32::consts::TAU;
-        for i in 0..start.len() {
+        for (i, &from) in start.iter().enumerate() {
             if island.bodies[0].particles.is_pinned(i) {
-                let side = if start[i].z < 0.5 * length { 1.0 } else { -1.0 };
-                let turned = Quat::from_rotation_z(side * angle) * Vec3::new(start[i].x, start[i].y, 0.0);
-                let along = start[i].z + side * 0.12 * length * part;
+                let side = if from.z < 0.5 * length { 1.0 } else { -1.0 };
+                let turned = Quat::from_rotation_z(side * angle) * Vec3::new(from.x, from.y, 0.0);
+                let along = from.z + side * 0.12 * length * part;
                 island.bodies[0].particles.set_pin_target(i, turned + Vec3::Z * along);
             }
         }
