@@ -57,6 +57,11 @@ impl ParticlePairs {
         self.near.retain(|contact| contact.corners.iter().all(|corner| corner.body as usize != body));
     }
 
+    /// Whether anything may touch in this substep.
+    pub fn is_near(&self) -> bool {
+        !self.near.is_empty()
+    }
+
     /// The number of pairs that are watched.
     pub fn pair_count(&self) -> usize {
         self.pairs.len()

@@ -78,6 +78,11 @@ impl SelfContacts {
         self.triangles.forget(body);
     }
 
+    /// Whether anything may touch in this substep.
+    pub fn is_near(&self) -> bool {
+        self.particles.is_near() || self.triangles.is_near()
+    }
+
     /// The number of pairs that are watched.
     pub fn pair_count(&self) -> usize {
         self.particles.pair_count() + self.triangles.pair_count()

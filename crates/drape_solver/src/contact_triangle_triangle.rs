@@ -108,6 +108,11 @@ impl TrianglePairs {
         }
     }
 
+    /// Whether anything may touch in this substep.
+    pub fn is_near(&self) -> bool {
+        !self.near.is_empty()
+    }
+
     /// The number of pairs that are watched.
     pub fn pair_count(&self) -> usize {
         self.pairs.len()

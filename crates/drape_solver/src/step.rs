@@ -16,7 +16,7 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS};
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS};
 use crate::crew::Crew;
 use crate::error::StepError;
 use crate::isa::Isa;
@@ -275,9 +275,8 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
 /// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and
 /// the cloth. `index` is the number of the projection in the substep.
 fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
-    // Dear, and as good once a substep: after the sticks.
     if index == island.iterations() {
-        contact_self::project(island);
+        project_layers(island, environment, index);
     }
     ball_cloth::project(island);
     ball_ball::project(island);
@@ -285,6 +284,22 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
     let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
         sweep::project_contacts(body, around, index);
+    }
+}
+
+/// Cloth against cloth and the obstacles below, in turn: what lies in layers on an obstacle is held up by it through all
+/// layers below. Dear, and as good once a substep: after the sticks.
+fn project_layers(island: &mut Island, environment: &Environment, index: u32) {
+    contact_self::project(island);
+    for _ in 1..ROUNDS_OF_LAYERS {
+        if !island.context.self_contacts.is_near() {
+            return;
+        }
+        let around = surroundings(&island.context, island.isa, environment);
+        for body in island.bodies.iter_mut().filter(|body| contact_self::is_on(body)) {
+            sweep::project_contacts(body, around, index);
+        }
+        contact_self::project(island);
     }
 }
 
