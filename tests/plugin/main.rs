@@ -12,6 +12,7 @@ mod culling;
 mod despawning;
 mod hits;
 mod isolation;
+mod layered_clothes;
 mod layers;
 mod logging;
 mod pins;

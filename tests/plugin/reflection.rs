@@ -96,7 +96,7 @@ mod both {
             DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems FireCannon Grab HitTarget InRig
             Interpolated Obstacle ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope
-            SceneManager SolverSettings Stick StickKind StickProjection Sticks StructuralSolve Viewer Wind
+            SceneManager SelfContact SolverSettings Stick StickKind StickProjection Sticks StructuralSolve Viewer Wind
         }
         .into_iter()
     }

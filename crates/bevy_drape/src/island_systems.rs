@@ -49,7 +49,8 @@ pub(crate) fn form_islands(
             continue;
         }
         let bounds = body_reach(&state, dt, gravity);
-        islands.members.push(Member { order: state.order, entity, is_ball: false, bounds });
+        let has_self_contact = state.settings.has_self_contact();
+        islands.members.push(Member { order: state.order, entity, is_ball: false, has_self_contact, bounds });
     }
     for (entities, activities, ..) in balls.contiguous_iter().into_iter().flatten() {
         collect_rows(entities, |rows| Activity::is_any_active(&activities[rows]), &mut active);
@@ -58,7 +59,13 @@ pub(crate) fn form_islands(
         let Ok((_, _, state, record)) = balls.get(entity) else { continue };
         if !record.refused {
             let bounds = ball_reach(state, dt, gravity);
-            islands.members.push(Member { order: record.order, entity, is_ball: true, bounds });
+            islands.members.push(Member {
+                order: record.order,
+                entity,
+                is_ball: true,
+                has_self_contact: false,
+                bounds,
+            });
         }
     }
     islands.form();

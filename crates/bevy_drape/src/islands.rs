@@ -19,6 +19,9 @@ pub(crate) struct Islands {
     /// What is to be grouped.
     pub members: Vec<Member>,
     parents: Vec<usize>,
+    /// Members in order of where their boxes begin, and those whose boxes reach on.
+    sweep: Vec<u32>,
+    open: Vec<u32>,
     slot_of: Vec<usize>,
     /// Memory that bodies are stepped in on one thread, one island after another.
     pub bodies: Vec<Body>,
@@ -33,8 +36,26 @@ pub(crate) struct Member {
     pub order: u64,
     pub entity: Entity,
     pub is_ball: bool,
+    /// Whether it is a body that touches other such bodies.
+    pub has_self_contact: bool,
     /// Where it can get within the step.
     pub bounds: Bounds,
+}
+
+impl Member {
+    /// Whether the two can meet in this step. Balls touch everything, and bodies each other where both do so.
+    fn may_touch(&self, other: &Self) -> bool {
+        let do_touch = self.is_ball || other.is_ball || (self.has_self_contact && other.has_self_contact);
+        do_touch && overlap(self.bounds, other.bounds)
+    }
+}
+
+/// The axis on which the members lie farthest apart.
+fn widest_axis(members: &[Member]) -> usize {
+    let corners = members.iter().map(|member| member.bounds.0);
+    let low = corners.clone().fold(Vec3::INFINITY, Vec3::min);
+    let size = corners.fold(Vec3::NEG_INFINITY, Vec3::max) - low;
+    (1..3).fold(0, |widest, axis| if size[axis] > size[widest] { axis } else { widest })
 }
 
 impl Islands {
@@ -76,14 +97,7 @@ impl Islands {
         let count = self.members.len();
         self.parents.clear();
         self.parents.extend(0..count);
-        for (b, ball) in self.members.iter().enumerate().filter(|(_, member)| member.is_ball) {
-            for (other, member) in self.members.iter().enumerate() {
-                if other != b && overlap(ball.bounds, member.bounds) {
-                    let (p, q) = (root(&mut self.parents, b), root(&mut self.parents, other));
-                    self.parents[p.max(q)] = p.min(q);
-                }
-            }
-        }
+        self.join_neighbours();
         self.live = 0;
         self.slot_of.clear();
         for i in 0..count {
@@ -97,6 +111,29 @@ impl Islands {
             let (member, island) = (self.members[i], &mut self.slots[slot]);
             let list = if member.is_ball { &mut island.balls } else { &mut island.bodies };
             list.push(member.entity);
+        }
+    }
+
+    /// Joins the members that may touch each other, by a sweep along the axis on which they lie farthest apart: each box
+    /// is compared with those that have begun before it and not yet ended.
+    fn join_neighbours(&mut self) {
+        let Self { members, parents, sweep, open, .. } = self;
+        let axis = widest_axis(members);
+        let begin = |member: u32| members[member as usize].bounds.0[axis];
+        sweep.clear();
+        sweep.extend(0..members.len() as u32);
+        sweep.sort_unstable_by(|&a, &b| begin(a).total_cmp(&begin(b)).then(a.cmp(&b)));
+        open.clear();
+        for &next in sweep.iter() {
+            let member = &members[next as usize];
+            open.retain(|&other| members[other as usize].bounds.1[axis] >= member.bounds.0[axis]);
+            for &other in open.iter() {
+                if member.may_touch(&members[other as usize]) {
+                    let (p, q) = (root(parents, next as usize), root(parents, other as usize));
+                    parents[p.max(q)] = p.min(q);
+                }
+            }
+            open.push(next);
         }
     }
 

@@ -79,6 +79,8 @@ pub mod prelude {
         rope::Rope,
         scene_manager::{SceneManager, Viewer},
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
-        settings::{DefaultSolverSettings, Quality, SolverSettings, StickProjection, StructuralSolve},
+        settings::{
+            DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
+        },
     };
 }

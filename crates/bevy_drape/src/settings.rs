@@ -26,6 +26,20 @@ pub enum StructuralSolve {
     Lines,
 }
 
+/// How a body touches itself, and others that have this on. What it costs and gives stands at the
+/// [solver's](solver::SelfContact).
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum SelfContact {
+    /// Not at all.
+    #[default]
+    Off,
+    /// Particle by particle: for cloth as thick as its particles are apart.
+    Particles,
+    /// By faces, links and edges: for thin cloth, ropes, and layers that move fast.
+    Triangles,
+}
+
 /// How well a body is to be solved: `SolverSettings::from(Quality::High)`. What it costs and gives stands at the
 /// [solver's](solver::Quality).
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -67,9 +81,8 @@ pub struct SolverSettings {
     pub structural: StructuralSolve,
     /// Whether tethers hold particles within their rest distance from the pins.
     pub tethers: bool,
-    /// Whether the cloth touches itself, particle by particle: its layers keep twice the thickness apart. It costs ten
-    /// to twenty times all else; see the [solver's](solver::SolverSettings::self_contact).
-    pub self_contact: bool,
+    /// How the body touches itself, and others that have this on: layers keep the sum of the two thicknesses apart.
+    pub self_contact: SelfContact,
 }
 
 impl Default for SolverSettings {
@@ -119,6 +132,11 @@ impl From<solver::SolverSettings> for SolverSettings {
             solver::StructuralSolve::Sweeps => StructuralSolve::Sweeps,
             solver::StructuralSolve::Lines => StructuralSolve::Lines,
         };
+        let self_contact = match self_contact {
+            solver::SelfContact::Off => SelfContact::Off,
+            solver::SelfContact::Particles => SelfContact::Particles,
+            solver::SelfContact::Triangles => SelfContact::Triangles,
+        };
         Self {
             substeps,
             iterations,
@@ -157,6 +175,11 @@ impl From<SolverSettings> for solver::SolverSettings {
         let structural = match structural {
             StructuralSolve::Sweeps => solver::StructuralSolve::Sweeps,
             StructuralSolve::Lines => solver::StructuralSolve::Lines,
+        };
+        let self_contact = match self_contact {
+            SelfContact::Off => solver::SelfContact::Off,
+            SelfContact::Particles => solver::SelfContact::Particles,
+            SelfContact::Triangles => solver::SelfContact::Triangles,
         };
         Self {
             substeps,

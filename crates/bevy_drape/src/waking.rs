@@ -21,7 +21,21 @@ use crate::sleepers::Sleepers;
 struct Stirrer {
     bounds: Bounds,
     layers: Layers,
-    is_ball: bool,
+    touches: Touches,
+}
+
+/// Which bodies something active touches, and so wakes. All touch balls.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Touches {
+    NoBodies,
+    BodiesWithSelfContact,
+    AllBodies,
+}
+
+impl Touches {
+    fn of_body(settings: &drape_solver::SolverSettings) -> Self {
+        if settings.has_self_contact() { Self::BodiesWithSelfContact } else { Self::NoBodies }
+    }
 }
 
 /// What stirs in this step, and what rests.
@@ -71,8 +85,9 @@ impl MayRest<'_, '_> {
 }
 
 impl Stir {
-    /// Wakes what was found, does rest within `space` and could touch who stirs there, so that it stirs itself.
-    fn wake_found(&mut self, space: Bounds, layers: Layers, may_rest: &mut MayRest) {
+    /// Wakes what was found, does rest where `who` stirs and could touch it, so that it stirs itself.
+    fn wake_found(&mut self, who: Stirrer, may_rest: &mut MayRest) {
+        let Stirrer { bounds: space, layers, touches } = who;
         let (dt, gravity) = may_rest.pace();
         for entity in self.found.drain(..) {
             if let Ok((mut activity, mut ball, ..)) = may_rest.balls.get_mut(entity) {
@@ -82,16 +97,18 @@ impl Stir {
                     *activity = Activity::Active;
                     ball.bypass_change_detection().rouse();
                     self.balls.remove(entity);
-                    self.stirrers.push(Stirrer { bounds, layers: own, is_ball: true });
+                    self.stirrers.push(Stirrer { bounds, layers: own, touches: Touches::AllBodies });
                 }
             } else if let Ok((mut activity, mut particles, _, state, ..)) = may_rest.bodies.get_mut(entity) {
                 let bounds = grown(state.extent.bounds, state.settings.thickness);
-                let own = state.layers;
-                if *activity == Activity::Resting && overlap(space, bounds) && layers.interact(own) {
+                let own = Touches::of_body(&state.settings);
+                let is_touched = touches == Touches::AllBodies || touches == own;
+                let may_touch = is_touched && layers.interact(state.layers);
+                if may_touch && *activity == Activity::Resting && overlap(space, bounds) {
                     *activity = Activity::Active;
                     particles.bypass_change_detection().rouse();
                     self.bodies.remove(entity);
-                    self.stirrers.push(Stirrer { bounds, layers: own, is_ball: false });
+                    self.stirrers.push(Stirrer { bounds, layers: state.layers, touches: own });
                 }
             } else {
                 // It was despawned in its sleep.
@@ -128,7 +145,8 @@ pub(crate) fn wake(
             ball.bypass_change_detection().rouse();
         }
         if *activity == Activity::Active {
-            stir.stirrers.push(Stirrer { bounds, layers: DrapeLayers::of(layers), is_ball: true });
+            let layers = DrapeLayers::of(layers);
+            stir.stirrers.push(Stirrer { bounds, layers, touches: Touches::AllBodies });
         }
         if *activity == Activity::Resting {
             stir.balls.insert(entity, bounds);
@@ -166,8 +184,8 @@ pub(crate) fn wake(
             particles.bypass_change_detection().rouse();
         }
         if *activity == Activity::Active {
-            let bounds = body_reach(state, dt, gravity);
-            stir.stirrers.push(Stirrer { bounds, layers, is_ball: false });
+            let touches = Touches::of_body(&state.settings);
+            stir.stirrers.push(Stirrer { bounds: body_reach(state, dt, gravity), layers, touches });
         }
         if *activity == Activity::Resting {
             stir.bodies.insert(entity, bounds);
@@ -178,16 +196,15 @@ pub(crate) fn wake(
     for &(space, layers) in &stirred.0 {
         stir.bodies.find(space, &mut stir.found);
         stir.balls.find(space, &mut stir.found);
-        stir.wake_found(space, layers, &mut may_rest);
+        stir.wake_found(Stirrer { bounds: space, layers, touches: Touches::AllBodies }, &mut may_rest);
     }
     let mut next = 0;
-    while let Some(&Stirrer { bounds, layers, is_ball }) = stir.stirrers.get(next) {
+    while let Some(&who) = stir.stirrers.get(next) {
         next += 1;
-        stir.balls.find(bounds, &mut stir.found);
-        // Only balls touch things: two cloths do not.
-        if is_ball {
-            stir.bodies.find(bounds, &mut stir.found);
+        stir.balls.find(who.bounds, &mut stir.found);
+        if who.touches != Touches::NoBodies {
+            stir.bodies.find(who.bounds, &mut stir.found);
         }
-        stir.wake_found(bounds, layers, &mut may_rest);
+        stir.wake_found(who, &mut may_rest);
     }
 }

@@ -12,9 +12,29 @@ pub const INITIAL_SUBSTEP: f32 = 1.0 / 1024.0;
 /// left less often, and holds more pairs.
 pub const SKIN: f32 = 0.5;
 
-/// The part of the skin that free flight may use up before pairs are listed anew; the rest is for what sticks and
-/// contacts do after that.
-pub const SKIN_FOR_FLIGHT: f32 = 0.5;
+/// Beyond the distance that self-contact keeps, pairs within this part of it more are looked at in all projections of a
+/// substep: sticks and contacts may yet push them together.
+pub const CONTACT_SLACK: f32 = 0.25;
+
+/// How far triangles may move, in distances that self-contact keeps, before those near each other are picked anew within
+/// a step.
+pub const SLACK_OF_SUBSTEPS: f32 = 0.25;
+
+/// What the length of edges adds to the skin where contact is by triangles.
+pub const SKIN_OF_EDGE: f32 = 0.25;
+
+/// Elements in a leaf of the tree of a body's surface: fewer make more boxes, more make more pairs in each.
+pub const ELEMENTS_OF_LEAF: usize = 4;
+
+/// A patch of cloth lies flat if the normals of all its faces lean to one side by at least this cosine.
+pub const LEAST_LEAN: f32 = 0.2;
+
+/// How often contacts of cloth with cloth and with obstacles are projected in turn. Each round halves the weight that two
+/// layers on an obstacle leave for the next substep: with one, the upper never comes to rest.
+pub const ROUNDS_OF_LAYERS: u32 = 4;
+
+/// Speed at which layers that cross are led apart, in metres per second.
+pub const UNTANGLING_SPEED: f32 = 0.5;
 
 /// Particles of a body that are nearer to each other at rest than this, in distances that self-contact keeps, do not
 /// touch: sticks hold them. More than 1, so that sticks a little compressed are not at work against contacts.

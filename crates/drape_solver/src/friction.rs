@@ -53,8 +53,3 @@ impl Friction {
 pub(crate) fn combined(a: f32, b: f32) -> f32 {
     0.5 * (a + b)
 }
-
-/// As [`Friction::slip_taken`], where static and kinetic friction are one.
-pub(crate) fn slip_taken(slip: Vec3, normal: Vec3, coefficient: f32, depth: f32) -> Vec3 {
-    Friction::new(coefficient, coefficient).slip_taken(slip, normal, depth)
-}

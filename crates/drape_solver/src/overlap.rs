@@ -40,6 +40,10 @@ pub(crate) struct Pace {
     share: f32,
     /// Overlap that is taken back at once, in metres.
     at_once: f32,
+    /// Length of a substep in seconds.
+    substep: f32,
+    /// Whether it is the first of its step.
+    is_first: bool,
 }
 
 impl Pace {
@@ -54,17 +58,27 @@ impl Pace {
         // A hair less than a reference step, so that 1/60 s counts as one however it was rounded.
         let short = substep * (substeps as f32) < 0.999 * REFERENCE_STEP;
         let spread = if short { left.max(REFERENCE_STEP / substep) } else { left };
-        Self { share: 1.0 / spread, at_once: PUSH_OUT_SPEED * substep }
+        Self { share: 1.0 / spread, at_once: PUSH_OUT_SPEED * substep, substep, is_first: index == 0 }
     }
 
     /// For contacts whose place wanders over a face: what one place finds of the overlap that another left is no more
     /// than noise, and to take it back quickly would shake the cloth.
     pub fn gentle(substep: f32) -> Self {
-        Self { share: 0.0, at_once: GENTLE_PUSH_OUT_SPEED * substep }
+        Self { share: 0.0, at_once: GENTLE_PUSH_OUT_SPEED * substep, substep, is_first: false }
     }
 }
 
 impl Pace {
+    /// Length of a substep in seconds.
+    pub fn substep(self) -> f32 {
+        self.substep
+    }
+
+    /// Whether the substep is the first of its step.
+    pub fn is_first(self) -> bool {
+        self.is_first
+    }
+
     /// What may be left of `old` overlaps (metres) at the end of the substep, for the particles of a cell.
     #[inline(always)]
     pub fn left_in_lanes<S: Simd>(self, simd: S, old: f32x16<S>) -> f32x16<S> {
@@ -96,7 +110,7 @@ mod tests {
 
     #[test]
     fn depth_that_the_motion_made_is_a_contact_and_the_rest_is_not() {
-        let pace = Pace { share: 1.0, at_once: 0.0 };
+        let pace = Pace { share: 1.0, at_once: 0.0, substep: 0.01, is_first: true };
         let split =
             |depth: f32, outward: f32| Overlap::default().split(depth, outward, || depth + outward, pace);
         assert_eq!(split(0.25, -0.5), Push { fresh: 0.25, old: 0.0 });
@@ -107,7 +121,7 @@ mod tests {
 
     #[test]
     fn what_came_round_a_curve_was_not_inside_before() {
-        let pace = Pace { share: 1.0, at_once: 0.0 };
+        let pace = Pace { share: 1.0, at_once: 0.0, substep: 0.01, is_first: true };
         let push = Overlap::default().split(0.25, 0.1, || -0.5, pace);
         assert_eq!(push, Push { fresh: 0.25, old: 0.0 });
     }
@@ -116,7 +130,8 @@ mod tests {
     fn an_old_overlap_is_taken_back_evenly_and_whole_within_the_step() {
         let mut depth = 1.0;
         for substeps_left in (1..=4).rev() {
-            let pace = Pace { share: 1.0 / substeps_left as f32, at_once: 0.01 };
+            let pace =
+                Pace { share: 1.0 / substeps_left as f32, at_once: 0.01, substep: 0.01, is_first: true };
             let mut overlap = Overlap::default();
             depth -= overlap.split(depth, 0.0, || depth, pace).old;
             assert!((depth - 0.25 * (substeps_left - 1) as f32).abs() < 1e-6);

@@ -295,6 +295,11 @@ impl Particles {
         self.surveyed().greatest_displacement / self.substep
     }
 
+    /// Mean velocity of all particles, each counted alike, in m/s.
+    pub(crate) fn mean_velocity(&self) -> Vec3 {
+        self.velocities().sum::<Vec3>() / self.len().max(1) as f32
+    }
+
     /// The smallest box around all particles, as (least, greatest) corner in the world.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let Survey { low, high, .. } = self.surveyed();

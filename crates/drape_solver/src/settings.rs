@@ -33,6 +33,23 @@ pub enum StructuralSolve {
     Lines,
 }
 
+/// How a body touches itself, and others that have this on: their surfaces then keep apart by the sum of the two
+/// thicknesses, with friction. What is as near to each other at rest does not touch. Without thickness there is no contact.
+///
+/// Such a body is not swept in strips or shared out to threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SelfContact {
+    /// Not at all.
+    #[default]
+    Off,
+    /// Particle by particle, each a ball of the body's thickness. A layer cannot slip through another while the thickness
+    /// is at least 0.36 of the spacing, and moves by less than that in a substep.
+    Particles,
+    /// By faces, links and edges, whatever the spacing. Layers that fly at each other do not pass, and layers that have
+    /// come to cross are led apart again. With a body that has [`Particles`](Self::Particles), by particles.
+    Triangles,
+}
+
 /// How well a body is to be solved: a choice of substeps, iterations, sticks and lines, to change it where it matters.
 ///
 /// The figures are those of a falling sheet of 128 x 128 particles with all sticks rigid, held by two corners, against
@@ -77,14 +94,8 @@ pub struct SolverSettings {
     pub structural: StructuralSolve,
     /// Whether tethers hold particles within their rest distance from the pins.
     pub tethers: bool,
-    /// Whether the cloth touches itself, and others of its island that have this on: their particles then keep the sum
-    /// of the two thicknesses between their centres, with friction. Particles that are as near to each other at rest do
-    /// not touch. Without thickness there is no contact.
-    ///
-    /// Contact is between particles: a layer cannot slip through another while the thickness is at least 0.36 of the
-    /// spacing. Off by default, as it is dear: a folded cloth of 32 x 32 takes ten times as long, one of 128 x 128 some
-    /// twenty. Such a body is not swept in strips or shared out to threads.
-    pub self_contact: bool,
+    /// How the body touches itself, and others of its island that have this on.
+    pub self_contact: SelfContact,
 }
 
 impl Default for SolverSettings {
@@ -100,7 +111,7 @@ impl Default for SolverSettings {
             projection: StickProjection::Exact,
             structural: StructuralSolve::Sweeps,
             tethers: true,
-            self_contact: false,
+            self_contact: SelfContact::Off,
         }
     }
 }
@@ -125,6 +136,11 @@ impl SolverSettings {
     /// How rough the surface is.
     pub(crate) fn surface_friction(&self) -> Friction {
         Friction::new(self.friction, self.static_friction)
+    }
+
+    /// Whether the body touches itself, and others that do so too.
+    pub fn has_self_contact(&self) -> bool {
+        self.self_contact != SelfContact::Off && self.thickness > 0.0
     }
 
     /// Checks every field against its range.

@@ -16,7 +16,7 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS};
+use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS};
 use crate::crew::Crew;
 use crate::error::StepError;
 use crate::isa::Isa;
@@ -98,7 +98,7 @@ pub fn substep(island: &mut Island, environment: &Environment) {
 /// Checks the input, settles the number of substeps and everything that depends on it.
 ///
 /// The island takes the substeps of its most demanding body; a ball that would cross more than half its radius
-/// in a substep asks for more, so that it cannot jump over a cloth; a heavy one near a light cloth, for more still.
+/// in a substep asks for more, so that it cannot jump over a cloth; a heavy one near a light cloth, for more still; so do two cloths that fly at each other.
 ///
 /// # Errors
 /// [`StepError`] as [`step`].
@@ -124,6 +124,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
         ball.hit_substeps = ball_cloth::hit_substeps(ball, &island.bodies, path);
         substeps = substeps.max(wanted.max(ball.hit_substeps).min(MAX_SUBSTEPS as f32).ceil() as u32);
     }
+    let wanted = contact_self::hit_substeps(&island.bodies, dt);
+    substeps = substeps.max(wanted.min(MAX_SUBSTEPS as f32).ceil() as u32);
     let h = dt / substeps as f32;
     island.context.substeps = substeps;
     island.context.substep = h;
@@ -170,7 +172,6 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     ball_ball::detect(island, dt, gravity);
     ball_cloth::detect(island, dt, gravity, speed);
     impact_zone::begin_step(island);
-    contact_self::detect(island);
     contact_report::detect(island, environment, reach);
 }
 
@@ -284,7 +285,9 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
 /// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and
 /// the cloth. `index` is the number of the projection in the substep.
 fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
-    contact_self::project(island);
+    if index == island.iterations() {
+        project_layers(island, environment, index);
+    }
     ball_cloth::project(island);
     ball_ball::project(island);
     ball_obstacle::project(island, &environment.obstacles);
@@ -292,6 +295,22 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
     for body in &mut island.bodies {
         face_obstacle::project(body, around);
         sweep::project_contacts(body, around, index);
+    }
+}
+
+/// Cloth against cloth and the obstacles below, in turn: what lies in layers on an obstacle is held up by it through all
+/// layers below. Dear, and as good once a substep: after the sticks.
+fn project_layers(island: &mut Island, environment: &Environment, index: u32) {
+    contact_self::project(island);
+    for _ in 1..ROUNDS_OF_LAYERS {
+        if !island.context.self_contacts.is_near() {
+            return;
+        }
+        let around = surroundings(&island.context, island.isa, environment);
+        for body in island.bodies.iter_mut().filter(|body| contact_self::is_on(body)) {
+            sweep::project_contacts(body, around, index);
+        }
+        contact_self::project(island);
     }
 }
 

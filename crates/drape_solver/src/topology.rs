@@ -1,11 +1,14 @@
 //! The rest data of a body: which particles are joined, and how long the sticks are.
 
+use std::sync::OnceLock;
+
 use glam::Vec3;
 
 use crate::error::{BuildError, in_range};
 use crate::grid::{GridBatch, GridRuns};
 use crate::layout::Layout;
 use crate::listed::{ListedBatch, ListedSticks};
+use crate::surface_tree::SurfaceTree;
 use crate::tether::TetherPlan;
 
 /// What a stick is for.
@@ -89,6 +92,17 @@ pub struct Topology {
     pub(crate) longest_edge: f32,
     /// Where the particles are at rest, by index, in metres: tells which are neighbours in self-contact.
     pub(crate) rest: Vec<Vec3>,
+    pub(crate) surface: LazySurface,
+}
+
+/// The tree of the surface, made when it is first asked for. As it follows from the rest, any two are equal.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LazySurface(OnceLock<SurfaceTree>);
+
+impl PartialEq for LazySurface {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Topology {
@@ -165,6 +179,11 @@ impl Topology {
         };
         let runs = self.batches.iter().map(runs).sum::<usize>();
         size_of_val(&*self.rest) + numbers + self.listed.bytes() + runs + self.tethers.bytes()
+    }
+
+    /// The surface as contacts by triangles look at it.
+    pub(crate) fn surface_tree(&self) -> &SurfaceTree {
+        self.surface.0.get_or_init(|| SurfaceTree::new(self))
     }
 
     /// How many blocks of particles are in use at once while listed sticks are relaxed.

@@ -5,8 +5,8 @@ use std::alloc::System;
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{
-    Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, Shape, SolverSettings,
-    StructuralSolve, Wind, step,
+    Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, SelfContact, Shape,
+    SolverSettings, StructuralSolve, Wind, step,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -25,7 +25,8 @@ fn a_warm_step_allocates_nothing() {
 
 /// A cloth that has folded onto itself.
 fn fold_allocating_nothing() {
-    let settings = SolverSettings { thickness: 0.02, self_contact: true, ..SolverSettings::default() };
+    let settings =
+        SolverSettings { thickness: 0.02, self_contact: SelfContact::Particles, ..SolverSettings::default() };
     let cloth = ClothBuilder::new(0.9, 0.9, 24, 24)
         .placed(Vec3::new(0.0, 1.0, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
         .build(settings)

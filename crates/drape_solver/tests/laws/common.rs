@@ -5,8 +5,8 @@ use std::sync::Arc;
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
     Ball, BallMaterial, Body, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle, Particles,
-    Placement, Shape, SolverSettings, StickKind, StickMaterial, StickProjection, StructuralSolve,
-    TopologyBuilder, measure, step,
+    Placement, SelfContact, Shape, SolverSettings, StickKind, StickMaterial, StickProjection,
+    StructuralSolve, TopologyBuilder, measure, step,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -28,7 +28,7 @@ pub fn bare() -> SolverSettings {
         projection: StickProjection::Exact,
         structural: StructuralSolve::Sweeps,
         tethers: false,
-        self_contact: false,
+        self_contact: SelfContact::Off,
     }
 }
 

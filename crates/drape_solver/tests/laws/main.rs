@@ -24,6 +24,7 @@ mod reports;
 mod restitution;
 mod rope;
 mod self_contact;
+mod self_contact_triangles;
 mod stability;
 mod stiffness;
 mod tethers;

@@ -4,7 +4,7 @@ use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{
     Ball, BallMaterial, Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Placement,
-    RopeBuilder, Shape, SolverSettings, StickProjection, StructuralSolve, Wind, step,
+    RopeBuilder, SelfContact, Shape, SolverSettings, StickProjection, StructuralSolve, Wind, step,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestCaseError};
@@ -28,7 +28,7 @@ fn settings() -> impl Strategy<Value = SolverSettings> {
             projection: if exact { StickProjection::Exact } else { StickProjection::SquareRootFree },
             structural: if lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
             tethers,
-            self_contact: false,
+            self_contact: SelfContact::Off,
         },
     )
 }

@@ -2,15 +2,17 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Environment, Isa, Island, Obstacle, SolverSettings, StateHasher, step,
+    Body, ClothBuilder, ClothMaterial, Environment, Isa, Island, Obstacle, SelfContact, SolverSettings,
+    StateHasher, step,
 };
 
 use crate::common::*;
+use SelfContact::{Off, Particles, Triangles};
 
 /// Metres that two layers keep between their middles in these tests.
 const APART: f32 = 0.04;
 
-fn settings(self_contact: bool) -> SolverSettings {
+fn settings(self_contact: SelfContact) -> SolverSettings {
     SolverSettings { thickness: 0.5 * APART, self_contact, ..SolverSettings::default() }
 }
 
@@ -64,13 +66,13 @@ fn a_cloth_dropped_on_its_edge_folds_in_layers() {
         run_with(&mut island, &over_ground(), 8.0, |island, _| fastest = fastest.max(greatest_speed(island)));
         let high = particles(&island).positions().map(|p| p.y).fold(0.0, f32::max);
         println!(
-            "{self_contact}: at most {fastest} m/s, at last {} m/s, {high} m high",
+            "{self_contact:?}: at most {fastest} m/s, at last {} m/s, {high} m high",
             greatest_speed(&island)
         );
         assert!(fastest < 8.0, "{fastest} m/s");
         least_distance(&island, &rest) / APART
     };
-    let (with, without) = (folded(true), folded(false));
+    let [with, without] = [Particles, Off].map(folded);
     println!("least distance {with} with and {without} without self-contact");
     assert!(with > 0.9, "{with} of the distance is left between layers");
     assert!(without < 0.5, "the cloth must have folded onto itself, but {without}");
@@ -83,7 +85,7 @@ fn a_random_tangle_never_explodes() {
     for seed in 0..3 {
         let most = |self_contact| {
             let settings = SolverSettings { drag: 0.0, ..settings(self_contact) };
-            let mut sheet = on_edge(21, settings);
+            let mut sheet = on_edge(13, settings);
             let mut dice = Dice(seed);
             for i in 0..sheet.particles.len() {
                 sheet.particles.set_position(i, sheet.particles.position(i) + dice.vector(0.15));
@@ -94,12 +96,15 @@ fn a_random_tangle_never_explodes() {
                 last = kinetic_energy(island);
                 most = most.max(last);
             });
-            println!("seed {seed}, {self_contact}: at most {most} J, at last {last} J");
+            println!("seed {seed}, {self_contact:?}: at most {most} J, at last {last} J");
             (most, last)
         };
-        let ((with, last), (without, _)) = (most(true), most(false));
-        assert!(with < 2.0 * without, "seed {seed}: {with} J, and {without} J without self-contact");
-        assert!(last < 0.5 * with, "seed {seed}: {last} J are left of {with} J");
+        let (without, _) = most(Off);
+        for level in [Particles, Triangles] {
+            let (with, last) = most(level);
+            assert!(with < 2.0 * without, "seed {seed}: {with} J, and {without} J without self-contact");
+            assert!(last < 0.5 * with, "seed {seed}: {last} J are left of {with} J");
+        }
     }
 }
 
@@ -108,7 +113,7 @@ fn a_random_tangle_never_explodes() {
 fn a_free_cloth_that_folds_onto_itself_keeps_its_momentum() {
     let mut sheet = ClothBuilder::new(0.9, 0.9, 31, 31)
         .material(silk())
-        .build(SolverSettings { drag: 0.0, ..settings(true) })
+        .build(SolverSettings { drag: 0.0, ..settings(Particles) })
         .expect("valid");
     for i in 0..sheet.particles.len() {
         let side = sheet.particles.position(i).x - 0.45;
@@ -131,7 +136,7 @@ fn a_free_cloth_that_folds_onto_itself_keeps_its_momentum() {
 #[test]
 fn friction_holds_one_layer_on_another() {
     let slid = |friction| {
-        let settings = SolverSettings { friction, drag: 0.0, ..settings(true) };
+        let settings = SolverSettings { friction, drag: 0.0, ..settings(Particles) };
         let sheet = |size: f32, count, height| {
             ClothBuilder::new(size, size, count, count).placed(
                 Vec3::new(-0.5 * size, height, -0.5 * size),
@@ -171,21 +176,25 @@ fn where_nothing_meets_nothing_changes() {
         run(&mut island, &gravity(FRAME), 0.3);
         hash(&island)
     };
-    assert_eq!(hang(true, 0.01), hang(false, 0.01));
+    let without = hang(Off, 0.01);
+    assert_eq!(hang(Particles, 0.01), without);
+    assert_eq!(hang(Triangles, 0.01), without);
     let fold = |self_contact| {
         let sheet = on_edge(21, SolverSettings { thickness: 0.0, ..settings(self_contact) });
         let mut island = Island::of_body(sheet);
         run(&mut island, &over_ground(), 1.5);
         hash(&island)
     };
-    assert_eq!(fold(true), fold(false));
+    let without = fold(Off);
+    assert_eq!(fold(Particles), without);
+    assert_eq!(fold(Triangles), without);
 }
 
 /// However the step is run, the bits are the same.
 #[test]
 fn every_way_of_stepping_gives_the_same_bits() {
-    let folded = |isa, take: &dyn Fn(&mut Island, &Environment)| {
-        let mut island = Island { isa, ..Island::of_body(on_edge(21, settings(true))) };
+    let folded = |level, isa, take: &dyn Fn(&mut Island, &Environment)| {
+        let mut island = Island { isa, ..Island::of_body(on_edge(13, settings(level))) };
         for _ in 0..90 {
             take(&mut island, &over_ground());
         }
@@ -205,20 +214,26 @@ fn every_way_of_stepping_gives_the_same_bits() {
         island.context = Default::default();
         whole(island, environment);
     };
-    let expected = folded(Isa::detected(), &whole);
-    for isa in Isa::available() {
-        assert_eq!(folded(isa, &whole), expected, "{isa:?}");
+    for level in [Particles, Triangles] {
+        let expected = folded(level, Isa::detected(), &whole);
+        for isa in Isa::available() {
+            assert_eq!(folded(level, isa, &whole), expected, "{level:?}, {isa:?}");
+        }
+        assert_eq!(folded(level, Isa::detected(), &staged), expected, "{level:?} stage by stage");
+        assert_eq!(
+            folded(level, Isa::detected(), &cold),
+            expected,
+            "{level:?} without memory of the step before"
+        );
     }
-    assert_eq!(folded(Isa::detected(), &staged), expected, "stage by stage");
-    assert_eq!(folded(Isa::detected(), &cold), expected, "without memory of the step before");
 }
 
 /// Refined with its thickness, a folded cloth has as many pairs to watch per particle as before: the cost is linear.
 #[test]
 fn pairs_per_particle_do_not_grow_with_the_cloth() {
-    let pairs = |size: u32| {
+    let pairs = |level, size: u32, thickness: f32| {
         let spacing = 0.9 / (size - 1) as f32;
-        let settings = SolverSettings { thickness: 0.6 * spacing, ..settings(true) };
+        let settings = SolverSettings { thickness: thickness * spacing, ..settings(level) };
         let mut island = Island::of_body(on_edge(size, settings));
         let mut most = 0.0_f32;
         run_with(&mut island, &over_ground(), 1.5, |island, _| {
@@ -226,8 +241,10 @@ fn pairs_per_particle_do_not_grow_with_the_cloth() {
         });
         most
     };
-    let counts = [16, 31, 61].map(pairs);
-    println!("pairs per particle: {counts:?}");
-    assert!(counts.iter().all(|&count| count < 20.0), "{counts:?}");
-    assert!(counts[2] < 1.5 * counts[1], "{counts:?}");
+    for (level, thickness, sizes) in [(Particles, 0.6, [16, 31, 61]), (Triangles, 0.2, [9, 14, 27])] {
+        let counts = sizes.map(|size| pairs(level, size, thickness));
+        println!("{level:?}, pairs per particle: {counts:?}");
+        assert!(counts.iter().all(|&count| count < 100.0), "{counts:?}");
+        assert!(counts[2] < 1.5 * counts[1], "{counts:?}");
+    }
 }

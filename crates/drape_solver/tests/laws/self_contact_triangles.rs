@@ -1,0 +1,225 @@
+//! Cloth and ropes against themselves and each other, by faces and edges.
+
+use drape_solver::glam::{DVec3, Quat, Vec3};
+use drape_solver::{
+    Body, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle, RopeBuilder, SelfContact,
+    SolverSettings,
+};
+
+use crate::common::*;
+
+fn settings(thickness: f32) -> SolverSettings {
+    SolverSettings { thickness, self_contact: SelfContact::Triangles, ..SolverSettings::default() }
+}
+
+fn silk() -> ClothMaterial {
+    ClothMaterial { bend: 0.05, ..ClothMaterial::default() }
+}
+
+/// A triangle of the island: its body, the numbers of its corners there, and where they are.
+struct Triangle {
+    body: usize,
+    numbers: [u32; 3],
+    corners: [DVec3; 3],
+}
+
+fn triangles(island: &Island) -> Vec<Triangle> {
+    let of_body = |(body, it): (usize, &Body)| {
+        let places: Vec<DVec3> = it.particles.positions().map(Vec3::as_dvec3).collect();
+        let at = |numbers: [u32; 3]| numbers.map(|i| places[i as usize]);
+        let faces = it.topology.faces().iter();
+        faces.map(|&numbers| Triangle { body, numbers, corners: at(numbers) }).collect::<Vec<_>>()
+    };
+    island.bodies.iter().enumerate().flat_map(of_body).collect()
+}
+
+/// Whether a segment goes through a triangle.
+fn pierces(p: DVec3, q: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
+    let volume = |p: DVec3, q: DVec3, r: DVec3, s: DVec3| (q - p).cross(r - p).dot(s - p);
+    if volume(a, b, c, p) * volume(a, b, c, q) >= 0.0 {
+        return false;
+    }
+    let sides = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
+    sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0)
+}
+
+/// Pairs of triangles without a common corner that cross, by trying all.
+fn crossings(island: &Island) -> usize {
+    let all = triangles(island);
+    let edges = |t: &Triangle| [0, 1, 2].map(|k| [t.corners[k], t.corners[(k + 1) % 3]]);
+    let cross = |a: &Triangle, b: &Triangle| {
+        let share = a.body == b.body && a.numbers.iter().any(|i| b.numbers.contains(i));
+        let low = |t: &Triangle| t.corners[0].min(t.corners[1]).min(t.corners[2]);
+        let high = |t: &Triangle| t.corners[0].max(t.corners[1]).max(t.corners[2]);
+        !share
+            && low(a).cmple(high(b)).all()
+            && low(b).cmple(high(a)).all()
+            && (edges(a).iter().any(|&[p, q]| pierces(p, q, b.corners))
+                || edges(b).iter().any(|&[p, q]| pierces(p, q, a.corners)))
+    };
+    (0..all.len()).map(|i| (0..i).filter(|&j| cross(&all[i], &all[j])).count()).sum()
+}
+
+/// Issue 4, acceptance 5: a thin cloth that is dropped on its edge lies down in layers, none through another.
+#[test]
+fn a_thin_cloth_dropped_on_its_edge_folds_in_layers() {
+    let thickness = 0.008;
+    let sheet = ClothBuilder::new(0.8, 0.8, 17, 17)
+        .placed(Vec3::new(-0.4, 0.85, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
+        .material(silk())
+        .build(settings(thickness))
+        .expect("valid");
+    let rest: Vec<Vec3> = sheet.particles.positions().collect();
+    let mut island = Island::of_body(sheet);
+    let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
+    let (mut fastest, mut crossed) = (0.0_f32, 0);
+    run_with(&mut island, &environment, 5.0, |island, index| {
+        fastest = fastest.max(greatest_speed(island));
+        if index % 10 == 0 {
+            crossed += crossings(island);
+        }
+    });
+    let now: Vec<Vec3> = particles(&island).positions().collect();
+    let pairs = (0..now.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+    let apart =
+        pairs.filter(|&(a, b)| rest[a].distance(rest[b]) > 0.06).map(|(a, b)| now[a].distance(now[b]));
+    let least = apart.fold(f32::INFINITY, f32::min) / (2.0 * thickness);
+    let high = now.iter().map(|p| p.y).fold(0.0, f32::max);
+    println!(
+        "{crossed} crossings, {least} of the distance, {high} m high, at most {fastest} m/s, at last {}",
+        greatest_speed(&island)
+    );
+    assert_eq!(crossed + crossings(&island), 0);
+    assert!(least > 0.9, "{least} of the distance is left between layers");
+    assert!(fastest < 8.0, "{fastest} m/s");
+    assert!(high < 0.3, "it must have fallen over itself, but is {high} m high");
+}
+
+/// Issue 4, acceptance 5: a towel is twisted by two turns at each end, and held: no layer passes through another.
+#[test]
+fn a_twisted_towel_holds() {
+    let (columns, rows) = (9, 33);
+    let (width, length) = (0.3, 1.2);
+    let towel = ClothBuilder::new(width, length, columns, rows)
+        .placed(Vec3::new(-0.5 * width, 0.0, 0.0), Vec3::X, Vec3::Z)
+        .material(silk())
+        .pin_edge(Edge::Top)
+        .pin_edge(Edge::Bottom)
+        .build(settings(0.006))
+        .expect("valid");
+    let start: Vec<Vec3> = towel.particles.positions().collect();
+    let mut island = Island::of_body(towel);
+    let environment = gravity(FRAME);
+    let (mut crossed, mut most) = (0, 0.0_f64);
+    let twist_steps = 240;
+    for index in 1..=300 {
+        let part = (index as f32 / twist_steps as f32).min(1.0);
+        let angle = part * 2.0 * core::f32::consts::TAU;
+        for (i, &from) in start.iter().enumerate() {
+            if island.bodies[0].particles.is_pinned(i) {
+                let side = if from.z < 0.5 * length { 1.0 } else { -1.0 };
+                let turned = Quat::from_rotation_z(side * angle) * Vec3::new(from.x, from.y, 0.0);
+                let along = from.z + side * 0.12 * length * part;
+                island.bodies[0].particles.set_pin_target(i, turned + Vec3::Z * along);
+            }
+        }
+        run(&mut island, &environment, FRAME);
+        most = most.max(kinetic_energy(&island));
+        if index % 10 == 0 {
+            crossed = crossed.max(crossings(&island));
+        }
+    }
+    let last = kinetic_energy(&island);
+    println!("at most {crossed} crossings, {most} J, at last {last} J, {:?}", stretch(&island));
+    assert_eq!(crossed, 0);
+    assert!(most < 1.0, "{most} J");
+    assert!(last < 0.02, "{last} J are left of {most} J a second after");
+}
+
+/// Two free sheets are shot at each other at 100 m/s: they stop each other, and do not pass.
+#[test]
+fn free_sheets_shot_at_each_other_do_not_pass() {
+    let shot = |self_contact, thickness, turn: f32| {
+        let settings = SolverSettings { self_contact, drag: 0.0, ..settings(thickness) };
+        let sheet = |at: f32, velocity: f32, turn: Quat| {
+            let (right, down) = (turn * Vec3::X, turn * Vec3::Y);
+            let builder = ClothBuilder::new(0.6, 0.6, 13, 13);
+            let origin = Vec3::Z * at - (right + down) * 0.3;
+            let mut body = builder.placed(origin, right, down).build(settings).expect("valid");
+            (0..body.particles.len()).for_each(|i| body.particles.set_velocity(i, Vec3::Z * velocity));
+            body
+        };
+        let bodies = vec![sheet(-1.0, 50.0, Quat::IDENTITY), sheet(1.0, -50.0, Quat::from_rotation_z(turn))];
+        let mut island = Island { bodies, ..Island::default() };
+        let (mut crossed, mut most) = (0, 0.0_f64);
+        let before = kinetic_energy(&island);
+        run_with(&mut island, &weightless(FRAME), 0.5, |island, _| {
+            crossed = crossed.max(crossings(island));
+            most = most.max(kinetic_energy(island));
+        });
+        let middle = |body: &Body| body.particles.positions().map(|p| p.z).sum::<f32>() / 169.0;
+        println!(
+            "{self_contact:?} {thickness} {turn}: {crossed} crossings, {before} J, at most {most} J, momentum {}",
+            momentum(&island).length()
+        );
+        assert!(most < 1.001 * before, "{most} J from {before} J");
+        (crossings(&island), middle(&island.bodies[0]) < middle(&island.bodies[1]))
+    };
+    for turn in [0.0, 0.3, 0.7] {
+        for thickness in [0.004, 0.01] {
+            assert_eq!(shot(SelfContact::Triangles, thickness, turn), (0, true), "{thickness} m, {turn}");
+        }
+    }
+    assert!(!shot(SelfContact::Off, 0.004, 0.3).1, "without contact they pass");
+}
+
+/// A corner of one sheet is stuck through another when the scene begins: it comes free, and nothing is thrown.
+#[test]
+fn layers_that_cross_come_apart() {
+    let sheet = |origin: Vec3, right: Vec3, down: Vec3| {
+        ClothBuilder::new(0.6, 0.6, 13, 13).placed(origin, right, down).material(silk())
+    };
+    let lower = sheet(Vec3::new(-0.3, 0.0, -0.3), Vec3::X, Vec3::Z).build(settings(0.005)).expect("valid");
+    let slant = Vec3::new(0.7, 0.5, 0.1).normalize();
+    let across = slant.cross(Vec3::new(0.1, 0.6, -0.7)).normalize();
+    let upper = sheet(Vec3::new(0.02, -0.08, 0.03), slant, across.cross(slant).normalize());
+    let mut island =
+        Island { bodies: vec![lower, upper.build(settings(0.005)).expect("valid")], ..Island::default() };
+    let before = crossings(&island);
+    let mut fastest = 0.0_f32;
+    let mut counts = vec![];
+    run_with(&mut island, &weightless(FRAME), 3.0, |island, index| {
+        let speeds = island.bodies.iter().flat_map(|body| body.particles.velocities().map(Vec3::length));
+        fastest = speeds.fold(fastest, f32::max);
+        if index % 20 == 0 {
+            counts.push(crossings(island));
+        }
+    });
+    println!("{before} crossings at first, then {counts:?}, at most {fastest} m/s");
+    assert!(before > 3, "{before}");
+    assert_eq!(crossings(&island), 0, "{counts:?}");
+    assert!(fastest < 3.0, "{fastest} m/s");
+}
+
+/// A rope falls across another, coarser than it is thick: it is caught between two particles.
+#[test]
+fn a_rope_does_not_fall_through_a_rope() {
+    let lowest = |self_contact| {
+        let settings = SolverSettings { self_contact, friction: 0.8, ..settings(0.01) };
+        let held = RopeBuilder::new(Vec3::new(-0.55, 0.0, 0.03), Vec3::new(0.55, 0.0, 0.03), 12)
+            .pin_start()
+            .pin_end()
+            .build(settings)
+            .expect("valid");
+        let falling = RopeBuilder::new(Vec3::new(0.02, 0.2, -0.5), Vec3::new(0.02, 0.2, 0.55), 12)
+            .build(settings)
+            .expect("valid");
+        let mut island = Island { bodies: vec![held, falling], ..Island::default() };
+        run(&mut island, &gravity(FRAME), 2.0);
+        island.bodies[1].particles.positions().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max)
+    };
+    let [with, without] = [SelfContact::Triangles, SelfContact::Off].map(lowest);
+    println!("the highest particle is at {with} m with contact, {without} m without");
+    assert!(without < -5.0);
+    assert!(with > -0.5, "{with} m");
+}
