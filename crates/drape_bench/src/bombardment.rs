@@ -77,7 +77,7 @@ impl Bombardment {
     pub fn run(&self, observer: &mut impl Observer, mut on_step: impl FnMut(f64)) -> Result<(), Failure> {
         let mut state = self.state()?;
         let obstacles = vec![Obstacle::ground()];
-        let environment = Environment { obstacles, ..state.environment.clone() };
+        let environment = Environment { obstacles: obstacles.into(), ..state.environment.clone() };
         let last = self.shots.last().map_or(0.0, |shot| shot.time);
         let (mut fired, mut steps) = (0, 0_u32);
         loop {

@@ -12,7 +12,7 @@ use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{
     Ball, BallMaterial, Body, BuildError, ClothBuilder, Edge, Environment, Island, Obstacle, Obstacles,
-    Placement, Shape, SolverSettings, StepError, step,
+    Placement, SelfContact, Shape, SolverSettings, StepError, step,
 };
 
 /// Side of the cloth in metres.
@@ -154,7 +154,12 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
 /// A cloth that was dropped on its edge.
 fn folded(n: u32) -> Result<Case, Box<dyn Error>> {
     let thickness = 0.5 * SIDE / n as f32;
-    let settings = SolverSettings { thickness, self_contact: true, drag: 1.0, ..SolverSettings::default() };
+    let settings = SolverSettings {
+        thickness,
+        self_contact: SelfContact::Particles,
+        drag: 1.0,
+        ..SolverSettings::default()
+    };
     let cloth = ClothBuilder::new(SIDE, SIDE, n, n)
         .placed(Vec3::new(0.0, SIDE, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
         .build(settings)?;
@@ -162,7 +167,7 @@ fn folded(n: u32) -> Result<Case, Box<dyn Error>> {
     let environment = Environment { obstacles: [Obstacle::ground()].into(), ..Environment::default() };
     settle(&mut island, &environment)?;
     let mut without = island.clone();
-    without.bodies[0].settings.self_contact = false;
+    without.bodies[0].settings.self_contact = SelfContact::Off;
     Ok(Case { name: "itself", with: (island, environment.clone()), without: (without, environment) })
 }
 
