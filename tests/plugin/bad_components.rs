@@ -90,6 +90,8 @@ fn balls_that_cannot_be() {
         (Projectile { velocity: Vec3::NAN, ..good }, "velocity"),
         (Projectile { drag: -1.0, ..good }, "drag"),
         (Projectile { friction: f32::NAN, ..good }, "friction"),
+        (Projectile { static_friction: -1.0, ..good }, "static_friction"),
+        (Projectile { restitution: 1.5, ..good }, "restitution"),
     ];
     for (ball, word) in bad {
         let (mut app, entity) = assert_refused(ball, &["Projectile", word]);
@@ -109,6 +111,8 @@ fn obstacles_that_cannot_be() {
         (Obstacle::capsule(-0.1, 1.0), "radius"),
         (ground.clone().with_friction(-1.0), "friction"),
         (ground.clone().with_friction(f32::NAN), "friction"),
+        (ground.clone().with_static_friction(-1.0), "static_friction"),
+        (ground.clone().with_restitution(1.5), "restitution"),
     ];
     for (obstacle, word) in bad {
         let (mut app, entity) = assert_refused(obstacle, &["Obstacle", word]);

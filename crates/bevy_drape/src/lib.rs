@@ -7,6 +7,7 @@ pub mod clock;
 pub mod cloth;
 pub mod contact_events;
 mod description;
+pub mod dynamic_obstacle;
 pub mod environment;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
@@ -65,12 +66,13 @@ pub mod prelude {
             ContactEvents, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded,
             DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
         },
+        dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Wind},
         grab::Grab,
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
         layers::DrapeLayers,
-        obstacle::{Obstacle, ObstacleShape},
+        obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
         projectile::{Projectile, ProjectileState},

@@ -11,16 +11,18 @@ use drape_solver::{Layers, Placement, Shape};
 
 use crate::clock::DrapeClock;
 use crate::contact_events::ContactEvents;
+use crate::dynamic_obstacle::ObstacleReaction;
 use crate::environment::SolverEnvironment;
 use crate::layers::DrapeLayers;
 use crate::refusal::Refusals;
 use crate::scan::{collect_rows, is_any_changed};
 use crate::scene_manager::Bounds;
 
-/// Something solid that cloth, ropes and balls collide with and that nothing pushes back. Its [`Transform`] says
-/// where it is, scale included; moving it carries its velocity into the contact.
+/// Something solid that cloth, ropes and balls collide with. Nothing pushes it back, unless it is a
+/// [`DynamicObstacle`](crate::dynamic_obstacle::DynamicObstacle). Its [`Transform`] says where it is, scale included; moving
+/// it carries its velocity into the contact.
 ///
-/// A move faster than 300 m/s counts as a teleport, which carries none.
+/// A move faster than 1500 m/s counts as a teleport, which carries none; so does any with [`TeleportObstacle`].
 #[derive(Component, Reflect, Clone, Debug)]
 #[reflect(Component, Debug, Clone)]
 #[require(Transform)]
@@ -29,6 +31,10 @@ pub struct Obstacle {
     pub shape: ObstacleShape,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
+    /// Coefficient of static friction, which holds what does not slide yet; below that of friction it counts as that.
+    pub static_friction: f32,
+    /// Coefficient of restitution against balls: 0 (they do not bounce) to 1. The mean of this and the ball's counts.
+    pub restitution: f32,
     /// Whether it moves nothing and only tells what touches it: see [`as_sensor`](Self::as_sensor).
     pub is_sensor: bool,
 }
@@ -43,7 +49,13 @@ impl Obstacle {
     /// An obstacle of `shape` with a friction of 0.5. Sizes are checked in the next step: what cannot be used is
     /// logged and left out.
     pub fn new(shape: Shape) -> Self {
-        Self { shape: ObstacleShape(shape), friction: 0.5, is_sensor: false }
+        Self {
+            shape: ObstacleShape(shape),
+            friction: 0.5,
+            static_friction: 0.0,
+            restitution: 0.0,
+            is_sensor: false,
+        }
     }
 
     /// The half-space below the entity.
@@ -82,7 +94,33 @@ impl Obstacle {
         self.friction = friction;
         self
     }
+
+    /// Sets the coefficient of static friction.
+    pub fn with_static_friction(mut self, static_friction: f32) -> Self {
+        self.static_friction = static_friction;
+        self
+    }
+
+    /// Sets the coefficient of restitution.
+    pub fn with_restitution(mut self, restitution: f32) -> Self {
+        self.restitution = restitution;
+        self
+    }
 }
+
+/// Marks an [`Obstacle`] whose [`Transform`] is set to somewhere else and that is not to travel there: its next move carries
+/// no velocity into contacts. The next step takes the mark off.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// fn open(mut commands: Commands, door: Single<Entity, With<Obstacle>>) {
+///     commands.entity(*door).insert((Transform::from_xyz(3.0, 0.0, 0.0), TeleportObstacle));
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct TeleportObstacle;
 
 impl From<SharedShape> for Obstacle {
     fn from(shape: SharedShape) -> Self {
@@ -178,7 +216,10 @@ pub(crate) fn sync_obstacles(
         Ref<GlobalTransform>,
         Option<Ref<DrapeLayers>>,
         Has<ContactEvents>,
+        Has<ObstacleReaction>,
+        Has<TeleportObstacle>,
     )>,
+    mut commands: Commands,
     clock: Res<DrapeClock>,
     mut solver: ResMut<SolverEnvironment>,
     mut stirred: ResMut<StirredSpace>,
@@ -195,7 +236,7 @@ pub(crate) fn sync_obstacles(
         }
     }
     seen.clear();
-    for (entities, components, transforms, layers, _) in obstacles.contiguous_iter().into_iter().flatten() {
+    for (entities, components, transforms, layers, ..) in obstacles.contiguous_iter().into_iter().flatten() {
         let (_, ticks) = ContiguousRef::split(components);
         let (_, transform_ticks) = ContiguousRef::split(transforms);
         let layer_ticks = layers.map(|layers| ContiguousRef::split(layers).1);
@@ -208,7 +249,7 @@ pub(crate) fn sync_obstacles(
     }
     // Each is looked at once: a second look would take a move for a halt.
     let is_unseen = |entity: Entity| {
-        obstacles.get(entity).is_ok_and(|(_, obstacle, transform, layers, _)| {
+        obstacles.get(entity).is_ok_and(|(_, obstacle, transform, layers, ..)| {
             let is_seen = obstacle.is_changed()
                 || transform.is_changed()
                 || layers.is_some_and(|layers| layers.is_changed());
@@ -218,7 +259,12 @@ pub(crate) fn sync_obstacles(
     again.retain(|entity| !moving.contains(entity));
     seen.extend(moving.drain(..).chain(again.drain(..)).filter(|&entity| is_unseen(entity)));
     for &entity in &*seen {
-        let Ok((_, obstacle, transform, layers, reports)) = obstacles.get(entity) else { continue };
+        let Ok((_, obstacle, transform, layers, reports, asks, is_teleport)) = obstacles.get(entity) else {
+            continue;
+        };
+        if is_teleport {
+            commands.entity(entity).remove::<TeleportObstacle>();
+        }
         let layers = DrapeLayers::of(layers.as_deref());
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         let placement = Placement { translation, rotation };
@@ -233,15 +279,21 @@ pub(crate) fn sync_obstacles(
         }
         let is_another = slot.is_none_or(|slot| {
             let built = &environment.obstacles[slot];
-            !known.has_scale(slot, scale) || built.layers() != layers || built.reports_contacts() != reports
+            !known.has_scale(slot, scale)
+                || built.layers() != layers
+                || built.reports_contacts() != reports
+                || built.reports_reaction() != asks
         });
         if obstacle.is_changed() || is_another {
             let shape = obstacle.shape.scaled(scale);
             let built = shape
                 .and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction))
+                .and_then(|built| built.with_static_friction(obstacle.static_friction))
+                .and_then(|built| built.with_restitution(obstacle.restitution))
                 .map(|built| built.with_layers(layers))
                 .map(|built| if obstacle.is_sensor { built.as_sensor() } else { built })
-                .map(|built| if reports { built.reporting_contacts() } else { built });
+                .map(|built| if reports { built.reporting_contacts() } else { built })
+                .map(|built| if asks { built.reporting_reaction() } else { built });
             if let Some(slot) = slot {
                 stirred.push(&environment.obstacles[slot]);
             }
@@ -271,7 +323,12 @@ pub(crate) fn sync_obstacles(
         } else if let Some(slot) = slot {
             let obstacle = &mut environment.obstacles[slot];
             if obstacle.placement() != placement || obstacle.is_moving() {
-                obstacle.move_to(placement, clock.delta());
+                if is_teleport {
+                    stirred.push(obstacle);
+                    obstacle.teleport(placement);
+                } else {
+                    obstacle.move_to(placement, clock.delta());
+                }
                 stirred.push(obstacle);
                 if obstacle.is_moving() {
                     moving.push(entity);

@@ -20,6 +20,7 @@ use crate::contact_events::{
     DrapeContactHit, DrapeContactSettings, DrapeContactStarted, send_contacts,
 };
 use crate::description::{build_described, remove_described_body};
+use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, give_reactions, move_dynamic_obstacles};
 use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
 use crate::grab::{Grab, pull_grabbed};
 use crate::hit::{BallHit, Touching};
@@ -28,8 +29,8 @@ use crate::island_systems::{begin_islands, detect_collisions, finish_islands, fo
 use crate::islands::Islands;
 use crate::layers::DrapeLayers;
 use crate::obstacle::{
-    Obstacle, ObstacleNews, StirredSpace, look_again, note_disabled_obstacle, note_gone_obstacle,
-    sync_obstacles,
+    Obstacle, ObstacleNews, StirredSpace, TeleportObstacle, look_again, note_disabled_obstacle,
+    note_gone_obstacle, sync_obstacles,
 };
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
 use crate::projectile::{
@@ -103,6 +104,7 @@ impl Plugin for SolverPlugin {
         app.register_type::<(Activity, Cloth, Rope, Particles, Sticks, SolverSettings, Obstacle)>()
             .register_type::<(Projectile, ProjectileState, Cannon, Viewer, Quality)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
+            .register_type::<(DynamicObstacle, ObstacleReaction, TeleportObstacle)>()
             .register_type::<(Particle, Stick, Rig, InRig, Grab)>()
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
@@ -143,6 +145,10 @@ impl Plugin for SolverPlugin {
             .add_observer(note_disabled_obstacle)
             .add_observer(look_again::<Remove, Disabled>)
             .add_observer(look_again::<Add, ContactEvents>)
+            .add_observer(look_again::<Add, ObstacleReaction>)
+            .add_observer(look_again::<Remove, ObstacleReaction>)
+            .add_observer(look_again::<Add, TeleportObstacle>)
+            .add_observer(forget_removed::<DynamicObstacle>)
             .add_observer(look_again::<Remove, ContactEvents>)
             .add_observer(look_again::<Remove, DrapeLayers>)
             .add_observer(note_lost::<DrapeLayers>)
@@ -158,6 +164,7 @@ impl Plugin for SolverPlugin {
             DrapeSchedule,
             (
                 (
+                    move_dynamic_obstacles,
                     // Bevy brings global transforms up to date after the fixed loop only: too late for a step.
                     (
                         (mark_dirty_trees, propagate_parent_transforms).chain().run_if(have_trees_moved),
@@ -178,6 +185,7 @@ impl Plugin for SolverPlugin {
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
                 (
                     finish_islands,
+                    give_reactions,
                     send_contacts,
                     write_projectile_transforms,
                     write_rig_transforms,

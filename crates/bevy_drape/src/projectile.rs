@@ -26,6 +26,10 @@ pub struct Projectile {
     pub drag: f32,
     /// Coulomb friction coefficient. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
+    /// Coefficient of static friction, which holds what does not slide yet; below that of friction it counts as that.
+    pub static_friction: f32,
+    /// Coefficient of restitution against balls and obstacles: 0 (no bounce) to 1. The mean of the two counts.
+    pub restitution: f32,
     /// Rolling resistance: on level ground a rolling ball slows by `5/7 g` times this. A hard ball on a floor has
     /// 0.001 to 0.01, on grass 0.1.
     pub rolling_resistance: f32,
@@ -33,8 +37,10 @@ pub struct Projectile {
 
 impl Default for Projectile {
     fn default() -> Self {
-        let BallMaterial { radius, mass, drag, friction, rolling_resistance, .. } = BallMaterial::default();
-        Self { radius, mass, velocity: Vec3::ZERO, drag, friction, rolling_resistance }
+        let BallMaterial { radius, mass, drag, friction, static_friction, restitution, rolling_resistance } =
+            BallMaterial::default();
+        let velocity = Vec3::ZERO;
+        Self { radius, mass, velocity, drag, friction, static_friction, restitution, rolling_resistance }
     }
 }
 
@@ -46,8 +52,9 @@ impl Projectile {
             mass: self.mass,
             drag: self.drag,
             friction: self.friction,
+            static_friction: self.static_friction,
+            restitution: self.restitution,
             rolling_resistance: self.rolling_resistance,
-            ..BallMaterial::default()
         };
         Ball::launch(material, position, self.velocity, gravity, LAUNCH_SUBSTEP)
     }

@@ -236,8 +236,13 @@ impl Ball {
 
     /// Kinetic energy of flight and spin, in joules.
     pub fn kinetic_energy(&self) -> f32 {
-        let inertia = 0.4 * self.material.mass * self.material.radius * self.material.radius;
-        0.5 * (self.material.mass * self.velocity().length_squared() + inertia * self.spin.length_squared())
+        let spin = self.moment_of_inertia() * self.spin.length_squared();
+        0.5 * (self.material.mass * self.velocity().length_squared() + spin)
+    }
+
+    /// That of a solid sphere, in kg m^2.
+    pub(crate) fn moment_of_inertia(&self) -> f32 {
+        0.4 * self.material.mass * self.material.radius * self.material.radius
     }
 
     /// Brings the displacement to the substep `substep` (seconds). It is the mean velocity over a substep, half a

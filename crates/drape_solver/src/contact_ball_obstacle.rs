@@ -8,6 +8,7 @@ use crate::obstacle::Obstacle;
 use crate::obstacles::Obstacles;
 use crate::overlap::{Overlap, Pace};
 use crate::pose::Pose;
+use crate::reaction::Given;
 use crate::restitution::Impact;
 use crate::shape::{Plane, Shape, container_walls};
 use crate::touch::{Other, Projection, add_impulse, record};
@@ -22,14 +23,31 @@ pub(crate) struct BallObstacle {
     overlap: Overlap,
     impact: Impact,
     normal: Vec3,
+    given: Push,
     before: Pose,
     now: Pose,
+}
+
+/// What an obstacle has given to a ball in a substep.
+#[derive(Clone, Copy, Debug, Default)]
+struct Push {
+    /// Mass times displacement, in kilogram metres.
+    push: Vec3,
+    /// The change of spin: moment of inertia times turn, in kg m^2.
+    moment: Vec3,
 }
 
 impl BallObstacle {
     /// The obstacle, by its index.
     pub(crate) fn obstacle(&self) -> usize {
         self.obstacle
+    }
+
+    /// What the obstacle has given to the ball in the last substep, if anything.
+    pub(crate) fn given(&self, balls: &[Ball]) -> Option<Given> {
+        let Push { push, moment } = self.given;
+        let point = balls[self.ball].position.as_dvec3();
+        (self.depth > 0.0).then_some(Given { obstacle: self.obstacle, point, push, moment })
     }
 }
 
@@ -57,6 +75,7 @@ pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravit
                     overlap: Overlap::default(),
                     impact: Impact::default(),
                     normal: Vec3::ZERO,
+                    given: Push::default(),
                     before: pose,
                     now: pose,
                 });
@@ -80,6 +99,7 @@ pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
         pair.now = pose_at(index + 1);
         pair.depth = 0.0;
         pair.overlap = Overlap::default();
+        pair.given = Push::default();
         pair.impact = Impact::default();
     }
 }
@@ -120,6 +140,7 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
             let impulse = push.fresh * ball.material.mass / context.substep;
             record(touches, &projection, impulse, context.substep_index, context.substep);
             pair.impact.note(gap_change, projection.fraction());
+            pair.given.push += pair.normal * (push.fresh * ball.material.mass);
             ball.project(pair.normal * push.fresh, pair.normal * push.old);
         }
     }
@@ -140,6 +161,7 @@ pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
         pair.depth += change;
         let impulse = change * ball.material.mass / context.substep;
         add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);
+        pair.given.push += pair.normal * (change * ball.material.mass);
         ball.displacement += pair.normal * change;
         ball.position += pair.normal * rebound.position;
     }
@@ -147,7 +169,7 @@ pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
 
 /// Friction at the point of contact, which turns sliding into rolling, and the resistance that ends rolling.
 pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
-    for pair in &island.context.ball_obstacle {
+    for pair in &mut island.context.ball_obstacle {
         if pair.depth == 0.0 {
             continue;
         }
@@ -161,8 +183,12 @@ pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
         // the push on a mass point, mu * depth / w. In units of slip that limit is 3.5 times as long.
         let slip = ball.surface_travel(arm) - carried;
         let taken = friction.scaled(SURFACE_INVERSE_MASS).slip_taken(slip, pair.normal, pair.depth);
-        ball.push_surface(arm, -taken / (SURFACE_INVERSE_MASS * ball.inverse_mass));
+        let push = -taken / (SURFACE_INVERSE_MASS * ball.inverse_mass);
+        let spin = ball.spin;
+        ball.push_surface(arm, push);
         resist_rolling(ball, pair.depth);
+        pair.given.push += push;
+        pair.given.moment += (ball.spin - spin) * (ball.moment_of_inertia() * ball.substep);
     }
 }
 

@@ -15,7 +15,7 @@
 //! Macklin et al. 2020, "Local optimization for robust signed distance field collision"). Faces of which all particles
 //! see the same plane need none of this and are left to their particles.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::body::Body;
 use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
@@ -25,6 +25,7 @@ use crate::obstacle::Obstacle;
 use crate::overlap::{Overlap, Pace};
 use crate::particles::Particles;
 use crate::pose::Pose;
+use crate::reaction::Given;
 use crate::settings::SolverSettings;
 use crate::shape::{Plane, Shape, Surface};
 use crate::shape_nearest::{Nearest, Piece};
@@ -54,6 +55,9 @@ struct FaceContact {
     overlap: Overlap,
     /// In the world, of the last projection.
     normal: Vec3,
+    /// How far the deepest point was moved in this substep where that counts as velocity, times the mass it has: in
+    /// kilogram metres.
+    given: Vec3,
 }
 
 /// A face or segment that an obstacle has pushed.
@@ -110,6 +114,25 @@ impl FaceContacts {
         self.contacts.iter().filter(|contact| contact.depth > 0.0).map(|contact| {
             let &FaceContact { element, place, obstacle, weights, normal, depth, .. } = contact;
             PushedElement { element, place, obstacle, weights, normal, depth }
+        })
+    }
+
+    /// What obstacles have given in the last substep: to the corners that are not held, by their weights.
+    pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = Given> + 'a {
+        self.contacts.iter().filter(|contact| contact.given != Vec3::ZERO).map(|contact| {
+            let (mut free, mut moment) = (0.0, DVec3::ZERO);
+            for (slot, weight) in contact.element.corners().into_iter().zip(contact.weights) {
+                if particles.inverse_mass[slot] > 0.0 {
+                    free += weight;
+                    moment += particles.position.get(slot).as_dvec3() * f64::from(weight);
+                }
+            }
+            Given {
+                obstacle: contact.obstacle,
+                point: particles.origin.as_dvec3() + moment / f64::from(free),
+                push: contact.given * free,
+                moment: Vec3::ZERO,
+            }
         })
     }
 
@@ -211,6 +234,7 @@ impl FaceContacts {
             depth: 0.0,
             overlap: Overlap::default(),
             normal: Vec3::ZERO,
+            given: Vec3::ZERO,
         });
     }
 }
@@ -275,6 +299,7 @@ pub(crate) fn begin_substep(body: &mut Body, around: Surroundings) {
     let mut poses = None;
     for contact in &mut context.faces.contacts {
         contact.depth = 0.0;
+        contact.given = Vec3::ZERO;
         contact.overlap = Overlap::default();
         let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
         contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
@@ -360,6 +385,7 @@ impl FaceContact {
         let push = self.overlap.split(depth, (travel - carried).dot(normal), at_start, pace);
         self.depth += push.fresh;
         self.normal = normal;
+        self.given += normal * (push.fresh / felt);
         for (slot, weight) in corners.into_iter().zip(self.weights) {
             let share = weight * body.particles.inverse_mass[slot] / felt;
             let (fresh, all) = (normal * (push.fresh * share), normal * ((push.fresh + push.old) * share));
@@ -387,7 +413,7 @@ impl FaceContact {
 pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
     let Body { particles, context, settings, .. } = body;
     let mut poses = None;
-    for contact in context.faces.contacts.iter().filter(|contact| contact.depth > 0.0) {
+    for contact in context.faces.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
         let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
         let corners = contact.element.corners();
         let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
@@ -396,6 +422,7 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
         let depth = contact.depth.min(settings.thickness);
         let taken = contact.friction.slip_taken(moved - carried, contact.normal, depth);
         let felt = contact.felt(particles);
+        contact.given -= taken / felt;
         for (slot, weight) in corners.into_iter().zip(contact.weights) {
             let shift = taken * (-weight * particles.inverse_mass[slot] / felt);
             particles.position.add(slot, shift);

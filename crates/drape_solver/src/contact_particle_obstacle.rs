@@ -24,6 +24,7 @@ use crate::layout::Layout;
 use crate::obstacle::Obstacle;
 use crate::overlap::Pace;
 use crate::pose::Pose;
+use crate::reaction::add_to;
 use crate::surface_lanes::{LanePlanes, LanePose, Solid};
 use crate::sweep::Surroundings;
 use crate::work::{Common, Moving};
@@ -40,6 +41,8 @@ pub(crate) struct ObstacleContacts {
     pub found_by_helper: Vec<Candidate>,
     /// One for each candidate.
     pushes: Vec<Pushes>,
+    /// What each candidate was given in this substep, in metres: for all, or for none where no obstacle asks.
+    given: Vec<Cell>,
     pub planes: Vec<LanePlanes>,
     /// Place of each strip's first candidate; one more at the end.
     pub first_of_strip: Vec<u32>,
@@ -51,6 +54,8 @@ pub(crate) struct Group {
     pub obstacle: usize,
     pub friction: Friction,
     pub is_moving: bool,
+    /// Whether it asks for what it gives to particles.
+    pub is_asking: bool,
     /// Its pose at the start of the step, in the body's own coordinates.
     pub pose: Pose,
 }
@@ -118,6 +123,33 @@ impl ObstacleContacts {
         })
     }
 
+    /// Keeps account of what is given by the obstacles that ask; tells whether there are any. Comes after the search.
+    pub fn keep_given(&mut self, asks: impl Fn(usize) -> bool) -> bool {
+        for group in &mut self.groups {
+            group.is_asking = asks(group.obstacle);
+        }
+        let is_any = self.groups.iter().any(|group| group.is_asking);
+        if is_any {
+            self.given.reserve(self.pushes.capacity().saturating_sub(self.given.len()));
+        }
+        self.given.resize(if is_any { self.candidates.len() } else { 0 }, Cell::default());
+        is_any
+    }
+
+    /// What obstacles that ask have given to particles in the last substep: the obstacle, the particle's slot, and the
+    /// change of its displacement in metres.
+    pub fn given(&self) -> impl Iterator<Item = (usize, usize, Vec3)> + '_ {
+        let asking = self.candidates.iter().zip(&self.given).filter_map(|(candidate, given)| {
+            let group = &self.groups[usize::from(candidate.group)];
+            (candidate.is_touching && group.is_asking).then_some((candidate, group.obstacle, given))
+        });
+        asking.flat_map(|(candidate, obstacle, given)| {
+            let pushed =
+                (0..LANES).map(|lane| (lane, given.get(lane))).filter(|(_, given)| *given != Vec3::ZERO);
+            pushed.map(move |(lane, given)| (obstacle, candidate.cell as usize * LANES + lane, given))
+        })
+    }
+
     /// Puts the candidates in the order in which a sweep takes them, and notes where each strip's begin.
     pub fn sort(&mut self) {
         let Self { layout, candidates, first_of_strip, pushes, .. } = self;
@@ -144,8 +176,8 @@ impl ObstacleContacts {
 
     /// The contacts of all strips.
     pub fn rows(&mut self) -> ObstacleRows<'_> {
-        let Self { groups, candidates, pushes, planes, first_of_strip, .. } = self;
-        ObstacleRows { groups, planes, first_of_strip, before: 0, candidates, pushes }
+        let Self { groups, candidates, pushes, given, planes, first_of_strip, .. } = self;
+        ObstacleRows { groups, planes, first_of_strip, before: 0, candidates, pushes, given }
     }
 }
 
@@ -159,6 +191,21 @@ pub(crate) struct ObstacleRows<'a> {
     before: usize,
     candidates: &'a mut [Candidate],
     pushes: &'a mut [Pushes],
+    /// Empty where no obstacle asks.
+    given: &'a mut [Cell],
+}
+
+/// What of some strips one obstacle may touch.
+struct OfGroup<'a> {
+    candidates: &'a mut [Candidate],
+    pushes: &'a mut [Pushes],
+    given: &'a mut [Cell],
+}
+
+/// Cuts an account in two, if it is kept.
+#[inline(always)]
+fn split_if_kept(given: &mut [Cell], middle: usize) -> (&mut [Cell], &mut [Cell]) {
+    given.split_at_mut(middle.min(given.len()))
 }
 
 /// What the contacts of one projection have in common.
@@ -209,8 +256,9 @@ impl ObstacleRows<'_> {
         let middle = first_of_strip.get(strip).map_or(before, |&first| first as usize);
         let (candidates, others) = self.candidates.split_at_mut(middle - before);
         let (pushes, other_pushes) = self.pushes.split_at_mut(middle - before);
+        let (given, other_given) = split_if_kept(self.given, middle - before);
         (
-            ObstacleRows { groups, planes, first_of_strip, before, candidates, pushes },
+            ObstacleRows { groups, planes, first_of_strip, before, candidates, pushes, given },
             ObstacleRows {
                 groups,
                 planes,
@@ -218,20 +266,24 @@ impl ObstacleRows<'_> {
                 before: middle,
                 candidates: others,
                 pushes: other_pushes,
+                given: other_given,
             },
         )
     }
 
     /// The candidates of some strips with their pushes, obstacle by obstacle within a strip.
     #[inline(always)]
-    fn of_strips(&mut self, strips: Range<usize>) -> impl Iterator<Item = (&mut [Candidate], &mut [Pushes])> {
+    fn of_strips(&mut self, strips: Range<usize>) -> impl Iterator<Item = OfGroup<'_>> {
         let place = |strip: usize| self.first_of_strip[strip] as usize - self.before;
         let range = place(strips.start)..place(strips.end);
         let mut pushes = &mut self.pushes[range.clone()];
+        let (_, mut given) = split_if_kept(self.given, range.start);
         self.candidates[range].chunk_by_mut(|a, b| a.group == b.group).map(move |candidates| {
             let (own, others) = core::mem::take(&mut pushes).split_at_mut(candidates.len());
             pushes = others;
-            (candidates, own)
+            let (own_given, others) = split_if_kept(core::mem::take(&mut given), candidates.len());
+            given = others;
+            OfGroup { candidates, pushes: own, given: own_given }
         })
     }
 
@@ -247,17 +299,27 @@ impl ObstacleRows<'_> {
         meeting: &Meeting,
     ) {
         let (groups, planes) = (self.groups, self.planes);
-        for (candidates, pushes) in self.of_strips(strips) {
+        for OfGroup { candidates, pushes, given } in self.of_strips(strips) {
             let group = &groups[usize::from(candidates[0].group)];
             let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));
             let shape = meeting.obstacles[group.obstacle].shape();
-            for (candidate, pushes) in candidates.iter_mut().zip(pushes) {
+            for (place, (candidate, pushes)) in candidates.iter_mut().zip(pushes).enumerate() {
                 let solid = match candidate.planes {
                     Some(place) => Solid::Planes(&planes[place as usize]),
                     None => Solid::Formula(shape),
                 };
                 let contact = Contact { solid, before, now, is_moving: group.is_moving, meeting };
+                if !group.is_asking {
+                    contact.project(simd, candidate, pushes, moving, first_cell);
+                    continue;
+                }
+                let cell = candidate.cell as usize - first_cell;
+                let before = moving.displacement[cell];
+                if meeting.is_first {
+                    given[place] = Cell::default();
+                }
                 contact.project(simd, candidate, pushes, moving, first_cell);
+                add_to(&mut given[place], &before, &moving.displacement[cell]);
             }
         }
     }
@@ -274,14 +336,14 @@ impl ObstacleRows<'_> {
         meeting: &Meeting,
     ) {
         let groups = self.groups;
-        for (candidates, pushes) in self.of_strips(strips) {
+        for OfGroup { candidates, pushes, given } in self.of_strips(strips) {
             let group = &groups[usize::from(candidates[0].group)];
             if group.friction == Friction::default() {
                 continue;
             }
             let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));
-            let touching = candidates.iter().zip(pushes);
-            for (candidate, pushes) in touching.filter(|(candidate, _)| candidate.is_touching) {
+            let touching = candidates.iter().zip(pushes).enumerate();
+            for (place, (candidate, pushes)) in touching.filter(|(_, (candidate, _))| candidate.is_touching) {
                 let depth = load(simd, &pushes.depth);
                 let is_touching = depth.simd_gt(f32x16::splat(simd, 0.0));
                 let cell = candidate.cell as usize - first_cell;
@@ -302,7 +364,11 @@ impl ObstacleRows<'_> {
                 let part = is_slipping.select(most / is_slipping.select(length, one), one);
                 let taken = tangential.times(part);
                 position.minus(taken).or(is_touching, position).store(&mut moving.position[cell]);
+                let before = group.is_asking.then_some(moving.displacement[cell]);
                 displacement.minus(taken).or(is_touching, displacement).store(&mut moving.displacement[cell]);
+                if let Some(before) = before {
+                    add_to(&mut given[place], &before, &moving.displacement[cell]);
+                }
             }
         }
     }

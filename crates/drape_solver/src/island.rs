@@ -14,6 +14,7 @@ use crate::force::Wind;
 use crate::impact_zone::ImpactZones;
 use crate::isa::Isa;
 use crate::obstacles::Obstacles;
+use crate::reaction::{Reaction, Reactions};
 use crate::touch::{Contact, Other, Party, Touch, pair_without};
 
 /// What is the same for all islands in one step.
@@ -52,6 +53,8 @@ pub struct Island {
     /// What happened in the last step to whoever [reports](Body::reports_contacts) it: one contact for each two, bodies
     /// first by index.
     pub contacts: Vec<Contact>,
+    /// What was done in the last step to obstacles that [ask](crate::Obstacle::reporting_reaction) for it, by index.
+    pub reactions: Vec<Reaction>,
     /// The instruction set to run on; the bits do not depend on it.
     pub isa: Isa,
     /// Scratch of the step.
@@ -76,6 +79,7 @@ pub struct IslandContext {
     pub(crate) ball_pairs: Vec<BallPair>,
     pub(crate) self_contacts: SelfContacts,
     pub(crate) report: ContactReport,
+    pub(crate) reactions: Reactions,
     pub(crate) impact_zones: ImpactZones,
     pub(crate) ball_search: BallSearch,
     /// Places of the particles that a ball touches, while tethers are projected.
@@ -99,6 +103,7 @@ impl Island {
         self.balls.clear();
         self.touches.clear();
         self.contacts.clear();
+        self.reactions.clear();
     }
 
     /// Takes the body at `index` out in the middle of a step: an empty one is left in its place, and nothing touches

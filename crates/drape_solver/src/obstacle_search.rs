@@ -106,7 +106,13 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
             },
         );
         if contacts.candidates.len() > first {
-            contacts.groups.push(Group { obstacle: index, friction, is_moving: obstacle.is_moving(), pose });
+            contacts.groups.push(Group {
+                obstacle: index,
+                friction,
+                is_moving: obstacle.is_moving(),
+                is_asking: false,
+                pose,
+            });
         }
     }
     contacts.sort();

@@ -28,7 +28,7 @@ use crate::threads::{Alone, Threads};
 use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self};
 use crate::{
     contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle, contact_report, force,
-    impact_zone, integrate as verlet, obstacle_search, rest, stick,
+    impact_zone, integrate as verlet, obstacle_search, reaction, rest, stick,
 };
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -74,7 +74,8 @@ fn lent<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
 }
 
 fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
-    let is_fused = island.balls.is_empty() && !island.context.report.is_on();
+    let context = &island.context;
+    let is_fused = island.balls.is_empty() && !context.report.is_on() && !context.reactions.is_on();
     if is_fused && island.bodies.iter().all(sweep::is_all_stages) {
         let around = surroundings(&island.context, island.isa, environment);
         for body in &mut island.bodies {
@@ -133,6 +134,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     island.touches.clear();
     island.contacts.clear();
     island.context.report.clear();
+    island.reactions.clear();
+    island.context.reactions.clear();
     let iterations = island.iterations();
     for body in &mut island.bodies {
         body.begin_step(h, substeps, iterations);
@@ -173,6 +176,7 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     ball_cloth::detect(island, dt, gravity, speed);
     impact_zone::begin_step(island);
     contact_report::detect(island, environment, reach);
+    reaction::detect(island, &environment.obstacles);
 }
 
 /// Stage 1 of a substep: particles and balls fly freely for one substep.
@@ -249,6 +253,7 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
         ball.turn();
     }
     contact_report::gather(island, environment);
+    reaction::gather(island, environment);
     island.context.substep_index += 1;
 }
 
@@ -279,6 +284,7 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
         ball.disturbed = false;
     }
     contact_report::finish(island);
+    reaction::finish(island);
     Ok(())
 }
 

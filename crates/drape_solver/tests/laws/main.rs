@@ -18,6 +18,7 @@ mod mesh;
 mod momentum;
 mod obstacles;
 mod property;
+mod reactions;
 mod reference;
 mod relaxation;
 mod reports;

@@ -1,0 +1,178 @@
+//! Obstacles that are moved by what hits them: momentum is kept over the whole hit, and energy does not rise.
+
+use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::{
+    BallMaterial, Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, RigidBody, Shape,
+    SolverSettings, measure, step,
+};
+
+use crate::common::*;
+
+/// A box that what hits it moves, alone with an island.
+struct Scene {
+    island: Island,
+    environment: Environment,
+    body: RigidBody,
+}
+
+/// Half the box's side.
+const HALF: f32 = 0.15;
+
+impl Scene {
+    fn new(island: Island, gravity: Vec3, at: Vec3, mass: f32, velocity: Vec3) -> Self {
+        let mut environment = Environment { gravity, ..weightless(FRAME) };
+        let shape = Shape::Cuboid { half_extents: Vec3::splat(HALF) };
+        environment.obstacles.push(obstacle(shape, at, 0.5).reporting_reaction());
+        let side = 2.0 * HALF;
+        let mut body = RigidBody::new(mass, Vec3::splat(mass * side * side / 6.0)).expect("a valid body");
+        body.velocity = velocity;
+        Self { island, environment, body }
+    }
+
+    fn step(&mut self) {
+        let Self { island, environment, body } = self;
+        body.accelerate(environment.gravity, FRAME);
+        let next = body.advance(environment.obstacles[0].placement(), FRAME);
+        environment.obstacles[0].move_to(next, FRAME);
+        step(island, environment).expect("a good step");
+        for reaction in &island.reactions {
+            body.receive(reaction, next);
+        }
+    }
+
+    fn momentum(&self) -> DVec3 {
+        momentum(&self.island) + self.body.velocity.as_dvec3() * f64::from(self.body.mass())
+    }
+
+    fn angular_momentum(&self) -> DVec3 {
+        let placement = self.environment.obstacles[0].placement();
+        let orbit = placement.translation.as_dvec3().cross(self.body.velocity.as_dvec3());
+        angular_momentum(&self.island)
+            + orbit * f64::from(self.body.mass())
+            + self.body.angular_momentum(placement).as_dvec3()
+    }
+
+    fn kinetic_energy(&self) -> f64 {
+        let placement = self.environment.obstacles[0].placement();
+        kinetic_energy(&self.island) + f64::from(self.body.kinetic_energy(placement))
+    }
+}
+
+/// A free cloth of a square metre and 0.2 kg, level, with 16 substeps.
+fn free_cloth(thickness: f32) -> Body {
+    let settings = SolverSettings { substeps: 16, iterations: 4, friction: 0.5, thickness, ..bare() };
+    let material = ClothMaterial { areal_density: 0.2, damping: 0.0, ..ClothMaterial::default() };
+    ClothBuilder::new(1.0, 1.0, 17, 17).material(material).build(settings).expect("a valid cloth")
+}
+
+/// A box that turns flies into a free cloth off its middle: linear momentum is kept to 1e-5 and angular momentum to 2 %
+/// through the hit, and the kinetic energy never rises, from the cloth's own mass to a hundred times that.
+#[test]
+fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
+    for mass in [0.2, 1.0, 20.0] {
+        for thickness in [0.0, 0.01] {
+            let cloth = free_cloth(thickness);
+            let middle = centre(&cloth);
+            let normal = normal(&cloth);
+            let at = middle + normal * 0.4 + along(&cloth) * 0.15;
+            let mut scene = Scene::new(Island::of_body(cloth), Vec3::ZERO, at, mass, -normal * 6.0);
+            scene.body.angular_velocity = Vec3::new(1.0, 2.0, -1.0);
+            let (linear, angular) = (scene.momentum(), scene.angular_momentum());
+            let start = scene.kinetic_energy();
+            let mut least = start;
+            let mut given = 0.0;
+            for index in 0..45 {
+                scene.step();
+                let lost = (scene.momentum() - linear).length() / linear.length();
+                assert!(lost < 1e-5, "{mass} kg, {thickness} m: {lost} of the momentum at step {index}");
+                let lost = (scene.angular_momentum() - angular).length() / angular.length();
+                assert!(lost < 0.02, "{mass} kg, {thickness} m: {lost} of the angular momentum at {index}");
+                let energy = scene.kinetic_energy();
+                let what = format!("{mass} kg, {thickness} m, step {index}");
+                assert!(energy <= start, "{what}: {start} to {energy} J");
+                // What sticks have taken up they give back.
+                assert!(energy < least + 0.01 * start, "{what}: {least} to {energy} J");
+                least = least.min(energy);
+                given += scene.island.reactions.iter().map(|r| r.impulse.length()).sum::<f32>();
+            }
+            assert!(given > 0.05, "it has hit: {given} N s");
+        }
+    }
+}
+
+fn centre(body: &Body) -> Vec3 {
+    let particles = &body.particles;
+    (0..particles.len()).map(|i| particles.position(i)).sum::<Vec3>() / particles.len() as f32
+}
+
+/// Along the cloth's first row.
+fn along(body: &Body) -> Vec3 {
+    (body.particles.position(1) - body.particles.position(0)).normalize()
+}
+
+fn normal(body: &Body) -> Vec3 {
+    along(body).cross(body.particles.position(17) - body.particles.position(0)).normalize()
+}
+
+/// A ball that hits a box which weighs its own mass or more at the point of contact: what it loses, the box has, and no
+/// energy is gained.
+#[test]
+fn a_ball_hands_its_momentum_to_a_box() {
+    for (mass, off, friction) in [(4.0, 0.0, 0.0), (6.0, 0.05, 0.6), (40.0, 0.05, 0.6)] {
+        let material =
+            BallMaterial { radius: 0.1, mass: 4.0, friction, drag: 0.0, ..BallMaterial::default() };
+        let shot = ball(material, Vec3::new(-0.6, off, 0.0), Vec3::X * 12.0);
+        let mut scene = Scene::new(Island::of_ball(shot), Vec3::ZERO, Vec3::ZERO, mass, Vec3::ZERO);
+        let (linear, angular) = (scene.momentum(), scene.angular_momentum());
+        let mut most = scene.kinetic_energy();
+        for _ in 0..30 {
+            scene.step();
+            assert!((scene.momentum() - linear).length() < 1e-5 * linear.length());
+            assert!((scene.angular_momentum() - angular).length() <= 0.02 * angular.length() + 1e-5);
+            assert!(scene.kinetic_energy() < 1.0001 * most, "{mass} kg: {} J", scene.kinetic_energy());
+            most = most.min(scene.kinetic_energy());
+        }
+        let expected = 48.0 / (mass + 4.0);
+        assert!(scene.body.velocity.x > 0.8 * expected, "{mass} kg: {} m/s", scene.body.velocity.x);
+    }
+}
+
+/// A cloth that falls onto a box which falls with nothing to hold it: gravity alone changes their momentum.
+#[test]
+fn a_cloth_that_falls_on_a_box_changes_no_momentum_of_the_two() {
+    let cloth = free_cloth(0.01);
+    let down = -normal(&cloth);
+    let at = centre(&cloth) + down * 0.5;
+    // All fall alike: the box is shot up to meet the cloth.
+    let mut scene = Scene::new(Island::of_body(cloth), down * G, at, 1.0, -down * 5.0);
+    let mass = 1.0 + measure::mass(particles(&scene.island));
+    let mut expected = scene.momentum();
+    let mut is_hit = false;
+    for index in 0..40 {
+        scene.step();
+        expected += (down * G * FRAME).as_dvec3() * mass;
+        is_hit |= !scene.island.reactions.is_empty();
+        let error = (scene.momentum() - expected).length();
+        assert!(error < 1e-5 * 5.0, "{error} N s at step {index}");
+    }
+    assert!(is_hit);
+}
+
+/// What lies on an obstacle presses on it with its weight; one that does not ask is told nothing.
+#[test]
+fn the_ground_feels_the_weight_that_lies_on_it() {
+    let material = BallMaterial { mass: 3.0, radius: 0.2, ..BallMaterial::default() };
+    for asks in [true, false] {
+        let ground = if asks { Obstacle::ground().reporting_reaction() } else { Obstacle::ground() };
+        let mut environment = gravity(FRAME);
+        environment.obstacles.push(ground);
+        let mut island = Island::of_ball(ball(material, Vec3::new(0.0, 0.2, 0.0), Vec3::ZERO));
+        run(&mut island, &environment, 1.0);
+        if asks {
+            let force = island.reactions[0].impulse / FRAME;
+            assert!((force - Vec3::NEG_Y * 3.0 * G).length() < 0.01 * 3.0 * G, "{force} N");
+        } else {
+            assert!(island.reactions.is_empty());
+        }
+    }
+}
