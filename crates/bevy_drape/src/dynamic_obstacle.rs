@@ -88,7 +88,9 @@ impl DynamicObstacle {
                 return Err(BuildError::NotFinite { field, value });
             }
         }
-        Ok(RigidBody { velocity, angular_velocity, ..RigidBody::new(mass, inertia)? })
+        let mut body = RigidBody::new(mass, inertia)?;
+        (body.velocity, body.angular_velocity) = (velocity, angular_velocity);
+        Ok(body)
     }
 }
 
