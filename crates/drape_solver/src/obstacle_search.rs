@@ -93,6 +93,8 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
             }
         }
+        let half = obstacle.shape().least_half_extent() + settings.thickness;
+        let is_swift = (fastest + obstacle.travel()) / flight.substeps > half;
         faces.search(
             particles,
             topology,
@@ -103,6 +105,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 friction,
                 pose,
                 reach: reach - CONTACT_MARGIN + FACE_MARGIN,
+                is_swift,
             },
         );
         if contacts.candidates.len() > first {
@@ -168,10 +171,7 @@ impl Query<'_> {
             let path = way.length();
             let is_ahead = path > thickness && surface.distance > 0.0 && surface.distance < path + thickness;
             let ahead = if is_ahead { self.ahead(local, way) } else { None };
-            ahead.or(Some(Plane {
-                normal: surface.normal,
-                offset: surface.normal.dot(local) - surface.distance,
-            }))
+            ahead.or(Some(surface.plane_at(local)))
         });
     }
 

@@ -86,6 +86,13 @@ pub(crate) struct Surface {
     pub normal: Vec3,
 }
 
+impl Surface {
+    /// The surface as a plane, as `point` (the same as it was seen from) sees it.
+    pub fn plane_at(self, point: Vec3) -> Plane {
+        Plane { normal: self.normal, offset: self.normal.dot(point) - self.distance }
+    }
+}
+
 impl Shape {
     /// A parry shape, as one of the shapes worked out here where there is one.
     ///
