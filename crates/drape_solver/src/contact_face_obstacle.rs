@@ -143,6 +143,8 @@ impl FaceContacts {
         if nearest >= met.reach + side || nearest < -INTRUSION * side {
             return;
         }
+        // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
+        self.contacts.reserve(topology.faces.len() + topology.segments.len());
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
         let faces = topology.faces.iter().map(|face| Element::Face(face.map(slot)));
         let segments = topology.segments.iter().map(|ends| Element::Segment(ends.map(slot)));
