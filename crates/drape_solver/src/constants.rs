@@ -160,7 +160,7 @@ pub const DESCENT_ROUNDS_AGAIN: u32 = 5;
 pub const FACE_MARGIN: f32 = 0.01;
 
 /// Rounds of the same search in each substep, for shapes that are slow to ask.
-pub const LOOKS_AGAIN: u32 = 3;
+pub const LOOKS_AGAIN: u32 = 2;
 
 /// A particle deeper in an obstacle than this, in sides of a face, has not got there by itself.
 pub const INTRUSION: f32 = 0.5;

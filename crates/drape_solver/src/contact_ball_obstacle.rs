@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
+use crate::constants::BALL_TRAVEL_PER_SUBSTEP;
 use crate::island::{Island, IslandContext};
 use crate::obstacle::Obstacle;
 use crate::obstacles::Obstacles;
@@ -19,6 +20,8 @@ pub(crate) struct BallObstacle {
     ball: usize,
     obstacle: usize,
     plane: Option<Plane>,
+    /// The surface that the ball runs into in this substep, where it might be through and out on the other side.
+    ahead: Option<Plane>,
     depth: f32,
     overlap: Overlap,
     impact: Impact,
@@ -49,6 +52,19 @@ impl BallObstacle {
         let point = balls[self.ball].position.as_dvec3();
         (self.depth > 0.0).then_some(Given { obstacle: self.obstacle, point, push, moment })
     }
+
+    /// The plane that a ball meets on its way through the obstacle's coordinates, if that way is so long that the ball may
+    /// have the obstacle behind it at the end of the substep.
+    fn look_ahead(&self, ball: &Ball, shape: &Shape) -> Option<Plane> {
+        let start = self.before.to_local(ball.position - ball.displacement);
+        let way = self.now.to_local(ball.position) - start;
+        let radius = ball.material.radius;
+        let is_far = way.length() > radius * BALL_TRAVEL_PER_SUBSTEP * 1.01 + shape.least_half_extent();
+        if !is_far || shape.surface(start).distance <= 0.0 {
+            return None;
+        }
+        shape.sweep_ball(radius, start, way).map(|meeting| meeting.plane)
+    }
 }
 
 /// Lists the pairs whose boxes come within `dt` seconds of each other.
@@ -71,6 +87,7 @@ pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravit
                     ball: ball_index,
                     obstacle: obstacle_index,
                     plane,
+                    ahead: None,
                     depth: 0.0,
                     overlap: Overlap::default(),
                     impact: Impact::default(),
@@ -91,7 +108,7 @@ pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravit
 
 /// Brings the obstacles to the end of the current substep and forgets the last one's depths.
 pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
-    let context = &mut island.context;
+    let Island { balls, context, .. } = island;
     let (index, count) = (context.substep_index, context.substeps);
     for pair in &mut context.ball_obstacle {
         let pose_at = |k: u32| obstacles[pair.obstacle].pose_at(k as f32 / count as f32, Vec3::ZERO);
@@ -101,6 +118,7 @@ pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
         pair.overlap = Overlap::default();
         pair.given = Push::default();
         pair.impact = Impact::default();
+        pair.ahead = pair.look_ahead(&balls[pair.ball], obstacles[pair.obstacle].shape());
     }
 }
 
@@ -111,7 +129,7 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
     for pair in &mut context.ball_obstacle {
         let ball = &mut balls[pair.ball];
         let local = pair.now.to_local(ball.position);
-        let (plane, shape) = (pair.plane, obstacles[pair.obstacle].shape());
+        let (plane, shape) = (pair.plane.or(pair.ahead), obstacles[pair.obstacle].shape());
         let surface_at = |local: Vec3| match plane {
             Some(plane) => plane.surface(local),
             None => shape.surface(local),

@@ -51,6 +51,10 @@ struct FaceContact {
     weights: [f32; 3],
     /// The surface there, in the obstacle's coordinates, where asking the shape each time would be slow.
     plane: Option<Plane>,
+    /// Whether one may be through the other within a substep.
+    is_swift: bool,
+    /// The surface that the element runs into in this substep, where it might be through and out on the other side.
+    ahead: Option<Plane>,
     depth: f32,
     overlap: Overlap,
     /// In the world, of the last projection.
@@ -84,6 +88,8 @@ pub(crate) struct Met<'a> {
     pub pose: Pose,
     /// How far apart they may be to touch within the step, in metres.
     pub reach: f32,
+    /// Whether one may be through the other within a substep.
+    pub is_swift: bool,
 }
 
 /// How deep a shape can reach between the corners of a face with sides of `side` metres that all see the same distance, if
@@ -151,7 +157,8 @@ impl FaceContacts {
         let side = topology.longest_edge;
         let most = POKING * settings.thickness;
         // A body without thickness is met at its particles alone.
-        if most == 0.0 || side == 0.0 || poke(met.shape, side).is_some_and(|depth| depth <= most) {
+        let is_fine = || poke(met.shape, side).is_some_and(|depth| depth <= most);
+        if most == 0.0 || side == 0.0 || is_fine() {
             return;
         }
         // Where an obstacle has appeared around particles, those are to find their way out first.
@@ -159,6 +166,8 @@ impl FaceContacts {
         if nearest >= met.reach + side || nearest < -INTRUSION * side {
             return;
         }
+        // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
+        self.contacts.reserve(topology.faces.len() + topology.segments.len());
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
         let faces = topology.faces.iter().map(|face| Element::Face(face.map(slot)));
         let segments = topology.segments.iter().map(|ends| Element::Segment(ends.map(slot)));
@@ -195,7 +204,7 @@ impl FaceContacts {
         if nearest < 0.0
             || nearest >= met.reach + side
             || is_held
-            || !may_poke(seen.map(|s| s.normal), side, most)
+            || !met.is_swift && !may_poke(seen.map(|s| s.normal), side, most)
         {
             return;
         }
@@ -203,11 +212,7 @@ impl FaceContacts {
         if met.shape.is_convex() && least_distance(seen, local) >= met.reach {
             return;
         }
-        let piece = match element {
-            Element::Face(_) => Piece::Triangle(local),
-            Element::Segment(_) => Piece::Segment([local[0], local[1]]),
-        };
-        let (weights, surface) = match met.shape.nearest_on(piece, met.reach) {
+        let (weights, surface) = match met.shape.nearest_on(element.piece(local), met.reach) {
             Nearest::Apart => return,
             Nearest::At(_, point) => {
                 let weights = element.nearest(local, point);
@@ -220,10 +225,7 @@ impl FaceContacts {
         if surface.distance >= met.reach {
             return;
         }
-        let plane = Plane {
-            normal: surface.normal,
-            offset: surface.normal.dot(weighted(weights, local)) - surface.distance,
-        };
+        let plane = surface.plane_at(weighted(weights, local));
         self.contacts.push(FaceContact {
             element,
             place,
@@ -231,11 +233,22 @@ impl FaceContacts {
             friction: met.friction,
             weights,
             plane: (!met.shape.has_formula()).then_some(plane),
+            is_swift: met.is_swift,
+            ahead: None,
             depth: 0.0,
             overlap: Overlap::default(),
             normal: Vec3::ZERO,
             given: Vec3::ZERO,
         });
+    }
+}
+
+impl Element {
+    fn piece(self, corners: [Vec3; 3]) -> Piece {
+        match self {
+            Self::Face(_) => Piece::Triangle(corners),
+            Self::Segment(_) => Piece::Segment([corners[0], corners[1]]),
+        }
     }
 }
 
@@ -298,11 +311,11 @@ pub(crate) fn begin_substep(body: &mut Body, around: Surroundings) {
     let Body { particles, context, .. } = body;
     let mut poses = None;
     for contact in &mut context.faces.contacts {
+        let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
+        contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
         contact.depth = 0.0;
         contact.given = Vec3::ZERO;
         contact.overlap = Overlap::default();
-        let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
-        contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
     }
 }
 
@@ -342,13 +355,54 @@ fn kept<'a>(poses: &'a mut Option<Poses>, obstacle: usize, around: Surroundings,
 impl FaceContact {
     /// Follows the deepest point, and keeps the surface there as a plane.
     fn look(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) {
+        self.ahead = None;
+        if self.is_swift && self.look_ahead(particles, shape, poses) {
+            return;
+        }
         let corners = self.element.corners().map(|slot| poses.now.to_local(particles.position.get(slot)));
         let (weights, surface) = deepest(shape, self.element, corners, self.weights, 0.0, LOOKS_AGAIN);
         self.weights = weights;
         if let Some(plane) = &mut self.plane {
-            let offset = surface.normal.dot(weighted(weights, corners)) - surface.distance;
-            *plane = Plane { normal: surface.normal, offset };
+            *plane = surface.plane_at(weighted(weights, corners));
         }
+    }
+
+    /// Looks for what the element runs into on its way through the obstacle's coordinates: all of it as its middle does.
+    /// Where it lay on the obstacle at the start of the substep, it is held by the surface there.
+    fn look_ahead(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) -> bool {
+        let was_touching = self.depth > 0.0;
+        let corners = self.element.corners();
+        let end = corners.map(|slot| poses.now.to_local(particles.position.get(slot)));
+        let start = corners.map(|slot| {
+            poses.before.to_local(particles.position.get(slot) - particles.displacement.get(slot))
+        });
+        let places = || start.iter().chain(&end).copied();
+        let (low, high) = shape.local_bounds();
+        let (least, most) = places().fold((start[0], start[0]), |(a, b), place| (a.min(place), b.max(place)));
+        if least.cmpgt(high).any() || most.cmplt(low).any() {
+            return false;
+        }
+        let middle = self.element.middle();
+        let way = weighted(middle, end) - weighted(middle, start);
+        let is_outside = || shape.surface(weighted(middle, start)).distance > 0.0;
+        let piece = self.element.piece(start);
+        // What is through the shape already has no side to be swept from, and makes parry allocate.
+        let is_before = matches!(shape.nearest_on(piece, way.length()), Nearest::At(..));
+        let met = if is_before { shape.sweep_piece(piece, way) } else { None };
+        let (weights, plane) = match met {
+            Some(meeting) if is_outside() => {
+                let there = start.map(|corner| corner + way * meeting.fraction);
+                (self.element.nearest(there, meeting.point), meeting.plane)
+            }
+            _ if was_touching => {
+                let (weights, surface) = deepest(shape, self.element, start, self.weights, 0.0, LOOKS_AGAIN);
+                (weights, surface.plane_at(weighted(weights, start)))
+            }
+            _ => return false,
+        };
+        self.weights = weights;
+        self.ahead = Some(plane);
+        true
     }
 
     fn project(&mut self, body: &mut Body, obstacles: &[Obstacle], poses: &Poses, pace: Pace) {
@@ -357,7 +411,7 @@ impl FaceContact {
         let places = corners.map(|slot| body.particles.position.get(slot));
         let local = places.map(|place| poses.now.to_local(place));
         let shape = obstacles[self.obstacle].shape();
-        let plane = self.plane;
+        let plane = self.ahead.or(self.plane);
         let surface_at = |local: Vec3| match plane {
             Some(plane) => plane.surface(local),
             None => shape.surface(local),
@@ -366,10 +420,8 @@ impl FaceContact {
         let depth = thickness - surface.distance;
         // A corner is met as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
         let most = INTRUSION * body.topology.longest_edge;
-        if depth <= 0.0
-            || depth > most + thickness
-            || self.weights.iter().any(|&weight| weight > VERTEX_WEIGHT)
-        {
+        let is_corner = || self.weights.iter().any(|&weight| weight > VERTEX_WEIGHT);
+        if depth <= 0.0 || self.ahead.is_none() && (depth > most + thickness || is_corner()) {
             return;
         }
         let felt = self.felt(&body.particles);

@@ -64,6 +64,7 @@ pub mod shape;
 pub mod shape_compound;
 pub mod shape_mesh;
 mod shape_nearest;
+mod shape_sweep;
 pub mod step;
 pub mod stick;
 mod strain;

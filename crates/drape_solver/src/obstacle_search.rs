@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::body::{Body, BodyContext};
 use crate::columns::{Cell, LANES};
-use crate::constants::{CONTACT_MARGIN, FACE_MARGIN, LEAST_SHARED_CELLS};
+use crate::constants::{FACE_MARGIN, LEAST_SHARED_CELLS};
 use crate::contact_face_obstacle::Met;
 use crate::contact_particle_obstacle::{Candidate, Group, ObstacleContacts};
 use crate::crew::Crew;
@@ -93,6 +93,10 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
             }
         }
+        let half = obstacle.shape().least_half_extent() + settings.thickness;
+        // Particles look ahead for themselves; faces do where an obstacle is small enough to slip between particles.
+        let is_swift = (fastest + obstacle.travel()) / flight.substeps > half
+            && obstacle.shape().middle_half_extent() < topology.longest_edge;
         faces.search(
             particles,
             topology,
@@ -102,7 +106,8 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 obstacle: index,
                 friction,
                 pose,
-                reach: reach - CONTACT_MARGIN + FACE_MARGIN,
+                reach: settings.thickness + fastest + obstacle.travel() + FACE_MARGIN,
+                is_swift,
             },
         );
         if contacts.candidates.len() > first {
@@ -174,10 +179,7 @@ impl Query<'_> {
             let path = way.length();
             let is_ahead = path > thickness && surface.distance > 0.0 && surface.distance < path + thickness;
             let ahead = if is_ahead { self.ahead(local, way) } else { None };
-            ahead.or(Some(Plane {
-                normal: surface.normal,
-                offset: surface.normal.dot(local) - surface.distance,
-            }))
+            ahead.or(Some(surface.plane_at(local)))
         });
     }
 

@@ -86,6 +86,13 @@ pub(crate) struct Surface {
     pub normal: Vec3,
 }
 
+impl Surface {
+    /// The surface as a plane, as `point` (the same as it was seen from) sees it.
+    pub fn plane_at(self, point: Vec3) -> Plane {
+        Plane { normal: self.normal, offset: self.normal.dot(point) - self.distance }
+    }
+}
+
 impl Shape {
     /// A parry shape, as one of the shapes worked out here where there is one.
     ///
@@ -236,6 +243,13 @@ impl Shape {
             Self::Cuboid { half_extents } => half_extents.min_element(),
             Self::Mesh(_) | Self::Compound(_) | Self::Parry(_) => 0.0,
         }
+    }
+
+    /// The middle one of the half sides of the box around it, in metres: small for a ball or a needle, not for a plate.
+    pub(crate) fn middle_half_extent(&self) -> f32 {
+        let (low, high) = self.local_bounds();
+        let half = (high - low) * 0.5;
+        half.element_sum() - half.max_element() - half.min_element()
     }
 
     /// Whether it is known to be convex.

@@ -5,8 +5,9 @@ use parry3d::shape::Compound;
 
 use crate::error::BuildError;
 use crate::pose::{Placement, Pose};
-use crate::shape::{Shape, Surface};
+use crate::shape::{Plane, Shape, Surface};
 use crate::shape_nearest::{Nearest, Piece};
+use crate::shape_sweep::Meeting;
 
 /// Shapes that are moved as one. Made by [`Shape::from_parry`](crate::Shape::from_parry).
 #[derive(Clone, Debug)]
@@ -101,6 +102,33 @@ impl CompoundShape {
             }
         }
         nearest
+    }
+
+    /// Where a ball that flies from `start` by `way` first meets a part.
+    pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, way: Vec3) -> Option<Meeting> {
+        let sweep = |shape: &Shape, pose: &Pose| {
+            let from = pose.to_local(start);
+            shape.sweep_ball(radius, from, pose.to_local(start + way) - from)
+        };
+        self.first_met(sweep)
+    }
+
+    /// Where a triangle or a segment that flies by `way` first meets a part.
+    pub(crate) fn sweep_piece(&self, piece: Piece, way: Vec3) -> Option<Meeting> {
+        let sweep = |shape: &Shape, pose: &Pose| {
+            let way = pose.to_local(way) - pose.to_local(Vec3::ZERO);
+            shape.sweep_piece(piece.map(|corner| pose.to_local(corner)), way)
+        };
+        self.first_met(sweep)
+    }
+
+    fn first_met(&self, sweep: impl Fn(&Shape, &Pose) -> Option<Meeting>) -> Option<Meeting> {
+        let meetings = self.parts.iter().filter_map(|Part { shape, pose, .. }| {
+            let Meeting { fraction, point, plane } = sweep(shape, pose)?;
+            let (point, normal) = (pose.point_to_world(point), pose.direction_to_world(plane.normal));
+            Some(Meeting { fraction, point, plane: Plane { normal, offset: normal.dot(point) } })
+        });
+        meetings.min_by(|a, b| a.fraction.total_cmp(&b.fraction))
     }
 
     /// Where the way from `start` first enters a part: the part of the way, and the normal there.

@@ -6,6 +6,8 @@ use parry3d::query::details::closest_points_support_map_support_map;
 use parry3d::query::{ClosestPoints, closest_points};
 use parry3d::shape::{Cuboid, Segment, Shape as ParryShape, SupportMap, Triangle};
 
+use crate::contact_ball_cloth::weighted;
+use crate::nearest::{on_segment, on_triangle};
 use crate::shape::Shape;
 
 /// How an element lies to a shape.
@@ -32,6 +34,13 @@ impl Piece {
         match self {
             Self::Triangle(corners) => Self::Triangle(corners.map(move_corner)),
             Self::Segment(ends) => Self::Segment(ends.map(move_corner)),
+        }
+    }
+
+    fn nearest_to_origin(self) -> Vec3 {
+        match self {
+            Self::Triangle(corners) => weighted(on_triangle(corners, Vec3::ZERO), corners),
+            Self::Segment([a, b]) => weighted(on_segment([a, b], Vec3::ZERO), [a, b, b]),
         }
     }
 
@@ -72,8 +81,17 @@ impl Shape {
     /// The point of `piece` that is nearest to the shape, if it is within `reach` metres.
     pub(crate) fn nearest_on(&self, piece: Piece, reach: f32) -> Nearest {
         match self {
-            // The first two are met by particles alone; the nearest point to a centre is found at once.
-            Self::HalfSpace { .. } | Self::Container { .. } | Self::Sphere { .. } => Nearest::Through,
+            // They are met by particles alone.
+            Self::HalfSpace { .. } | Self::Container { .. } => Nearest::Through,
+            Self::Sphere { radius } => {
+                let point = piece.nearest_to_origin();
+                let distance = point.length() - radius;
+                match distance {
+                    _ if distance > reach => Nearest::Apart,
+                    _ if distance > 0.0 => Nearest::At(distance, point),
+                    _ => Nearest::Through,
+                }
+            }
             // A capsule by its core, as GJK gets to the end only where there are corners.
             Self::Capsule { half_length, radius } => {
                 let core = Segment::new(Vec3::Y * *half_length, Vec3::NEG_Y * *half_length);

@@ -3,7 +3,9 @@
 use std::alloc::System;
 
 use drape_solver::glam::{Quat, Vec3};
+use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
+use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
     Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, SelfContact, Shape,
     SolverSettings, StructuralSolve, Wind, step,
@@ -21,6 +23,65 @@ fn a_warm_step_allocates_nothing() {
     }
     // Not a test of its own: the count is that of the whole program.
     fold_allocating_nothing();
+    meet_shapes_allocating_nothing();
+}
+
+/// A cloth that lies on every shape which is asked for its surface, coarse enough for its faces to be met, with balls among
+/// them; some of the shapes move, one of them fast.
+fn meet_shapes_allocating_nothing() {
+    let corners: Vec<Vec3> =
+        (0..8).map(|i| Vec3::from([i & 1, i >> 1 & 1, i >> 2].map(|bit| 0.3 * bit as f32))).collect();
+    let hull = SharedShape::convex_hull(&corners).expect("a cube");
+    let (vertices, triangles) = hull.as_convex_polyhedron().expect("a hull").to_trimesh();
+    let heights = Array2::new(4, 4, (0..16).map(|i| (i * i % 5) as f32 * 0.1).collect());
+    let part = SharedShape::cuboid(0.05, 0.2, 0.05);
+    let shapes = [
+        hull,
+        SharedShape::trimesh(vertices, triangles).expect("a box"),
+        SharedShape::heightfield(heights, Vec3::new(0.5, 0.5, 0.5)),
+        SharedShape::cone(0.2, 0.15),
+        SharedShape::compound(vec![(Pose::IDENTITY, part)]),
+        SharedShape::cuboid(0.2, 0.2, 0.002),
+        SharedShape::capsule_y(0.2, 0.01),
+    ];
+    let mut obstacles = vec![Obstacle::ground()];
+    for (i, shape) in shapes.into_iter().enumerate() {
+        let at = Vec3::new((i % 3) as f32 * 0.6 - 0.6, 0.4, (i / 3) as f32 * 0.6 - 0.6);
+        let shape = Shape::from_parry(shape).expect("valid");
+        obstacles.push(Obstacle::new(shape, Placement::at(at), 0.5).expect("valid"));
+    }
+    let cloth = ClothBuilder::new(2.0, 2.0, 16, 16)
+        .placed(Vec3::new(-1.0, 0.8, -1.0), Vec3::X, Vec3::Z)
+        .build(SolverSettings { thickness: 0.01, ..SolverSettings::default() })
+        .expect("valid");
+    let mut island = Island::of_body(cloth);
+    for x in [-0.5, 0.0, 0.7] {
+        let at = Vec3::new(x, 1.5, 0.05);
+        island.balls.push(Ball::new(BallMaterial::default(), at, Vec3::NEG_Y).expect("valid"));
+    }
+    let dt = 1.0 / 60.0;
+    let mut environment = Environment { dt, obstacles: obstacles.into(), ..Environment::default() };
+    let mut touches = 0;
+    let mut steps = |count: u32| {
+        for index in 0..count {
+            for i in [2, 4, 6, 7] {
+                let Placement { mut translation, .. } = environment.obstacles[i].placement();
+                let rise = if i == 6 { 0.1 } else { 0.01 };
+                translation.y += if index % 8 < 4 { rise } else { -rise };
+                let angle = 0.02 * (4 - (index % 8).abs_diff(4)) as f32;
+                let rotation = Quat::from_rotation_y(angle);
+                environment.obstacles[i].move_to(Placement { translation, rotation }, dt);
+            }
+            step(&mut island, &environment).expect("a good step");
+            touches += island.touches.len();
+        }
+    };
+    steps(240);
+    let region = Region::new(ALLOCATOR);
+    steps(64);
+    let change = region.change();
+    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    assert!(touches > 0, "the balls must have hit something");
 }
 
 /// A cloth that has folded onto itself.

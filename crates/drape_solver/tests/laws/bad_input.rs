@@ -1,6 +1,9 @@
 //! Bad input is refused with a typed error; it never panics, and where a step is refused nothing has moved.
 
-use drape_solver::glam::{Quat, Vec3};
+use drape_solver::glam::{IVec3, Quat, Vec3};
+use drape_solver::parry3d::math::Pose;
+use drape_solver::parry3d::shape::SharedShape;
+use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
     Ball, BallMaterial, BuildError, ClothBuilder, Edge, Environment, Island, Obstacle, Particles, Placement,
     RopeBuilder, Shape, SolverSettings, StateHasher, StepError, Wind, step,
@@ -226,5 +229,93 @@ fn bad_balls_are_refused() {
         }
         let launched = |v: Vec3, a: Vec3, h: f32| Ball::launch(BallMaterial::default(), Vec3::ZERO, v, a, h);
         assert!(launched(Vec3::X, Vec3::NEG_Y, bad).is_err());
+    }
+}
+
+/// Shapes as they come from files and editors: each refused with an error that says why.
+#[test]
+fn shapes_that_cannot_be_are_refused() {
+    let mesh = |corners: &[Vec3], triangles: &[[u32; 3]]| {
+        SharedShape::trimesh(corners.to_vec(), triangles.to_vec()).ok()
+    };
+    let field = |bad: f32| {
+        SharedShape::heightfield(Array2::new(2, 2, vec![0.0, bad, 0.0, 0.0]), Vec3::new(1.0, 1.0, 1.0))
+    };
+    let flat = SharedShape::heightfield(Array2::new(3, 3, vec![0.0; 9]), Vec3::new(1.0, 1.0, 0.0));
+    let line = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
+    let square = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Z, Vec3::Z];
+    let here = Pose::IDENTITY;
+    let shapes = [
+        ("no triangles", mesh(&square, &[])),
+        ("triangles on a line", mesh(&line, &[[0, 1, 2]])),
+        ("triangles of one corner", mesh(&line, &[[0, 0, 0], [1, 1, 2]])),
+        ("a corner that is not finite", mesh(&[Vec3::ZERO, Vec3::X, Vec3::NAN], &[[0, 1, 2]])),
+        ("a corner at infinity", mesh(&[Vec3::ZERO, Vec3::X, Vec3::Y * f32::INFINITY], &[[0, 1, 2]])),
+        ("a hull of a line", SharedShape::convex_hull(&line)),
+        ("a height that is no number", Some(field(f32::NAN))),
+        ("a height without end", Some(field(f32::INFINITY))),
+        ("a field without a width", Some(flat)),
+        ("a ball of no size", Some(SharedShape::ball(0.0))),
+        ("a ball of less than no size", Some(SharedShape::ball(-1.0))),
+        ("a ball that is not finite", Some(SharedShape::ball(f32::NAN))),
+        ("a capsule of no radius", Some(SharedShape::capsule_y(1.0, 0.0))),
+        ("a capsule of no radius, lying", Some(SharedShape::capsule_x(1.0, 0.0))),
+        ("a capsule, lying, that is not finite", Some(SharedShape::capsule_x(1.0, f32::NAN))),
+        ("a flat box", Some(SharedShape::cuboid(1.0, 0.0, 1.0))),
+        ("a flat cylinder", Some(SharedShape::cylinder(0.0, 1.0))),
+        ("a cone of no radius", Some(SharedShape::cone(1.0, 0.0))),
+        ("a bad part", Some(SharedShape::compound(vec![(here, SharedShape::ball(0.0))]))),
+        (
+            "a part without a place",
+            Some(SharedShape::compound(vec![(Pose::from_translation(Vec3::NAN), SharedShape::ball(1.0))])),
+        ),
+        ("a part without end", Some(SharedShape::compound(vec![(here, SharedShape::halfspace(Vec3::Y))]))),
+        ("voxels of nothing", Some(SharedShape::voxels(Vec3::ONE, &[]))),
+        ("voxels of no size", Some(SharedShape::voxels(Vec3::ZERO, &[IVec3::ZERO]))),
+    ];
+    for (case, shape) in shapes {
+        // What parry does not build cannot come here.
+        let Some(shape) = shape else { continue };
+        let error = Shape::from_parry(shape).expect_err(case);
+        assert!(!error.to_string().is_empty(), "{case}");
+    }
+    let slope = Shape::HalfSpace { normal: Vec3::Y * 2.0 };
+    assert!(slope.validate().is_err() && Shape::HalfSpace { normal: Vec3::NAN }.validate().is_err());
+}
+
+/// A scale must be above zero and finite, for every kind of shape; as must be where the shape is put.
+#[test]
+fn bad_scales_and_places_of_shapes_are_refused() {
+    let corners: Vec<Vec3> =
+        (0..8).map(|i| Vec3::from([i & 1, i >> 1 & 1, i >> 2].map(|b| b as f32))).collect();
+    let heights = Array2::new(2, 2, vec![0.0; 4]);
+    let parry = [
+        SharedShape::ball(1.0),
+        SharedShape::capsule_y(1.0, 0.5),
+        SharedShape::cuboid(1.0, 1.0, 1.0),
+        SharedShape::halfspace(Vec3::Y),
+        SharedShape::cone(1.0, 1.0),
+        SharedShape::convex_hull(&corners).expect("a cube"),
+        SharedShape::heightfield(heights, Vec3::ONE),
+        SharedShape::voxels(Vec3::ONE, &[IVec3::ZERO]),
+        SharedShape::compound(vec![(Pose::IDENTITY, SharedShape::ball(1.0))]),
+    ];
+    let nowhere = [
+        Placement::at(Vec3::NAN),
+        Placement::at(Vec3::X * f32::INFINITY),
+        Placement { rotation: Quat::from_array([0.0; 4]), ..Placement::default() },
+        Placement { rotation: Quat::from_array([f32::NAN; 4]), ..Placement::default() },
+    ];
+    for shape in parry {
+        let shape = Shape::from_parry(shape).expect("valid");
+        for bad in [0.0, -0.0, -1.0, f32::NAN, f32::INFINITY] {
+            for scale in [Vec3::splat(bad), Vec3::new(1.0, bad, 1.0)] {
+                assert!(shape.scaled(scale).is_err(), "{shape:?} by {scale}");
+            }
+        }
+        for placement in nowhere {
+            assert!(Obstacle::new(shape.clone(), placement, 0.5).is_err(), "{shape:?} at {placement:?}");
+        }
+        assert!(Obstacle::new(shape.clone(), Placement::default(), f32::NAN).is_err());
     }
 }

@@ -1,10 +1,12 @@
 //! Same input, same bits; and the stages one by one are the step.
 
-use drape_solver::glam::{Quat, Vec3};
+use drape_solver::glam::{IVec3, Quat, Vec3};
+use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
+use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    BallMaterial, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RopeBuilder, Shape,
-    SolverSettings, StateHasher, Threads, Wind, step, step_on,
+    BallMaterial, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RopeBuilder,
+    SelfContact, Shape, SolverSettings, StateHasher, Threads, Wind, step, step_on,
 };
 
 use crate::common::*;
@@ -212,4 +214,93 @@ fn every_number_of_threads_gives_the_same_bits() {
             assert_eq!(shared, alone, "{threads} threads, {kind:?}");
         }
     }
+}
+
+/// Every shape of an obstacle, and every kind of contact: a large sheet over all of them, still and moving, between two
+/// smaller ones that touch it and themselves, and balls that bounce and shoot through the air.
+fn all_contacts(isa: Isa) -> (Island, Environment) {
+    let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(|bit| 0.4 * bit as f32 - 0.2);
+    let corners: Vec<Vec3> = (0..8).map(|i| Vec3::from(corner(i))).collect();
+    let (vertices, triangles) = SharedShape::cuboid(0.15, 0.1, 0.2).as_cuboid().expect("one").to_trimesh();
+    let roof = vec![Vec3::new(-0.2, 0.0, -0.2), Vec3::new(0.2, 0.0, -0.2), Vec3::new(0.0, 0.1, 0.3)];
+    let heights = Array2::new(3, 3, (0..9).map(|i| (i * i % 5) as f32 * 0.1).collect());
+    let part = SharedShape::cuboid(0.05, 0.2, 0.05);
+    let beside = Pose::from_translation(Vec3::X * 0.15);
+    let shapes = [
+        SharedShape::ball(0.2),
+        SharedShape::capsule_y(0.2, 0.02),
+        SharedShape::capsule_x(0.2, 0.05),
+        SharedShape::cuboid(0.2, 0.1, 0.01),
+        SharedShape::cone(0.2, 0.15),
+        SharedShape::convex_hull(&corners).expect("a cube"),
+        SharedShape::trimesh(vertices, triangles).expect("a box"),
+        SharedShape::trimesh(roof, vec![[0, 1, 2]]).expect("a triangle"),
+        SharedShape::heightfield(heights, Vec3::new(0.5, 0.3, 0.5)),
+        SharedShape::voxels(Vec3::splat(0.1), &[IVec3::ZERO, IVec3::X, IVec3::Y]),
+        SharedShape::compound(vec![(Pose::IDENTITY, part.clone()), (beside, part)]),
+    ];
+    let mut obstacles = vec![Obstacle::ground()];
+    obstacles.push(obstacle(Shape::Container { half_extents: Vec3::new(1.6, 3.0, 1.6) }, Vec3::ZERO, 0.2));
+    for (i, shape) in shapes.into_iter().enumerate() {
+        let at = Vec3::new((i % 4) as f32 * 0.6 - 0.9, 0.5, (i / 4) as f32 * 0.6 - 0.6);
+        let shape = Shape::from_parry(shape).expect("a valid shape");
+        obstacles.push(obstacle(shape, at, 0.4).with_restitution(0.5).expect("valid"));
+    }
+    let spread = |size: f32, count: u32, height: f32, self_contact: SelfContact| {
+        let settings =
+            SolverSettings { substeps: 4, thickness: 0.01, self_contact, ..SolverSettings::default() };
+        let cloth = ClothBuilder::new(size, size, count, count).placed(
+            Vec3::new(-0.5 * size, height, -0.5 * size),
+            Vec3::X,
+            Vec3::Z,
+        );
+        cloth.build(settings).expect("valid")
+    };
+    let bodies = vec![
+        spread(2.4, 30, 0.75, SelfContact::Off),
+        spread(1.0, 12, 0.85, SelfContact::Triangles),
+        spread(0.6, 12, 0.95, SelfContact::Particles),
+    ];
+    let mut island = Island { bodies, isa, ..Island::default() };
+    let bouncing = BallMaterial { radius: 0.06, mass: 3.0, restitution: 0.8, ..BallMaterial::default() };
+    for (x, speed) in [(-0.9, 4.0), (0.0, 12.0), (0.05, 2.0), (0.9, 20.0)] {
+        island.balls.push(ball(bouncing, Vec3::new(x, 1.4 + 0.02 * speed, 0.1), Vec3::NEG_Y * speed));
+    }
+    (island, Environment { obstacles: obstacles.into(), ..gravity(FRAME) })
+}
+
+/// The hash after some steps in which every other obstacle moves, two of them fast.
+fn all_contacts_after(steps: usize, isa: Isa, take: impl Fn(&mut Island, &Environment)) -> u64 {
+    let (mut island, mut environment) = all_contacts(isa);
+    let (mut touches, mut pairs) = (0, 0);
+    for step in 1..=steps {
+        for i in (2..environment.obstacles.len()).step_by(2) {
+            let Placement { mut translation, .. } = environment.obstacles[i].placement();
+            let rise = if i % 5 == 2 { 0.12 } else { 0.02 };
+            translation.y += if step % 8 < 4 { rise } else { -rise };
+            let rotation = Quat::from_rotation_y(0.1 * step as f32);
+            environment.obstacles[i].move_to(Placement { translation, rotation }, FRAME);
+        }
+        take(&mut island, &environment);
+        touches += island.touches.len();
+        pairs += island.self_contact_pairs();
+    }
+    assert!(touches > 0 && pairs > 0, "{touches} touches, {pairs} pairs of cloth");
+    hash(&island)
+}
+
+#[test]
+fn every_kind_of_contact_gives_the_same_bits_however_it_is_stepped() {
+    let steps = 4;
+    let alone = all_contacts_after(steps, Isa::detected(), whole);
+    for isa in Isa::available() {
+        assert_eq!(all_contacts_after(steps, isa, whole), alone, "{isa:?}");
+    }
+    for threads in [2, 3, 8] {
+        let shared = all_contacts_after(steps, Isa::detected(), |island, environment| {
+            step_on(island, environment, &Fresh(threads)).expect("finite");
+        });
+        assert_eq!(shared, alone, "{threads} threads");
+    }
+    assert_eq!(all_contacts_after(steps, Isa::detected(), step_staged), alone, "stage by stage");
 }

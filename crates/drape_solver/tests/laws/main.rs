@@ -6,6 +6,7 @@ mod balls;
 mod belts;
 mod common;
 mod contact;
+mod continuous;
 mod determinism;
 mod drag;
 mod drape;

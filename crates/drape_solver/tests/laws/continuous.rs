@@ -1,0 +1,216 @@
+//! Continuous collision: nothing passes through anything between two steps, however fast and however thin.
+
+use drape_solver::glam::{Quat, Vec3};
+use drape_solver::parry3d::math::Pose;
+use drape_solver::parry3d::shape::SharedShape;
+use drape_solver::parry3d::utils::Array2;
+use drape_solver::{ClothBuilder, Island, Placement, Shape, SolverSettings, step};
+
+use crate::common::*;
+
+fn parry(shape: SharedShape) -> Shape {
+    Shape::from_parry(shape).expect("a valid shape")
+}
+
+/// Two triangles in the plane z = 0, `half` metres to each side: a sheet without any thickness.
+fn open_mesh(half: f32) -> Shape {
+    let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, 0.0);
+    let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    parry(SharedShape::trimesh(corners, vec![[0, 1, 2], [0, 2, 3]]).expect("triangles"))
+}
+
+fn thin_cuboid() -> Shape {
+    Shape::Cuboid { half_extents: Vec3::new(1.0, 1.0, 0.001) }
+}
+
+fn in_two_parts() -> Shape {
+    let part = SharedShape::cuboid(0.5, 1.0, 0.001);
+    let at = |x: f32| Pose::from_translation(Vec3::X * x);
+    parry(SharedShape::compound(vec![(at(-0.5), part.clone()), (at(0.5), part)]))
+}
+
+fn thrown_ball(radius: f32, at: Vec3, velocity: Vec3) -> Island {
+    Island { balls: vec![ball(smooth(radius, 0.1), at, velocity)], ..Island::default() }
+}
+
+/// Balls at 20, 60 and 200 m/s against sheets, plates and a wire: they stay on their side.
+#[test]
+fn a_fast_ball_passes_no_thin_obstacle() {
+    let wire = Shape::Capsule { half_length: 1.0, radius: 0.002 };
+    for shape in [open_mesh(1.0), thin_cuboid(), in_two_parts(), wire] {
+        for speed in [20.0, 60.0, 200.0] {
+            for offset in [0.0, 0.3, 0.77] {
+                let mut island = thrown_ball(0.03, Vec3::new(0.01, 0.1, 1.0 + offset), Vec3::NEG_Z * speed);
+                let mut environment = weightless(FRAME);
+                environment.obstacles = vec![obstacle(shape.clone(), Vec3::ZERO, 0.0)].into();
+                let steps = (4.0 / (speed * FRAME)).ceil() as usize + 1;
+                for _ in 0..steps {
+                    step(&mut island, &environment).expect("a good step");
+                    let ball = &island.balls[0];
+                    // The wire throws it aside, and it flies on past it.
+                    let is_beside = ball.position().x.abs() > 0.02 && matches!(shape, Shape::Capsule { .. });
+                    let z = ball.position().z;
+                    assert!(
+                        z > 0.0 || is_beside,
+                        "{shape:?} at {speed} m/s from {offset}: {}",
+                        ball.position()
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// At 200 m/s each, head on: they do not change places.
+#[test]
+fn fast_balls_do_not_pass_through_each_other() {
+    for offset in [0.5, 1.0, 1.66, 2.9] {
+        let mut island = thrown_ball(0.03, Vec3::Z * offset, Vec3::NEG_Z * 200.0);
+        island.balls.push(ball(smooth(0.03, 0.1), Vec3::new(0.01, 0.0, -offset), Vec3::Z * 200.0));
+        for _ in 0..4 {
+            step(&mut island, &weightless(FRAME)).expect("a good step");
+            let [one, other] = [0, 1].map(|i| island.balls[i].position());
+            let is_beside = (one - other).truncate().length() > 0.05;
+            assert!(one.z > other.z || is_beside, "from {offset}: {one} and {other}");
+        }
+    }
+}
+
+/// A step in which obstacles move as far as 20 m.
+const LONG_STEP: f32 = 0.1;
+
+/// The obstacles that are moved, and how far each reaches to the sides of the way of its centre.
+fn racing() -> Vec<(Shape, f32)> {
+    let plate = Shape::Cuboid { half_extents: Vec3::new(1.5, 1.5, 0.001) };
+    vec![
+        (Shape::Sphere { radius: 0.3 }, 0.28),
+        (Shape::Capsule { half_length: 0.3, radius: 0.1 }, 0.095),
+        (Shape::Cuboid { half_extents: Vec3::splat(0.25) }, 0.24),
+        (plate, 1.4),
+        (open_mesh(0.4), 0.39),
+        (parry(SharedShape::convex_hull(&cube(0.25)).expect("a hull")), 0.24),
+    ]
+}
+
+fn cube(half: f32) -> Vec<Vec3> {
+    (0..8)
+        .map(|i| Vec3::from([i & 1, i >> 1 & 1, i >> 2].map(|bit| half * (2.0 * bit as f32 - 1.0))))
+        .collect()
+}
+
+/// Whether something is ahead of what has come to z = 20 m, or was thrown aside by what is round.
+fn is_in_front(position: Vec3, half: f32) -> bool {
+    position.z > 20.0 || position.x.abs().max(position.y.abs()) > half
+}
+
+/// Balls in the way of what moves 20 m in one step are swept along.
+#[test]
+fn a_racket_leaves_no_ball_behind() {
+    for (shape, half) in racing() {
+        for turn in [0.0, 0.4] {
+            for place in [2.0, 7.3, 19.0] {
+                let at = Vec3::new(0.3 * half, -0.4 * half, place);
+                let mut island = thrown_ball(0.03, at, Vec3::ZERO);
+                let mut environment = weightless(LONG_STEP);
+                let start = Placement { rotation: Quat::from_rotation_z(-turn), ..Placement::default() };
+                environment.obstacles = vec![obstacle(shape.clone(), Vec3::ZERO, 0.0)].into();
+                environment.obstacles[0].teleport(start);
+                environment.obstacles[0].move_to(Placement::at(Vec3::Z * 20.0), LONG_STEP);
+                step(&mut island, &environment).expect("a good step");
+                let position = island.balls[0].position();
+                assert!(
+                    is_in_front(position, half),
+                    "{shape:?} turned by {turn} left it at {position}, from {place}"
+                );
+            }
+        }
+    }
+}
+
+/// A loose sheet across the way, `count` particles to a side.
+fn sheet_at(count: u32, size: f32, z: f32) -> Island {
+    let settings = SolverSettings { thickness: 0.005, substeps: 8, ..SolverSettings::default() };
+    let sheet = ClothBuilder::new(size, size, count, count)
+        .placed(Vec3::new(-0.5 * size + 0.013, 0.5 * size + 0.017, z), Vec3::X, Vec3::NEG_Y)
+        .build(settings);
+    Island::of_body(sheet.expect("a valid sheet"))
+}
+
+/// Where a face crosses the way of the centre.
+fn height_on_the_axis(corners: [Vec3; 3]) -> Option<f32> {
+    let [a, b, c] = corners.map(Vec3::truncate);
+    let areas = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
+    let is_crossed = areas.iter().all(|&area| area > 0.0) || areas.iter().all(|&area| area < 0.0);
+    let height = (0..3).map(|k| areas[k] * corners[k].z).sum::<f32>() / areas.iter().sum::<f32>();
+    is_crossed.then_some(height)
+}
+
+/// After one step of 20 m, all particles that were in the way are on the front side of what came; and so are the faces
+/// that its centre met.
+#[test]
+fn what_moves_far_in_a_step_leaves_no_cloth_behind() {
+    for (shape, half) in racing() {
+        for count in [41, 4] {
+            for turn in [0.0, 0.4] {
+                for place in [2.0, 7.3, 19.0] {
+                    let mut island = sheet_at(count, 2.0, place);
+                    let in_way = |p: Vec3| p.x.abs().max(p.y.abs()) < 0.6 * half;
+                    let met: Vec<usize> = particles(&island)
+                        .positions()
+                        .enumerate()
+                        .filter(|&(_, position)| in_way(position))
+                        .map(|(i, _)| i)
+                        .collect();
+                    let topology = island.bodies[0].topology.clone();
+                    let corners_of = |face: [u32; 3]| face.map(|i| particles(&island).position(i as usize));
+                    let is_met = |face: &&[u32; 3]| height_on_the_axis(corners_of(**face)).is_some();
+                    let face = *topology.faces().iter().find(is_met).expect("one has it");
+                    let mut environment = weightless(LONG_STEP);
+                    environment.obstacles = vec![obstacle(shape.clone(), Vec3::ZERO, 0.0)].into();
+                    let start = Placement { rotation: Quat::from_rotation_z(-turn), ..Placement::default() };
+                    environment.obstacles[0].teleport(start);
+                    environment.obstacles[0].move_to(Placement::at(Vec3::Z * 20.0), LONG_STEP);
+                    step(&mut island, &environment).expect("a good step");
+                    let case = format!("{shape:?} turned by {turn}, {count} particles a side at {place} m");
+                    for i in met {
+                        let position = particles(&island).position(i);
+                        assert!(is_in_front(position, half), "{case}: particle {i} is left at {position}");
+                    }
+                    let corners = face.map(|i| particles(&island).position(i as usize));
+                    let z = height_on_the_axis(corners);
+                    assert!(z.is_none_or(|z| z > 19.9), "{case}: the face in the middle is left at {z:?} m");
+                }
+            }
+        }
+    }
+}
+
+/// A free sheet thrown at up to 100 m/s at triangles without any thickness.
+#[test]
+fn a_fast_cloth_passes_no_triangles() {
+    let heights = Array2::new(9, 9, vec![0.0; 81]);
+    let field = SharedShape::heightfield(heights, Vec3::new(4.0, 1.0, 4.0));
+    for (shape, rotation) in
+        [(open_mesh(2.0), Quat::IDENTITY), (parry(field), Quat::from_rotation_x(std::f32::consts::FRAC_PI_2))]
+    {
+        for count in [31, 4] {
+            for speed in [10.0, 40.0, 100.0] {
+                let mut island = sheet_at(count, 1.0, 1.3);
+                let body = &mut island.bodies[0].particles;
+                (0..body.len()).for_each(|i| body.set_velocity(i, Vec3::NEG_Z * speed));
+                let mut environment = weightless(FRAME);
+                environment.obstacles = vec![obstacle(shape.clone(), Vec3::ZERO, 0.3)].into();
+                environment.obstacles[0].teleport(Placement { rotation, ..Placement::default() });
+                run_with(&mut island, &environment, 0.25, |island, index| {
+                    for (i, p) in particles(island).positions().enumerate() {
+                        let is_over = p.x.abs().max(p.y.abs()) < 1.9;
+                        assert!(
+                            p.z > -1e-3 || !is_over,
+                            "{shape:?}, {count} a side at {speed} m/s: {i} at {p} in step {index}"
+                        );
+                    }
+                });
+            }
+        }
+    }
+}
