@@ -28,9 +28,11 @@ fn components_and_resources_are_registered() {
     assert_component::<Cloth>(&app);
     assert_component::<ContactEvents>(&app);
     assert_component::<DrapeLayers>(&app);
+    assert_component::<DynamicObstacle>(&app);
     assert_component::<InRig>(&app);
     assert_component::<Interpolated>(&app);
     assert_component::<Obstacle>(&app);
+    assert_component::<ObstacleReaction>(&app);
     assert_component::<Particle>(&app);
     assert_component::<Particles>(&app);
     assert_component::<Projectile>(&app);
@@ -40,6 +42,7 @@ fn components_and_resources_are_registered() {
     assert_component::<SolverSettings>(&app);
     assert_component::<Stick>(&app);
     assert_component::<Sticks>(&app);
+    assert_component::<TeleportObstacle>(&app);
     assert_component::<Viewer>(&app);
     assert_resource::<ActivityCounts>(&app);
     assert_resource::<DefaultSolverSettings>(&app);
@@ -94,9 +97,10 @@ mod both {
         full_names! {
             Activity ActivityCounts BallHit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
             DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
-            DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems FireCannon Grab HitTarget InRig
-            Interpolated Obstacle ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope
-            SceneManager SelfContact SolverSettings Stick StickKind StickProjection Sticks StructuralSolve Viewer Wind
+            DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
+            DrapeSystems DynamicObstacle FireCannon Grab HitTarget InRig Interpolated Obstacle ObstacleReaction
+            ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
+            SolverSettings Stick StickKind StickProjection Sticks StructuralSolve TeleportObstacle Viewer Wind
         }
         .into_iter()
     }

@@ -11,9 +11,10 @@
 //!              |     |  obstacle
 //! ```
 //!
-//! The deepest point is found by descent along the surface normal, from where it was found last (the idea is that of
-//! Macklin et al. 2020, "Local optimization for robust signed distance field collision"). Faces of which all particles
-//! see the same plane need none of this and are left to their particles.
+//! At the start of a step parry tells which point of the face is nearest to the shape; where the two overlap, a descent
+//! along the surface normal finds the deepest (after Macklin et al. 2020, "Local optimization for robust signed distance
+//! field collision"). Substeps follow it by projections to and fro. Faces of which all particles see about the same plane
+//! need none of this and are left to their particles.
 
 use glam::{DVec3, Vec3};
 
