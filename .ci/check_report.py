@@ -10,6 +10,8 @@ import math
 import pathlib
 import sys
 
+from checks import check, faults, status
+
 SHOTS = 5
 SCENE = {"particles": 64 * 48, "dt": 1.0 / 60.0}
 # Fractions of the rest length, at rest.
@@ -33,15 +35,6 @@ FIELDS = {
     "curtain": "max_stretch rms_stretch peak_stretch rest_time_s max_penetration_m".split(),
     "timing": "steps wall_ms_median wall_ms_p99 realtime_factor threads".split(),
 }
-
-faults = []
-
-
-def check(holds, text):
-    """Prints one line of the table and remembers what does not hold."""
-    print(f"  {'ok   ' if holds else 'FAULT'}  {text}")
-    if not holds:
-        faults.append(text)
 
 
 def below(value, limit):
@@ -124,9 +117,7 @@ def main(paths):
     for path in others:
         other = read(path).get("state_hash")
         check(other == report.get("state_hash"), f"{path}: ends in the same state ({other})")
-    for fault in faults:
-        print(f"error: {fault}", file=sys.stderr)
-    return 1 if faults else 0
+    return status()
 
 
 if __name__ == "__main__":

@@ -5,18 +5,11 @@ import json
 import pathlib
 import sys
 
+from checks import check, status
+
 METHOD_FIELDS = "name ms_per_shot ratio_to_ours queries missed false_contacts".split()
 # GJK's distances are rough: contacts that it may get wrong, as a fraction.
 FAULTS_BELOW = 0.01
-
-faults = []
-
-
-def check(holds, text):
-    """Prints one line and remembers what does not hold."""
-    print(f"  {'ok   ' if holds else 'FAULT'}  {text}")
-    if not holds:
-        faults.append(text)
 
 
 def check_curtain(name, curtain):
@@ -50,9 +43,7 @@ def main(table1, *soaks):
         check(report["steps"] > 0 and report["shots"] > 0, f"{report['steps']} steps, {report['shots']} shots")
         entities = [minute["entities"] for minute in report["minutes"]]
         check(max(entities) <= entities[0] + 1, f"entities at the end of each minute: {entities}")
-    for fault in faults:
-        print(f"error: {fault}", file=sys.stderr)
-    return 1 if faults else 0
+    return status()
 
 
 if __name__ == "__main__":

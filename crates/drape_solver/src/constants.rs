@@ -150,16 +150,14 @@ pub const POKING: f32 = 1.0;
 /// alone. With both at one distance they take turns, and the cloth trembles.
 pub const FACE_THICKNESS: f32 = 0.5;
 
-/// Rounds of the search for the deepest point of a face in an obstacle: when it is first seen in a step, and from then on,
-/// from where it was. Each halves the way that is left, at least.
+/// Rounds of the search for the deepest point of a face that runs through an obstacle when it is first seen in a step.
+/// Each halves the way that is left, at least.
 pub const DESCENT_ROUNDS: u32 = 16;
-/// See [`DESCENT_ROUNDS`].
-pub const DESCENT_ROUNDS_AGAIN: u32 = 5;
 
 /// As [`CONTACT_MARGIN`], for faces, metres: they are looked at one by one, and many at the edge of a table.
 pub const FACE_MARGIN: f32 = 0.01;
 
-/// Rounds of the same search in each substep, for shapes that are slow to ask.
+/// Rounds of projections to and fro in each substep, from where the deepest point was.
 pub const LOOKS_AGAIN: u32 = 2;
 
 /// A particle deeper in an obstacle than this, in sides of a face, has not got there by itself.

@@ -57,6 +57,10 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
         let first = contacts.candidates.len();
         let group = contacts.groups.len() as u16;
         let reach = reach + obstacle.travel();
+        let sight = flight.towards(obstacle, particles);
+        // Whether one may be through the other and out again within a substep.
+        let thinnest = obstacle.shape().least_half_extent() + settings.thickness;
+        let is_swift = (fastest + obstacle.travel()) / flight.substeps > thinnest;
         match obstacle.shape() {
             Shape::Container { half_extents } => {
                 for wall in container_walls(*half_extents) {
@@ -71,20 +75,11 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 }
             }
             shape if !shape.has_formula() => {
-                let search = Query {
-                    particles,
-                    shape,
-                    pose,
-                    reach,
-                    group,
-                    sight: flight.towards(obstacle, particles),
-                };
+                let search = Query { particles, shape, pose, reach, group, sight };
                 search.run(contacts, settings.thickness);
             }
             shape => {
-                let half = shape.least_half_extent() + settings.thickness;
-                if (fastest + obstacle.travel()) / flight.substeps > half {
-                    let sight = flight.towards(obstacle, particles);
+                if is_swift {
                     let search = Query { particles, shape, pose, reach, group, sight };
                     search.run_ahead(contacts);
                 }
@@ -93,10 +88,6 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
             }
         }
-        let half = obstacle.shape().least_half_extent() + settings.thickness;
-        // Particles look ahead for themselves; faces do where an obstacle is small enough to slip between particles.
-        let is_swift = (fastest + obstacle.travel()) / flight.substeps > half
-            && obstacle.shape().middle_half_extent() < topology.longest_edge;
         faces.search(
             particles,
             topology,
@@ -107,7 +98,8 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 friction,
                 pose,
                 reach: settings.thickness + fastest + obstacle.travel() + FACE_MARGIN,
-                is_swift,
+                // Particles look ahead for themselves; faces do where an obstacle is small enough to slip between them.
+                is_swift: is_swift && obstacle.shape().middle_half_extent() < topology.longest_edge,
             },
         );
         if contacts.candidates.len() > first {

@@ -99,7 +99,8 @@ pub fn substep(island: &mut Island, environment: &Environment) {
 /// Checks the input, settles the number of substeps and everything that depends on it.
 ///
 /// The island takes the substeps of its most demanding body; a ball that would cross more than half its radius
-/// in a substep asks for more, so that it cannot jump over a cloth; a heavy one near a light cloth, for more still; so do two cloths that fly at each other.
+/// in a substep asks for more, so that it cannot jump over a cloth; a heavy one near a light cloth, for more still; so
+/// do two cloths that fly at each other.
 ///
 /// # Errors
 /// [`StepError`] as [`step`].
