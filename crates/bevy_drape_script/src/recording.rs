@@ -1,0 +1,1 @@
+//! Recordings: what a run did, step by step, in one compact file.
