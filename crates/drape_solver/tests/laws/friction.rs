@@ -1,7 +1,9 @@
 //! S7: Coulomb friction, on an incline.
 
 use drape_solver::glam::{Quat, Vec3};
-use drape_solver::{Body, ClothBuilder, Environment, Island, Obstacle, Placement, Shape, SolverSettings};
+use drape_solver::{
+    BallMaterial, Body, ClothBuilder, Environment, Island, Obstacle, Placement, Shape, SolverSettings,
+};
 
 use crate::common::*;
 
@@ -159,4 +161,46 @@ fn static_friction_holds_what_does_not_slide_yet() {
     assert!(after(0.0).abs() < 1e-6, "it holds");
     let expected = 1.0 + G * (angle.sin() - kinetic * angle.cos());
     law("speed after a second's slide", after(1.0).into(), expected.into(), 1e-5);
+}
+
+/// A ball rolls down an incline without slipping as long as `tan(angle)` is at most 3.5 times its coefficient of static
+/// friction; with that of kinetic friction alone it would slide.
+#[test]
+fn static_friction_makes_a_ball_roll_where_kinetic_friction_would_let_it_slide() {
+    let angle = 35.0_f32.to_radians();
+    let speed = |sticking: f32| {
+        let (plane, downhill) = incline(angle, 0.05);
+        let plane = plane.with_static_friction(sticking).expect("valid");
+        let material = BallMaterial { friction: 0.05, static_friction: sticking, ..smooth(0.2, 1.0) };
+        let start = Quat::from_rotation_z(-angle) * Vec3::Y * 0.2;
+        let mut island = Island::of_ball(ball(material, start, Vec3::ZERO));
+        run(&mut island, &Environment { obstacles: vec![plane].into(), ..gravity(FRAME) }, 1.0);
+        f64::from(island.balls[0].velocity().dot(downhill))
+    };
+    let pull = f64::from(G * angle.sin());
+    law("acceleration of a ball that sticks and rolls", speed(0.4), pull * 5.0 / 7.0, 0.012);
+    let slides = pull - f64::from(0.05 * G * angle.cos());
+    law("acceleration of a ball that slides", speed(0.0), slides, 0.012);
+}
+
+/// A spinning ball that comes down on a cloth held all round is driven aside by friction, as it is on the ground, and not
+/// without.
+#[test]
+fn friction_with_cloth_turns_spin_into_motion() {
+    let driven = |friction: f32| {
+        let settings = SolverSettings { friction, ..SolverSettings::default() };
+        let cloth = ClothBuilder::new(1.0, 1.0, 17, 17)
+            .placed(Vec3::new(-0.5, 0.0, -0.5), Vec3::X, Vec3::Z)
+            .pin_where(|column, row, _| column % 16 == 0 || row % 16 == 0);
+        let mut island = Island::of_body(cloth.build(settings).expect("valid"));
+        let material = BallMaterial { friction, ..smooth(0.1, 0.1) };
+        let mut spinning = ball(material, Vec3::Y * 0.12, Vec3::ZERO);
+        spinning.set_spin(Vec3::NEG_Z * 30.0);
+        island.balls.push(spinning);
+        run(&mut island, &gravity(FRAME), 0.4);
+        island.balls[0].velocity().x
+    };
+    let (rough, smooth) = (driven(0.5), driven(0.0));
+    println!("law: speed from 30 rad/s on cloth: {rough} m/s with friction, {smooth} m/s without");
+    assert!(rough > 0.3 && smooth.abs() < 0.05, "{rough} m/s and {smooth} m/s");
 }
