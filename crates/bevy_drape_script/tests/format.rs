@@ -95,7 +95,7 @@ fn an_unknown_field_is_told_with_those_that_there_are() {
 #[test]
 fn a_wrong_type_is_told() {
     let error = error("size: (2, 1.5)", "size: \"big\"");
-    assert_told(&error, "size: \"big\"", "bodies.curtain.size", &["expected", "`(`"]);
+    assert_told(&error, "size: \"big\"", "bodies.curtain.size", &["Expected opening `(`"]);
 }
 
 #[test]
