@@ -25,7 +25,7 @@ impl ScenePlay {
                 let state = points::state(world, &self.stage, of.first()?, point)?;
                 number(along(state.position, axis))
             }
-            Probe::Velocity { of, point, axis } => {
+            Probe::Velocity { of, point, axis, .. } => {
                 let state = points::state(world, &self.stage, of.first()?, point)?;
                 number(along(state.velocity, axis))
             }

@@ -26,7 +26,7 @@ pub enum Probe {
         #[serde(default)]
         since: Option<Seconds>,
     },
-    /// Velocity of a point along an axis, in m/s.
+    /// Velocity of a point along an axis, in m/s: as Verlet has it, that in the middle of the last substep.
     Velocity {
         /// Whose.
         of: Names,
@@ -36,6 +36,9 @@ pub enum Probe {
         /// Along which axis; `Length`, the speed, by default.
         #[serde(default)]
         axis: Axis,
+        /// A time in seconds whose value is taken off: how much it has changed since then.
+        #[serde(default)]
+        since: Option<Seconds>,
     },
     /// Distance between two points in metres.
     Distance {
@@ -291,7 +294,10 @@ impl fmt::Display for Probe {
                 write!(f, "position of {of} ({point}){}", at(axis))?;
                 since.map_or(Ok(()), |since| write!(f, " since {} s", since.get()))
             }
-            Self::Velocity { of, point, axis } => write!(f, "velocity of {of} ({point}){}", at(axis)),
+            Self::Velocity { of, point, axis, since } => {
+                write!(f, "velocity of {of} ({point}){}", at(axis))?;
+                since.map_or(Ok(()), |since| write!(f, " since {} s", since.get()))
+            }
             Self::Distance { from, to } => {
                 write!(f, "distance from {} ({}) to {} ({})", from.of, from.point, to.of, to.point)
             }
