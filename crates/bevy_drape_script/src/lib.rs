@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod asset;
 mod check;
 mod error;
 #[cfg(feature = "harness")]
@@ -13,6 +14,7 @@ pub mod recording;
 pub mod report;
 pub mod runner;
 pub mod scene;
+pub mod schema;
 mod step_times;
 pub mod suite;
 mod text;
