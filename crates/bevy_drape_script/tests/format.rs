@@ -296,3 +296,17 @@ fn an_override_that_cannot_be_is_told() {
         }
     }
 }
+
+/// What the README shows is a scene that works: it is shipped as it stands there.
+#[test]
+fn the_scene_of_the_readme_is_shipped() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = std::fs::read_to_string(folder.join("README.md")).expect("a README").replace('\r', "");
+    let shown = readme.split("```ron\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a scene");
+    SceneScript::parse(shown).unwrap_or_else(|error| panic!("{error}"));
+    let shipped = folder.join("../../assets/scenes/hello.scene.ron");
+    // A package from crates.io has no scenes beside it.
+    if let Ok(shipped) = std::fs::read_to_string(shipped) {
+        assert_eq!(shipped.replace('\r', ""), shown);
+    }
+}
