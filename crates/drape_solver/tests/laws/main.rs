@@ -17,6 +17,7 @@ mod determinism;
 mod drag;
 mod drape;
 mod drape_coefficient;
+mod dynamic_obstacles;
 mod free_flight;
 mod friction;
 mod galilean;
