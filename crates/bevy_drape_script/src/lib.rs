@@ -1,5 +1,29 @@
 #![doc = include_str!("../README.md")]
 
+mod check;
 pub mod checkpoint;
 mod container;
+mod error;
+#[cfg(feature = "harness")]
+pub mod harness;
+#[cfg(feature = "junit")]
+pub mod junit;
+mod load;
+pub mod overriding;
+pub mod play;
 pub mod recording;
+pub mod report;
+pub mod runner;
+pub mod scene;
+mod step_times;
+pub mod suite;
+mod text;
+
+pub use error::SceneError;
+#[cfg(feature = "junit")]
+pub use junit::to_junit;
+pub use overriding::Override;
+pub use report::Report;
+pub use runner::{SCENE_SUFFIX, SceneRunner, run_scene, run_scene_with, scene_name};
+pub use scene::SceneScript;
+pub use suite::scene_files;

@@ -213,6 +213,11 @@ impl Shape {
         Ok(())
     }
 
+    /// How far `point`, in the shape's own coordinates, is from its surface, in metres; negative inside.
+    pub fn distance(&self, point: Vec3) -> f32 {
+        self.surface(point).distance
+    }
+
     /// The surface nearest to `point`, in the shape's own coordinates. [`Shape::Container`] has six: see
     /// [`container_walls`].
     pub(crate) fn surface(&self, point: Vec3) -> Surface {

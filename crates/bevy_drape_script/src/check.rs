@@ -1,0 +1,348 @@
+//! Checks of a scene as a whole: what is named exists, and is what it has to be.
+
+use crate::SceneError;
+use crate::overriding;
+use crate::scene::{
+    Action, Axis, Body, Event, Expected, Motion, Pins, Point, Probe, Rig, SceneScript, Selection, Turn,
+};
+
+/// Checks what no field can know by itself.
+///
+/// # Errors
+/// [`SceneError`] with the path of the first field that is wrong.
+pub(crate) fn check(script: &SceneScript) -> Result<(), SceneError> {
+    let checker = Checker { script };
+    checker.names()?;
+    checker.bodies()?;
+    checker.obstacles()?;
+    for (name, cannon) in script.cannons.iter() {
+        turn(&format!("cannons.{name}.turn"), &cannon.turn)?;
+    }
+    for (index, event) in script.timeline.iter().enumerate() {
+        checker.event(&format!("timeline[{index}]"), event)?;
+    }
+    for (index, expectation) in script.expectations.iter().enumerate() {
+        checker.probe(&format!("expectations[{index}]"), &expectation.probe, &expectation.expect)?;
+    }
+    Ok(())
+}
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// So many particles.
+    Particles(u32),
+    Balls,
+    Obstacle,
+    DynamicObstacle,
+    Cannon,
+}
+
+struct Checker<'a> {
+    script: &'a SceneScript,
+}
+
+fn fail<T>(field: &str, problem: impl core::fmt::Display) -> Result<T, SceneError> {
+    Err(SceneError::of_field(field, problem))
+}
+
+fn turn(field: &str, turn: &Turn) -> Result<(), SceneError> {
+    if turn.axis.length_squared() > 0.0 {
+        Ok(())
+    } else {
+        fail(&format!("{field}.axis"), "expected an axis with a length, found (0, 0, 0)")
+    }
+}
+
+impl Checker<'_> {
+    fn kind(&self, name: &str) -> Option<Kind> {
+        if let Some(body) = self.script.bodies.get(name) {
+            return Some(match body {
+                Body::Cloth(cloth) => Kind::Particles(cloth.particles.0.get() * cloth.particles.1.get()),
+                Body::Rope(rope) => Kind::Particles(rope.particles.get()),
+                Body::Rig(rig) => Kind::Particles(rig.particles.len() as u32),
+                Body::Balls(_) => Kind::Balls,
+            });
+        }
+        if let Some(obstacle) = self.script.obstacles.get(name) {
+            let is_dynamic = matches!(obstacle.motion, Motion::Dynamic(_));
+            return Some(if is_dynamic { Kind::DynamicObstacle } else { Kind::Obstacle });
+        }
+        if self.script.cannons.contains_key(name) {
+            return Some(Kind::Cannon);
+        }
+        let (group, number) = name.split_once('#')?;
+        let is_numbered = number.parse().is_ok_and(|number: u32| number > 0);
+        match self.kind(group)? {
+            Kind::Cannon | Kind::Balls if is_numbered => Some(Kind::Balls),
+            _ => None,
+        }
+    }
+
+    fn known(&self, field: &str, name: &str) -> Result<Kind, SceneError> {
+        self.kind(name).map_or_else(
+            || {
+                let known = [
+                    &self.body_names()[..],
+                    &self.keys(&self.script.obstacles),
+                    &self.keys(&self.script.cannons),
+                ];
+                fail(field, format!("nothing is called `{name}`; there are: {}", known.concat().join(", ")))
+            },
+            Ok,
+        )
+    }
+
+    fn body_names(&self) -> Vec<String> {
+        self.keys(&self.script.bodies)
+    }
+
+    fn keys<T>(&self, named: &crate::scene::Named<T>) -> Vec<String> {
+        named.keys().cloned().collect()
+    }
+
+    fn names(&self) -> Result<(), SceneError> {
+        let taken =
+            |name: &str| self.script.bodies.contains_key(name) || self.script.obstacles.contains_key(name);
+        for name in self.script.obstacles.keys().filter(|name| self.script.bodies.contains_key(*name)) {
+            return fail(&format!("obstacles.{name}"), format!("a body is called `{name}` already"));
+        }
+        for name in self.script.cannons.keys().filter(|name| taken(name)) {
+            return fail(&format!("cannons.{name}"), format!("something else is called `{name}` already"));
+        }
+        Ok(())
+    }
+
+    fn material(&self, field: &str, material: Option<&str>) -> Result<(), SceneError> {
+        match material {
+            Some(name) if !self.script.materials.contains_key(name) => {
+                let known = self.keys(&self.script.materials).join(", ");
+                fail(
+                    &format!("{field}.material"),
+                    format!("no material is called `{name}`; there are: {known}"),
+                )
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn bodies(&self) -> Result<(), SceneError> {
+        for (name, body) in self.script.bodies.iter() {
+            let field = format!("bodies.{name}");
+            self.material(&field, body.material())?;
+            match body {
+                Body::Cloth(cloth) => {
+                    turn(&format!("{field}.turn"), &cloth.turn)?;
+                    if let Pins::Indices(indices) = &cloth.pins {
+                        let count = cloth.particles.0.get() * cloth.particles.1.get();
+                        for (i, &index) in indices.iter().enumerate() {
+                            in_range(&format!("{field}.pins[{i}]"), index, count)?;
+                        }
+                    }
+                }
+                Body::Rope(rope) => {
+                    if rope.start == rope.end {
+                        return fail(&format!("{field}.end"), "expected another place than that of `start`");
+                    }
+                }
+                Body::Rig(rig) => self.rig(&field, rig)?,
+                Body::Balls(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn rig(&self, field: &str, rig: &Rig) -> Result<(), SceneError> {
+        if rig.particles.is_empty() {
+            return fail(&format!("{field}.particles"), "expected one particle at least, found none");
+        }
+        for (index, stick) in rig.sticks.iter().enumerate() {
+            for (end, name) in [("a", &stick.a), ("b", &stick.b)] {
+                if !rig.particles.contains_key(name) {
+                    let known = self.keys(&rig.particles).join(", ");
+                    let problem = format!("no particle is called `{name}`; there are: {known}");
+                    return fail(&format!("{field}.sticks[{index}].{end}"), problem);
+                }
+            }
+            if stick.a == stick.b {
+                return fail(&format!("{field}.sticks[{index}].b"), "expected another particle than `a`");
+            }
+        }
+        Ok(())
+    }
+
+    fn obstacles(&self) -> Result<(), SceneError> {
+        for (name, obstacle) in self.script.obstacles.iter() {
+            let field = format!("obstacles.{name}");
+            self.material(&field, obstacle.material.as_deref())?;
+            turn(&format!("{field}.turn"), &obstacle.turn)?;
+            if let Err(error) = obstacle.shape.build() {
+                return fail(&format!("{field}.shape"), error);
+            }
+            match &obstacle.motion {
+                Motion::Static | Motion::Steady(_) => {}
+                Motion::Keyframes(keyframes) => {
+                    let field = format!("{field}.motion.keys");
+                    if keyframes.keys.is_empty() {
+                        return fail(&field, "expected one key at least, found none");
+                    }
+                    for (index, pair) in keyframes.keys.windows(2).enumerate() {
+                        if pair[1].time <= pair[0].time {
+                            let field = format!("{field}[{}].time", index + 1);
+                            let problem = format!("expected a time after {} s", pair[0].time.get());
+                            return fail(&field, problem);
+                        }
+                    }
+                    for (index, key) in keyframes.keys.iter().enumerate() {
+                        turn(&format!("{field}[{index}].turn"), &key.turn)?;
+                    }
+                }
+                Motion::Dynamic(dynamic) => {
+                    if dynamic.component(&obstacle.shape).is_none() {
+                        let problem =
+                            "expected moments of inertia, as this shape is neither a sphere nor a cuboid";
+                        return fail(&format!("{field}.motion.inertia"), problem);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn event(&self, field: &str, event: &Event) -> Result<(), SceneError> {
+        match (&event.at, &event.when) {
+            (Some(_), None) => {}
+            (None, Some(trigger)) => {
+                let (probe, expect) = trigger.as_probe();
+                self.probe(&format!("{field}.when"), &probe, &expect)?;
+            }
+            _ => return fail(field, "expected either `at` or `when`"),
+        }
+        self.action(&format!("{field}.do"), &event.action)
+    }
+
+    fn action(&self, field: &str, action: &Action) -> Result<(), SceneError> {
+        if let Action::Picture(camera) = action {
+            return if self.script.cameras.contains_key(camera) {
+                Ok(())
+            } else {
+                let known = self.keys(&self.script.cameras).join(", ");
+                fail(field, format!("no camera is called `{camera}`; there are: {known}"))
+            };
+        }
+        let mut kind = Kind::Obstacle;
+        for name in action.names() {
+            kind = self.known(field, name)?;
+        }
+        match action {
+            Action::Fire(cannon) | Action::Aim { cannon, .. } if kind != Kind::Cannon => {
+                fail(field, format!("expected a cannon, and `{cannon}` is none"))
+            }
+            Action::Pin { of, particles } | Action::Unpin { of, particles } => match kind {
+                Kind::Particles(count) => selection(field, particles, count),
+                _ => fail(field, format!("expected a body of particles, and `{of}` is none")),
+            },
+            Action::Push { of, particles, .. } => match kind {
+                Kind::Particles(count) => selection(field, particles, count),
+                Kind::Balls | Kind::Cannon | Kind::DynamicObstacle => Ok(()),
+                Kind::Obstacle => fail(field, format!("`{of}` is an obstacle that nothing pushes")),
+            },
+            Action::Drag { of, point: dragged, path, .. } => {
+                let Kind::Particles(count) = kind else {
+                    return fail(field, format!("expected a body of particles, and `{of}` is none"));
+                };
+                if *dragged == Point::Centre {
+                    return fail(&format!("{field}.point"), "expected a particle, as the centre is none");
+                }
+                point(&format!("{field}.point"), dragged, Kind::Particles(count))?;
+                if path.is_empty() {
+                    return fail(&format!("{field}.path"), "expected one place at least, found none");
+                }
+                match path.windows(2).position(|pair| pair[1].0 <= pair[0].0) {
+                    Some(index) => {
+                        let problem = format!("expected a time after {} s", path[index].0.get());
+                        fail(&format!("{field}.path[{}]", index + 1), problem)
+                    }
+                    None => Ok(()),
+                }
+            }
+            Action::Spawn(name) | Action::Despawn(name) if name.contains('#') => fail(
+                field,
+                format!("expected the name of something whole, and `{name}` is one ball of several"),
+            ),
+            Action::Set(path, value) => overriding::replaced(self.script, path, value)
+                .map(|_| ())
+                .map_err(|error| SceneError::of_field(field, format!("{}: {}", error.field, error.problem))),
+            _ => Ok(()),
+        }
+    }
+
+    fn probe(&self, field: &str, probe: &Probe, expect: &Expected) -> Result<(), SceneError> {
+        let on_probe = format!("{field}.probe");
+        let mut kinds = Vec::new();
+        for name in probe.names() {
+            kinds.push(self.known(&on_probe, name)?);
+        }
+        let is_word = matches!(probe, Probe::Activity { .. } | Probe::StateHash { .. });
+        match (is_word, expect) {
+            (true, Expected::Is(_)) | (_, Expected::Reported) => {}
+            (true, _) => {
+                return fail(
+                    &format!("{field}.expect"),
+                    "expected `Is(\"..\")`, as this probe measures a word",
+                );
+            }
+            (false, Expected::Is(_)) => {
+                return fail(&format!("{field}.expect"), "expected numbers, as this probe measures one");
+            }
+            (false, Expected::Between(least, greatest)) if least > greatest => {
+                return fail(&format!("{field}.expect"), "expected the lesser number first");
+            }
+            _ => {}
+        }
+        match probe {
+            Probe::Position { of, point: of_point, .. } | Probe::Velocity { of, point: of_point, .. } => {
+                if of.len() != 1 {
+                    return fail(&format!("{on_probe}.of"), format!("expected one name, found {}", of.len()));
+                }
+                point(&format!("{on_probe}.point"), of_point, kinds[0])
+            }
+            Probe::Distance { from, to } => {
+                point(&format!("{on_probe}.from.point"), &from.point, kinds[0])?;
+                point(&format!("{on_probe}.to.point"), &to.point, kinds[1])
+            }
+            Probe::Least { axis: Axis::Length, .. } | Probe::Greatest { axis: Axis::Length, .. } => {
+                fail(&format!("{on_probe}.axis"), "expected X, Y or Z")
+            }
+            Probe::Stretch { .. } if kinds.iter().any(|kind| !matches!(kind, Kind::Particles(_))) => {
+                fail(&format!("{on_probe}.of"), "expected a cloth, rope or rig, as nothing else has sticks")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn in_range(field: &str, index: u32, count: u32) -> Result<(), SceneError> {
+    if index < count {
+        Ok(())
+    } else {
+        fail(field, format!("expected a number below {count}, the number of particles, found {index}"))
+    }
+}
+
+fn selection(field: &str, particles: &Selection, count: u32) -> Result<(), SceneError> {
+    match particles {
+        Selection::All | Selection::Pinned => Ok(()),
+        Selection::Particles(indices) => {
+            indices.iter().try_for_each(|&index| in_range(&format!("{field}.particles"), index, count))
+        }
+    }
+}
+
+fn point(field: &str, point: &Point, kind: Kind) -> Result<(), SceneError> {
+    match (point, kind) {
+        (Point::Centre, _) | (Point::First | Point::Middle | Point::Last, Kind::Particles(_)) => Ok(()),
+        (Point::Particle(index), Kind::Particles(count)) => in_range(field, *index, count),
+        _ => fail(field, "expected `Centre`, as this has no particles"),
+    }
+}

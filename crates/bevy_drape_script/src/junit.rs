@@ -1,0 +1,47 @@
+//! Reports as JUnit XML, which CI systems read.
+
+use core::time::Duration;
+
+use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatus, TestSuite};
+
+use crate::{Report, SceneError};
+
+/// The reports of a suite as JUnit XML: a suite for each scene, a case for each expectation, and one more for what the
+/// plugin refused.
+///
+/// # Errors
+/// [`SceneError`] if it cannot be written as XML.
+pub fn to_junit<'a>(
+    name: &str,
+    reports: impl IntoIterator<Item = &'a Report>,
+) -> Result<String, SceneError> {
+    let mut junit = JunitReport::new(name);
+    for report in reports {
+        let mut suite = TestSuite::new(report.scene.as_str());
+        suite.set_time(Duration::from_secs_f64(report.wall_s.max(0.0)));
+        for verdict in &report.verdicts {
+            let status =
+                if verdict.passed { TestCaseStatus::success() } else { failure(report, &verdict.to_string()) };
+            let mut case = TestCase::new(verdict.title.as_str(), status);
+            case.set_classname(report.scene.as_str());
+            suite.add_test_case(case);
+        }
+        let status = if report.problems.is_empty() {
+            TestCaseStatus::success()
+        } else {
+            failure(report, &report.problems.join("\n"))
+        };
+        let mut case = TestCase::new("runs", status);
+        case.set_classname(report.scene.as_str());
+        suite.add_test_case(case);
+        junit.add_test_suite(suite);
+    }
+    junit.to_string().map_err(SceneError::new)
+}
+
+fn failure(report: &Report, message: &str) -> TestCaseStatus {
+    let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+    status.set_message(message);
+    status.set_description(report.complaint());
+    status
+}

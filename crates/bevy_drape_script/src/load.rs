@@ -1,0 +1,136 @@
+//! From files to a scene: parsing, fragments, overrides, checks.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+use crate::SceneError;
+use crate::check::check;
+use crate::overriding::{self, Override};
+use crate::scene::{Named, SceneScript, Settings};
+use crate::text;
+
+/// The texts of a scene and of all that it includes, by their paths.
+pub(crate) type Texts = BTreeMap<PathBuf, String>;
+
+pub(crate) fn from_file(path: &Path, overrides: &[Override]) -> Result<SceneScript, SceneError> {
+    let mut texts = Texts::new();
+    let mut unread = vec![normal(path)];
+    while let Some(path) = unread.pop() {
+        if texts.contains_key(&path) {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(&path))?;
+        unread.extend(included(&path, &text)?);
+        texts.insert(path, text);
+    }
+    from_texts(&normal(path), &texts, overrides)
+}
+
+pub(crate) fn from_text(text: &str) -> Result<SceneScript, SceneError> {
+    let script: SceneScript = text::parse(text)?;
+    if !script.include.is_empty() {
+        return Err(SceneError::of_field("include", "a scene that is no file cannot include others"));
+    }
+    let script = overriding::apply(script, &[])?;
+    check(&script).map_err(|error| located(error, text))?;
+    Ok(script)
+}
+
+/// The scene at `path`, all of whose texts have been read.
+pub(crate) fn from_texts(
+    path: &Path,
+    texts: &Texts,
+    overrides: &[Override],
+) -> Result<SceneScript, SceneError> {
+    let script = with_fragments(path, texts, &mut Vec::new())?;
+    let script = overriding::apply(script, overrides).map_err(|error| error.in_file(path))?;
+    check(&script).map_err(|error| {
+        let error = texts.get(path).map_or(error.clone(), |text| located(error, text));
+        error.in_file(path)
+    })?;
+    Ok(script)
+}
+
+fn located(error: SceneError, text: &str) -> SceneError {
+    match text::locate(text, &error.field) {
+        Some(place) => error.at(place),
+        None => error,
+    }
+}
+
+/// The paths of the fragments that the scene at `path` includes.
+pub(crate) fn included(path: &Path, text: &str) -> Result<Vec<PathBuf>, SceneError> {
+    let script: SceneScript = text::parse(text).map_err(|error| error.in_file(path))?;
+    Ok(script.include.iter().map(|fragment| beside(path, fragment)).collect())
+}
+
+fn with_fragments(path: &Path, texts: &Texts, within: &mut Vec<PathBuf>) -> Result<SceneScript, SceneError> {
+    let in_file = |error: SceneError| error.in_file(path);
+    let text = texts.get(path).ok_or_else(|| in_file(SceneError::new("has not been read")))?;
+    let mut script: SceneScript = text::parse(text).map_err(in_file)?;
+    within.push(path.to_path_buf());
+    for (index, name) in script.include.clone().iter().enumerate() {
+        let field = format!("include[{index}]");
+        let refuse = |problem: String| in_file(located(SceneError::of_field(field.clone(), problem), text));
+        let from = beside(path, name);
+        if within.contains(&from) {
+            return Err(refuse(format!("`{name}` includes itself, by way of this file")));
+        }
+        let fragment = with_fragments(&from, texts, within)?;
+        if fragment.settings != Settings::default() {
+            let error = SceneError::of_field(
+                "settings",
+                "expected none, as settings belong to the scene, and this is included",
+            );
+            let text = texts.get(&from).map_or("", String::as_str);
+            return Err(located(error, text).in_file(&from));
+        }
+        let taken = [
+            merge(&mut script.parameters, fragment.parameters),
+            merge(&mut script.materials, fragment.materials),
+            merge(&mut script.bodies, fragment.bodies),
+            merge(&mut script.obstacles, fragment.obstacles),
+            merge(&mut script.cannons, fragment.cannons),
+            merge(&mut script.cameras, fragment.cameras),
+        ];
+        if let Some(taken) = taken.into_iter().flatten().next() {
+            return Err(refuse(format!("`{taken}` of `{name}` is defined here already")));
+        }
+        script.timeline.extend(fragment.timeline);
+        script.expectations.extend(fragment.expectations);
+    }
+    within.pop();
+    Ok(script)
+}
+
+/// Adds what is in `from`; the first name that is taken already.
+fn merge<T>(into: &mut Named<T>, from: Named<T>) -> Option<String> {
+    for (name, value) in from.0 {
+        if into.contains_key(&name) {
+            return Some(name);
+        }
+        into.insert(name, value);
+    }
+    None
+}
+
+/// The path of a fragment that is named from the folder of `path`.
+fn beside(path: &Path, fragment: &str) -> PathBuf {
+    normal(&path.parent().unwrap_or(Path::new("")).join(fragment))
+}
+
+/// The path without `.` and `..` where it can do without, so that one file has one path.
+pub(crate) fn normal(path: &Path) -> PathBuf {
+    let mut normal = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(normal.components().next_back(), Some(Component::Normal(_))) => {
+                normal.pop();
+            }
+            other => normal.push(other),
+        }
+    }
+    normal
+}

@@ -1,0 +1,345 @@
+//! Who is on the stage: names and their entities.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use super::ScenePlay;
+use super::orders::{Order, OrderKind};
+use crate::scene::{self, Body, Motion, Selection, Solver};
+
+/// What a name stands for.
+#[derive(Clone, Debug)]
+pub(super) enum Actor {
+    /// A cloth or rope.
+    Body(Entity),
+    /// A rig's particles, in the order of their names, and its sticks.
+    Rig {
+        particles: Vec<Entity>,
+        sticks: Vec<Entity>,
+    },
+    Balls(Vec<Entity>),
+    Obstacle(Entity),
+    Cannon {
+        cannon: Entity,
+        balls: Vec<Entity>,
+    },
+}
+
+/// What there is of a name: bodies with particles, balls, obstacles.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    pub bodies: Vec<Entity>,
+    pub balls: Vec<Entity>,
+    pub obstacles: Vec<Entity>,
+}
+
+impl Parts {
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty() && self.balls.is_empty() && self.obstacles.is_empty()
+    }
+}
+
+/// Names and what they stand for.
+#[derive(Debug, Default)]
+pub(super) struct Stage {
+    actors: BTreeMap<String, Actor>,
+}
+
+impl Stage {
+    pub fn get(&self, name: &str) -> Option<&Actor> {
+        self.actors.get(name)
+    }
+
+    pub fn contains(&self, name: &str) -> bool {
+        self.actors.contains_key(name)
+    }
+
+    fn enter(&mut self, name: &str, actor: Actor) {
+        self.actors.insert(name.to_string(), actor);
+    }
+
+    /// Notes the ball that a cannon has shot.
+    pub fn note_shot(&mut self, cannon: Entity, projectile: Entity) -> Option<String> {
+        self.actors.iter_mut().find_map(|(name, actor)| match actor {
+            Actor::Cannon { cannon: own, balls } if *own == cannon => {
+                balls.push(projectile);
+                Some(format!("{name}#{}", balls.len()))
+            }
+            _ => None,
+        })
+    }
+
+    /// All entities of a name.
+    pub fn entities(&self, name: &str) -> Vec<Entity> {
+        match self.actors.get(name) {
+            Some(Actor::Body(entity) | Actor::Obstacle(entity)) => vec![*entity],
+            Some(Actor::Rig { particles, .. }) => particles.clone(),
+            Some(Actor::Balls(balls)) => balls.clone(),
+            Some(Actor::Cannon { cannon, .. }) => vec![*cannon],
+            None => self.numbered(name).into_iter().collect(),
+        }
+    }
+
+    /// The ball that `name#number` stands for.
+    fn numbered(&self, name: &str) -> Option<Entity> {
+        let (group, number) = name.split_once('#')?;
+        let index = number.parse::<usize>().ok()?.checked_sub(1)?;
+        match self.actors.get(group)? {
+            Actor::Balls(balls) | Actor::Cannon { balls, .. } => balls.get(index).copied(),
+            _ => None,
+        }
+    }
+
+    /// What there is of `names`; of everything that moves by itself, if none is given.
+    pub fn parts<'a>(&self, world: &World, names: impl IntoIterator<Item = &'a String>) -> Parts {
+        let mut parts = Parts::default();
+        let mut names = names.into_iter().peekable();
+        if names.peek().is_none() {
+            for actor in self.actors.values() {
+                add(&mut parts, world, actor);
+            }
+            parts.obstacles.retain(|&obstacle| world.get::<DynamicObstacle>(obstacle).is_some());
+            return parts;
+        }
+        for name in names {
+            match self.actors.get(name) {
+                Some(actor) => add(&mut parts, world, actor),
+                None => parts.balls.extend(self.numbered(name).filter(|&ball| is_ball(world, ball))),
+            }
+        }
+        parts
+    }
+
+    /// All bodies and balls, in the order of names.
+    pub fn moving(&self, world: &World) -> Vec<(String, Entity)> {
+        let mut moving = Vec::new();
+        for (name, actor) in &self.actors {
+            let mut parts = Parts::default();
+            add(&mut parts, world, actor);
+            moving.extend(parts.bodies.into_iter().map(|body| (name.clone(), body)));
+            if let Actor::Balls(balls) | Actor::Cannon { balls, .. } = actor {
+                let numbered = balls.iter().enumerate().filter(|&(_, &ball)| is_ball(world, ball));
+                moving.extend(numbered.map(|(index, &ball)| (format!("{name}#{}", index + 1), ball)));
+            }
+        }
+        moving
+    }
+
+    /// All obstacles that are there.
+    pub fn obstacles(&self) -> impl Iterator<Item = (&String, Entity)> {
+        self.actors.iter().filter_map(|(name, actor)| match actor {
+            Actor::Obstacle(obstacle) => Some((name, *obstacle)),
+            _ => None,
+        })
+    }
+
+    /// The name of an entity: of a ball with its number.
+    pub fn name_of(&self, world: &World, entity: Entity) -> Option<String> {
+        // The body of a rig is an entity of the plugin's own.
+        let particle = world.get::<Rig>(entity).and_then(|rig| rig.particles().first().copied());
+        let entity = particle.unwrap_or(entity);
+        let numbered = |name: &String, balls: &[Entity]| {
+            balls.iter().position(|&ball| ball == entity).map(|index| format!("{name}#{}", index + 1))
+        };
+        self.actors.iter().find_map(|(name, actor)| match actor {
+            Actor::Body(own) | Actor::Obstacle(own) => (*own == entity).then(|| name.clone()),
+            Actor::Rig { particles, .. } => particles.contains(&entity).then(|| name.clone()),
+            Actor::Balls(balls) | Actor::Cannon { balls, .. } => numbered(name, balls),
+        })
+    }
+
+    /// Takes what is called `name` off the stage.
+    pub fn exit(&mut self, world: &mut World, name: &str) {
+        if let Some(actor) = self.actors.remove(name) {
+            let entities = match actor {
+                Actor::Body(entity) | Actor::Obstacle(entity) => vec![entity],
+                Actor::Rig { particles, sticks } => sticks.into_iter().chain(particles).collect(),
+                Actor::Balls(balls) => balls,
+                Actor::Cannon { cannon, mut balls } => {
+                    balls.push(cannon);
+                    balls
+                }
+            };
+            for entity in entities {
+                // A lost ball may be gone already.
+                if let Ok(entity) = world.get_entity_mut(entity) {
+                    entity.despawn();
+                }
+            }
+        }
+    }
+
+    pub fn clear(&mut self, world: &mut World) {
+        for name in self.actors.keys().cloned().collect::<Vec<_>>() {
+            self.exit(world, &name);
+        }
+    }
+}
+
+fn is_ball(world: &World, entity: Entity) -> bool {
+    world.get::<ProjectileState>(entity).is_some()
+}
+
+fn add(parts: &mut Parts, world: &World, actor: &Actor) {
+    match actor {
+        Actor::Body(body) => parts.bodies.extend(world.get::<Particles>(*body).map(|_| *body)),
+        Actor::Rig { particles, .. } => {
+            for body in particles.iter().filter_map(|&particle| world.get::<InRig>(particle)) {
+                if !parts.bodies.contains(&body.body) {
+                    parts.bodies.push(body.body);
+                }
+            }
+        }
+        Actor::Balls(balls) | Actor::Cannon { balls, .. } => {
+            parts.balls.extend(balls.iter().copied().filter(|&ball| is_ball(world, ball)));
+        }
+        Actor::Obstacle(obstacle) => parts.obstacles.push(*obstacle),
+    }
+}
+
+impl ScenePlay {
+    /// The settings of a body, over those of the scene.
+    pub(super) fn solver_settings(&self, solver: &Solver) -> SolverSettings {
+        solver.over(self.script.settings.solver.over(SolverSettings::default()))
+    }
+
+    pub(super) fn spawn_body(&mut self, world: &mut World, name: &str, body: &Body) {
+        let actor = match body {
+            Body::Cloth(cloth) => {
+                let transform = Transform {
+                    translation: cloth.at.get(),
+                    rotation: cloth.turn.quaternion(),
+                    scale: Vec3::ONE,
+                };
+                let settings = self.solver_settings(&cloth.solver);
+                let entity = world.spawn((Cloth::from(cloth), settings, transform)).id();
+                mark(world, entity, name, cloth.layers.as_ref(), cloth.contacts);
+                self.order_velocity(name, cloth.velocity);
+                Actor::Body(entity)
+            }
+            Body::Rope(rope) => {
+                let settings = self.solver_settings(&rope.solver);
+                let entity = world.spawn((Rope::from(rope), settings)).id();
+                mark(world, entity, name, rope.layers.as_ref(), rope.contacts);
+                self.order_velocity(name, rope.velocity);
+                Actor::Body(entity)
+            }
+            Body::Rig(rig) => self.spawn_rig(world, name, rig),
+            Body::Balls(balls) => {
+                let projectile = Projectile::from(balls);
+                let mut entities = Vec::new();
+                for (index, offset) in balls.copies.offsets(self.script.settings.seed).enumerate() {
+                    let place = Transform::from_translation(balls.at.get() + offset);
+                    let entity = world.spawn((projectile, place)).id();
+                    mark(
+                        world,
+                        entity,
+                        &format!("{name}#{}", index + 1),
+                        balls.layers.as_ref(),
+                        balls.contacts,
+                    );
+                    entities.push(entity);
+                }
+                Actor::Balls(entities)
+            }
+        };
+        self.stage.enter(name, actor);
+    }
+
+    fn spawn_rig(&mut self, world: &mut World, name: &str, rig: &scene::Rig) -> Actor {
+        let settings = self.solver_settings(&rig.solver);
+        let mut by_name = BTreeMap::new();
+        for (particle_name, particle) in rig.particles.iter() {
+            let place = Transform::from_translation(rig.at.get() + particle.at.get());
+            let entity = world.spawn((Particle::from(particle), place, settings)).id();
+            mark(world, entity, &format!("{name}.{particle_name}"), rig.layers.as_ref(), false);
+            by_name.insert(particle_name.as_str(), entity);
+        }
+        let mut sticks = Vec::new();
+        for stick in &rig.sticks {
+            // The check of the scene has found both ends.
+            let (Some(&a), Some(&b)) = (by_name.get(stick.a.as_str()), by_name.get(stick.b.as_str())) else {
+                continue;
+            };
+            let stick = Stick {
+                a,
+                b,
+                rest_length: stick.rest_length.map(scene::Positive::get),
+                stiffness: stick.stiffness.get(),
+                damping: stick.damping.get(),
+                kind: stick.kind.into(),
+            };
+            sticks.push(world.spawn(stick).id());
+        }
+        Actor::Rig { particles: by_name.into_values().collect(), sticks }
+    }
+
+    fn order_velocity(&mut self, name: &str, velocity: scene::Vector) {
+        if *velocity != Vec3::ZERO {
+            self.orders.push(Order {
+                of: name.to_string(),
+                particles: Selection::All,
+                kind: OrderKind::Velocity(velocity.get()),
+            });
+        }
+    }
+
+    pub(super) fn spawn_obstacle(&mut self, world: &mut World, name: &str, obstacle: &scene::Obstacle) {
+        let Some(component) = self.obstacle_component(name, obstacle) else { return };
+        let (translation, rotation) =
+            obstacle.place_at(0.0).unwrap_or((obstacle.at.get(), obstacle.turn.quaternion()));
+        let place = Transform { translation, rotation, scale: Vec3::ONE };
+        let entity = world.spawn((component, place)).id();
+        if let Motion::Dynamic(dynamic) = &obstacle.motion
+            && let Some(dynamic) = dynamic.component(&obstacle.shape)
+        {
+            world.entity_mut(entity).insert(dynamic);
+        }
+        mark(world, entity, name, obstacle.layers.as_ref(), obstacle.contacts);
+        self.stage.enter(name, Actor::Obstacle(entity));
+    }
+
+    pub(super) fn obstacle_component(&mut self, name: &str, obstacle: &scene::Obstacle) -> Option<Obstacle> {
+        match obstacle.shape.build() {
+            Ok(shape) => {
+                let solid = Obstacle::new(shape)
+                    .with_friction(obstacle.friction.get())
+                    .with_static_friction(obstacle.static_friction.get())
+                    .with_restitution(obstacle.restitution.get());
+                Some(if obstacle.sensor { solid.as_sensor() } else { solid })
+            }
+            Err(error) => {
+                self.problems.push(format!("{name}: {error}"));
+                None
+            }
+        }
+    }
+
+    pub(super) fn spawn_cannon(&mut self, world: &mut World, name: &str, cannon: &scene::Cannon) {
+        let place =
+            Transform { translation: cannon.at.get(), rotation: cannon.turn.quaternion(), scale: Vec3::ONE };
+        let component = cannon.component(self.script.settings.gravity);
+        let entity = world.spawn((component, place, Name::new(name.to_string()))).id();
+        self.stage.enter(name, Actor::Cannon { cannon: entity, balls: Vec::new() });
+    }
+}
+
+/// Gives an entity its name, its layers, and the mark of those whose contacts are told.
+pub(super) fn mark(
+    world: &mut World,
+    entity: Entity,
+    name: &str,
+    layers: Option<&scene::Layers>,
+    contacts: bool,
+) {
+    let mut entity = world.entity_mut(entity);
+    entity.insert(Name::new(name.to_string()));
+    if let Some(layers) = layers {
+        entity.insert(DrapeLayers::from(layers));
+    }
+    if contacts {
+        entity.insert(ContactEvents);
+    }
+}

@@ -1,0 +1,68 @@
+//! What touched what: hits of balls and contacts, counted by names.
+
+use bevy::ecs::message::MessageCursor;
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use super::stage::Stage;
+use crate::scene::Names;
+
+/// Pairs of names that began to touch.
+pub(super) struct Tally {
+    hits: Vec<(String, String)>,
+    contacts: Vec<(String, String)>,
+    hit_cursor: MessageCursor<BallHit>,
+    contact_cursor: MessageCursor<DrapeContactStarted>,
+    shot_cursor: MessageCursor<CannonFired>,
+}
+
+impl Tally {
+    /// Counts from now on.
+    pub fn new(world: &World) -> Self {
+        Self {
+            hits: Vec::new(),
+            contacts: Vec::new(),
+            hit_cursor: world.resource::<Messages<BallHit>>().get_cursor_current(),
+            contact_cursor: world.resource::<Messages<DrapeContactStarted>>().get_cursor_current(),
+            shot_cursor: world.resource::<Messages<CannonFired>>().get_cursor_current(),
+        }
+    }
+
+    /// Reads the messages of the last step.
+    pub fn read(&mut self, world: &mut World, stage: &mut Stage) {
+        let shots: Vec<CannonFired> =
+            self.shot_cursor.read(world.resource::<Messages<CannonFired>>()).copied().collect();
+        for CannonFired { cannon, projectile } in shots {
+            if let Some(name) = stage.note_shot(cannon, projectile)
+                && let Ok(mut ball) = world.get_entity_mut(projectile)
+            {
+                ball.insert(Name::new(name));
+            }
+        }
+        let name = |entity: Entity| stage.name_of(world, entity).unwrap_or_default();
+        for hit in self.hit_cursor.read(world.resource::<Messages<BallHit>>()) {
+            self.hits.push((name(hit.projectile), name(hit.target)));
+        }
+        for contact in self.contact_cursor.read(world.resource::<Messages<DrapeContactStarted>>()) {
+            self.contacts.push((name(contact.body), name(contact.other)));
+        }
+    }
+
+    /// How many hits there were of `of` on `on`. Two balls that touch are one hit.
+    pub fn hits(&self, of: &Names, on: &Names) -> usize {
+        self.hits.iter().filter(|(ball, target)| matches(of, ball) && matches(on, target)).count()
+    }
+
+    /// How many contacts began between `of` and `on`.
+    pub fn contacts(&self, of: &Names, on: &Names) -> usize {
+        let is_one =
+            |(a, b): &&(String, String)| matches(of, a) && matches(on, b) || matches(of, b) && matches(on, a);
+        self.contacts.iter().filter(is_one).count()
+    }
+}
+
+/// Whether `name` is one of `names`, or a ball of one of them. No names are all names.
+fn matches(names: &Names, name: &str) -> bool {
+    let group = name.split_once('#').map_or(name, |(group, _)| group);
+    names.is_empty() || names.iter().any(|given| given == name || given == group)
+}

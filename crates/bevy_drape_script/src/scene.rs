@@ -1,0 +1,54 @@
+//! The scene file: what can be said in it.
+//!
+//! One type a file, each a plain value that serde reads and writes. Numbers know their range, so that what is out of it is
+//! refused where it stands.
+
+mod action;
+mod balls;
+mod body;
+mod camera;
+mod cannon;
+mod cloth;
+mod copies;
+mod event;
+mod expectation;
+mod layers;
+mod material;
+mod motion;
+mod named;
+mod number;
+mod obstacle;
+mod parameter;
+mod probe;
+mod rig;
+mod rope;
+mod script;
+mod settings;
+mod shape;
+mod solver;
+mod turn;
+
+pub use action::{Action, Selection};
+pub use balls::Balls;
+pub use body::Body;
+pub use camera::Camera;
+pub use cannon::{Aim, Cannon};
+pub use cloth::{Cloth, Pins};
+pub use copies::Copies;
+pub use event::{Event, Repeat, Trigger};
+pub use expectation::{Expectation, Expected, Measured, When};
+pub use layers::Layers;
+pub use material::Material;
+pub use motion::{Dynamic, Keyframe, Keyframes, Motion, Steady};
+pub use named::{Named, Names};
+pub use number::{Fraction, NonNegative, Number, OutOfRange, Positive, Seconds, StepLength, Vector, Whole};
+pub use obstacle::Obstacle;
+pub use parameter::Parameter;
+pub use probe::{Axis, Counted, Energy, Measure, Place, Point, Probe};
+pub use rig::{Rig, RigParticle, RigStick, StickKind};
+pub use rope::Rope;
+pub use script::{FORMAT_VERSION, SceneScript};
+pub use settings::{Settings, Wind};
+pub use shape::{Part, Shape};
+pub use solver::{Quality, SelfContact, Solver, StickProjection, StructuralSolve};
+pub use turn::Turn;

@@ -1,0 +1,29 @@
+//! Cameras: where a scene is looked at from.
+
+use bevy::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Positive, Vector};
+
+/// A camera, for pictures and for the window. The simulation does not look at it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Camera {
+    /// Where it is, in metres; (0, 2, 8) by default.
+    pub at: Vector,
+    /// What it looks at, in metres; (0, 1, 0) by default.
+    pub look_at: Vector,
+    /// Vertical angle of view in degrees; 45 by default.
+    pub field_of_view: Positive,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            at: Vector::known(Vec3::new(0.0, 2.0, 8.0)),
+            look_at: Vector::known(Vec3::Y),
+            field_of_view: Positive::known(45.0),
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Cannons.
+
+use bevy::math::DVec3;
+use bevy_drape::drape_solver::ballistics;
+use bevy_drape::prelude as drape;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Balls, NonNegative, Number, Turn, Vector};
+
+/// A cannon. Its balls are called by its name and their number: `cannon#1` is the first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Cannon {
+    /// Where it is, in metres; (0, 0, 0) by default.
+    pub at: Vector,
+    /// How it is turned; not at all, so that it looks along -Z, by default.
+    pub turn: Turn,
+    /// Where it aims; level along -Z by default.
+    pub aim: Aim,
+    /// Speed of the ball in m/s as it leaves the muzzle; 20 by default.
+    pub speed: NonNegative,
+    /// Distance to the muzzle along the barrel in metres; 0 by default.
+    pub barrel_length: NonNegative,
+    /// What is shot. Of its fields those count that tell what a ball is made of.
+    pub ball: Balls,
+}
+
+impl Default for Cannon {
+    fn default() -> Self {
+        Self {
+            at: Vector::default(),
+            turn: Turn::default(),
+            aim: Aim::default(),
+            speed: NonNegative::known(20.0),
+            barrel_length: NonNegative::known(0.0),
+            ball: Balls::default(),
+        }
+    }
+}
+
+/// Where a cannon aims.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Aim {
+    /// By angles.
+    Angles {
+        /// Angle above the horizon in degrees; 0 by default.
+        #[serde(default)]
+        elevation: Number,
+        /// Angle to the left in degrees; 0 by default.
+        #[serde(default)]
+        azimuth: Number,
+    },
+    /// At a point that the ball is to fly through, on the flatter of its two paths without drag. Level, if it is out of range.
+    /// For a cannon that is not turned and has no barrel.
+    Point(Vector),
+}
+
+impl Default for Aim {
+    fn default() -> Self {
+        Self::Angles { elevation: Number::known(0.0), azimuth: Number::known(0.0) }
+    }
+}
+
+impl Cannon {
+    /// The plugin's component, in a world with this gravity.
+    pub fn component(&self, gravity: Vector) -> drape::Cannon {
+        let (elevation, azimuth) = match self.aim {
+            Aim::Angles { elevation, azimuth } => {
+                (f64::from(elevation.get()).to_radians(), f64::from(azimuth.get()).to_radians())
+            }
+            Aim::Point(target) => {
+                let way: DVec3 = target.as_dvec3() - self.at.as_dvec3();
+                let distance = (way.x * way.x + way.z * way.z).sqrt();
+                let speed = f64::from(self.speed.get());
+                let elevation =
+                    ballistics::elevation_for(distance, way.y, speed, f64::from(-gravity.y)).unwrap_or(0.0);
+                (elevation, libm::atan2(-way.x, -way.z))
+            }
+        };
+        drape::Cannon {
+            elevation: elevation as f32,
+            azimuth: azimuth as f32,
+            muzzle_speed: self.speed.get(),
+            barrel_length: self.barrel_length.get(),
+            ball: (&self.ball).into(),
+        }
+    }
+}

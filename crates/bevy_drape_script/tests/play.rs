@@ -1,0 +1,323 @@
+//! Scenes that are played: events, triggers, probes and expectations, each seen to do what it says.
+
+use bevy_drape_script::play::{CheckpointDue, PictureDue, ScenePlay};
+use bevy_drape_script::scene::Measured;
+use bevy_drape_script::{Report, SceneRunner, SceneScript};
+
+fn script(text: &str) -> SceneScript {
+    SceneScript::parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Runs a scene of these fields.
+fn run(fields: &str) -> Report {
+    let report = SceneRunner::headless(script(&format!("(version: 1, {fields})"))).run();
+    println!("{report}");
+    report
+}
+
+/// The number that expectation `index` has measured.
+fn number(report: &Report, index: usize) -> f64 {
+    match report.verdicts[index].got {
+        Some(Measured::Number(number)) => number,
+        ref other => panic!("no number: {other:?}"),
+    }
+}
+
+#[test]
+fn a_falling_ball_does_what_is_expected_of_it() {
+    let report = run(r#"
+        settings: (duration: 1),
+        bodies: { "ball": Balls(at: (0, 10, 0), velocity: (2, 0, 0)) },
+        expectations: [
+            (probe: Position(of: "ball", axis: Y), expect: Near(value: 5.095, tolerance: 0.001)),
+            (when: At(0.5), probe: Position(of: "ball", axis: X), expect: Near(value: 1, tolerance: 1e-5)),
+            // The velocity is half a step old: m g v h / 2, 1.6 J in the end.
+            (when: Always, probe: Energy(), expect: Between(198.5, 200.21)),
+            (when: Eventually(within: 0.6), probe: Velocity(of: "ball", axis: Y), expect: AtMost(-5)),
+            (when: During(0.5, 1), probe: Speed(of: "ball"), expect: AtLeast(5)),
+            (probe: Momentum(of: "ball", axis: X), expect: Near(value: 4, tolerance: 1e-4)),
+            (probe: Position(of: "ball", axis: Y, since: 0.5), expect: Near(value: -3.67875, tolerance: 0.001)),
+            (probe: StateHash(), expect: Reported),
+        ]"#);
+    report.assert_passed();
+    assert_eq!(report.steps, 60);
+}
+
+#[test]
+fn what_does_not_hold_is_told_with_scene_time_expected_and_got() {
+    let mut runner = SceneRunner::headless(script(
+        r#"(version: 1,
+        settings: (duration: 1),
+        bodies: { "ball": Balls(at: (0, 10, 0)) },
+        expectations: [
+            (name: "floats", when: Always, probe: Position(of: "ball", axis: Y), expect: AtLeast(9)),
+            (when: At(0.5), probe: Position(of: "ball", axis: Y), expect: Near(value: 0, tolerance: 1)),
+            (when: Eventually(within: 0.5), probe: Position(of: "ball", axis: Y), expect: AtMost(6)),
+            (when: At(3), probe: Position(of: "ball", axis: Y), expect: Near(value: 0, tolerance: 1)),
+        ])"#,
+    ))
+    .named("fall");
+    runner.note_recording("target/fall.rec");
+    let report = runner.run();
+    assert!(!report.passed());
+    let complaint = report.complaint();
+    println!("{complaint}");
+    let lines: Vec<&str> = complaint.lines().collect();
+    assert_eq!(lines.len(), 5, "{complaint}");
+    // It has fallen a metre after sqrt(2 / g) = 0.452 s: in the step that ends at 28 / 60 s.
+    for words in ["fall: FAIL floats", "always", "expected at least 9 m", "got 8.93", "at 0.467 s"] {
+        assert!(lines[0].contains(words), "{} does not say {words}", lines[0]);
+    }
+    assert!(lines[1].contains("0 ± 1 m") && lines[1].contains("got 8.77"), "{}", lines[1]);
+    assert!(lines[2].contains("within 0.5 s") && lines[2].contains("got 8.77"), "{}", lines[2]);
+    assert!(lines[3].contains("never"), "{}", lines[3]);
+    assert!(lines[4].contains("target/fall.rec"), "{}", lines[4]);
+    let caught = std::panic::catch_unwind(|| report.assert_passed());
+    assert!(caught.is_err(), "it asserts nothing");
+}
+
+#[test]
+fn a_cannon_fires_when_it_is_told_and_hits_what_it_aims_at() {
+    run(r#"
+        settings: (duration: 3),
+        cannons: { "cannon": (at: (0, 1, 8), aim: Point(0, 1.5, 0), speed: 18) },
+        obstacles: { "wall": (shape: Cuboid(size: (4, 4, 0.2)), at: (0, 2, -0.1)) },
+        timeline: [
+            (at: 0.5, repeat: (every: 0.5, times: 2), do: Fire("cannon")),
+            (at: 1.2, do: Aim(cannon: "cannon", aim: Angles(elevation: 89, azimuth: 0), speed: 30)),
+            (at: 1.3, do: Fire("cannon")),
+        ],
+        expectations: [
+            (when: At(0.5), probe: Count(Bodies), expect: Near(value: 0, tolerance: 0)),
+            (when: At(0.6), probe: Count(Bodies), expect: Near(value: 1, tolerance: 0)),
+            (probe: Hits(of: "cannon#1", on: "wall"), expect: Near(value: 1, tolerance: 0)),
+            (probe: Hits(of: "cannon", on: "wall"), expect: Near(value: 2, tolerance: 0)),
+            (when: At(0.9666), probe: Position(of: "cannon#1", axis: Y), expect: Near(value: 1.5, tolerance: 0.02)),
+            (probe: Velocity(of: "cannon#3", axis: Y), expect: AtLeast(10)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn pins_let_go_and_hold_again() {
+    // A free sheet falls g t^2 / 2: 1.226 m in half a second. Held again, it stays.
+    run(r#"
+        settings: (duration: 2, solver: (drag: 0)),
+        bodies: { "sheet": Cloth(particles: (5, 5), at: (0, 5, 0)) },
+        timeline: [
+            (at: 0.5, do: Unpin(of: "sheet")),
+            (at: 1, do: Pin(of: "sheet")),
+        ],
+        expectations: [
+            (when: At(0.5), probe: Position(of: "sheet", axis: Y, since: 0), expect: Near(value: 0, tolerance: 0.01)),
+            (when: At(1), probe: Position(of: "sheet", point: First, axis: Y, since: 0.5), expect: Near(value: -1.226, tolerance: 0.03)),
+            (when: At(1.5), probe: Position(of: "sheet", axis: Y, since: 1.02), expect: Near(value: 0, tolerance: 1e-6)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn a_freed_particle_has_the_mass_of_its_cloth() {
+    // 1 m^2 of 0.25 kg/m^2: when its pins are freed, the momentum of the whole is m g t.
+    run(r#"
+        settings: (duration: 1, solver: (drag: 0)),
+        bodies: { "sheet": Cloth(particles: (5, 5), at: (0, 5, 0), pins: None), "held": Cloth(particles: (5, 5), at: (3, 5, 0)) },
+        timeline: [(at: 0, do: Unpin(of: "held", particles: Pinned))],
+        expectations: [
+            (probe: Momentum(of: "sheet", axis: Y), expect: Near(value: -2.4525, tolerance: 0.001)),
+            (probe: Momentum(of: "held", axis: Y), expect: Near(value: -2.4525, tolerance: 0.03)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn a_push_changes_momentum_by_its_impulse() {
+    run(r#"
+        settings: (duration: 0.5, gravity: (0, 0, 0), solver: (drag: 0)),
+        bodies: {
+            "sheet": Cloth(particles: (5, 5), pins: None),
+            "ball": Balls(at: (9, 0, 0)),
+            "bob": Rig(at: (0, 9, 0), particles: { "a": (mass: 2), "b": (at: (1, 0, 0)) }, sticks: [(a: "a", b: "b")]),
+        },
+        obstacles: { "box": (shape: Cuboid(size: (1, 1, 1)), at: (0, 0, 9), motion: Dynamic(mass: 3)) },
+        timeline: [
+            (at: 0.1, do: Push(of: "sheet", impulse: (0, 0, 1))),
+            (at: 0.1, do: Push(of: "ball", impulse: (0, 0, 2))),
+            (at: 0.1, do: Push(of: "bob", impulse: (0, 0, 3), particles: Particles([1]))),
+            (at: 0.1, do: Push(of: "box", impulse: (0, 0, 4))),
+        ],
+        expectations: [
+            (when: At(0.1), probe: Momentum(), expect: Near(value: 0, tolerance: 1e-7)),
+            (probe: Momentum(of: "sheet", axis: Z), expect: Near(value: 1, tolerance: 1e-4)),
+            (probe: Momentum(of: "ball", axis: Z), expect: Near(value: 2, tolerance: 1e-4)),
+            (probe: Momentum(of: "bob", axis: Z), expect: Near(value: 3, tolerance: 1e-4)),
+            (probe: Momentum(of: "box", axis: Z), expect: Near(value: 4, tolerance: 1e-4)),
+            (probe: Velocity(of: "bob", axis: Z), expect: Near(value: 1, tolerance: 1e-4)),
+            (probe: Energy(of: "box", kind: Kinetic), expect: Near(value: 2.667, tolerance: 0.001)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn a_dragged_particle_follows_its_path_and_is_let_go() {
+    run(r#"
+        settings: (duration: 3, solver: (drag: 3)),
+        bodies: { "curtain": Cloth(particles: (11, 11), at: (0, 2, 0)) },
+        timeline: [(at: 0, do: Drag(of: "curtain", point: Particle(115), radius: 0.2, path: [(0.5, (0, 0.1, 0.4)), (1, (0, 0.1, 0.4))]))],
+        expectations: [
+            (when: At(1), probe: Position(of: "curtain", point: Particle(115), axis: Z), expect: Near(value: 0.4, tolerance: 0.05)),
+            (probe: Position(of: "curtain", point: Particle(115), axis: Z), expect: Near(value: 0, tolerance: 0.05)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn settings_change_by_their_paths() {
+    run(r#"
+        settings: (duration: 1, solver: (drag: 0)),
+        bodies: { "ball": Balls(at: (0, 5, 0)), "slider": Balls(at: (4, 0.15, 0), velocity: (3, 0, 0), friction: 1, rolling_resistance: 0) },
+        obstacles: { "ground": (shape: Ground, friction: 1) },
+        timeline: [
+            (at: 0, do: Set("settings.gravity", [0, -1, 0])),
+            (at: 0.5, do: Set("settings.wind.velocity", [1, 0, 0])),
+        ],
+        expectations: [
+            (probe: Position(of: "ball", axis: Y), expect: Near(value: 4.5, tolerance: 0.001)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn what_is_spawned_appears_and_what_is_despawned_vanishes() {
+    run(r#"
+        settings: (duration: 2),
+        bodies: { "late": Balls(at: (0, 1, 0), present: false), "rain": Balls(copies: (count: (3, 1, 2)), at: (5, 1, 0)) },
+        obstacles: { "floor": (shape: Cuboid(size: (2, 0.2, 2)), at: (0, 0, 0), present: false) },
+        timeline: [
+            (at: 0.5, do: Spawn("late")),
+            (at: 0.5, do: Spawn("floor")),
+            (at: 0.75, do: Despawn("rain")),
+        ],
+        expectations: [
+            (when: At(0.5), probe: Count(Bodies), expect: Near(value: 6, tolerance: 0)),
+            (when: At(0.6), probe: Count(Bodies), expect: Near(value: 7, tolerance: 0)),
+            (probe: Count(Bodies), expect: Near(value: 1, tolerance: 0)),
+            (probe: Position(of: "late", axis: Y), expect: Near(value: 0.25, tolerance: 0.001)),
+            (when: During(1, 2), probe: Penetration(of: "late"), expect: AtMost(1e-4)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn a_trigger_sets_its_event_off_once() {
+    let report = run(r#"
+        settings: (duration: 20),
+        bodies: { "ball": Balls(at: (0, 1, 0)), "late": Balls(at: (3, 1, 0), present: false) },
+        obstacles: { "ground": (shape: Ground) },
+        timeline: [
+            (when: Hit(of: "ball", on: "ground"), do: Spawn("late")),
+            (when: Measured(probe: Position(of: "late", axis: Y), expect: AtMost(0.5)), do: Push(of: "late", impulse: (0, 0, 2))),
+            (when: Resting("ball"), do: Stop),
+        ],
+        expectations: [
+            (when: Eventually(within: 0.5), probe: Count(Bodies), expect: Near(value: 2, tolerance: 0)),
+            (when: Eventually(within: 1), probe: Velocity(of: "late", axis: Z), expect: Near(value: 1, tolerance: 0.01)),
+            (probe: Activity(of: "ball"), expect: Is("Resting")),
+        ]"#);
+    report.assert_passed();
+    assert!(report.simulated_s < 5.0, "stopped at {} s", report.simulated_s);
+}
+
+#[test]
+fn keyframes_carry_and_belts_drag_along() {
+    run(r#"
+        settings: (duration: 2),
+        bodies: { "ball": Balls(at: (0, 0.25, 0), rolling_resistance: 0), "brick": Rig(particles: { "a": (at: (5, 0, 0)) }) },
+        obstacles: {
+            "lift": (shape: Cuboid(size: (1, 0.2, 1)), motion: Keyframes(keys: [(time: 0, at: (0, 0, 0)), (time: 1, at: (0, 0, 0)), (time: 2, at: (0, 1, 0))])),
+            "belt": (shape: Cuboid(size: (40, 1, 1)), at: (5, -0.5, 0), motion: Steady(velocity: (0.5, 0, 0))),
+        },
+        expectations: [
+            (when: At(1), probe: Position(of: "ball", axis: Y), expect: Near(value: 0.25, tolerance: 0.002)),
+            (when: At(1.5), probe: Position(of: "lift", axis: Y), expect: Near(value: 0.5, tolerance: 1e-5)),
+            (probe: Position(of: "ball", axis: Y), expect: Near(value: 1.25, tolerance: 0.002)),
+            (probe: Velocity(of: "brick", axis: X), expect: Near(value: 0.5, tolerance: 0.001)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn a_pause_stops_the_simulation_and_not_the_scene() {
+    let mut runner = SceneRunner::headless(script(
+        r#"(version: 1, settings: (duration: 1), bodies: { "ball": Balls() }, timeline: [
+            (at: 0.5, do: Pause(0.5)), (at: 0.5, do: Picture("eye")), (at: 0.75, do: Checkpoint("late")),
+        ], cameras: { "eye": () })"#,
+    ));
+    let mut updates = 0;
+    let mut seen = Vec::new();
+    while runner.step() {
+        updates += 1;
+        let world = runner.world();
+        let steps = world.resource::<ScenePlay>().steps();
+        for due in world.resource::<bevy::ecs::message::Messages<PictureDue>>().iter_current_update_messages()
+        {
+            seen.push((due.camera.clone(), steps));
+        }
+        for due in
+            world.resource::<bevy::ecs::message::Messages<CheckpointDue>>().iter_current_update_messages()
+        {
+            seen.push((due.name.clone(), steps));
+        }
+    }
+    assert_eq!(runner.report().steps, 60);
+    assert_eq!(updates, 89, "half a second stood still");
+    assert_eq!(seen, [("eye".to_string(), 30), ("late".to_string(), 46)]);
+}
+
+#[test]
+fn contacts_are_counted_and_a_sensor_moves_nothing() {
+    run(r#"
+        settings: (duration: 1),
+        bodies: { "ball": Balls(at: (0, 1, 0)) },
+        obstacles: { "gate": (shape: Cuboid(size: (1, 0.2, 1)), sensor: true, contacts: true) },
+        expectations: [
+            (probe: Contacts(of: "ball", on: "gate"), expect: Near(value: 1, tolerance: 0)),
+            (probe: Position(of: "ball", axis: Y), expect: Near(value: -3.905, tolerance: 0.001)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn what_the_plugin_refuses_fails_the_scene() {
+    let report = run(r#"settings: (duration: 0.1), bodies: { "c": Cloth(solver: (drag: 1e6)) }"#);
+    assert!(!report.passed() && report.complaint().contains("drag"), "{report}");
+}
+
+#[test]
+fn the_same_scene_has_the_same_bits_and_its_steps_can_be_looked_at() {
+    let fields = r#"version: 1, settings: (duration: 1, seed: 7), bodies: {
+        "curtain": Cloth(particles: (17, 17), at: (0, 1, 0)),
+        "rain": Balls(at: (0, 3, 0), radius: 0.05, mass: 0.1, copies: (count: (3, 2, 3), spacing: (0.2, 0.3, 0.2), scatter: 0.02)),
+    }"#;
+    let run = || {
+        let mut looked = Vec::new();
+        let report = SceneRunner::headless(script(&format!("({fields})")))
+            .run_with(|world, step| looked.push((step, world.resource::<ScenePlay>().state_hash(world))));
+        (report.state_hash, looked)
+    };
+    let (hash, looked) = run();
+    assert_eq!(looked.len(), 60);
+    assert_eq!(looked[59].0, 60);
+    assert_eq!(hash, format!("{:016x}", looked[59].1));
+    assert_eq!((hash, looked), run());
+}
+
+#[test]
+fn a_step_time_ratio_is_reported_and_never_fails() {
+    let report = run(r#"
+        settings: (duration: 0.1),
+        bodies: { "big": Cloth(particles: (65, 65)), "small": Cloth(particles: (9, 9)) },
+        expectations: [(probe: StepTimeRatio(of: "big", against: "small"), expect: AtMost(0.001))]"#);
+    report.assert_passed();
+    assert!(number(&report, 0) > 0.0);
+}
