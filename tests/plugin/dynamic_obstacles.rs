@@ -113,3 +113,67 @@ fn dynamic_obstacles_that_cannot_be() {
         assert!(get::<Transform>(&app, entity).translation.y < 0.0, "it falls");
     }
 }
+
+/// One box between two cloths: all three are one island, and what one cloth does to the box the other feels.
+#[test]
+fn a_box_between_two_cloths_keeps_the_momentum_of_all_three() {
+    let mut app = app();
+    weightless(&mut app);
+    let settings = SolverSettings { drag: 0.0, ..default() };
+    let cloths = [-0.3, 0.3].map(|z| {
+        let at = Transform::from_xyz(0.0, 0.0, z);
+        app.world_mut().spawn((free_cloth(), settings, at)).id()
+    });
+    step(&mut app, 2);
+    let middle = centre(&app, cloths[0]) + Vec3::Z * 0.3;
+    let at = Transform::from_translation(middle);
+    let shot = app.world_mut().spawn((shot_box(Vec3::Z * 6.0), at)).id();
+    for (cloth, velocity) in cloths.into_iter().zip([Vec3::Z * 8.0, Vec3::NEG_Z]) {
+        let mut particles = get_mut::<Particles>(&mut app, cloth);
+        (0..particles.len()).for_each(|i| particles.set_velocity(i, velocity));
+    }
+    let total = |app: &App| {
+        momentum(app, cloths[0], shot) + measure::momentum(get::<Particles>(app, cloths[1])).as_vec3()
+    };
+    let before = total(&app);
+    let mut both = 0;
+    for _ in 0..60 {
+        step(&mut app, 1);
+        both += usize::from(cloths.iter().all(|&cloth| speed(&app, cloth) > 0.1));
+        let lost = (total(&app) - before).length() / before.length();
+        assert!(lost < 1e-4, "{lost} of the momentum");
+    }
+    assert!(both > 0);
+    let ahead = measure::momentum(get::<Particles>(&app, cloths[1]));
+    assert!(ahead.z > 0.0, "the cloth ahead was hit: {ahead} kg m/s");
+}
+
+/// A heavy ball hits a light box: the box flies off no faster than the ball came.
+#[test]
+fn a_heavy_ball_pushes_a_light_box_ahead() {
+    let mut app = app();
+    weightless(&mut app);
+    let dynamic = DynamicObstacle { gravity_scale: 0.0, ..DynamicObstacle::cuboid(0.05, Vec3::splat(SIDE)) };
+    let shot = app.world_mut().spawn((Obstacle::cuboid(SIDE, SIDE, SIDE), dynamic)).id();
+    let ball = Projectile { mass: 5.0, radius: 0.1, velocity: Vec3::X * 10.0, drag: 0.0, ..default() };
+    app.world_mut().spawn((ball, Transform::from_xyz(-1.0, 0.0, 0.0)));
+    run(&mut app, 0.3);
+    let velocity = get::<DynamicObstacle>(&app, shot).velocity;
+    assert!((velocity.x / (10.0 * 5.0 / 5.05) - 1.0).abs() < 0.05, "{velocity} m/s");
+    assert!(get::<Transform>(&app, shot).translation.x > 1.0);
+}
+
+/// An obstacle that is no longer dynamic stays where it is.
+#[test]
+fn an_obstacle_that_is_no_longer_dynamic_stays() {
+    let mut app = app();
+    let at = Transform::from_xyz(0.0, 5.0, 0.0);
+    let obstacle = app.world_mut().spawn((Obstacle::sphere(0.2), DynamicObstacle::sphere(1.0, 0.2), at)).id();
+    app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.1, 5.3, 0.0)));
+    run(&mut app, 0.2);
+    app.world_mut().entity_mut(obstacle).remove::<DynamicObstacle>();
+    let before = *get::<Transform>(&app, obstacle);
+    assert!(before.translation.y < 4.9);
+    run(&mut app, 0.5);
+    assert_eq!(*get::<Transform>(&app, obstacle), before);
+}

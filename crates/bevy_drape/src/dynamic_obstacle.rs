@@ -2,12 +2,12 @@
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
-use drape_solver::{BuildError, Placement, RigidBody};
+use drape_solver::{BuildError, RigidBody};
 
 use crate::clock::DrapeClock;
 use crate::environment::{DrapeGravity, SolverEnvironment};
 use crate::islands::Islands;
-use crate::obstacle::Obstacle;
+use crate::obstacle::{Obstacle, StirredSpace};
 use crate::refusal::Refusals;
 
 /// What cloth, ropes and balls did to an [`Obstacle`] in the last step: the exact opposite of all impulses that it gave
@@ -26,14 +26,12 @@ pub struct ObstacleReaction {
 }
 
 /// An [`Obstacle`] that flies, falls, and is pushed back by what it touches. The plugin writes its [`Transform`], which
-/// must not have a parent; moving it by hand as well is a push without momentum.
+/// must not have a parent; moving it by hand puts it somewhere else.
 ///
 /// It does not collide with other obstacles: for that, have a physics engine move it, by its [`ObstacleReaction`].
 ///
-/// Linear and angular momentum are kept. The coupling is explicit, once a step: in the step of a hit it holds like an
-/// obstacle without end of mass. No energy is gained where it weighs, as felt at the point of contact, at least as much as what it stops in one step
-/// (a free cloth that it catches, a ball), or `(1 + e) / (1 - e)` times as much where they bounce with a restitution of `e`. Lighter
-/// ones under heavy cloth may be thrown off; a shorter fixed step helps, as less is stopped in each.
+/// Linear and angular momentum are kept, and no contact gains energy, however light it is under however heavy a cloth: it
+/// flies within the step, and gives way to each push as a ball does.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -101,65 +99,69 @@ impl DynamicObstacle {
     }
 }
 
-/// Puts dynamic obstacles where they are at the end of this step.
-pub(crate) fn move_dynamic_obstacles(
-    mut obstacles: Query<(Entity, &mut DynamicObstacle, &mut Transform), With<Obstacle>>,
+/// Has dynamic obstacles fly through the coming step.
+pub(crate) fn fly_dynamic_obstacles(
+    obstacles: Query<(Entity, &DynamicObstacle), With<Obstacle>>,
     clock: Res<DrapeClock>,
     gravity: Res<DrapeGravity>,
-    solver: Res<SolverEnvironment>,
+    mut solver: ResMut<SolverEnvironment>,
+    mut stirred: ResMut<StirredSpace>,
     mut refusals: ResMut<Refusals>,
     mut refused: Local<EntityHashSet>,
 ) {
     let gravity = if gravity.is_usable() { gravity.0 } else { solver.environment.gravity };
-    let dt = clock.delta();
-    for (entity, mut dynamic, mut transform) in &mut obstacles {
-        let mut body = match dynamic.body() {
-            Ok(body) => {
-                if refused.remove(&entity) {
-                    refusals.forget(entity);
-                }
-                body
-            }
-            Err(error) => {
-                refusals.entity(entity, "DynamicObstacle", error);
-                refused.insert(entity);
-                continue;
-            }
-        };
-        let from = Placement { translation: transform.translation, rotation: transform.rotation };
-        if !from.is_valid() {
-            continue;
+    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
+    for (entity, dynamic) in &obstacles {
+        let body = dynamic.body();
+        match &body {
+            Ok(_) if refused.remove(&entity) => refusals.forget(entity),
+            Err(error) if refused.insert(entity) => refusals.entity(entity, "DynamicObstacle", error),
+            _ => {}
         }
-        body.accelerate(gravity * dynamic.gravity_scale, dt);
-        let to = body.advance(from, dt);
-        if to != from && to.is_valid() {
-            (transform.translation, transform.rotation) = (to.translation, to.rotation);
+        let Some(slot) = known.slot(entity) else { continue };
+        let obstacle = &mut environment.obstacles[slot];
+        obstacle.set_rigid_body(body.ok());
+        obstacle.fly(gravity * dynamic.gravity_scale, clock.delta());
+        if obstacle.is_moving() {
+            stirred.push(obstacle);
         }
-        let moved =
-            DynamicObstacle { velocity: body.velocity, angular_velocity: body.angular_velocity, ..*dynamic };
-        dynamic.set_if_neq(moved);
     }
 }
 
-/// Tells obstacles what was done to them in this step, and gives it to those that it moves.
+/// Tells obstacles what was done to them in this step, and puts those that fly where they have got.
 pub(crate) fn give_reactions(
-    mut obstacles: Query<(&mut ObstacleReaction, Option<&mut DynamicObstacle>)>,
+    mut reactions: Query<&mut ObstacleReaction>,
+    mut dynamics: Query<(Entity, &mut DynamicObstacle, &mut Transform), With<Obstacle>>,
     islands: Res<Islands>,
-    solver: Res<SolverEnvironment>,
+    mut solver: ResMut<SolverEnvironment>,
 ) {
-    for (mut reaction, _) in &mut obstacles {
+    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
+    for mut reaction in &mut reactions {
         reaction.set_if_neq(ObstacleReaction::default());
     }
     for island in islands.live() {
         for reaction in &island.solver.reactions {
-            let entity = solver.obstacles.entity(reaction.obstacle);
-            let Ok((mut sum, dynamic)) = obstacles.get_mut(entity) else { continue };
-            sum.impulse += reaction.impulse;
-            sum.angular_impulse += reaction.angular_impulse;
-            let Some(mut dynamic) = dynamic else { continue };
-            let Ok(mut body) = dynamic.body() else { continue };
-            body.receive(reaction, solver.environment.obstacles[reaction.obstacle].placement());
-            (dynamic.velocity, dynamic.angular_velocity) = (body.velocity, body.angular_velocity);
+            if let Ok(mut sum) = reactions.get_mut(known.entity(reaction.obstacle)) {
+                sum.impulse += reaction.impulse;
+                sum.angular_impulse += reaction.angular_impulse;
+            }
         }
+        for moved in &island.solver.moved {
+            environment.obstacles[moved.obstacle].land(moved);
+        }
+    }
+    for (entity, mut dynamic, mut transform) in &mut dynamics {
+        let Some(obstacle) = known.slot(entity).map(|slot| &environment.obstacles[slot]) else { continue };
+        let (Some(body), place) = (obstacle.rigid_body(), obstacle.placement()) else { continue };
+        let there = transform.with_translation(place.translation).with_rotation(place.rotation);
+        // What does not move keeps the digits that it was given.
+        if obstacle.is_moving() {
+            transform.set_if_neq(there);
+        }
+        dynamic.set_if_neq(DynamicObstacle {
+            velocity: body.velocity,
+            angular_velocity: body.angular_velocity,
+            ..*dynamic
+        });
     }
 }

@@ -5,26 +5,32 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use drape_solver::constants::CONTACT_MARGIN;
 use drape_solver::{Environment, Other, StepError};
 
 use crate::activity::Activity;
 use crate::clock::DrapeClock;
+use crate::dynamic_obstacle::DynamicObstacle;
 use crate::environment::SolverEnvironment;
 use crate::hit::{BallHit, HitTarget, Touching};
 use crate::island::{BallQuery, BodyQuery, Island, Stage, fits};
-use crate::islands::{Islands, Member};
-use crate::obstacle::KnownObstacles;
+use crate::islands::{Islands, Kind, Member};
+use crate::obstacle::{KnownObstacles, Obstacle};
 use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
 use crate::refusal::Refusals;
 use crate::scan::collect_rows;
-use crate::scene_manager::{SceneManager, ball_reach, body_reach};
+use crate::scene_manager::{SceneManager, ball_reach, body_reach, grown};
 use crate::schedule::StepTimes;
+
+/// Begins the order of what comes after all bodies and balls.
+const LATEST: u64 = 1 << 63;
 
 /// Groups all active bodies and balls into the islands of this step.
 pub(crate) fn form_islands(
     mut bodies: Query<(Entity, &mut Activity, &Particles, &Sticks, &mut BodyState)>,
     balls: Query<(Entity, &Activity, &ProjectileState, &ProjectileRecord), Without<Particles>>,
+    dynamic_obstacles: Query<Entity, (With<DynamicObstacle>, With<Obstacle>)>,
     solver: Res<SolverEnvironment>,
     mut islands: ResMut<Islands>,
     mut refusals: ResMut<Refusals>,
@@ -49,8 +55,8 @@ pub(crate) fn form_islands(
             continue;
         }
         let bounds = body_reach(&state, dt, gravity);
-        let has_self_contact = state.settings.has_self_contact();
-        islands.members.push(Member { order: state.order, entity, is_ball: false, has_self_contact, bounds });
+        let kind = Kind::Body { has_self_contact: state.settings.has_self_contact() };
+        islands.members.push(Member { order: state.order, entity, kind, bounds });
     }
     for (entities, activities, ..) in balls.contiguous_iter().into_iter().flatten() {
         collect_rows(entities, |rows| Activity::is_any_active(&activities[rows]), &mut active);
@@ -59,13 +65,14 @@ pub(crate) fn form_islands(
         let Ok((_, _, state, record)) = balls.get(entity) else { continue };
         if !record.refused {
             let bounds = ball_reach(state, dt, gravity);
-            islands.members.push(Member {
-                order: record.order,
-                entity,
-                is_ball: true,
-                has_self_contact: false,
-                bounds,
-            });
+            islands.members.push(Member { order: record.order, entity, kind: Kind::Ball, bounds });
+        }
+    }
+    for (place, entity) in dynamic_obstacles.iter().enumerate() {
+        if let Some(slot) = solver.obstacles.slot(entity) {
+            let bounds = grown(solver.environment.obstacles[slot].swept_bounds(), CONTACT_MARGIN);
+            let order = LATEST + place as u64;
+            islands.members.push(Member { order, entity, kind: Kind::Obstacle, bounds });
         }
     }
     islands.form();

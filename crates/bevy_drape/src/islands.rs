@@ -30,14 +30,24 @@ pub(crate) struct Islands {
     pub is_fused: bool,
 }
 
-/// A body or ball on its way into an island.
+/// What is grouped.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Body {
+        /// Whether it touches other such bodies.
+        has_self_contact: bool,
+    },
+    Ball,
+    /// A dynamic obstacle: what it touches has to be in one island. Later than all others in order.
+    Obstacle,
+}
+
+/// A body, ball or dynamic obstacle on its way into an island.
 #[derive(Clone, Copy)]
 pub(crate) struct Member {
     pub order: u64,
     pub entity: Entity,
-    pub is_ball: bool,
-    /// Whether it is a body that touches other such bodies.
-    pub has_self_contact: bool,
+    pub kind: Kind,
     /// Where it can get within the step.
     pub bounds: Bounds,
 }
@@ -45,7 +55,13 @@ pub(crate) struct Member {
 impl Member {
     /// Whether the two can meet in this step. Balls touch everything, and bodies each other where both do so.
     fn may_touch(&self, other: &Self) -> bool {
-        let do_touch = self.is_ball || other.is_ball || (self.has_self_contact && other.has_self_contact);
+        let do_touch = match (self.kind, other.kind) {
+            (Kind::Body { has_self_contact }, Kind::Body { has_self_contact: others_has }) => {
+                has_self_contact && others_has
+            }
+            (Kind::Obstacle, Kind::Obstacle) => false,
+            _ => true,
+        };
         do_touch && overlap(self.bounds, other.bounds)
     }
 }
@@ -103,13 +119,17 @@ impl Islands {
         for i in 0..count {
             // The root of an island is its oldest member, so it has its slot before the others ask for it.
             let root = root(&mut self.parents, i);
+            if self.members[i].kind == Kind::Obstacle {
+                // It has joined others; itself it stays with the environment.
+                continue;
+            }
             if root == i {
                 self.open_slot();
             }
             let slot = if root == i { self.live - 1 } else { self.slot_of[root] };
             self.slot_of.push(slot);
             let (member, island) = (self.members[i], &mut self.slots[slot]);
-            let list = if member.is_ball { &mut island.balls } else { &mut island.bodies };
+            let list = if member.kind == Kind::Ball { &mut island.balls } else { &mut island.bodies };
             list.push(member.entity);
         }
     }

@@ -11,6 +11,7 @@ use drape_solver::{BuildError, Layers, Placement, Shape};
 
 use crate::clock::DrapeClock;
 use crate::contact_events::ContactEvents;
+use crate::dynamic_obstacle::DynamicObstacle;
 use crate::dynamic_obstacle::ObstacleReaction;
 use crate::environment::SolverEnvironment;
 use crate::layers::DrapeLayers;
@@ -146,7 +147,7 @@ impl KnownObstacles {
         self.entities[slot]
     }
 
-    fn slot(&self, entity: Entity) -> Option<usize> {
+    pub fn slot(&self, entity: Entity) -> Option<usize> {
         self.slots.get(&entity).copied()
     }
 
@@ -237,7 +238,7 @@ pub(crate) fn look_again<E: EntityEvent, C: Component>(event: On<E, C>, mut news
 pub(crate) struct StirredSpace(pub Vec<(Bounds, Layers)>);
 
 impl StirredSpace {
-    fn push(&mut self, obstacle: &drape_solver::Obstacle) {
+    pub fn push(&mut self, obstacle: &drape_solver::Obstacle) {
         self.0.push((obstacle.swept_bounds(), obstacle.layers()));
     }
 }
@@ -270,6 +271,7 @@ pub(crate) fn sync_obstacles(
         Has<ContactEvents>,
         Has<ObstacleReaction>,
         Has<TeleportObstacle>,
+        Has<DynamicObstacle>,
     )>,
     mut commands: Commands,
     clock: Res<DrapeClock>,
@@ -311,7 +313,9 @@ pub(crate) fn sync_obstacles(
     again.retain(|entity| !moving.contains(entity));
     seen.extend(moving.drain(..).chain(again.drain(..)).filter(|&entity| is_unseen(entity)));
     for &entity in &*seen {
-        let Ok((_, obstacle, transform, layers, reports, asks, is_teleport)) = obstacles.get(entity) else {
+        let Ok((_, obstacle, transform, layers, reports, asks, is_teleport, is_dynamic)) =
+            obstacles.get(entity)
+        else {
             continue;
         };
         if is_teleport {
@@ -335,6 +339,7 @@ pub(crate) fn sync_obstacles(
                 || built.layers() != layers
                 || built.reports_contacts() != reports
                 || built.reports_reaction() != asks
+                || built.rigid_body().is_some() && !is_dynamic
         });
         if obstacle.is_changed() || is_another {
             let built = built(&obstacle, scale, placement, layers, [reports, asks]);

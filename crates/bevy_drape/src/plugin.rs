@@ -20,7 +20,7 @@ use crate::contact_events::{
     DrapeContactHit, DrapeContactSettings, DrapeContactStarted, send_contacts,
 };
 use crate::description::{build_described, remove_described_body};
-use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, give_reactions, move_dynamic_obstacles};
+use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
 use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
 use crate::grab::{Grab, pull_grabbed};
 use crate::hit::{BallHit, Touching};
@@ -148,6 +148,7 @@ impl Plugin for SolverPlugin {
             .add_observer(look_again::<Add, ObstacleReaction>)
             .add_observer(look_again::<Remove, ObstacleReaction>)
             .add_observer(look_again::<Add, TeleportObstacle>)
+            .add_observer(look_again::<Remove, DynamicObstacle>)
             .add_observer(forget_removed::<DynamicObstacle>)
             .add_observer(look_again::<Remove, ContactEvents>)
             .add_observer(look_again::<Remove, DrapeLayers>)
@@ -164,7 +165,6 @@ impl Plugin for SolverPlugin {
             DrapeSchedule,
             (
                 (
-                    move_dynamic_obstacles,
                     // Bevy brings global transforms up to date after the fixed loop only: too late for a step.
                     (
                         (mark_dirty_trees, propagate_parent_transforms).chain().run_if(have_trees_moved),
@@ -174,7 +174,7 @@ impl Plugin for SolverPlugin {
                     fire_cannons,
                     (build_described::<Cloth>, build_described::<Rope>, build_projectiles).chain(),
                     compile_rigs,
-                    sync_obstacles,
+                    (sync_obstacles, fly_dynamic_obstacles).chain(),
                     (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
                     (pay_attention, wake, cull).chain(),
                 )

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
 use crate::constants::BALL_TRAVEL_PER_SUBSTEP;
+use crate::dynamic_obstacle::{Mover, mover_mut};
 use crate::island::{Island, IslandContext};
 use crate::obstacle::Obstacle;
 use crate::obstacles::Obstacles;
@@ -51,6 +52,20 @@ impl BallObstacle {
         let Push { push, moment } = self.given;
         let point = balls[self.ball].position.as_dvec3();
         (self.depth > 0.0).then_some(Given { obstacle: self.obstacle, point, push, moment })
+    }
+
+    /// The obstacle, if it is moved by what hits it; the pair's poses then follow it.
+    fn follow<'a>(&mut self, movers: &'a mut [Mover]) -> Option<&'a mut Mover> {
+        let mover = mover_mut(movers, self.obstacle)?;
+        [self.before, self.now] = mover.poses(Vec3::ZERO);
+        Some(mover)
+    }
+
+    /// What it tells the obstacle, of a push (kg m) and a change of spin (kg m^2) that it gives to the ball.
+    fn gives(&self, ball: &Ball, push: Vec3, moment: Vec3) -> Given {
+        // A push adds to the whole way of the substep, and so acts where that began.
+        let point = (ball.position - ball.travel()).as_dvec3();
+        Given { obstacle: self.obstacle, point, push, moment }
     }
 
     /// The plane that a ball meets on its way through the obstacle's coordinates, if that way is so long that the ball may
@@ -111,9 +126,11 @@ pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
     let Island { balls, context, .. } = island;
     let (index, count) = (context.substep_index, context.substeps);
     for pair in &mut context.ball_obstacle {
-        let pose_at = |k: u32| obstacles[pair.obstacle].pose_at(k as f32 / count as f32, Vec3::ZERO);
-        pair.before = pose_at(index);
-        pair.now = pose_at(index + 1);
+        if pair.follow(&mut context.movers).is_none() {
+            let obstacle = &obstacles[pair.obstacle];
+            let pose_at = |k: u32| obstacle.pose_at(k as f32 / count as f32, Vec3::ZERO);
+            [pair.before, pair.now] = [index, index + 1].map(pose_at);
+        }
         pair.depth = 0.0;
         pair.overlap = Overlap::default();
         pair.given = Push::default();
@@ -128,6 +145,7 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
     let pace = Pace::of(context);
     for pair in &mut context.ball_obstacle {
         let ball = &mut balls[pair.ball];
+        let mover = pair.follow(&mut context.movers);
         let local = pair.now.to_local(ball.position);
         let (plane, shape) = (pair.plane.or(pair.ahead), obstacles[pair.obstacle].shape());
         let surface_at = |local: Vec3| match plane {
@@ -144,7 +162,9 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
             let start = pair.before.to_local(ball.position - travel);
             let at_start = || ball.material.radius - surface_at(start).distance;
             let push = pair.overlap.split(depth, gap_change, at_start, pace);
-            pair.depth += push.fresh;
+            let point = ball.position - pair.normal * surface.distance;
+            let fresh = push.fresh * own_share(ball, mover.as_deref(), point, pair.normal);
+            pair.depth += fresh;
             let projection = Projection {
                 ball: pair.ball,
                 other: Other::Obstacle(pair.obstacle),
@@ -152,14 +172,18 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
                 gap_change,
                 ball_position: ball.position,
                 ball_travel: travel,
-                point: ball.position - pair.normal * surface.distance,
+                point,
                 normal: pair.normal,
             };
-            let impulse = push.fresh * ball.material.mass / context.substep;
+            let impulse = fresh * ball.material.mass / context.substep;
             record(touches, &projection, impulse, context.substep_index, context.substep);
             pair.impact.note(gap_change, projection.fraction());
-            pair.given.push += pair.normal * (push.fresh * ball.material.mass);
-            ball.project(pair.normal * push.fresh, pair.normal * push.old);
+            let given = pair.normal * (fresh * ball.material.mass);
+            pair.given.push += given;
+            if let Some(mover) = mover {
+                mover.receive(pair.gives(ball, given, Vec3::ZERO), context.substep);
+            }
+            ball.project(pair.normal * fresh, pair.normal * push.old);
         }
     }
 }
@@ -173,25 +197,33 @@ pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
         let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
             continue;
         };
+        let mover = pair.follow(&mut context.movers);
         let point = ball.position - pair.normal * ball.material.radius;
         let carried = point - pair.before.point_to_world(pair.now.to_local(point));
-        let change = rebound.displacement - (ball.displacement - carried).dot(pair.normal);
+        let share = own_share(ball, mover.as_deref(), point, pair.normal);
+        let change = share * (rebound.displacement - (ball.displacement - carried).dot(pair.normal));
         pair.depth += change;
         let impulse = change * ball.material.mass / context.substep;
         add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);
-        pair.given.push += pair.normal * (change * ball.material.mass);
+        let given = pair.normal * (change * ball.material.mass);
+        pair.given.push += given;
+        if let Some(mover) = mover {
+            mover.receive(pair.gives(ball, given, Vec3::ZERO), context.substep);
+        }
         ball.displacement += pair.normal * change;
-        ball.position += pair.normal * rebound.position;
+        ball.position += pair.normal * (share * rebound.position);
     }
 }
 
 /// Friction at the point of contact, which turns sliding into rolling, and the resistance that ends rolling.
 pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
-    for pair in &mut island.context.ball_obstacle {
+    let Island { balls, context, .. } = island;
+    for pair in &mut context.ball_obstacle {
         if pair.depth == 0.0 {
             continue;
         }
-        let ball = &mut island.balls[pair.ball];
+        let ball = &mut balls[pair.ball];
+        let mover = pair.follow(&mut context.movers);
         let surface = obstacles[pair.obstacle].surface_friction();
         let friction = ball.material.surface_friction().with(surface);
         let arm = pair.normal * -ball.material.radius;
@@ -200,14 +232,27 @@ pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
         // The whole slip of a sphere's surface takes a push of slip / (3.5 w); Coulomb's limit is in terms of
         // the push on a mass point, mu * depth / w. In units of slip that limit is 3.5 times as long.
         let slip = ball.surface_travel(arm) - carried;
-        let taken = friction.scaled(SURFACE_INVERSE_MASS).slip_taken(slip, pair.normal, pair.depth);
-        let push = -taken / (SURFACE_INVERSE_MASS * ball.inverse_mass);
+        let (friction, felt) =
+            (friction.scaled(SURFACE_INVERSE_MASS), SURFACE_INVERSE_MASS * ball.inverse_mass);
+        let push = match &mover {
+            Some(mover) => mover.slip_taken(friction, felt, slip, pair.normal, pair.depth, point).1,
+            None => -friction.slip_taken(slip, pair.normal, pair.depth) / felt,
+        };
         let spin = ball.spin;
         ball.push_surface(arm, push);
         resist_rolling(ball, pair.depth);
+        let moment = (ball.spin - spin) * (ball.moment_of_inertia() * ball.substep);
         pair.given.push += push;
-        pair.given.moment += (ball.spin - spin) * (ball.moment_of_inertia() * ball.substep);
+        pair.given.moment += moment;
+        if let Some(mover) = mover {
+            mover.receive(pair.gives(ball, push, moment), context.substep);
+        }
     }
+}
+
+/// The part of a push along `normal` (a unit vector) that the ball takes; the rest is the obstacle's, if it gives way.
+fn own_share(ball: &Ball, mover: Option<&Mover>, point: Vec3, normal: Vec3) -> f32 {
+    mover.map_or(1.0, |mover| ball.inverse_mass / (ball.inverse_mass + mover.inverse_mass_at(point, normal)))
 }
 
 /// The ground's reaction acts ahead of the centre by `rolling_resistance` radii and so brakes the spin by the

@@ -21,6 +21,7 @@ use glam::{DVec3, Vec3};
 use crate::body::Body;
 use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
 use crate::contact_ball_cloth::{Element, weighted};
+use crate::dynamic_obstacle::{Mover, mover, mover_mut};
 use crate::friction::Friction;
 use crate::obstacle::Obstacle;
 use crate::overlap::{Overlap, Pace};
@@ -308,11 +309,14 @@ fn deepest(
 }
 
 /// Forgets the last substep's depths, and follows the deepest points.
-pub(crate) fn begin_substep(body: &mut Body, around: Surroundings) {
+pub(crate) fn begin_substep(body: &mut Body, around: Surroundings, movers: &[Mover]) {
     let Body { particles, context, .. } = body;
     let mut poses = None;
     for contact in &mut context.faces.contacts {
-        let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
+        let poses = match mover(movers, contact.obstacle) {
+            Some(mover) => poses.insert(Poses::of_mover(contact.obstacle, mover, particles.origin)),
+            None => kept(&mut poses, contact.obstacle, around, particles.origin),
+        };
         contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
         contact.depth = 0.0;
         contact.given = Vec3::ZERO;
@@ -332,16 +336,25 @@ impl Poses {
         let pose_at = |k: u32| around.obstacles[obstacle].pose_at(k as f32 / around.substeps as f32, origin);
         Self { obstacle, before: pose_at(around.substep_index), now: pose_at(around.substep_index + 1) }
     }
+
+    fn of_mover(obstacle: usize, mover: &Mover, origin: Vec3) -> Self {
+        let [before, now] = mover.poses(origin);
+        Self { obstacle, before, now }
+    }
 }
 
 /// Moves the faces that an obstacle pokes into out to its surface.
-pub(crate) fn project(body: &mut Body, around: Surroundings) {
+pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
     let mut contacts = core::mem::take(&mut body.context.faces.contacts);
     let pace = Pace::gentle(around.substep);
     let mut poses = None;
     for contact in &mut contacts {
-        let poses = kept(&mut poses, contact.obstacle, around, body.particles.origin);
-        contact.project(body, around.obstacles, poses, pace);
+        let mover = mover_mut(movers, contact.obstacle);
+        let poses = match &mover {
+            Some(mover) => poses.insert(Poses::of_mover(contact.obstacle, mover, body.particles.origin)),
+            None => kept(&mut poses, contact.obstacle, around, body.particles.origin),
+        };
+        contact.project(body, around.obstacles, poses, mover, pace);
     }
     body.context.faces.contacts = contacts;
 }
@@ -406,7 +419,14 @@ impl FaceContact {
         true
     }
 
-    fn project(&mut self, body: &mut Body, obstacles: &[Obstacle], poses: &Poses, pace: Pace) {
+    fn project(
+        &mut self,
+        body: &mut Body,
+        obstacles: &[Obstacle],
+        poses: &Poses,
+        mover: Option<&mut Mover>,
+        pace: Pace,
+    ) {
         let corners = self.element.corners();
         let thickness = FACE_THICKNESS * body.settings.thickness;
         let places = corners.map(|slot| body.particles.position.get(slot));
@@ -435,7 +455,13 @@ impl FaceContact {
         let carried = point - poses.before.point_to_world(poses.now.to_local(point));
         let start = poses.before.to_local(point - travel);
         let at_start = || thickness - surface_at(start).distance;
-        let push = self.overlap.split(depth, (travel - carried).dot(normal), at_start, pace);
+        let mut push = self.overlap.split(depth, (travel - carried).dot(normal), at_start, pace);
+        if let Some(mover) = mover {
+            let contact = body.particles.origin + point;
+            push.fresh *= felt / (felt + mover.inverse_mass_at(contact, normal));
+            let given = normal * (push.fresh / felt);
+            mover.receive(Given::at((contact - travel).as_dvec3(), self.obstacle, given), pace.substep());
+        }
         self.depth += push.fresh;
         self.normal = normal;
         self.given += normal * (push.fresh / felt);
@@ -463,18 +489,33 @@ impl FaceContact {
 
 /// Friction at the deepest points, on what they have slipped in this substep. Corners that go with the point may lie around
 /// an edge: by more than a thickness it moves none.
-pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
+pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
     let Body { particles, context, settings, .. } = body;
     let mut poses = None;
     for contact in context.faces.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
-        let poses = kept(&mut poses, contact.obstacle, around, particles.origin);
+        let mover = mover_mut(movers, contact.obstacle);
+        let poses = match &mover {
+            Some(mover) => poses.insert(Poses::of_mover(contact.obstacle, mover, particles.origin)),
+            None => kept(&mut poses, contact.obstacle, around, particles.origin),
+        };
         let corners = contact.element.corners();
         let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
         let moved = weighted(contact.weights, corners.map(|slot| particles.displacement.get(slot)));
         let carried = point - poses.before.point_to_world(poses.now.to_local(point));
         let depth = contact.depth.min(settings.thickness);
-        let taken = contact.friction.slip_taken(moved - carried, contact.normal, depth);
         let felt = contact.felt(particles);
+        let slip = moved - carried;
+        let taken = match mover {
+            Some(mover) => {
+                let place = particles.origin + point;
+                let (taken, push) =
+                    mover.slip_taken(contact.friction, felt, slip, contact.normal, depth, place);
+                let given = Given::at((place - moved).as_dvec3(), contact.obstacle, push);
+                mover.receive(given, around.substep);
+                taken
+            }
+            None => contact.friction.slip_taken(slip, contact.normal, depth),
+        };
         contact.given -= taken / felt;
         for (slot, weight) in corners.into_iter().zip(contact.weights) {
             let shift = taken * (-weight * particles.inverse_mass[slot] / felt);

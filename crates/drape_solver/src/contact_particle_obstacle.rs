@@ -40,9 +40,9 @@ pub(crate) struct ObstacleContacts {
     /// Room for what a helper finds.
     pub found_by_helper: Vec<Candidate>,
     /// One for each candidate.
-    pushes: Vec<Pushes>,
+    pub pushes: Vec<Pushes>,
     /// What each candidate was given in this substep, in metres: for all, or for none where no obstacle asks.
-    given: Vec<Cell>,
+    pub given: Vec<Cell>,
     pub planes: Vec<LanePlanes>,
     /// Place of each strip's first candidate; one more at the end.
     pub first_of_strip: Vec<u32>,
@@ -54,6 +54,8 @@ pub(crate) struct Group {
     pub obstacle: usize,
     pub friction: Friction,
     pub is_moving: bool,
+    /// Whether what hits it moves it: see `contact_particle_dynamic.rs`.
+    pub is_dynamic: bool,
     /// Whether it asks for what it gives to particles.
     pub is_asking: bool,
     /// Its pose at the start of the step, in the body's own coordinates.
@@ -75,18 +77,18 @@ pub(crate) struct Candidate {
 
 /// How far the particles of a candidate were pushed in this substep.
 #[derive(Clone, Debug)]
-struct Pushes {
+pub(crate) struct Pushes {
     /// Depth that motion made, summed over the projections of the substep, in metres.
-    depth: [f32; LANES],
+    pub depth: [f32; LANES],
     /// What may be left of an old overlap at the end of the substep, in metres: see [`crate::overlap`]. Negative until
     /// the first projection.
-    left: [f32; LANES],
+    pub left: [f32; LANES],
     /// World normals of the last projection.
-    normal: Cell,
+    pub normal: Cell,
 }
 
 impl Pushes {
-    const NONE: Self = Self {
+    pub const NONE: Self = Self {
         depth: [0.0; LANES],
         left: [-1.0; LANES],
         normal: Cell { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES] },
@@ -301,6 +303,9 @@ impl ObstacleRows<'_> {
         let (groups, planes) = (self.groups, self.planes);
         for OfGroup { candidates, pushes, given } in self.of_strips(strips) {
             let group = &groups[usize::from(candidates[0].group)];
+            if group.is_dynamic {
+                continue;
+            }
             let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));
             let shape = meeting.obstacles[group.obstacle].shape();
             for (place, (candidate, pushes)) in candidates.iter_mut().zip(pushes).enumerate() {
@@ -338,7 +343,7 @@ impl ObstacleRows<'_> {
         let groups = self.groups;
         for OfGroup { candidates, pushes, given } in self.of_strips(strips) {
             let group = &groups[usize::from(candidates[0].group)];
-            if group.friction == Friction::default() {
+            if group.is_dynamic || group.friction == Friction::default() {
                 continue;
             }
             let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));

@@ -10,6 +10,7 @@ use crate::contact_ball_cloth::BallCloth;
 use crate::contact_ball_obstacle::BallObstacle;
 use crate::contact_report::ContactReport;
 use crate::contact_self::SelfContacts;
+use crate::dynamic_obstacle::{MovedObstacle, Mover};
 use crate::force::Wind;
 use crate::impact_zone::ImpactZones;
 use crate::isa::Isa;
@@ -55,6 +56,9 @@ pub struct Island {
     pub contacts: Vec<Contact>,
     /// What was done in the last step to obstacles that [ask](crate::Obstacle::reporting_reaction) for it, by index.
     pub reactions: Vec<Reaction>,
+    /// Where the last step has brought obstacles with [rigid bodies](crate::Obstacle::with_rigid_body) that something was
+    /// near, by index.
+    pub moved: Vec<MovedObstacle>,
     /// The instruction set to run on; the bits do not depend on it.
     pub isa: Isa,
     /// Scratch of the step.
@@ -80,6 +84,7 @@ pub struct IslandContext {
     pub(crate) self_contacts: SelfContacts,
     pub(crate) report: ContactReport,
     pub(crate) reactions: Reactions,
+    pub(crate) movers: Vec<Mover>,
     pub(crate) impact_zones: ImpactZones,
     pub(crate) ball_search: BallSearch,
     /// Places of the particles that a ball touches, while tethers are projected.
@@ -104,6 +109,7 @@ impl Island {
         self.touches.clear();
         self.contacts.clear();
         self.reactions.clear();
+        self.moved.clear();
     }
 
     /// Takes the body at `index` out in the middle of a step: an empty one is left in its place, and nothing touches

@@ -3,10 +3,12 @@
 use glam::Vec3;
 
 use crate::constants::TELEPORT_SPEED;
+use crate::dynamic_obstacle::MovedObstacle;
 use crate::error::{BuildError, in_range};
 use crate::friction::Friction;
 use crate::layers::Layers;
 use crate::pose::{Placement, Pose};
+use crate::rigid_body::RigidBody;
 use crate::shape::Shape;
 
 /// A shape at a place, still or moving.
@@ -22,6 +24,23 @@ pub struct Obstacle {
     is_sensor: bool,
     reports_contacts: bool,
     reports_reaction: bool,
+    /// What moves it, if it is moved by what hits it.
+    flight: Option<Flight>,
+}
+
+/// How an obstacle with a rigid body moves through a step.
+#[derive(Clone, Copy, Debug)]
+struct Flight {
+    start: RigidBody,
+    end: RigidBody,
+    /// At the end, if nothing touches it.
+    free: (RigidBody, Placement),
+}
+
+impl Flight {
+    fn at_rest_in(placement: Placement, body: RigidBody) -> Self {
+        Self { start: body, end: body, free: (body, placement) }
+    }
 }
 
 impl Obstacle {
@@ -51,6 +70,7 @@ impl Obstacle {
             is_sensor: false,
             reports_contacts: false,
             reports_reaction: false,
+            flight: None,
         }
     }
 
@@ -79,10 +99,83 @@ impl Obstacle {
     /// Through a step the obstacle itself moves as [told](Self::move_to); whoever moves it gives it the reaction after the
     /// step. Momentum is then kept, and so is angular momentum. The coupling is explicit: in the step of a hit the obstacle
     /// holds like one without end of mass. What hits it without a bounce gains no energy where the obstacle weighs, as felt
-    /// at the point of contact, at least as much as what it stops in one step; with a restitution of `e`, `(1 + e) / (1 - e)` times as much.
+    /// at the point of contact, at least as much as what it stops in one step; with a restitution of `e`, `(1 + e) / (1 - e)`
+    /// times as much. One that has its [body here](Self::with_rigid_body) knows no such limit.
     #[must_use]
     pub fn reporting_reaction(self) -> Self {
         Self { reports_reaction: true, ..self }
+    }
+
+    /// The same, moved by what hits it: `body` says how it moves now, about the shape's origin. It [flies](Self::fly)
+    /// through the steps; momentum is kept, and no contact gains energy, whatever the masses. It also [reports its
+    /// reaction](Self::reporting_reaction), and touches no other obstacle.
+    ///
+    /// What may touch it in one step should be in one island.
+    ///
+    /// ```
+    /// use drape_solver::{Ball, BallMaterial, Environment, Island, Obstacle, Placement, RigidBody, Shape, step};
+    /// use drape_solver::glam::Vec3;
+    ///
+    /// let shape = Shape::Cuboid { half_extents: Vec3::splat(0.2) };
+    /// let body = RigidBody::new(2.0, Vec3::splat(0.05))?;
+    /// let shape_of_2_kg = Obstacle::new(shape, Placement::default(), 0.5)?.with_rigid_body(body);
+    /// let mut environment = Environment { obstacles: vec![shape_of_2_kg].into(), ..Environment::default() };
+    /// let mut island = Island::of_ball(Ball::new(BallMaterial::default(), Vec3::X, Vec3::X * -9.0)?);
+    /// for _ in 0..10 {
+    ///     environment.obstacles[0].fly(environment.gravity, environment.dt);
+    ///     step(&mut island, &environment)?;
+    ///     for moved in &island.moved {
+    ///         environment.obstacles[moved.obstacle].land(moved);
+    ///     }
+    /// }
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_rigid_body(self, body: RigidBody) -> Self {
+        let flight = Some(Flight::at_rest_in(self.placement, body));
+        Self { flight, reports_reaction: true, ..self }
+    }
+
+    /// How it moves now, if it is moved by what hits it; once it [flies](Self::fly), at the end of that step if nothing
+    /// touches it.
+    pub fn rigid_body(&self) -> Option<RigidBody> {
+        self.flight.map(|flight| flight.end)
+    }
+
+    /// Sets how it moves now, or with `None` that nothing moves it but [`move_to`](Self::move_to).
+    pub fn set_rigid_body(&mut self, body: Option<RigidBody>) {
+        self.flight = body.map(|body| Flight::at_rest_in(self.placement, body));
+    }
+
+    /// How it moves at the start of the coming step.
+    pub(crate) fn starts_with(&self) -> Option<RigidBody> {
+        self.flight.map(|flight| flight.start)
+    }
+
+    /// Begins a step of `dt` seconds of an obstacle with a [rigid body](Self::with_rigid_body), in which an acceleration
+    /// (m/s^2) acts on it: moves it to where it gets if nothing touches it. Without a body it stays where it is.
+    pub fn fly(&mut self, acceleration: Vec3, dt: f32) {
+        let Some(Flight { end: mut start, .. }) = self.flight else { return };
+        start.accelerate(acceleration, dt);
+        let mut end = start;
+        let to = end.advance(self.placement, dt);
+        self.move_to(to, dt);
+        self.flight = Some(Flight { start, end, free: (end, self.placement) });
+    }
+
+    /// Ends a step in which something was near: puts it where it has got. Should two islands have met it in one step,
+    /// what they did to it adds up: no momentum is lost, though each has met it as if the other were not there.
+    pub fn land(&mut self, moved: &MovedObstacle) {
+        let Some(flight) = &mut self.flight else { return };
+        let (free, place) = flight.free;
+        if flight.end == free {
+            flight.end = moved.body;
+            self.placement = moved.placement;
+        } else {
+            flight.end.velocity += moved.body.velocity - free.velocity;
+            flight.end.angular_velocity += moved.body.angular_velocity - free.angular_velocity;
+            self.placement.translation += moved.placement.translation - place.translation;
+        }
     }
 
     /// Whether [`Island::reactions`](crate::Island::reactions) tells what is done to it.
@@ -170,6 +263,11 @@ impl Obstacle {
     /// Whether it moves in the coming step.
     pub fn is_moving(&self) -> bool {
         self.before != self.placement
+    }
+
+    /// Where it is at the start of the coming step.
+    pub(crate) fn start(&self) -> Placement {
+        self.before
     }
 
     /// Moves it to `placement` in the coming step of `dt` seconds. It travels there through the substeps and

@@ -107,6 +107,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 obstacle: index,
                 friction,
                 is_moving: obstacle.is_moving(),
+                is_dynamic: obstacle.rigid_body().is_some(),
                 is_asking: false,
                 pose,
             });

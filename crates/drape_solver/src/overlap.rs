@@ -91,6 +91,16 @@ impl Pace {
 }
 
 impl Overlap {
+    /// With what may be left at the end of the substep (metres), if that is known.
+    pub fn with_left(left: Option<f32>) -> Self {
+        Self { left }
+    }
+
+    /// What may be left at the end of the substep, in metres, once that is known.
+    pub fn left(self) -> Option<f32> {
+        self.left
+    }
+
     /// Splits a `depth` above zero. `outward` is how far the two have moved apart along the normal in this substep so
     /// far (metres; negative if they approached); `at_start` works out their overlap at its start, and is asked only
     /// where the tangent plane does not rule one out.

@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 
 use crate::columns::Cell;
 use crate::contact_ball_obstacle::BallObstacle;
+use crate::dynamic_obstacle::{Mover, mover};
 use crate::island::{Environment, Island};
 use crate::obstacles::Obstacles;
 
@@ -38,8 +39,10 @@ struct Sum {
     obstacle: usize,
     /// In newton seconds.
     impulse: DVec3,
-    /// About the obstacle's origin at the end of the step.
+    /// About the world's origin.
     angular_impulse: DVec3,
+    /// Where the obstacle is at the end of the step, if nothing moves it.
+    end: DVec3,
 }
 
 /// A push on a body or ball.
@@ -52,6 +55,13 @@ pub(crate) struct Given {
     pub push: Vec3,
     /// Its moment about that point, in kg m^2.
     pub moment: Vec3,
+}
+
+impl Given {
+    /// A push in the middle of a point: no moment comes with it.
+    pub fn at(point: DVec3, obstacle: usize, push: Vec3) -> Self {
+        Self { obstacle, point, push, moment: Vec3::ZERO }
+    }
 }
 
 impl Reactions {
@@ -68,8 +78,7 @@ impl Reactions {
     fn add(&mut self, obstacles: &Obstacles, substep: f32, given: Given) {
         let Given { obstacle, point, push, moment } = given;
         let [impulse, couple] = [push, moment].map(|sum| sum.as_dvec3() / f64::from(substep));
-        let arm = point - obstacles[obstacle].placement().translation.as_dvec3();
-        let angular_impulse = arm.cross(impulse) + couple;
+        let angular_impulse = point.cross(impulse) + couple;
         // What is lost in a body that has to be left out is lost with it.
         if !(impulse.is_finite() && angular_impulse.is_finite()) {
             return;
@@ -79,7 +88,10 @@ impl Reactions {
                 self.sums[place].impulse += impulse;
                 self.sums[place].angular_impulse += angular_impulse;
             }
-            Err(place) => self.sums.insert(place, Sum { obstacle, impulse, angular_impulse }),
+            Err(place) => {
+                let end = obstacles[obstacle].placement().translation.as_dvec3();
+                self.sums.insert(place, Sum { obstacle, impulse, angular_impulse, end });
+            }
         }
     }
 }
@@ -102,34 +114,35 @@ pub(crate) fn gather(island: &mut Island, environment: &Environment) {
         return;
     }
     let (obstacles, substep) = (&environment.obstacles, context.substep);
+    let mut add = |given: Given| {
+        if obstacles[given.obstacle].reports_reaction() {
+            context.reactions.add(obstacles, substep, given);
+        }
+    };
     for body in bodies {
         let particles = &body.particles;
         let origin = particles.origin.as_dvec3();
         for (obstacle, slot, moved) in body.context.contacts.given() {
             let point = origin + particles.position.get(slot).as_dvec3();
-            let push = moved / particles.inverse_mass[slot];
-            context.reactions.add(obstacles, substep, Given { obstacle, point, push, moment: Vec3::ZERO });
+            add(Given::at(point, obstacle, moved / particles.inverse_mass[slot]));
         }
-        for given in body.context.faces.given(particles) {
-            if obstacles[given.obstacle].reports_reaction() {
-                context.reactions.add(obstacles, substep, given);
-            }
-        }
+        body.context.faces.given(particles).for_each(&mut add);
     }
-    for given in context.ball_obstacle.iter().filter_map(|pair| pair.given(balls)) {
-        if obstacles[given.obstacle].reports_reaction() {
-            context.reactions.add(obstacles, substep, given);
-        }
-    }
+    context.ball_obstacle.iter().filter_map(|pair| pair.given(balls)).for_each(add);
 }
 
 /// Puts the reactions of the step into the island, in order of the obstacles.
 pub(crate) fn finish(island: &mut Island) {
-    island.reactions.clear();
-    island.reactions.extend(island.context.reactions.sums.iter().map(|sum| Reaction {
-        obstacle: sum.obstacle,
-        impulse: -sum.impulse.as_vec3(),
-        angular_impulse: -sum.angular_impulse.as_vec3(),
+    let Island { reactions, context, .. } = island;
+    reactions.clear();
+    reactions.extend(context.reactions.sums.iter().map(|sum| {
+        let end = mover(&context.movers, sum.obstacle).map_or(sum.end, Mover::centre);
+        let angular_impulse = sum.angular_impulse - end.cross(sum.impulse);
+        Reaction {
+            obstacle: sum.obstacle,
+            impulse: -sum.impulse.as_vec3(),
+            angular_impulse: -angular_impulse.as_vec3(),
+        }
     }));
 }
 

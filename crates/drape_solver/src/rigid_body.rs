@@ -77,8 +77,25 @@ impl RigidBody {
 
     /// Gives it what was done to it in a step that ended with it at `placement`.
     pub fn receive(&mut self, reaction: &Reaction, placement: Placement) {
-        self.velocity += reaction.impulse / self.mass;
-        self.angular_velocity += self.scaled(placement, reaction.angular_impulse, self.moments.recip());
+        self.push(reaction.impulse, reaction.angular_impulse, placement);
+    }
+
+    /// Gives it an impulse (newton seconds) at its centre, and an angular impulse (newton metre seconds) about that.
+    pub fn push(&mut self, impulse: Vec3, angular_impulse: Vec3, placement: Placement) {
+        self.velocity += impulse / self.mass;
+        self.angular_velocity += self.scaled(placement, angular_impulse, self.moments.recip());
+    }
+
+    /// Inverse mass of the point at `arm` (metres) from the centre, against a push along a unit vector: in 1/kg.
+    pub(crate) fn inverse_mass_at(&self, placement: Placement, arm: Vec3, direction: Vec3) -> f32 {
+        let lever = arm.cross(direction);
+        self.mass.recip() + lever.dot(self.scaled(placement, lever, self.moments.recip()))
+    }
+
+    /// Keeps its angular momentum as it is turned from one placement to another.
+    pub(crate) fn turn_to(&mut self, from: Placement, to: Placement) {
+        let momentum = self.angular_momentum(from);
+        self.angular_velocity = self.scaled(to, momentum, self.moments.recip());
     }
 
     /// Angular momentum about its centre of mass, in kg m^2/s.

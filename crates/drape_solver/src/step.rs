@@ -25,10 +25,13 @@ use crate::obstacle_search::Span;
 use crate::strain::greatest_strain;
 use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
-use crate::{contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self};
 use crate::{
-    contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle, contact_report, force,
-    impact_zone, integrate as verlet, obstacle_search, reaction, rest, stick,
+    contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self, dynamic_obstacle,
+};
+use crate::{
+    contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle,
+    contact_particle_dynamic as particle_dynamic, contact_report, force, impact_zone, integrate as verlet,
+    obstacle_search, reaction, rest, stick,
 };
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -178,14 +181,16 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     impact_zone::begin_step(island);
     contact_report::detect(island, environment, reach);
     reaction::detect(island, &environment.obstacles);
+    dynamic_obstacle::detect(island, &environment.obstacles);
 }
 
 /// Stage 1 of a substep: particles and balls fly freely for one substep.
 pub fn integrate(island: &mut Island, environment: &Environment) {
+    dynamic_obstacle::begin_substep(island);
     let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
         sweep::integrate(body, around);
-        face_obstacle::begin_substep(body, around);
+        face_obstacle::begin_substep(body, around, &island.context.movers);
     }
     for ball in &mut island.balls {
         let acceleration = environment.gravity + ball.force * ball.inverse_mass;
@@ -237,7 +242,8 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
         sweep::update(body, around);
         stick::damp(&mut body.particles, &body.topology, &body.context.damping);
         sweep::apply_friction(body, around);
-        face_obstacle::apply_friction(body, around);
+        face_obstacle::apply_friction(body, around, &mut island.context.movers);
+        particle_dynamic::apply_friction(body, around, &mut island.context.movers);
     }
     for ball in &mut island.balls {
         ball.displacement = ball.travel();
@@ -286,6 +292,7 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
     }
     contact_report::finish(island);
     reaction::finish(island);
+    dynamic_obstacle::finish(island);
     Ok(())
 }
 
@@ -300,8 +307,9 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
     ball_obstacle::project(island, &environment.obstacles);
     let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
-        face_obstacle::project(body, around);
+        face_obstacle::project(body, around, &mut island.context.movers);
         sweep::project_contacts(body, around, index);
+        particle_dynamic::project(body, around, &mut island.context.movers, index == 0);
     }
 }
 
@@ -316,6 +324,7 @@ fn project_layers(island: &mut Island, environment: &Environment, index: u32) {
         let around = surroundings(&island.context, island.isa, environment);
         for body in island.bodies.iter_mut().filter(|body| contact_self::is_on(body)) {
             sweep::project_contacts(body, around, index);
+            particle_dynamic::project(body, around, &mut island.context.movers, false);
         }
         contact_self::project(island);
     }

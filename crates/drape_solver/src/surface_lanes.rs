@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::columns::{Cell, LANES};
 use crate::lanes::{Lanes3, load};
 use crate::pose::Pose;
-use crate::shape::Shape;
+use crate::shape::{Plane, Shape};
 
 /// What particles are measured against.
 #[derive(Clone, Copy)]
@@ -23,6 +23,12 @@ pub(crate) enum Solid<'a> {
 pub(crate) struct LanePlanes {
     pub normal: Cell,
     pub offset: [f32; LANES],
+}
+
+impl LanePlanes {
+    pub fn get(&self, lane: usize) -> Plane {
+        Plane { normal: self.normal.get(lane), offset: self.offset[lane] }
+    }
 }
 
 impl Solid<'_> {

@@ -7,8 +7,8 @@ use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, SelfContact, Shape,
-    SolverSettings, StructuralSolve, Wind, step,
+    Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, RigidBody, SelfContact,
+    Shape, SolverSettings, StructuralSolve, Wind, step,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -50,6 +50,10 @@ fn meet_shapes_allocating_nothing() {
         let shape = Shape::from_parry(shape).expect("valid");
         obstacles.push(Obstacle::new(shape, Placement::at(at), 0.5).expect("valid"));
     }
+    let thrown = Obstacle::new(Shape::Sphere { radius: 0.1 }, Placement::at(Vec3::new(0.3, 1.2, 0.3)), 0.5);
+    let body = RigidBody::new(0.5, Vec3::splat(0.002)).expect("valid");
+    obstacles.push(thrown.expect("valid").with_rigid_body(body));
+    let last = obstacles.len() - 1;
     let cloth = ClothBuilder::new(2.0, 2.0, 16, 16)
         .placed(Vec3::new(-1.0, 0.8, -1.0), Vec3::X, Vec3::Z)
         .build(SolverSettings { thickness: 0.01, ..SolverSettings::default() })
@@ -72,7 +76,9 @@ fn meet_shapes_allocating_nothing() {
                 let rotation = Quat::from_rotation_y(angle);
                 environment.obstacles[i].move_to(Placement { translation, rotation }, dt);
             }
+            environment.obstacles[last].fly(environment.gravity, dt);
             step(&mut island, &environment).expect("a good step");
+            island.moved.iter().for_each(|moved| environment.obstacles[last].land(moved));
             touches += island.touches.len();
         }
     };

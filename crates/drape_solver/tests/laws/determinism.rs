@@ -5,7 +5,7 @@ use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    BallMaterial, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RopeBuilder,
+    BallMaterial, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RigidBody, RopeBuilder,
     SelfContact, Shape, SolverSettings, StateHasher, Threads, Wind, step, step_on,
 };
 
@@ -246,6 +246,9 @@ fn all_contacts(isa: Isa) -> (Island, Environment) {
         let shape = Shape::from_parry(shape).expect("a valid shape");
         obstacles.push(obstacle(shape, at, 0.4).with_restitution(0.5).expect("valid"));
     }
+    let thrown = obstacle(Shape::Cuboid { half_extents: Vec3::splat(0.1) }, Vec3::new(0.4, 1.0, 0.3), 0.4);
+    let body = RigidBody::new(0.3, Vec3::splat(0.002)).expect("a valid body");
+    obstacles.push(thrown.with_rigid_body(body));
     let spread = |size: f32, count: u32, height: f32, self_contact: SelfContact| {
         let settings =
             SolverSettings { substeps: 4, thickness: 0.01, self_contact, ..SolverSettings::default() };
@@ -272,9 +275,11 @@ fn all_contacts(isa: Isa) -> (Island, Environment) {
 /// The hash after some steps in which every other obstacle moves, two of them fast.
 fn all_contacts_after(steps: usize, isa: Isa, take: impl Fn(&mut Island, &Environment)) -> u64 {
     let (mut island, mut environment) = all_contacts(isa);
-    let (mut touches, mut pairs) = (0, 0);
+    let (mut touches, mut pairs, mut thrown) = (0, 0, 0);
+    let last = environment.obstacles.len() - 1;
     for step in 1..=steps {
-        for i in (2..environment.obstacles.len()).step_by(2) {
+        environment.obstacles[last].fly(environment.gravity, FRAME);
+        for i in (2..last).step_by(2) {
             let Placement { mut translation, .. } = environment.obstacles[i].placement();
             let rise = if i % 5 == 2 { 0.12 } else { 0.02 };
             translation.y += if step % 8 < 4 { rise } else { -rise };
@@ -282,10 +287,15 @@ fn all_contacts_after(steps: usize, isa: Isa, take: impl Fn(&mut Island, &Enviro
             environment.obstacles[i].move_to(Placement { translation, rotation }, FRAME);
         }
         take(&mut island, &environment);
+        for moved in &island.moved {
+            environment.obstacles[moved.obstacle].land(moved);
+        }
+        thrown += island.reactions.len();
         touches += island.touches.len();
         pairs += island.self_contact_pairs();
     }
     assert!(touches > 0 && pairs > 0, "{touches} touches, {pairs} pairs of cloth");
+    assert!(thrown > 0, "the box that was thrown must hit something");
     hash(&island)
 }
 

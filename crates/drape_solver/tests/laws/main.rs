@@ -10,6 +10,7 @@ mod continuous;
 mod determinism;
 mod drag;
 mod drape;
+mod dynamic_obstacles;
 mod free_flight;
 mod friction;
 mod impact_zone;

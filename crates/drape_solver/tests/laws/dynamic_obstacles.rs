@@ -1,0 +1,251 @@
+//! Obstacles with a rigid body of their own: momentum is kept over the whole hit, and energy never rises, whatever the
+//! masses.
+
+use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::{
+    BallMaterial, Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, RigidBody, Shape,
+    SolverSettings, measure, step,
+};
+
+use crate::common::*;
+
+/// A box that what hits it moves, alone with an island.
+struct Scene {
+    island: Island,
+    environment: Environment,
+}
+
+/// Half the box's side.
+const HALF: f32 = 0.15;
+
+fn cube(mass: f32, velocity: Vec3) -> RigidBody {
+    let side = 2.0 * HALF;
+    let mut body = RigidBody::new(mass, Vec3::splat(mass * side * side / 6.0)).expect("a valid body");
+    body.velocity = velocity;
+    body
+}
+
+impl Scene {
+    fn new(island: Island, at: Vec3, body: RigidBody, restitution: f32) -> Self {
+        let mut environment = weightless(FRAME);
+        let shape = Shape::Cuboid { half_extents: Vec3::splat(HALF) };
+        let cube = obstacle(shape, at, 0.5).with_restitution(restitution).expect("in range");
+        environment.obstacles.push(cube.with_rigid_body(body));
+        Self { island, environment }
+    }
+
+    fn step(&mut self) {
+        let Self { island, environment } = self;
+        environment.obstacles[0].fly(environment.gravity, environment.dt);
+        step(island, environment).expect("a good step");
+        for moved in &island.moved {
+            environment.obstacles[moved.obstacle].land(moved);
+        }
+    }
+
+    fn obstacle(&self) -> &Obstacle {
+        &self.environment.obstacles[0]
+    }
+
+    /// How the box moves after the last step.
+    fn body(&self) -> RigidBody {
+        self.obstacle().rigid_body().expect("it has one")
+    }
+
+    fn momentum(&self) -> DVec3 {
+        let body = self.body();
+        momentum(&self.island) + body.velocity.as_dvec3() * f64::from(body.mass())
+    }
+
+    fn angular_momentum(&self) -> DVec3 {
+        let (body, placement) = (self.body(), self.obstacle().placement());
+        let orbit = placement.translation.as_dvec3().cross(body.velocity.as_dvec3());
+        angular_momentum(&self.island)
+            + orbit * f64::from(body.mass())
+            + body.angular_momentum(placement).as_dvec3()
+    }
+
+    fn kinetic_energy(&self) -> f64 {
+        let placement = self.obstacle().placement();
+        kinetic_energy(&self.island) + f64::from(self.body().kinetic_energy(placement))
+    }
+}
+
+/// A ball hits a box, in the middle and off it, from a hundredth of its mass to a hundred times: momentum is kept to 1e-5,
+/// angular momentum to 2 %, and no energy is gained. In the middle they part as Newton's restitution has it.
+#[test]
+fn a_ball_and_a_box_keep_momentum_and_gain_no_energy() {
+    const MASS: f32 = 4.0;
+    const SPEED: f32 = 12.0;
+    for mass in [0.04, 0.4, 4.0, 40.0, 400.0] {
+        for off in [0.0, 0.1] {
+            for restitution in [0.0, 0.5, 1.0] {
+                for friction in [0.0, 0.6] {
+                    let what =
+                        format!("{mass} kg, {off} m off, restitution {restitution}, friction {friction}");
+                    let material = BallMaterial {
+                        radius: 0.1,
+                        mass: MASS,
+                        friction,
+                        restitution,
+                        drag: 0.0,
+                        ..BallMaterial::default()
+                    };
+                    let shot = ball(material, Vec3::new(-0.6, off, 0.02), Vec3::X * SPEED);
+                    let mut scene =
+                        Scene::new(Island::of_ball(shot), Vec3::ZERO, cube(mass, Vec3::ZERO), restitution);
+                    let (linear, angular) = (scene.momentum(), scene.angular_momentum());
+                    let start = scene.kinetic_energy();
+                    let mut least = start;
+                    for index in 0..12 {
+                        scene.step();
+                        let lost = (scene.momentum() - linear).length() / linear.length();
+                        assert!(lost < 1e-5, "{what}: {lost} of the momentum at step {index}");
+                        let lost = (scene.angular_momentum() - angular).length();
+                        assert!(lost <= 0.02 * angular.length(), "{what}: {lost} of {angular} at {index}");
+                        let energy = scene.kinetic_energy();
+                        assert!(energy < least + 1e-4 * start, "{what}: {least} to {energy} J at {index}");
+                        least = least.min(energy);
+                    }
+                    if off == 0.0 {
+                        let common = f64::from(SPEED * MASS / (mass + MASS));
+                        let apart = f64::from(restitution * SPEED);
+                        let expected = common + apart * f64::from(MASS / (mass + MASS));
+                        let found = f64::from(scene.body().velocity.x);
+                        assert!((found / expected - 1.0).abs() < 0.03, "{what}: {found} m/s, not {expected}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A free cloth of a square metre and 0.2 kg, with 16 substeps.
+fn free_cloth(thickness: f32) -> Body {
+    let settings = SolverSettings { substeps: 16, iterations: 4, friction: 0.5, thickness, ..bare() };
+    let material = ClothMaterial { areal_density: 0.2, damping: 0.0, ..ClothMaterial::default() };
+    ClothBuilder::new(1.0, 1.0, 17, 17).material(material).build(settings).expect("a valid cloth")
+}
+
+/// A box that turns flies into a free cloth off its middle, from a fiftieth of the cloth's mass to a hundred times that.
+#[test]
+fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
+    for mass in [0.004, 0.04, 0.2, 1.0, 20.0] {
+        for thickness in [0.0, 0.01] {
+            let what = format!("{mass} kg, {thickness} m");
+            let cloth = free_cloth(thickness);
+            let positions = || (0..cloth.particles.len()).map(|i| cloth.particles.position(i));
+            let middle = positions().sum::<Vec3>() / cloth.particles.len() as f32;
+            let along = (cloth.particles.position(1) - cloth.particles.position(0)).normalize();
+            let normal = along.cross(cloth.particles.position(17) - cloth.particles.position(0)).normalize();
+            let mut body = cube(mass, -normal * 6.0);
+            body.angular_velocity = Vec3::new(1.0, 2.0, -1.0);
+            let at = middle + normal * 0.4 + along * 0.15;
+            let mut scene = Scene::new(Island::of_body(cloth), at, body, 0.0);
+            let (linear, angular) = (scene.momentum(), scene.angular_momentum());
+            let start = scene.kinetic_energy();
+            let (mut least, mut most_risen) = (start, 0.0_f64);
+            let mut given = 0.0;
+            for index in 0..45 {
+                scene.step();
+                let lost = (scene.momentum() - linear).length() / linear.length();
+                assert!(lost < 1e-5, "{what}: {lost} of the momentum at step {index}");
+                let lost = (scene.angular_momentum() - angular).length() / angular.length();
+                assert!(lost < 0.02, "{what}: {lost} of the angular momentum at {index}");
+                let energy = scene.kinetic_energy();
+                assert!(energy <= start, "{what}: {start} to {energy} J at step {index}");
+                most_risen = most_risen.max((energy - least) / start);
+                least = least.min(energy);
+                given += scene.island.reactions.iter().map(|r| r.impulse.length()).sum::<f32>();
+            }
+            // What sticks have taken up they give back.
+            let most = if mass < 0.1 { 0.05 } else { 0.003 };
+            assert!(most_risen < most, "{what}: {most_risen} of the energy risen");
+            assert!(given > 1.2 * mass.min(0.2), "{what}: it has hit: {given} N s");
+        }
+    }
+}
+
+/// A free cloth flies flat onto a plate that lies across its way and weighs from a tenth of it to ten times as much: all
+/// of it is stopped at once. The two go on together, nothing passes, and no energy is gained.
+#[test]
+fn a_cloth_that_lands_flat_on_a_light_plate_carries_it_along() {
+    const SPEED: f32 = 5.0;
+    for mass in [0.02, 0.2, 2.0] {
+        let mut cloth = free_cloth(0.01);
+        let count = cloth.particles.len();
+        let middle = (0..count).map(|i| cloth.particles.position(i)).sum::<Vec3>() / count as f32;
+        let along = (cloth.particles.position(1) - cloth.particles.position(0)).normalize();
+        let across = (cloth.particles.position(17) - cloth.particles.position(0)).normalize();
+        let normal = along.cross(across);
+        let velocity = -normal * SPEED;
+        (0..count).for_each(|i| cloth.particles.set_velocity(i, velocity));
+        let half = Vec3::new(0.6, 0.6, 0.6) - normal.abs() * 0.5;
+        let squares = 4.0 * half * half;
+        let inertia = (Vec3::splat(squares.element_sum()) - squares) * (mass / 12.0);
+        let body = RigidBody::new(mass, inertia).expect("a valid body");
+        let mut environment = weightless(FRAME);
+        let plate = obstacle(Shape::Cuboid { half_extents: half }, middle - normal * 0.3, 0.5);
+        environment.obstacles.push(plate.with_rigid_body(body));
+        let mut scene = Scene { island: Island::of_body(cloth), environment };
+        let start = scene.kinetic_energy();
+        for index in 0..30 {
+            scene.step();
+            let energy = scene.kinetic_energy();
+            assert!(energy <= 1.0001 * start, "{mass} kg: {start} to {energy} J at step {index}");
+        }
+        let weight = 0.2;
+        let common = SPEED * weight / (weight + mass);
+        let speed = -scene.body().velocity.dot(normal);
+        assert!((speed / common - 1.0).abs() < 0.1, "{mass} kg: {speed} m/s, not {common}");
+        let surface = scene.obstacle().placement().translation + normal * 0.1;
+        for i in 0..count {
+            let above = (particles(&scene.island).position(i) - surface).dot(normal);
+            assert!(above > -0.01, "{mass} kg: particle {i} is {above} m above");
+        }
+    }
+}
+
+/// A box between two cloths, with few substeps and many: what one does to it the other feels, and nothing is lost. Nor
+/// is momentum if each cloth is an island of its own.
+#[test]
+fn a_box_between_two_cloths_keeps_the_momentum_of_all_three() {
+    let cloth = |z: f32, speed: f32, substeps: u32| {
+        let settings = SolverSettings { substeps, friction: 0.5, thickness: 0.01, ..bare() };
+        let corner = Vec3::new(-0.5, 0.5, z);
+        let sheet = ClothBuilder::new(1.0, 1.0, 17, 17).placed(corner, Vec3::X, Vec3::NEG_Y);
+        let mut cloth = sheet.build(settings).expect("valid");
+        (0..cloth.particles.len()).for_each(|i| cloth.particles.set_velocity(i, Vec3::Z * speed));
+        cloth
+    };
+    for (substeps, are_apart) in [(16, false), (4, false), (16, true)] {
+        let what = format!("{substeps} substeps, apart: {are_apart}");
+        let mut islands =
+            [(-0.3, 8.0), (0.3, -1.0)].map(|(z, speed)| Island::of_body(cloth(z, speed, substeps)));
+        if !are_apart {
+            let other = islands[1].bodies.remove(0);
+            islands[0].bodies.push(other);
+        }
+        let [first, mut second] = islands;
+        let mut scene = Scene::new(first, Vec3::ZERO, cube(1.0, Vec3::Z * 6.0), 0.0);
+        let total = |scene: &Scene, second: &Island| scene.momentum() + momentum(second);
+        let turning = |scene: &Scene, second: &Island| scene.angular_momentum() + angular_momentum(second);
+        let (linear, angular) = (total(&scene, &second), turning(&scene, &second));
+        for index in 0..60 {
+            scene.environment.obstacles[0].fly(Vec3::ZERO, FRAME);
+            for island in [&mut scene.island, &mut second] {
+                step(island, &scene.environment).expect("a good step");
+            }
+            for moved in scene.island.moved.iter().chain(&second.moved) {
+                scene.environment.obstacles[0].land(moved);
+            }
+            let lost = (total(&scene, &second) - linear).length() / linear.length();
+            assert!(lost < 1e-5, "{what}: {lost} of the momentum at step {index}");
+            let lost = (turning(&scene, &second) - angular).length() / linear.length();
+            assert!(lost < 2e-3, "{what}: {lost} m of angular momentum at step {index}");
+        }
+        let ahead = if are_apart { &second.bodies[0] } else { &scene.island.bodies[1] };
+        let pushed = measure::momentum(&ahead.particles) / measure::mass(&ahead.particles);
+        assert!(pushed.z > 3.0, "{what}: the cloth ahead goes at {pushed} m/s");
+    }
+}
