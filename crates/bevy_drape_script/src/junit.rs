@@ -11,17 +11,17 @@ use crate::{Report, SceneError};
 ///
 /// # Errors
 /// [`SceneError`] if it cannot be written as XML.
-pub fn to_junit<'a>(
-    name: &str,
-    reports: impl IntoIterator<Item = &'a Report>,
-) -> Result<String, SceneError> {
+pub fn to_junit<'a>(name: &str, reports: impl IntoIterator<Item = &'a Report>) -> Result<String, SceneError> {
     let mut junit = JunitReport::new(name);
     for report in reports {
         let mut suite = TestSuite::new(report.scene.as_str());
         suite.set_time(Duration::from_secs_f64(report.wall_s.max(0.0)));
         for verdict in &report.verdicts {
-            let status =
-                if verdict.passed { TestCaseStatus::success() } else { failure(report, &verdict.to_string()) };
+            let status = if verdict.passed {
+                TestCaseStatus::success()
+            } else {
+                failure(report, &verdict.to_string())
+            };
             let mut case = TestCase::new(verdict.title.as_str(), status);
             case.set_classname(report.scene.as_str());
             suite.add_test_case(case);

@@ -14,7 +14,8 @@ pub fn scene_files(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, SceneError>
     let mut files = Vec::new();
     let mut unread = vec![folder.to_path_buf()];
     while let Some(folder) = unread.pop() {
-        let told = |error: std::io::Error| SceneError::new(format!("cannot be read: {error}")).in_file(&folder);
+        let told =
+            |error: std::io::Error| SceneError::new(format!("cannot be read: {error}")).in_file(&folder);
         for entry in std::fs::read_dir(&folder).map_err(told)? {
             let path = entry.map_err(told)?.path();
             if path.is_dir() {

@@ -262,7 +262,7 @@ fn a_world_is_recorded_to_the_bit_and_another_run_is_the_same() {
     };
     assert_eq!(positions("curtain"), last);
     let of_kind = |noun| recording.tracks().iter().filter(|track| track.kind.noun() == noun).count();
-    assert_eq!((of_kind("body"), of_kind("ball"), of_kind("obstacle")), (3, 2, 2));
+    assert_eq!((of_kind("body"), of_kind("ball"), of_kind("obstacle")), (3, 2, 3));
 
     let (again, _) = recorded(90, 0.0);
     let again = Recording::from_bytes(again).expect("a recording");

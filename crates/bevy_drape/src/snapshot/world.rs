@@ -152,8 +152,9 @@ impl Placed {
 
     /// Puts it back there, if it has a transform at all.
     pub fn restore(&self, entity: &mut EntityWorldMut) {
+        // Marked as changed in any case: that in the world may be older.
         if let Some(mut transform) = entity.get_mut::<Transform>() {
-            transform.set_if_neq(self.transform());
+            *transform = self.transform();
         }
         if let Some(mut global) = entity.get_mut::<GlobalTransform>() {
             global.set_if_neq(self.global());

@@ -62,7 +62,9 @@ impl Judge {
     /// The time from which on values count from a base, if they do.
     pub fn since(&self) -> Option<f64> {
         match self.expectation.probe {
-            Probe::Position { since, .. } | Probe::Velocity { since, .. } => since.map(crate::scene::Seconds::get),
+            Probe::Position { since, .. } | Probe::Velocity { since, .. } => {
+                since.map(crate::scene::Seconds::get)
+            }
             _ => None,
         }
     }

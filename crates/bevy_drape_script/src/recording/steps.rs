@@ -5,7 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use bevy::prelude::*;
-use bevy_drape::drape_solver::{Shape, StickBatch, StickKind, Topology};
+use bevy_drape::drape_solver::{StickBatch, StickKind, Topology};
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::{Key, members};
 
@@ -124,7 +124,7 @@ fn see(entity: EntityRef<'_>, key: Key) -> Option<Seen<'_>> {
         }
         Key::Obstacle(order) => {
             let (obstacle, place) = (entity.get::<Obstacle>()?, entity.get::<GlobalTransform>()?);
-            let kind = TrackKind::Obstacle { form: form(&obstacle.shape) };
+            let kind = TrackKind::Obstacle { form: Form::of(&obstacle.shape) };
             let describe = Box::new(move || Track { name: name("obstacle", order), kind });
             Seen { id, describe, values: place.affine().to_cols_array().to_vec() }
         }
@@ -140,20 +140,4 @@ fn body_kind(topology: &Topology) -> TrackKind {
         Vec::new()
     };
     TrackKind::Body { particles: topology.particle_count() as u32, faces, sticks }
-}
-
-fn form(shape: &Shape) -> Form {
-    match shape {
-        Shape::HalfSpace { normal } => Form::HalfSpace { normal: normal.to_array() },
-        Shape::Sphere { radius } => Form::Sphere { radius: *radius },
-        Shape::Capsule { half_length, radius } => {
-            Form::Capsule { half_length: *half_length, radius: *radius }
-        }
-        Shape::Cuboid { half_extents } => Form::Cuboid { half_extents: half_extents.to_array() },
-        Shape::Container { half_extents } => Form::Container { half_extents: half_extents.to_array() },
-        other => {
-            let (low, high) = other.local_bounds();
-            Form::Other { low: low.to_array(), high: high.to_array() }
-        }
-    }
 }

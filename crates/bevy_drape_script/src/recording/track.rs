@@ -1,5 +1,6 @@
 //! What is recorded: bodies, balls and obstacles, each a track of numbers.
 
+use bevy_drape::drape_solver::Shape;
 use serde::{Deserialize, Serialize};
 
 /// Something that is recorded, from its appearance until it is gone.
@@ -72,6 +73,25 @@ pub enum Form {
         /// Greatest corner.
         high: [f32; 3],
     },
+}
+
+impl Form {
+    /// That of a shape.
+    pub fn of(shape: &Shape) -> Self {
+        match shape {
+            Shape::HalfSpace { normal } => Self::HalfSpace { normal: normal.to_array() },
+            Shape::Sphere { radius } => Self::Sphere { radius: *radius },
+            Shape::Capsule { half_length, radius } => {
+                Self::Capsule { half_length: *half_length, radius: *radius }
+            }
+            Shape::Cuboid { half_extents } => Self::Cuboid { half_extents: half_extents.to_array() },
+            Shape::Container { half_extents } => Self::Container { half_extents: half_extents.to_array() },
+            other => {
+                let (low, high) = other.local_bounds();
+                Self::Other { low: low.to_array(), high: high.to_array() }
+            }
+        }
+    }
 }
 
 impl TrackKind {

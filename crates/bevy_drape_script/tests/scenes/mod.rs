@@ -24,17 +24,23 @@ fn turn(mut obstacles: Query<&mut Transform, With<Carousel>>, clock: Res<DrapeCl
     }
 }
 
-/// A curtain, a cape that touches itself, a rope, a rig, a ball, a cannon, the ground, and an obstacle that goes round if
-/// `is_moving`. It has taken one step.
+/// A curtain, a cape that touches itself, a rope, a ball, a post, the ground, and if `is_moving` an obstacle that
+/// goes round and one that flies. It has taken one step.
 pub fn world(is_moving: bool) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()))
         .insert_resource(Time::<Fixed>::from_seconds(f64::from(STEP)))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    if is_moving {
-        app.add_systems(FixedUpdate, turn);
-    }
     let world = app.world_mut();
+    if is_moving {
+        // Flies into the curtain.
+        world.spawn((
+            Name::new("crate"),
+            Obstacle::cuboid(0.2, 0.2, 0.2),
+            DynamicObstacle { velocity: Vec3::NEG_Z * 2.0, ..DynamicObstacle::cuboid(0.5, Vec3::splat(0.2)) },
+            Transform::from_xyz(0.4, 1.4, -0.5),
+        ));
+    }
     let quiet = SolverSettings { drag: 3.0, ..default() };
     world.spawn((Name::new("ground"), Obstacle::ground().with_friction(0.8)));
     world.spawn((
@@ -65,6 +71,9 @@ pub fn world(is_moving: bool) -> App {
         Projectile { radius: 0.1, mass: 0.5, velocity: Vec3::new(0.5, 0.0, -4.0), ..default() },
         Transform::from_xyz(0.0, 1.2, 0.0),
     ));
+    if is_moving {
+        app.add_systems(FixedUpdate, turn);
+    }
     app.update();
     app.update();
     app
