@@ -5,6 +5,7 @@ mod check;
 mod error;
 #[cfg(feature = "harness")]
 pub mod harness;
+mod hint;
 #[cfg(feature = "junit")]
 pub mod junit;
 mod load;
