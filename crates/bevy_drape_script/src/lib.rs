@@ -1,11 +1,13 @@
 #![doc = include_str!("../README.md")]
 
+pub mod asset;
 mod check;
 pub mod checkpoint;
 mod container;
 mod error;
 #[cfg(feature = "harness")]
 pub mod harness;
+mod hint;
 #[cfg(feature = "junit")]
 pub mod junit;
 mod load;
@@ -15,6 +17,7 @@ pub mod recording;
 pub mod report;
 pub mod runner;
 pub mod scene;
+pub mod schema;
 mod step_times;
 pub mod suite;
 mod text;

@@ -10,8 +10,9 @@ use super::{
     Body, Camera, Cannon, Event, Expectation, Material, Named, Obstacle, Parameter, Settings, Whole,
 };
 use crate::SceneError;
+use crate::check::check;
 use crate::load;
-use crate::overriding::Override;
+use crate::overriding::{self, Override};
 use crate::text;
 
 /// The version of the format that this crate reads.
@@ -101,6 +102,17 @@ impl SceneScript {
     /// [`SceneError`].
     pub fn parse(text: &str) -> Result<Self, SceneError> {
         load::from_text(text)
+    }
+
+    /// The same scene with some values replaced.
+    ///
+    /// # Errors
+    /// [`SceneError`] where an override names what there is not, gives it what it cannot be, or the scene does not fit
+    /// together any more.
+    pub fn with(self, overrides: &[Override]) -> Result<Self, SceneError> {
+        let script = overriding::apply(self, overrides)?;
+        check(&script)?;
+        Ok(script)
     }
 
     /// The scene as the text of a file.
