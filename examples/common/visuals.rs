@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 use crate::cannon_model::{aim_model, build_cannon};
-use crate::scene::{CURTAIN_CLEARANCE, CURTAIN_SIZE, Curtain, Ground};
+use crate::scene::{Curtain, Ground, curtain_clearance, curtain_size};
 use crate::textures;
 
 /// Colour of the sky, and of what is far away.
@@ -163,7 +163,7 @@ fn spawn_frame(
         perceptual_roughness: 0.6,
         ..default()
     });
-    let (half_width, top) = (0.5 * CURTAIN_SIZE.x + 0.2, CURTAIN_CLEARANCE + CURTAIN_SIZE.y + 0.02);
+    let (half_width, top) = (0.5 * curtain_size().x + 0.2, curtain_clearance() + curtain_size().y + 0.02);
     let mut spawn = |mesh: Mesh, transform: Transform| {
         commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()), transform));
     };

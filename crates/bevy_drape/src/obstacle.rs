@@ -326,7 +326,11 @@ pub(crate) fn sync_obstacles(
         let placement = Placement { translation, rotation };
         let slot = known.slot(entity);
         if !(placement.is_valid() && scale.is_finite()) {
-            refusals.entity(entity, "Transform", "an obstacle's must be finite; it stays where it was");
+            refusals.entity(
+                entity,
+                "Transform",
+                "an obstacle's must be finite, with a scale above 0; it stays where it was",
+            );
             if let Some(slot) = slot {
                 let obstacle = &mut environment.obstacles[slot];
                 obstacle.teleport(obstacle.placement());
