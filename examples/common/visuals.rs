@@ -16,19 +16,29 @@ use crate::textures;
 /// Colour of the sky, and of what is far away.
 const SKY: Srgba = Srgba::rgb(0.79, 0.83, 0.86);
 /// Colour of the ground.
-const EARTH: Color = Color::srgb(0.50, 0.47, 0.42);
+pub const EARTH: Color = Color::srgb(0.50, 0.47, 0.42);
 
-/// Dresses the scene.
+/// Dresses the scene of the cannon demo.
 pub struct VisualsPlugin;
 
 impl Plugin for VisualsPlugin {
     fn build(&self, app: &mut App) {
+        app.add_plugins(OutdoorsPlugin)
+            .add_systems(Startup, spawn_frame)
+            .add_observer(dress_curtain)
+            .add_observer(dress_ground);
+    }
+}
+
+/// Sun and sky, and what balls and cannons look like in any scene.
+pub struct OutdoorsPlugin;
+
+impl Plugin for OutdoorsPlugin {
+    fn build(&self, app: &mut App) {
         app.insert_resource(ClearColor(SKY.into()))
             .init_resource::<Wardrobe>()
-            .add_systems(Startup, (spawn_light, spawn_sky, spawn_frame))
+            .add_systems(Startup, (spawn_light, spawn_sky))
             .add_systems(PostUpdate, aim_model.before(TransformSystems::Propagate))
-            .add_observer(dress_curtain)
-            .add_observer(dress_ground)
             .add_observer(dress_ball)
             .add_observer(build_cannon);
     }
@@ -36,11 +46,13 @@ impl Plugin for VisualsPlugin {
 
 /// What bodies of the same kind share.
 #[derive(Resource)]
-struct Wardrobe {
-    fabric: Handle<StandardMaterial>,
-    ball: Handle<StandardMaterial>,
+pub struct Wardrobe {
+    /// What cloth is made of.
+    pub fabric: Handle<StandardMaterial>,
+    /// What balls are made of.
+    pub ball: Handle<StandardMaterial>,
     /// A ball of radius 1.
-    sphere: Handle<Mesh>,
+    pub sphere: Handle<Mesh>,
 }
 
 impl FromWorld for Wardrobe {

@@ -16,7 +16,8 @@
 //! }
 //! ```
 //!
-//! `cargo test --test scenes curtain` runs the scenes with `curtain` in their names; `--list` lists all.
+//! `cargo test --test scenes curtain` runs the scenes with `curtain` in their names; after `--`, `--list` lists all, and
+//! `--nocapture` has them print what they measured beside what was expected.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -41,11 +42,15 @@ pub fn test_scenes(folder: impl AsRef<Path>) -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
+    let is_told = arguments.nocapture;
     let trials = files.into_iter().map(|file| {
         let name = file.strip_prefix(folder).unwrap_or(&file).to_string_lossy().replace('\\', "/");
         let name = name.strip_suffix(SCENE_SUFFIX).unwrap_or(&name).to_string();
         Trial::test(name, move || {
             let report = run_scene(&file);
+            if is_told {
+                print!("{report}");
+            }
             if report.passed() { Ok(()) } else { Err(Failed::from(report.complaint())) }
         })
     });

@@ -2,9 +2,12 @@
 
 pub mod asset;
 mod check;
+pub mod checkpoint;
+mod container;
 mod error;
 #[cfg(feature = "harness")]
 pub mod harness;
+mod hint;
 #[cfg(feature = "junit")]
 pub mod junit;
 mod load;

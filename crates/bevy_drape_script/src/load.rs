@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::SceneError;
 use crate::check::check;
+use crate::hint::with_hint;
 use crate::overriding::{self, Override};
 use crate::scene::{Named, SceneScript, Settings};
 use crate::text;
@@ -28,13 +29,17 @@ pub(crate) fn from_file(path: &Path, overrides: &[Override]) -> Result<SceneScri
 }
 
 pub(crate) fn from_text(text: &str) -> Result<SceneScript, SceneError> {
-    let script: SceneScript = text::parse(text)?;
+    let script = parse(text)?;
     if !script.include.is_empty() {
         return Err(SceneError::of_field("include", "a scene that is no file cannot include others"));
     }
     let script = overriding::apply(script, &[])?;
     check(&script).map_err(|error| located(error, text))?;
     Ok(script)
+}
+
+fn parse(text: &str) -> Result<SceneScript, SceneError> {
+    text::parse(text).map_err(with_hint)
 }
 
 /// The scene at `path`, all of whose texts have been read.
@@ -61,14 +66,14 @@ fn located(error: SceneError, text: &str) -> SceneError {
 
 /// The paths of the fragments that the scene at `path` includes.
 pub(crate) fn included(path: &Path, text: &str) -> Result<Vec<PathBuf>, SceneError> {
-    let script: SceneScript = text::parse(text).map_err(|error| error.in_file(path))?;
+    let script = parse(text).map_err(|error| error.in_file(path))?;
     Ok(script.include.iter().map(|fragment| beside(path, fragment)).collect())
 }
 
 fn with_fragments(path: &Path, texts: &Texts, within: &mut Vec<PathBuf>) -> Result<SceneScript, SceneError> {
     let in_file = |error: SceneError| error.in_file(path);
     let text = texts.get(path).ok_or_else(|| in_file(SceneError::new("has not been read")))?;
-    let mut script: SceneScript = text::parse(text).map_err(in_file)?;
+    let mut script = parse(text).map_err(in_file)?;
     within.push(path.to_path_buf());
     for (index, name) in script.include.clone().iter().enumerate() {
         let field = format!("include[{index}]");

@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::SceneError;
+use crate::hint::with_hint;
 use crate::scene::SceneScript;
 use crate::text::{Step, field_path, parse_value, steps};
 
@@ -79,6 +80,7 @@ pub(crate) fn replaced(script: &SceneScript, path: &str, value: &Value) -> Resul
                 return Ok(script);
             }
         }
+        let error = with_hint(error);
         Err(SceneError::of_field(path, format!("cannot be {value}: {}", error.problem)))
     })
 }

@@ -95,7 +95,7 @@ fn an_unknown_field_is_told_with_those_that_there_are() {
 #[test]
 fn a_wrong_type_is_told() {
     let error = error("size: (2, 1.5)", "size: \"big\"");
-    assert_told(&error, "size: \"big\"", "bodies.curtain.size", &["Expected opening `(`"]);
+    assert_told(&error, "size: \"big\"", "bodies.curtain.size", &["Expected opening `(`", "Width and height in metres"]);
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn a_number_out_of_range_is_told_with_the_range() {
     let negative = error("size: (2, 1.5)", "size: (2, -1.5)");
     assert_told(&negative, "-1.5", "bodies.curtain.size[1]", &["from 0.000001 to 1000000", "found -1.5"]);
     let few = error("particles: (41, 31)", "particles: (41, 1)");
-    assert_told(&few, "1)", "bodies.curtain.particles[1]", &["from 2 to 4096", "found 1"]);
+    assert_told(&few, "1)", "bodies.curtain.particles[1]", &["from 2 to 4096", "found 1", "Particles in a row and in a column"]);
     let version = error("version: 1", "version: 2");
     assert_told(&version, "2,", "version", &["from 1 to 1", "found 2"]);
 }
@@ -130,8 +130,8 @@ fn an_unknown_choice_is_told_with_those_that_there_are() {
 fn a_name_that_stands_for_nothing_is_told_with_those_that_do() {
     let fire = error("Fire(\"cannon\")", "Fire(\"canon\")");
     assert_told(&fire, "Fire(\"canon\")", "timeline[0].do", &["`canon`", "cannon"]);
-    let probe = error("Stretch(of: \"curtain\"", "Stretch(of: \"curtian\"");
-    assert_told(&probe, "Stretch(of: \"curtian\"", "expectations[0].probe", &["`curtian`", "curtain"]);
+    let probe = error("Stretch(of: \"curtain\"", "Stretch(of: \"certain\"");
+    assert_told(&probe, "Stretch(of: \"certain\"", "expectations[0].probe", &["`certain`", "curtain"]);
 }
 
 #[test]
@@ -284,7 +284,7 @@ fn an_override_that_cannot_be_is_told() {
         ("curtain.particles=[5,1]", &["curtain.particles", "from 2 to 4096", "found 1"]),
         ("curtain.particles=many", &["curtain.particles", "many"]),
         ("fine=[5,1]", &["curtain.particles", "from 2 to 4096"]),
-        ("curtian.particles=[5,4]", &["curtian"]),
+        ("certain.particles=[5,4]", &["certain"]),
         ("timeline[9].at=1", &["no item 9", "4"]),
         ("settings.duration", &["PATH=VALUE"]),
         ("settings.duration=(1", &["settings.duration"]),
