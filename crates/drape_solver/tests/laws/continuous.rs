@@ -211,3 +211,33 @@ fn a_fast_cloth_passes_no_triangles() {
         }
     }
 }
+
+/// A particle flies low over a floor into a wall, all one mesh: what is nearest when the step begins is not what stops it.
+#[test]
+fn a_fast_particle_is_stopped_by_the_wall_and_not_by_the_floor_that_is_nearer() {
+    let corner = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    let corners = vec![
+        corner(-3.0, 0.0, -1.0),
+        corner(-3.0, 0.0, 1.0),
+        corner(1.0, 0.0, -1.0),
+        corner(1.0, 0.0, 1.0),
+        corner(1.0, 2.0, -1.0),
+        corner(1.0, 2.0, 1.0),
+    ];
+    let triangles = vec![[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]];
+    let mesh = parry(SharedShape::trimesh(corners, triangles).expect("triangles"));
+    for speed in [20.0, 60.0, 150.0] {
+        for height in [0.02, 0.1] {
+            let settings = SolverSettings { thickness: 0.005, ..bare() };
+            let mut body = loose(&[Vec3::new(-0.3, height, 0.1)], settings);
+            body.particles.set_velocity(0, Vec3::X * speed);
+            let mut island = Island::of_body(body);
+            let mut environment = weightless(FRAME);
+            environment.obstacles = vec![obstacle(mesh.clone(), Vec3::ZERO, 0.0)].into();
+            run_with(&mut island, &environment, 0.2, |island, index| {
+                let x = particles(island).position(0).x;
+                assert!(x < 1.0, "{speed} m/s at {height} m: at {x} m in step {index}");
+            });
+        }
+    }
+}
