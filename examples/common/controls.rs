@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
-use crate::scene::{CannonScene, Curtain, Shot, curtain};
+use crate::scene::{Curtain, begin};
 
 /// How fast the barrel turns, in rad/s.
 const TURN_RATE: f32 = 0.35;
@@ -90,25 +90,9 @@ fn fire(
 }
 
 /// Takes all balls away and hangs a new curtain.
-fn reset(
-    mut commands: Commands,
-    keys: Res<ButtonInput<KeyCode>>,
-    scene: Res<CannonScene>,
-    old: Query<Entity, Or<(With<Curtain>, With<Projectile>)>>,
-    mut cannons: Query<&mut Cannon>,
-) {
-    if !keys.just_pressed(KeyCode::KeyR) {
-        return;
-    }
-    for entity in &old {
-        commands.entity(entity).despawn();
-    }
-    commands.spawn(curtain(&scene));
-    let first = Shot::planned(0);
-    for mut cannon in &mut cannons {
-        cannon.elevation = first.elevation;
-        cannon.azimuth = first.azimuth;
-        cannon.muzzle_speed = first.speed;
+fn reset(mut commands: Commands, keys: Res<ButtonInput<KeyCode>>) {
+    if keys.just_pressed(KeyCode::KeyR) {
+        commands.queue(begin);
     }
 }
 

@@ -22,7 +22,7 @@ use thiserror::Error;
 
 use crate::adapter::{NoAdapter, find_adapter};
 use crate::moments::Snapshot;
-use crate::scene::{CannonScene, Curtain, Ground, STEP, curtain};
+use crate::scene::{CannonScene, Curtain, Ground, STEP};
 use crate::visuals::{VisualsPlugin, camera};
 
 /// Size of a picture in pixels.
@@ -164,7 +164,7 @@ impl Studio {
             world.despawn(entity);
         }
         let body = (snapshot.particles.clone(), snapshot.sticks.clone());
-        world.spawn((Pictured, curtain(scene), body));
+        world.spawn((Pictured, scene.curtain(), body));
         for &(ball, transform) in &snapshot.balls {
             world.spawn((Pictured, ball, transform));
         }

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::arguments::Arguments;
 use crate::output::{Output, OutputError};
 use crate::recorder::{Recorder, RecorderPlugin};
-use crate::scene::{CannonScene, CannonScenePlugin, FIRST_SHOT, SHOT_INTERVAL};
+use crate::scene::{CannonScene, CannonScenePlugin, first_shot, shot_interval};
 
 /// How long after the last hit the run goes on at most, in seconds.
 const PATIENCE: f64 = 40.0;
@@ -107,7 +107,7 @@ pub fn run_to_rest(app: &mut App, scene: &CannonScene, mut on_step: impl FnMut(f
 }
 
 fn progress_bar(scene: &CannonScene) -> ProgressBar {
-    let last_shot = FIRST_SHOT + SHOT_INTERVAL * f64::from(scene.shots.saturating_sub(1));
+    let last_shot = first_shot() + shot_interval() * f64::from(scene.shots.saturating_sub(1));
     // Tenths of a second; how long the rest takes after the last shot is a guess.
     let bar = ProgressBar::new(((last_shot + 10.0) * 10.0) as u64);
     if let Ok(style) =

@@ -1,4 +1,7 @@
-//! What the cannon demo is made of: scene, recorder, report, and the ways to watch it.
+//! What the examples are made of.
+//!
+//! Modules that begin with `scene_` are the runner of scripted scenes; the others are the cannon demo: scene, recorder,
+//! report, and the ways to watch it.
 //!
 //! The demo is the founding experiment of the method (Liu Yuan 2019): a cannon bombards a curtain; the ball flies,
 //! hits, and the curtain finds its rest again.
@@ -26,6 +29,20 @@ pub mod pointer;
 pub mod recorder;
 pub mod report;
 pub mod scene;
+pub mod scene_arguments;
+#[cfg(feature = "window")]
+mod scene_dress;
+#[cfg(feature = "window")]
+mod scene_forms;
+#[cfg(feature = "window")]
+mod scene_panel;
+mod scene_plot;
+pub mod scene_replay;
+#[cfg(feature = "window")]
+pub mod scene_replay_window;
+pub mod scene_suite;
+#[cfg(feature = "window")]
+pub mod scene_window;
 pub mod soak;
 pub mod table1;
 #[cfg(feature = "render")]

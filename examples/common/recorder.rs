@@ -8,7 +8,7 @@ use bevy_drape::schedule::StepTimes;
 use drape_solver::{StateHasher, measure};
 
 use crate::report::{ActivitySample, CurtainReport, Report, SceneReport, ShotReport, TimingReport, VERSION};
-use crate::scene::{BALL_RADIUS, CannonScene, Curtain, STEP, Shot};
+use crate::scene::{CannonScene, Curtain, STEP, Shot};
 
 /// How long after the first touch the ball's speed is taken if it has not left the cloth, in seconds.
 const SPEED_AFTER: f64 = 0.5;
@@ -130,11 +130,12 @@ fn record(
 
 /// Deepest that a particle lies in the ground or a ball, in metres.
 fn deepest(particles: &Particles, balls: &Query<(&ProjectileState, &Activity)>) -> f32 {
+    let radius = crate::scene::ball().radius;
     let mut deepest = 0.0_f32;
     for position in particles.positions() {
         deepest = deepest.max(-position.y);
         for (ball, _) in balls {
-            deepest = deepest.max(BALL_RADIUS - position.distance(ball.position()));
+            deepest = deepest.max(radius - position.distance(ball.position()));
         }
     }
     deepest
@@ -178,7 +179,7 @@ impl Recorder {
                 continue;
             };
             // Twice the greatest distance that a face's corners can be from a touching ball.
-            let near = BALL_RADIUS + 0.1;
+            let near = crate::scene::ball().radius + 0.1;
             let has_left = particles.positions().all(|p| p.distance(ball.position()) > near);
             if has_left || time - hit.time >= SPEED_AFTER {
                 shot.speed_after = Some(f64::from(ball.velocity().length()));

@@ -12,8 +12,7 @@ use thiserror::Error;
 use crate::arguments::Arguments;
 use crate::output::{Output, OutputError};
 use crate::scene::{
-    BALL_MASS, BALL_RADIUS, CURTAIN_CLEARANCE, CURTAIN_DRAG, CURTAIN_SIZE, CannonScene, MUZZLE,
-    ROLLING_RESISTANCE, SHOT_INTERVAL, STEP, Shot,
+    CannonScene, STEP, Shot, ball, curtain_clearance, curtain_drag, curtain_size, muzzle, shot_interval,
 };
 
 /// Why there is no table.
@@ -41,28 +40,29 @@ struct Table1 {
 pub fn bombardment(scene: &CannonScene) -> Bombardment {
     let shot = |index| {
         let shot = Shot::planned(index);
-        BenchShot { time: shot.time, muzzle: MUZZLE, velocity: shot.velocity().as_vec3() }
+        BenchShot { time: shot.time, muzzle: muzzle(), velocity: shot.velocity().as_vec3() }
     };
+    let ball = ball();
     Bombardment {
-        size: CURTAIN_SIZE.to_array(),
-        clearance: CURTAIN_CLEARANCE,
+        size: curtain_size().to_array(),
+        clearance: curtain_clearance(),
         particles: scene.particles.to_array(),
         settings: SolverSettings {
             substeps: scene.substeps,
             iterations: scene.iterations,
-            drag: CURTAIN_DRAG,
+            drag: curtain_drag(),
             ..SolverSettings::default()
         },
         ball: BallMaterial {
-            radius: BALL_RADIUS,
-            mass: BALL_MASS,
-            rolling_resistance: ROLLING_RESISTANCE,
+            radius: ball.radius,
+            mass: ball.mass,
+            rolling_resistance: ball.rolling_resistance,
             ..BallMaterial::default()
         },
         shots: (0..scene.shots).map(shot).collect(),
         step: STEP as f32,
         gravity: *bevy_drape::prelude::DrapeGravity::default(),
-        rest: SHOT_INTERVAL,
+        rest: shot_interval(),
     }
 }
 

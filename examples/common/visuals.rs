@@ -10,25 +10,35 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 use crate::cannon_model::{aim_model, build_cannon};
-use crate::scene::{CURTAIN_CLEARANCE, CURTAIN_SIZE, Curtain, Ground};
+use crate::scene::{Curtain, Ground, curtain_clearance, curtain_size};
 use crate::textures;
 
 /// Colour of the sky, and of what is far away.
 const SKY: Srgba = Srgba::rgb(0.79, 0.83, 0.86);
 /// Colour of the ground.
-const EARTH: Color = Color::srgb(0.50, 0.47, 0.42);
+pub const EARTH: Color = Color::srgb(0.50, 0.47, 0.42);
 
-/// Dresses the scene.
+/// Dresses the scene of the cannon demo.
 pub struct VisualsPlugin;
 
 impl Plugin for VisualsPlugin {
     fn build(&self, app: &mut App) {
+        app.add_plugins(OutdoorsPlugin)
+            .add_systems(Startup, spawn_frame)
+            .add_observer(dress_curtain)
+            .add_observer(dress_ground);
+    }
+}
+
+/// Sun and sky, and what balls and cannons look like in any scene.
+pub struct OutdoorsPlugin;
+
+impl Plugin for OutdoorsPlugin {
+    fn build(&self, app: &mut App) {
         app.insert_resource(ClearColor(SKY.into()))
             .init_resource::<Wardrobe>()
-            .add_systems(Startup, (spawn_light, spawn_sky, spawn_frame))
+            .add_systems(Startup, (spawn_light, spawn_sky))
             .add_systems(PostUpdate, aim_model.before(TransformSystems::Propagate))
-            .add_observer(dress_curtain)
-            .add_observer(dress_ground)
             .add_observer(dress_ball)
             .add_observer(build_cannon);
     }
@@ -36,11 +46,13 @@ impl Plugin for VisualsPlugin {
 
 /// What bodies of the same kind share.
 #[derive(Resource)]
-struct Wardrobe {
-    fabric: Handle<StandardMaterial>,
-    ball: Handle<StandardMaterial>,
+pub struct Wardrobe {
+    /// What cloth is made of.
+    pub fabric: Handle<StandardMaterial>,
+    /// What balls are made of.
+    pub ball: Handle<StandardMaterial>,
     /// A ball of radius 1.
-    sphere: Handle<Mesh>,
+    pub sphere: Handle<Mesh>,
 }
 
 impl FromWorld for Wardrobe {
@@ -151,7 +163,7 @@ fn spawn_frame(
         perceptual_roughness: 0.6,
         ..default()
     });
-    let (half_width, top) = (0.5 * CURTAIN_SIZE.x + 0.2, CURTAIN_CLEARANCE + CURTAIN_SIZE.y + 0.02);
+    let (half_width, top) = (0.5 * curtain_size().x + 0.2, curtain_clearance() + curtain_size().y + 0.02);
     let mut spawn = |mesh: Mesh, transform: Transform| {
         commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()), transform));
     };

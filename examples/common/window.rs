@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<AppExit, WindowError> {
 }
 
 /// Whether a window can be opened: the window library panics where it cannot.
-fn has_display() -> bool {
+pub(crate) fn has_display() -> bool {
     let is_set = |name: &&str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     let asks = cfg!(all(unix, not(target_vendor = "apple")));
     !asks || ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].iter().any(is_set)

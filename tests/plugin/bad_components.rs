@@ -2,6 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use drape_solver::Shape;
+use drape_solver::parry3d::math::Pose;
+use drape_solver::parry3d::shape::SharedShape;
 
 use crate::common::*;
 
@@ -121,6 +124,38 @@ fn obstacles_that_cannot_be() {
         run(&mut app, 1.0);
         assert!((ball_position(&app, ball).y - 0.15).abs() < 0.01, "the mended ground holds the ball");
         assert!(refusals(&app, entity).is_empty());
+    }
+}
+
+/// A shape and the scale of its transform must leave something that has an inside, or a surface: if not, that obstacle is
+/// left out by name, and a ball beside it still lands on the ground.
+#[test]
+fn shapes_that_cannot_be() {
+    let flat = vec![Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
+    let parry = |shape: SharedShape| Obstacle::new(Shape::Parry(shape));
+    let line = SharedShape::trimesh(flat, vec![[0, 1, 2]]).expect("parry takes it");
+    let here = Transform::from_xyz(0.0, 1.0, 0.0);
+    let bad = [
+        (parry(line), here, "Obstacle"),
+        (parry(SharedShape::ball(0.0)), here, "Obstacle"),
+        (parry(SharedShape::cuboid(0.1, f32::NAN, 0.1)), here, "Obstacle"),
+        (parry(SharedShape::voxels(Vec3::ONE, &[])), here, "Obstacle"),
+        (parry(SharedShape::compound(vec![(Pose::IDENTITY, SharedShape::ball(-1.0))])), here, "Obstacle"),
+        (Obstacle::sphere(0.5), here.with_scale(Vec3::new(-1.0, 1.0, 1.0)), "scale"),
+        (Obstacle::sphere(0.5), here.with_scale(Vec3::ZERO), "scale"),
+        (parry(SharedShape::cone(0.5, 0.5)), here.with_scale(Vec3::new(1.0, 0.0, 1.0)), "scale"),
+    ];
+    for (index, (obstacle, transform, word)) in bad.into_iter().enumerate() {
+        let (mut app, entity) = assert_refused((obstacle, transform), &[word]);
+        app.world_mut().spawn(Obstacle::ground());
+        let beside = Transform::from_xyz(3.0, 1.0, 0.0);
+        let ball = app.world_mut().spawn((Projectile::default(), beside)).id();
+        run(&mut app, 1.0);
+        assert!((ball_position(&app, ball).y - 0.15).abs() < 0.01, "case {index}: the rest runs on");
+        *get_mut::<Obstacle>(&mut app, entity) = Obstacle::sphere(0.5);
+        *get_mut::<Transform>(&mut app, entity) = here;
+        step(&mut app, 2);
+        assert!(refusals(&app, entity).is_empty(), "case {index}");
     }
 }
 

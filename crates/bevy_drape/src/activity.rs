@@ -9,6 +9,7 @@ use crate::projectile::ProjectileState;
 /// body to sleep or wakes it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Activity {
     /// Simulated.
     #[default]

@@ -18,8 +18,15 @@ use crate::settings::{DefaultSolverSettings, SolverSettings};
 pub(crate) struct Attention {
     pub bodies: Vec<Entity>,
     pub balls: Vec<Entity>,
-    /// What has lost its own settings or layers since the last step.
+    /// What has lost its own settings or layers since the last step, or has to be looked at for another reason.
     lost: Vec<Entity>,
+}
+
+impl Attention {
+    /// Has these looked at in the next step, whatever has changed.
+    pub fn look_at(&mut self, entities: impl Iterator<Item = Entity>) {
+        self.lost.extend(entities);
+    }
 }
 
 /// Lists what is active and what was changed since the last step; all there is, if what concerns all has changed.

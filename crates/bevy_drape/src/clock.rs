@@ -5,6 +5,7 @@ use bevy::prelude::*;
 /// Controls and tells the simulation's time.
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DrapeClock {
     /// Whether the simulation stands still.
     pub paused: bool,

@@ -98,6 +98,7 @@ pub struct DrapeContactEnded {
 /// What is told of contacts.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DrapeContactSettings {
     /// The most messages of the three kinds together that are sent in one step; 256 by default. The start and the end of
     /// a contact then wait for the next step; hits are lost.
@@ -128,9 +129,29 @@ pub struct DrapeContactCounts {
 #[derive(Resource, Default)]
 pub(crate) struct ContactPairs(Vec<Pair>);
 
+impl ContactPairs {
+    /// All pairs.
+    pub fn iter(&self) -> impl Iterator<Item = ((Entity, Entity), ContactPair)> + '_ {
+        self.0.iter().map(|pair| (pair.entities, pair.state))
+    }
+
+    /// Knows these instead of all others.
+    pub fn replace(&mut self, pairs: Vec<((Entity, Entity), ContactPair)>) {
+        self.0 = pairs.into_iter().map(|(entities, state)| Pair { entities, state }).collect();
+        self.0.sort_unstable_by_key(|pair| pair.entities);
+    }
+}
+
 #[derive(Clone, Copy)]
 struct Pair {
     entities: (Entity, Entity),
+    state: ContactPair,
+}
+
+/// What is known of two that touch or have just done so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct ContactPair {
     /// Simulated time in seconds of the end of the last step in which they touched.
     touched: f64,
     /// Until when the contact lasts.
@@ -171,11 +192,11 @@ pub(crate) fn send_contacts(
             let contact = told(contact, island, &solver, now);
             let entities = (contact.body, contact.other);
             let place = pairs.binary_search_by_key(&entities, |pair| pair.entities).unwrap_or_else(|place| {
-                let pair = Pair { entities, touched: end, until: end, is_told: false, is_hitting: false };
-                pairs.insert(place, pair);
+                let state = ContactPair { touched: end, until: end, is_told: false, is_hitting: false };
+                pairs.insert(place, Pair { entities, state });
                 place
             });
-            let pair = &mut pairs[place];
+            let pair = &mut pairs[place].state;
             pair.touched = end;
             pair.until = end + APART;
             if !pair.is_told && may_send(&mut tally) {
@@ -192,8 +213,8 @@ pub(crate) fn send_contacts(
             }
         }
     }
-    pairs.retain_mut(|pair| {
-        let (body, other) = pair.entities;
+    pairs.retain_mut(|Pair { entities: (body, other), state: pair }| {
+        let (body, other) = (*body, *other);
         let is_asked = asking.contains(body) || asking.contains(other);
         if is_asked && activities.get(body).is_ok_and(|activity| *activity != Activity::Active) {
             pair.until = end + APART;

@@ -14,11 +14,14 @@ use crate::refusal::Refusals;
 /// them. Add it to an obstacle that another physics engine moves, and hand the impulses to that engine after each step.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ObstacleReaction {
     /// Change of its momentum in newton seconds.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub impulse: Vec3,
     /// Change of its angular momentum in newton metre seconds, in world axes, about the place of its origin at the end of
     /// the step.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub angular_impulse: Vec3,
 }
 
@@ -44,14 +47,18 @@ pub struct ObstacleReaction {
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 #[require(ObstacleReaction)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DynamicObstacle {
     /// Mass in kilograms.
     pub mass: f32,
     /// Principal moments of inertia about the entity's axes, in kg m^2. Its centre of mass is the entity's origin.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub inertia: Vec3,
     /// Velocity in m/s.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub velocity: Vec3,
     /// Angular velocity in rad/s, in world axes.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub angular_velocity: Vec3,
     /// How much of [gravity](DrapeGravity) it feels: 1 all of it, 0 none.
     pub gravity_scale: f32,

@@ -11,7 +11,8 @@ use crate::refusal::Refusals;
 /// Acceleration of gravity in m/s^2.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
-pub struct DrapeGravity(pub Vec3);
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct DrapeGravity(#[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))] pub Vec3);
 
 impl Default for DrapeGravity {
     fn default() -> Self {
@@ -22,8 +23,10 @@ impl Default for DrapeGravity {
 /// The wind, the same everywhere. It pushes on the faces of cloths and the links of ropes.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wind {
     /// Velocity of the air in m/s; zero is no wind.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub velocity: Vec3,
     /// Density of the air in kg/m^3.
     pub air_density: f32,

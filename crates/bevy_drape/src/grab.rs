@@ -72,8 +72,10 @@ pub fn pick<'a>(
 /// obstacle, or farther than it reaches. Pinned particles stay where they are.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Grab {
     /// Where the grabbed particle is pulled to, in the world, in metres. Not pulled while it is not finite.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub target: Vec3,
     /// Particles that are held.
     held: Vec<Held>,
@@ -82,9 +84,11 @@ pub struct Grab {
 /// A particle that is held.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Held {
     particle: u32,
     /// Its place less that of the grabbed particle.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     offset: Vec3,
     /// 1 for the grabbed particle, falling to 0 at the radius.
     firmness: f32,

@@ -54,6 +54,17 @@ struct Touch {
 }
 
 impl Touching {
+    /// All pairs, and the simulated times in seconds until which they touch.
+    pub fn iter(&self) -> impl Iterator<Item = ((Entity, Entity), f64)> + '_ {
+        self.0.iter().map(|touch| (touch.pair, touch.until))
+    }
+
+    /// Knows these instead of all others.
+    pub fn replace(&mut self, touches: Vec<((Entity, Entity), f64)>) {
+        self.0 = touches.into_iter().map(|(pair, until)| Touch { pair, until }).collect();
+        self.0.sort_unstable_by_key(|touch| touch.pair);
+    }
+
     /// Forgets the touches that ended before `now`. Balls at rest, as `is_resting` tells, go on touching.
     pub fn begin_step(&mut self, now: f64, is_resting: impl Fn(Entity) -> bool) {
         for touch in &mut self.0 {

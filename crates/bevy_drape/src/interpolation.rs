@@ -52,6 +52,13 @@ pub(crate) fn step_fraction(time: Option<&Time<Fixed>>) -> f32 {
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct InterpolationState(Option<Path>);
 
+impl InterpolationState {
+    /// Where the last fixed step left the entity, whatever is shown; nothing before it was first seen.
+    pub fn end(&self) -> Option<Transform> {
+        self.0.map(|path| path.end)
+    }
+}
+
 /// The way of an entity in the last fixed step.
 #[derive(Clone, Copy, Debug)]
 struct Path {

@@ -22,6 +22,7 @@ use drape_solver::Layers;
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DrapeLayers {
     /// The layers that it belongs to.
     pub memberships: u32,

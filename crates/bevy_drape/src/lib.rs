@@ -37,6 +37,7 @@ pub mod scene_manager;
 pub mod schedule;
 pub mod settings;
 mod sleepers;
+pub mod snapshot;
 #[cfg(feature = "mesh")]
 mod surface;
 mod transforms;

@@ -7,7 +7,7 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::parry3d::shape::SharedShape;
-use drape_solver::{Layers, Placement, Shape};
+use drape_solver::{BuildError, Layers, Placement, Shape};
 
 use crate::clock::DrapeClock;
 use crate::contact_events::ContactEvents;
@@ -135,6 +135,9 @@ pub(crate) struct KnownObstacles {
     entities: Vec<Entity>,
     /// The scales that they were built at.
     scales: Vec<Vec3>,
+    /// Their numbers, in the order in which they came.
+    orders: Vec<u64>,
+    last_order: u64,
     slots: EntityHashMap<usize>,
 }
 
@@ -148,16 +151,41 @@ impl KnownObstacles {
         self.slots.get(&entity).copied()
     }
 
+    /// The numbers and entities of all obstacles by slot.
+    pub fn orders_and_entities(&self) -> impl Iterator<Item = (u64, Entity)> + '_ {
+        self.orders.iter().copied().zip(self.entities.iter().copied())
+    }
+
+    /// The scale that an obstacle was built at.
+    pub fn scale(&self, slot: usize) -> Vec3 {
+        self.scales[slot]
+    }
+
+    /// Knows these instead of all others, each with its number and scale.
+    pub fn replace(&mut self, obstacles: Vec<(u64, Entity, Vec3)>) {
+        *self = Self { last_order: self.last_order, ..Self::default() };
+        for (order, entity, scale) in obstacles {
+            self.push_with(order, entity, scale);
+        }
+    }
+
     fn push(&mut self, entity: Entity, scale: Vec3) {
+        self.push_with(self.last_order + 1, entity, scale);
+    }
+
+    fn push_with(&mut self, order: u64, entity: Entity, scale: Vec3) {
+        self.last_order = self.last_order.max(order);
         self.slots.insert(entity, self.entities.len());
         self.entities.push(entity);
         self.scales.push(scale);
+        self.orders.push(order);
     }
 
     /// Takes one out; the last takes its slot.
     fn swap_remove(&mut self, slot: usize) {
         self.slots.remove(&self.entities.swap_remove(slot));
         self.scales.swap_remove(slot);
+        self.orders.swap_remove(slot);
         if let Some(moved) = self.entities.get(slot) {
             self.slots.insert(*moved, slot);
         }
@@ -184,6 +212,13 @@ pub(crate) struct ObstacleNews {
     seen: Vec<Entity>,
 }
 
+impl ObstacleNews {
+    /// Notes which have moved in the last step.
+    pub fn set_moving(&mut self, moving: Vec<Entity>) {
+        self.moving = moving;
+    }
+}
+
 pub(crate) fn note_gone_obstacle(gone: On<Remove, Obstacle>, mut news: ResMut<ObstacleNews>) {
     news.gone.push(gone.entity);
 }
@@ -206,6 +241,23 @@ impl StirredSpace {
     pub fn push(&mut self, obstacle: &drape_solver::Obstacle) {
         self.0.push((obstacle.swept_bounds(), obstacle.layers()));
     }
+}
+
+/// The solver's obstacle; `reports` are contacts and reactions.
+pub(crate) fn built(
+    obstacle: &Obstacle,
+    scale: Vec3,
+    placement: Placement,
+    layers: Layers,
+    [reports_contacts, reports_reaction]: [bool; 2],
+) -> Result<drape_solver::Obstacle, BuildError> {
+    let built = drape_solver::Obstacle::new(obstacle.shape.scaled(scale)?, placement, obstacle.friction)?
+        .with_static_friction(obstacle.static_friction)?
+        .with_restitution(obstacle.restitution)?
+        .with_layers(layers);
+    let built = if obstacle.is_sensor { built.as_sensor() } else { built };
+    let built = if reports_contacts { built.reporting_contacts() } else { built };
+    Ok(if reports_reaction { built.reporting_reaction() } else { built })
 }
 
 /// Brings obstacles into the solver: new ones, changed ones, moved ones; and takes out those that are gone. Looks at
@@ -274,7 +326,11 @@ pub(crate) fn sync_obstacles(
         let placement = Placement { translation, rotation };
         let slot = known.slot(entity);
         if !(placement.is_valid() && scale.is_finite()) {
-            refusals.entity(entity, "Transform", "an obstacle's must be finite; it stays where it was");
+            refusals.entity(
+                entity,
+                "Transform",
+                "an obstacle's must be finite, with a scale above 0; it stays where it was",
+            );
             if let Some(slot) = slot {
                 let obstacle = &mut environment.obstacles[slot];
                 obstacle.teleport(obstacle.placement());
@@ -290,15 +346,7 @@ pub(crate) fn sync_obstacles(
                 || built.rigid_body().is_some() && !is_dynamic
         });
         if obstacle.is_changed() || is_another {
-            let shape = obstacle.shape.scaled(scale);
-            let built = shape
-                .and_then(|shape| drape_solver::Obstacle::new(shape, placement, obstacle.friction))
-                .and_then(|built| built.with_static_friction(obstacle.static_friction))
-                .and_then(|built| built.with_restitution(obstacle.restitution))
-                .map(|built| built.with_layers(layers))
-                .map(|built| if obstacle.is_sensor { built.as_sensor() } else { built })
-                .map(|built| if reports { built.reporting_contacts() } else { built })
-                .map(|built| if asks { built.reporting_reaction() } else { built });
+            let built = built(&obstacle, scale, placement, layers, [reports, asks]);
             if let Some(slot) = slot {
                 stirred.push(&environment.obstacles[slot]);
             }

@@ -72,6 +72,16 @@ impl CreationOrder {
         self.0 += 1;
         self.0
     }
+
+    /// The number that was handed out last.
+    pub fn last(&self) -> u64 {
+        self.0
+    }
+
+    /// Hands out the numbers after `last` from now on.
+    pub fn go_on_from(&mut self, last: u64) {
+        self.0 = last;
+    }
 }
 
 /// Pins are fixed to their entity: where it goes, they go, and pull the cloth along. A jump faster than 300 m/s is a

@@ -15,12 +15,14 @@ use crate::refusal::Refusals;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, Activity)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Projectile {
     /// Radius in metres.
     pub radius: f32,
     /// Mass in kilograms.
     pub mass: f32,
     /// Velocity at the start in m/s.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub velocity: Vec3,
     /// Drag of still air in 1/s.
     pub drag: f32,

@@ -30,6 +30,7 @@ use drape_solver::{BuildError, StickMaterial};
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, ParticleRecord)]
 #[component(on_add = particle_added, on_remove = note_removal)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Particle {
     /// Mass in kilograms, from 1e-6 to 1e6. A pinned particle needs one too, for when it is freed.
     pub mass: f32,
@@ -37,6 +38,7 @@ pub struct Particle {
     pub pinned: bool,
     /// Velocity at the start in m/s. Read once; later velocities are in the body's
     /// [`Particles`](crate::particles::Particles).
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub velocity: Vec3,
 }
 

@@ -10,6 +10,7 @@ use crate::projectile::{ProjectileRecord, ProjectileState};
 /// When bodies fall asleep and when they are culled.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SceneManager {
     /// Whether bodies at rest fall asleep.
     pub sleeping: bool,
@@ -17,8 +18,10 @@ pub struct SceneManager {
     /// square) before it falls asleep, in seconds. Shorter than that, a swing may be at its turning point.
     pub sleep_time: f32,
     /// Least corner of the play area in metres. Bodies wholly outside are culled.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub play_area_min: Vec3,
     /// Greatest corner of the play area in metres.
+    #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub play_area_max: Vec3,
     /// Distance in metres from every [`Viewer`] beyond which a sleeping body is culled; it comes back when a
     /// viewer does. Without viewers nothing is culled for distance.

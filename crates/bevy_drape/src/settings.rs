@@ -6,6 +6,7 @@ use drape_solver::settings as solver;
 /// Which formula moves the ends of a stick to its rest length.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StickProjection {
     /// The exact projection: one square root a stick.
     #[default]
@@ -17,6 +18,7 @@ pub enum StickProjection {
 /// How structural sticks are brought to their rest lengths.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StructuralSolve {
     /// One stick after another, as all other sticks.
     #[default]
@@ -30,6 +32,7 @@ pub enum StructuralSolve {
 /// [solver's](solver::SelfContact).
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SelfContact {
     /// Not at all.
     #[default]
@@ -58,6 +61,7 @@ pub enum Quality {
 /// [`DefaultSolverSettings`]. Values out of range leave the body out of the simulation, with an error logged.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SolverSettings {
     /// Substeps per step, 1 to 256. Small steps buy more stiffness than iterations for the same work.
     pub substeps: u32,
@@ -211,4 +215,5 @@ pub(crate) fn same_settings(a: &solver::SolverSettings, b: &solver::SolverSettin
 /// The [`SolverSettings`] of all bodies that have none of their own.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DefaultSolverSettings(pub SolverSettings);

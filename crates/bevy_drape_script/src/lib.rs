@@ -2,6 +2,8 @@
 
 pub mod asset;
 mod check;
+pub mod checkpoint;
+mod container;
 mod error;
 #[cfg(feature = "harness")]
 pub mod harness;

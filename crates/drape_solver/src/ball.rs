@@ -10,6 +10,7 @@ use crate::pose::turned;
 
 /// What a ball is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BallMaterial {
     /// Radius in metres, above zero.
     pub radius: f32,

@@ -16,6 +16,7 @@
 /// assert!(!cloak.interact(Layers::new(WORLD, WORLD)), "both sides have a say");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Layers {
     /// The layers that it belongs to.
     pub memberships: u32,

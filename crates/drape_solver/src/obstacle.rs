@@ -218,6 +218,11 @@ impl Obstacle {
         self.placement
     }
 
+    /// Where it was at the start of the step.
+    pub fn previous_placement(&self) -> Placement {
+        self.before
+    }
+
     /// Sets the coefficient of static friction (0 or more), which holds what does not slide yet; below that of
     /// friction it counts as that.
     ///

@@ -294,7 +294,7 @@ impl Shape {
 
     /// A box that holds the shape, as (least, greatest) corner in its own coordinates; infinite where it has
     /// no end.
-    pub(crate) fn local_bounds(&self) -> (Vec3, Vec3) {
+    pub fn local_bounds(&self) -> (Vec3, Vec3) {
         match self {
             Self::HalfSpace { .. } | Self::Container { .. } => {
                 (Vec3::splat(f32::NEG_INFINITY), Vec3::splat(f32::INFINITY))

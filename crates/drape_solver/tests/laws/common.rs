@@ -157,6 +157,34 @@ pub fn assert_close(what: &str, found: f64, expected: f64, part: f64) {
     assert!(error <= part * expected.abs(), "{what}: {found} is not within {part} of {expected}");
 }
 
+/// Prints what the law `name` says beside what was measured, and asserts that they agree within `part` of the former.
+#[track_caller]
+pub fn law(name: &str, measured: f64, expected: f64, part: f64) {
+    let error = (measured - expected) / expected;
+    println!(
+        "law: {name}: measured {measured:.6}, expected {expected:.6}, off by {error:+.1e} of {part:.1e}"
+    );
+    assert!(error.abs() <= part, "{name}: {measured} is not within {part} of {expected}");
+}
+
+/// The same for an error, which the law wants to be 0: it is at most `tolerance`.
+#[track_caller]
+pub fn law_of_error(name: &str, error: f64, tolerance: f64) {
+    println!("law: {name}: measured {error:.1e}, expected 0, within {tolerance:.1e}");
+    assert!(error.abs() <= tolerance, "{name}: {error} is more than {tolerance}");
+}
+
+/// Centre of mass of the free particles in metres.
+pub fn centre_of_mass(particles: &Particles) -> DVec3 {
+    let masses = (0..particles.len()).filter(|&i| !particles.is_pinned(i)).map(|i| {
+        let mass = 1.0 / f64::from(particles.inverse_mass(i));
+        let place = particles.origin().as_dvec3() + particles.local_position(i).as_dvec3();
+        (mass, place * mass)
+    });
+    let (mass, moment) = masses.fold((0.0, DVec3::ZERO), |(m, p), (mass, moment)| (m + mass, p + moment));
+    moment / mass
+}
+
 /// Numbers from 0 to 1 that look random and are the same in every run (`SplitMix64`).
 pub struct Dice(pub u64);
 

@@ -1,7 +1,7 @@
 //! Momentum and energy across hits, without gravity: what contacts, friction and sticks may not make or lose.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{BallMaterial, ClothBuilder, ClothMaterial, Island, SolverSettings};
+use drape_solver::{BallMaterial, ClothBuilder, ClothMaterial, Island, SolverSettings, measure};
 
 use crate::common::*;
 
@@ -31,6 +31,31 @@ fn a_ball_and_a_free_cloth_keep_their_momentum() {
         });
         let ball = island.balls[0].velocity().length();
         assert!(ball < 9.6, "the hit must have happened: {ball} m/s");
+    }
+}
+
+/// A ball of M kg and v m/s and the cloth of m kg that it takes along: their common centre goes on at `M v / (M + m)`.
+#[test]
+fn the_common_centre_of_ball_and_cloth_goes_on_at_its_speed() {
+    for substeps in [4, 16] {
+        let mut island = hit(substeps);
+        let (cloth, iron) = (measure::mass(particles(&island)), f64::from(island.balls[0].material().mass));
+        let centre = |island: &Island| {
+            let ball = island.balls[0].position().as_dvec3();
+            (centre_of_mass(particles(island)) * cloth + ball * iron) / (cloth + iron)
+        };
+        let expected = island.balls[0].velocity().as_dvec3() * (iron / (cloth + iron));
+        let start = centre(&island);
+        run(&mut island, &weightless(FRAME), 1.0);
+        let found = centre(&island) - start;
+        law(
+            &format!("speed of the common centre, {substeps} substeps"),
+            found.length(),
+            expected.length(),
+            8e-6,
+        );
+        let aside = (found - expected).length() / expected.length();
+        law_of_error(&format!("velocity of the common centre, {substeps} substeps"), aside, 8e-6);
     }
 }
 

@@ -223,3 +223,24 @@ fn a_rope_does_not_fall_through_a_rope() {
     assert!(without < -5.0);
     assert!(with > -0.5, "{with} m");
 }
+
+/// A sheet that lies on another keeps the sum of the two thicknesses from it, whichever way the two meet.
+#[test]
+fn a_sheet_lies_on_another_at_the_sum_of_their_thicknesses() {
+    for (self_contact, tolerance) in [(SelfContact::Particles, 1e-6), (SelfContact::Triangles, 6e-4)] {
+        let settings = SolverSettings { self_contact, ..settings(0.02) };
+        // A third of a spacing beside each other's particles by triangles, and right above each other by particles.
+        let aside = if self_contact == SelfContact::Triangles { 0.013 } else { 0.0 };
+        let sheet = |count: u32, at: Vec3| {
+            let size = 0.04 * (count - 1) as f32;
+            ClothBuilder::new(size, size, count, count).placed(at, Vec3::X, Vec3::Z)
+        };
+        let lower = sheet(17, Vec3::ZERO).pin_where(|_, _, _| true).build(settings).expect("valid");
+        let upper = sheet(9, Vec3::new(0.16 + aside, 0.045, 0.16 + aside)).build(settings).expect("valid");
+        let mut island = Island { bodies: vec![lower, upper], ..Island::default() };
+        run(&mut island, &gravity(FRAME), 0.4);
+        let heights = island.bodies[1].particles.positions().map(|p| f64::from(p.y));
+        let mean = heights.sum::<f64>() / 81.0;
+        law(&format!("distance of two layers in m, {self_contact:?}"), mean, 0.04, tolerance);
+    }
+}

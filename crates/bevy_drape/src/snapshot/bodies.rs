@@ -1,0 +1,133 @@
+//! The state of cloths, ropes and rigs.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use drape_solver::{BodyContext, Layers, ParticlesSnapshot};
+
+use crate::activity::Activity;
+use crate::grab::Grab;
+use crate::layers::DrapeLayers;
+use crate::particles::{BodyState, Extent, Particles, Sticks};
+use crate::rig::Rig;
+use crate::settings::SolverSettings;
+use crate::snapshot::world::{Placed, put_component};
+use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
+
+/// The state of one body.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct BodySnapshot {
+    order: u64,
+    placed: Placed,
+    activity: Activity,
+    particles: ParticlesSnapshot,
+    stick_count: u64,
+    still_for: f32,
+    anchor: [f32; 12],
+    pins: Vec<(u32, [f32; 3])>,
+    bounds: [[f32; 3]; 2],
+    greatest_speed: f32,
+    is_refused: bool,
+    settings: SolverSettings,
+    layers: Layers,
+    own_settings: Option<SolverSettings>,
+    own_layers: Option<DrapeLayers>,
+    grab: Option<Grab>,
+}
+
+impl BodySnapshot {
+    fn key(&self) -> Key {
+        Key::Body(self.order)
+    }
+}
+
+pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
+    let mut bodies = Vec::new();
+    for &(key, entity) in keys {
+        let Key::Body(order) = key else { continue };
+        let entity = world.entity(entity);
+        let (Some(particles), Some(sticks)) = (entity.get::<Particles>(), entity.get::<Sticks>()) else {
+            continue;
+        };
+        let Some(state) = entity.get::<BodyState>() else { continue };
+        bodies.push(BodySnapshot {
+            order,
+            placed: Placed::take(entity),
+            activity: entity.get().copied().unwrap_or_default(),
+            particles: particles.snapshot(),
+            stick_count: sticks.stick_count() as u64,
+            still_for: state.context.still_for(),
+            anchor: state.anchor.to_cols_array(),
+            pins: state.pins.iter().map(|&(pin, place)| (pin, place.to_array())).collect(),
+            bounds: [state.extent.bounds.0, state.extent.bounds.1].map(|corner| corner.to_array()),
+            greatest_speed: state.extent.greatest_speed,
+            is_refused: state.refused,
+            settings: state.settings.into(),
+            layers: state.layers,
+            own_settings: entity.get().copied(),
+            own_layers: entity.get().copied(),
+            grab: entity.get().cloned(),
+        });
+    }
+    bodies
+}
+
+pub(super) fn check(bodies: &[BodySnapshot], world: &World, keys: &Keys) -> Result<(), SnapshotError> {
+    out_of_order(bodies.iter().map(BodySnapshot::key))?;
+    for body in bodies {
+        let key = body.key();
+        let entity = entity(keys, key).ok_or(SnapshotError::Missing(key))?;
+        let (particles, sticks) = (world.get::<Particles>(entity), world.get::<Sticks>(entity));
+        let (Some(particles), Some(sticks)) = (particles, sticks) else {
+            return Err(SnapshotError::Missing(key));
+        };
+        if sticks.stick_count() as u64 != body.stick_count {
+            let (found, wanted) = (sticks.stick_count(), body.stick_count as usize);
+            return Err(SnapshotError::AnotherBody { key, found, wanted });
+        }
+        let validated = body.particles.validate(particles.len());
+        validated.map_err(|source| SnapshotError::BadState { key, source })?;
+    }
+    Ok(())
+}
+
+/// What has been [checked](check).
+pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Result<(), SnapshotError> {
+    for &(key, body) in keys {
+        let is_known = bodies.binary_search_by_key(&key, BodySnapshot::key).is_ok();
+        if matches!(key, Key::Body(_)) && !is_known {
+            world.despawn(body);
+        }
+    }
+    for body in bodies {
+        let key = body.key();
+        let found = entity(keys, key).and_then(|entity| world.get_entity_mut(entity).ok());
+        let mut entity = found.ok_or(SnapshotError::Missing(key))?;
+        if let Some(mut particles) = entity.get_mut::<Particles>() {
+            let restored = particles.restore(&body.particles);
+            restored.map_err(|source| SnapshotError::BadState { key, source })?;
+        }
+        if let Some(mut state) = entity.get_mut::<BodyState>() {
+            state.context = BodyContext::default();
+            state.context.set_still_for(body.still_for);
+            state.anchor = Affine3A::from_cols_array(&body.anchor);
+            state.pins = body.pins.iter().map(|&(pin, place)| (pin, place.into())).collect();
+            let [low, high] = body.bounds.map(Vec3::from_array);
+            state.extent = Extent { bounds: (low, high), greatest_speed: body.greatest_speed };
+            state.refused = body.is_refused;
+            state.settings = body.settings.into();
+            state.layers = body.layers;
+        }
+        if let Some(mut activity) = entity.get_mut::<Activity>() {
+            activity.set_if_neq(body.activity);
+        }
+        body.placed.restore(&mut entity);
+        // A rig has the settings of one of its particles.
+        if !entity.contains::<Rig>() {
+            put_component(&mut entity, body.own_settings.as_ref());
+        }
+        put_component(&mut entity, body.own_layers.as_ref());
+        put_component(&mut entity, body.grab.as_ref());
+    }
+    Ok(())
+}

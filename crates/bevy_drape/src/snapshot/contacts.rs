@@ -1,0 +1,38 @@
+//! What is known of touches, so that none is told twice.
+
+use bevy::ecs::entity::EntityHashMap;
+use bevy::prelude::*;
+
+use crate::contact_events::{ContactPair, ContactPairs};
+use crate::hit::Touching;
+use crate::snapshot::{Key, Keys, entity};
+
+/// Pairs that touch or have just done so.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct ContactSnapshot {
+    /// Ball, other, and the time in seconds until which it lasts.
+    touches: Vec<(Key, Key, f64)>,
+    pairs: Vec<(Key, Key, ContactPair)>,
+}
+
+pub(super) fn take(world: &World, keys: &Keys) -> ContactSnapshot {
+    let key_of: EntityHashMap<Key> = keys.iter().map(|&(key, entity)| (entity, key)).collect();
+    let pair = |(a, b): (Entity, Entity)| Some((*key_of.get(&a)?, *key_of.get(&b)?));
+    let touches = world.resource::<Touching>().iter();
+    let pairs = world.resource::<ContactPairs>().iter();
+    ContactSnapshot {
+        touches: touches.filter_map(|(entities, until)| pair(entities).map(|(a, b)| (a, b, until))).collect(),
+        pairs: pairs.filter_map(|(entities, how)| pair(entities).map(|(a, b)| (a, b, how))).collect(),
+    }
+}
+
+pub(super) fn restore(contacts: &ContactSnapshot, world: &mut World, keys: &Keys) {
+    let pair = |a, b| Some((entity(keys, a)?, entity(keys, b)?));
+    let touches = contacts.touches.iter();
+    let touches = touches.filter_map(|&(a, b, until)| Some((pair(a, b)?, until))).collect();
+    let pairs = contacts.pairs.iter();
+    let pairs = pairs.filter_map(|&(a, b, how)| Some((pair(a, b)?, how))).collect();
+    world.resource_mut::<Touching>().replace(touches);
+    world.resource_mut::<ContactPairs>().replace(pairs);
+}

@@ -1,0 +1,145 @@
+//! The state of obstacles.
+
+use bevy::prelude::*;
+use drape_solver::Placement;
+
+use crate::contact_events::ContactEvents;
+use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
+use crate::environment::SolverEnvironment;
+use crate::layers::DrapeLayers;
+use crate::obstacle::{Obstacle, ObstacleNews, built};
+use crate::snapshot::world::{Placed, put_component};
+use crate::snapshot::{Key, Keys, SnapshotError, entity};
+
+/// The state of one obstacle. In a snapshot they stand in the order of the solver's list, which contacts are sorted by.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct ObstacleSnapshot {
+    order: u64,
+    placed: Placed,
+    scale: [f32; 3],
+    /// Where the solver has it, and where it had it a step ago.
+    now: ([f32; 3], [f32; 4]),
+    before: ([f32; 3], [f32; 4]),
+    friction: f32,
+    static_friction: f32,
+    restitution: f32,
+    is_sensor: bool,
+    own_layers: Option<DrapeLayers>,
+    dynamic: Option<DynamicObstacle>,
+    reaction: Option<ObstacleReaction>,
+}
+
+impl ObstacleSnapshot {
+    fn key(&self) -> Key {
+        Key::Obstacle(self.order)
+    }
+
+    /// As the solver had it, on the entity that it is now.
+    fn built(&self, entity: EntityRef) -> Result<drape_solver::Obstacle, SnapshotError> {
+        let key = self.key();
+        let obstacle = entity.get::<Obstacle>().ok_or(SnapshotError::Missing(key))?;
+        let obstacle = self.on(obstacle.clone());
+        let [now, before] = [self.now, self.before].map(|(translation, rotation)| Placement {
+            translation: translation.into(),
+            rotation: Quat::from_array(rotation),
+        });
+        let layers = DrapeLayers::of(self.own_layers.as_ref());
+        let asks = [entity.contains::<ContactEvents>(), self.reaction.is_some()];
+        let built = built(&obstacle, self.scale.into(), before, layers, asks);
+        let mut built = built.map_err(|source| SnapshotError::BadState { key, source })?;
+        if now != before {
+            // It was not a teleport then, and is none now.
+            built.move_to(now, f32::INFINITY);
+        }
+        Ok(built)
+    }
+
+    /// An obstacle with the surface that it had.
+    fn on(&self, obstacle: Obstacle) -> Obstacle {
+        let Self { friction, static_friction, restitution, is_sensor, .. } = *self;
+        Obstacle { friction, static_friction, restitution, is_sensor, ..obstacle }
+    }
+}
+
+pub(super) fn take(world: &World, keys: &Keys) -> Vec<ObstacleSnapshot> {
+    let solver = world.resource::<SolverEnvironment>();
+    let mut obstacles = Vec::with_capacity(keys.len());
+    for (slot, (order, entity)) in solver.obstacles.orders_and_entities().enumerate() {
+        let Ok(entity) = world.get_entity(entity) else { continue };
+        let Some(obstacle) = entity.get::<Obstacle>() else { continue };
+        let built = &solver.environment.obstacles[slot];
+        let [now, before] = [built.placement(), built.previous_placement()]
+            .map(|Placement { translation, rotation }| (translation.to_array(), rotation.to_array()));
+        obstacles.push(ObstacleSnapshot {
+            order,
+            placed: Placed::take(entity),
+            scale: solver.obstacles.scale(slot).to_array(),
+            now,
+            before,
+            friction: obstacle.friction,
+            static_friction: obstacle.static_friction,
+            restitution: obstacle.restitution,
+            is_sensor: obstacle.is_sensor,
+            own_layers: entity.get().copied(),
+            dynamic: entity.get().copied(),
+            reaction: entity.get().copied(),
+        });
+    }
+    obstacles
+}
+
+pub(super) fn check(obstacles: &[ObstacleSnapshot], world: &World, keys: &Keys) -> Result<(), SnapshotError> {
+    let mut orders: Vec<Key> = obstacles.iter().map(ObstacleSnapshot::key).collect();
+    orders.sort_unstable();
+    super::out_of_order(orders.into_iter())?;
+    for obstacle in obstacles {
+        let key = obstacle.key();
+        let entity = entity(keys, key).and_then(|entity| world.get_entity(entity).ok());
+        obstacle.built(entity.ok_or(SnapshotError::Missing(key))?)?;
+    }
+    Ok(())
+}
+
+/// What has been [checked](check).
+pub(super) fn restore(
+    obstacles: &[ObstacleSnapshot],
+    world: &mut World,
+    keys: &Keys,
+) -> Result<(), SnapshotError> {
+    let mut known: Vec<Key> = obstacles.iter().map(ObstacleSnapshot::key).collect();
+    known.sort_unstable();
+    for &(key, obstacle) in keys {
+        if matches!(key, Key::Obstacle(_)) && known.binary_search(&key).is_err() {
+            world.despawn(obstacle);
+        }
+    }
+    let mut solver_obstacles = drape_solver::Obstacles::new();
+    let mut places = Vec::with_capacity(obstacles.len());
+    let mut moving = Vec::new();
+    for snapshot in obstacles {
+        let key = snapshot.key();
+        let found = entity(keys, key).and_then(|entity| world.get_entity_mut(entity).ok());
+        let mut entity = found.ok_or(SnapshotError::Missing(key))?;
+        let built = snapshot.built(entity.as_readonly())?;
+        if built.is_moving() {
+            moving.push(entity.id());
+        }
+        solver_obstacles.push(built);
+        places.push((snapshot.order, entity.id(), snapshot.scale.into()));
+        if let Some(mut obstacle) = entity.get_mut::<Obstacle>() {
+            // The solver has it already: what is changed would be built anew.
+            let obstacle = obstacle.bypass_change_detection();
+            *obstacle = snapshot.on(obstacle.clone());
+        }
+        snapshot.placed.restore(&mut entity);
+        put_component(&mut entity, snapshot.own_layers.as_ref());
+        put_component(&mut entity, snapshot.dynamic.as_ref());
+        put_component(&mut entity, snapshot.reaction.as_ref());
+    }
+    let mut solver = world.resource_mut::<SolverEnvironment>();
+    solver.environment.obstacles = solver_obstacles;
+    solver.obstacles.replace(places);
+    world.resource_mut::<ObstacleNews>().set_moving(moving);
+    Ok(())
+}

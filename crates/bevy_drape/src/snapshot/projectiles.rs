@@ -1,0 +1,116 @@
+//! The state of balls.
+
+use bevy::ecs::change_detection::{MAX_CHANGE_AGE, Tick};
+use bevy::prelude::*;
+use drape_solver::{Ball, BallSnapshot};
+
+use crate::activity::Activity;
+use crate::contact_events::ContactEvents;
+use crate::interpolation::Interpolated;
+use crate::layers::DrapeLayers;
+use crate::projectile::{Projectile, ProjectileRecord, ProjectileState};
+use crate::snapshot::world::{Frozen, Placed, put_component};
+use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
+
+/// The state of one ball.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct ProjectileSnapshot {
+    order: u64,
+    name: Option<String>,
+    placed: Placed,
+    activity: Activity,
+    projectile: Projectile,
+    ball: BallSnapshot,
+    written: Frozen,
+    is_refused: bool,
+    own_layers: Option<DrapeLayers>,
+    tells_contacts: bool,
+    is_interpolated: bool,
+}
+
+impl ProjectileSnapshot {
+    fn key(&self) -> Key {
+        Key::Ball(self.order)
+    }
+
+    fn ball(&self) -> Result<Ball, SnapshotError> {
+        Ball::from_snapshot(&self.ball).map_err(|source| SnapshotError::BadState { key: self.key(), source })
+    }
+}
+
+pub(super) fn take(world: &World, keys: &Keys) -> Vec<ProjectileSnapshot> {
+    let mut balls = Vec::new();
+    for &(key, entity) in keys {
+        let Key::Ball(order) = key else { continue };
+        let entity = world.entity(entity);
+        let (Some(projectile), Some(state)) = (entity.get::<Projectile>(), entity.get::<ProjectileState>())
+        else {
+            continue;
+        };
+        let Some(record) = entity.get::<ProjectileRecord>() else { continue };
+        balls.push(ProjectileSnapshot {
+            order,
+            name: entity.get::<Name>().map(ToString::to_string),
+            placed: Placed::take(entity),
+            activity: entity.get().copied().unwrap_or_default(),
+            projectile: *projectile,
+            ball: state.snapshot(),
+            written: record.written.into(),
+            is_refused: record.refused,
+            own_layers: entity.get().copied(),
+            tells_contacts: entity.contains::<ContactEvents>(),
+            is_interpolated: entity.contains::<Interpolated>(),
+        });
+    }
+    balls
+}
+
+pub(super) fn check(balls: &[ProjectileSnapshot]) -> Result<(), SnapshotError> {
+    out_of_order(balls.iter().map(ProjectileSnapshot::key))?;
+    balls.iter().try_for_each(|ball| ball.ball().map(drop))
+}
+
+/// What has been [checked](check).
+pub(super) fn restore(
+    balls: &[ProjectileSnapshot],
+    world: &mut World,
+    keys: &Keys,
+) -> Result<(), SnapshotError> {
+    for &(key, ball) in keys {
+        let is_known = balls.binary_search_by_key(&key, ProjectileSnapshot::key).is_ok();
+        if matches!(key, Key::Ball(_)) && !is_known {
+            world.despawn(ball);
+        }
+    }
+    let old = Tick::new(world.change_tick().get().wrapping_sub(MAX_CHANGE_AGE));
+    for snapshot in balls {
+        let mut entity = match entity(keys, snapshot.key()) {
+            Some(entity) => world.entity_mut(entity),
+            None => world.spawn((snapshot.projectile, snapshot.placed.transform(), snapshot.placed.global())),
+        };
+        let record = ProjectileRecord {
+            order: snapshot.order,
+            written: snapshot.written.into(),
+            refused: snapshot.is_refused,
+        };
+        entity.insert((ProjectileState(snapshot.ball()?), record, snapshot.activity));
+        put_component(&mut entity, Some(&snapshot.projectile));
+        put_component(&mut entity, snapshot.own_layers.as_ref());
+        if let Some(name) = &snapshot.name {
+            put_component(&mut entity, Some(&Name::new(name.clone())));
+        }
+        if snapshot.tells_contacts && !entity.contains::<ContactEvents>() {
+            entity.insert(ContactEvents);
+        }
+        if snapshot.is_interpolated && !entity.contains::<Interpolated>() {
+            entity.insert(Interpolated);
+        }
+        snapshot.placed.restore(&mut entity);
+        // The ball is built already: what is new or changed would be launched once more.
+        if let Some(mut projectile) = entity.get_mut::<Projectile>() {
+            projectile.set_last_changed(old);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,74 @@
+//! The particle entities of hand-built rigs. Their state is in their body's columns; here is what they show of it.
+
+use bevy::prelude::*;
+
+use crate::rig::{InRig, Particle, ParticleRecord};
+use crate::snapshot::SnapshotError;
+use crate::snapshot::world::Placed;
+
+/// One particle entity.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct RigParticleSnapshot {
+    order: u64,
+    particle: Particle,
+    index: u64,
+    placed_by_us: [[f32; 3]; 2],
+    placed: Placed,
+}
+
+/// All particles that are simulated, by the order of their insertion.
+fn members(world: &mut World) -> Vec<(u64, Entity)> {
+    let mut particles = world.query_filtered::<(Entity, &ParticleRecord), With<InRig>>();
+    let mut members: Vec<(u64, Entity)> =
+        particles.iter(world).map(|(entity, record)| (record.order, entity)).collect();
+    members.sort_unstable();
+    members
+}
+
+pub(super) fn take(world: &mut World) -> Vec<RigParticleSnapshot> {
+    let mut particles = Vec::new();
+    for (order, entity) in members(world) {
+        let entity = world.entity(entity);
+        let parts = (entity.get::<Particle>(), entity.get::<InRig>(), entity.get::<ParticleRecord>());
+        let (Some(particle), Some(in_rig), Some(record)) = parts else { continue };
+        particles.push(RigParticleSnapshot {
+            order,
+            particle: *particle,
+            index: in_rig.index as u64,
+            placed_by_us: [record.written, record.placed].map(|place| place.to_array()),
+            placed: Placed::take(entity),
+        });
+    }
+    particles
+}
+
+/// Edits of rigs are no state: they are made anew in the world that a snapshot is restored into.
+pub(super) fn check(particles: &[RigParticleSnapshot], world: &mut World) -> Result<(), SnapshotError> {
+    let members = members(world);
+    for (i, snapshot) in particles.iter().enumerate() {
+        let is_same = members.get(i).is_some_and(|&(order, entity)| {
+            order == snapshot.order
+                && world.get::<Particle>(entity) == Some(&snapshot.particle)
+                && world.get::<InRig>(entity).is_some_and(|in_rig| in_rig.index as u64 == snapshot.index)
+        });
+        if !is_same {
+            return Err(SnapshotError::AnotherRig(snapshot.order));
+        }
+    }
+    match members.get(particles.len()) {
+        Some(&(order, _)) => Err(SnapshotError::AnotherRig(order)),
+        None => Ok(()),
+    }
+}
+
+/// What has been [checked](check).
+pub(super) fn restore(particles: &[RigParticleSnapshot], world: &mut World) {
+    for (snapshot, (_, entity)) in particles.iter().zip(members(world)) {
+        let mut entity = world.entity_mut(entity);
+        snapshot.placed.restore(&mut entity);
+        if let Some(mut record) = entity.get_mut::<ParticleRecord>() {
+            [record.written, record.placed] = snapshot.placed_by_us.map(Vec3::from_array);
+        }
+    }
+}

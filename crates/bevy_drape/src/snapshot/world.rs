@@ -1,0 +1,180 @@
+//! What concerns all: clock, gravity, wind, settings.
+
+use bevy::ecs::component::Mutable;
+use bevy::prelude::*;
+
+use crate::attention::Attention;
+use crate::clock::DrapeClock;
+use crate::contact_events::DrapeContactSettings;
+use crate::environment::{DrapeGravity, SolverEnvironment, Wind};
+use crate::interpolation::InterpolationState;
+use crate::particles::{BodyState, CreationOrder};
+use crate::projectile::ProjectileRecord;
+use crate::scene_manager::SceneManager;
+use crate::settings::DefaultSolverSettings;
+use crate::snapshot::{Key, Keys, SnapshotError};
+
+/// What concerns all.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct WorldSnapshot {
+    pub clock: DrapeClock,
+    gravity: DrapeGravity,
+    wind: Wind,
+    defaults: DefaultSolverSettings,
+    manager: SceneManager,
+    contact_settings: DrapeContactSettings,
+    /// What the last step saw.
+    seen_gravity: [f32; 3],
+    seen_wind: Wind,
+    is_changed: bool,
+    creation_order: u64,
+}
+
+pub(super) fn take(world: &World) -> WorldSnapshot {
+    let solver = world.resource::<SolverEnvironment>();
+    WorldSnapshot {
+        clock: world.resource::<DrapeClock>().clone(),
+        gravity: *world.resource(),
+        wind: *world.resource(),
+        defaults: *world.resource(),
+        manager: *world.resource(),
+        contact_settings: *world.resource(),
+        seen_gravity: solver.environment.gravity.to_array(),
+        seen_wind: solver.environment.wind.into(),
+        is_changed: solver.changed,
+        creation_order: world.resource::<CreationOrder>().last(),
+    }
+}
+
+pub(super) fn check(snapshot: &WorldSnapshot, world: &World) -> Result<(), SnapshotError> {
+    if world.get_resource::<DrapeClock>().is_none_or(|clock| clock.steps() == 0) {
+        return Err(SnapshotError::NotStepped);
+    }
+    if !DrapeGravity(snapshot.seen_gravity.into()).is_usable() {
+        return Err(SnapshotError::BadWorld("gravity"));
+    }
+    if drape_solver::Wind::from(snapshot.seen_wind).validate().is_err() {
+        return Err(SnapshotError::BadWorld("the wind"));
+    }
+    let is_time = snapshot.clock.elapsed().is_finite() && snapshot.clock.delta().is_finite();
+    if is_time { Ok(()) } else { Err(SnapshotError::BadWorld("the clock")) }
+}
+
+pub(super) fn restore(snapshot: &WorldSnapshot, world: &mut World) {
+    put(world, snapshot.clock.clone());
+    put(world, snapshot.gravity);
+    put(world, snapshot.wind);
+    put(world, snapshot.defaults);
+    put(world, snapshot.manager);
+    put(world, snapshot.contact_settings);
+    world.resource_mut::<CreationOrder>().go_on_from(snapshot.creation_order);
+    let mut solver = world.resource_mut::<SolverEnvironment>();
+    solver.environment.dt = snapshot.clock.delta();
+    solver.environment.gravity = snapshot.seen_gravity.into();
+    solver.environment.wind = snapshot.seen_wind.into();
+    solver.changed = snapshot.is_changed;
+}
+
+/// Sets a resource, if it is another: a change would concern everything that rests.
+fn put<R: Resource<Mutability = Mutable> + PartialEq>(world: &mut World, value: R) {
+    world.resource_mut::<R>().set_if_neq(value);
+}
+
+/// All bodies, balls and obstacles that have been built, in the order of their keys.
+pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
+    let mut bodies = world.query::<(Entity, &BodyState)>();
+    let mut balls = world.query::<(Entity, &ProjectileRecord)>();
+    // A body that nobody has stepped yet has no number.
+    let bodies = bodies.iter(world).filter(|(_, state)| state.order > 0);
+    let bodies = bodies.map(|(entity, state)| (Key::Body(state.order), entity));
+    let balls = balls.iter(world).map(|(entity, record)| (Key::Ball(record.order), entity));
+    let mut members: Vec<(Key, Entity)> = bodies.chain(balls).collect();
+    if let Some(solver) = world.get_resource::<SolverEnvironment>() {
+        let obstacles = solver.obstacles.orders_and_entities();
+        members.extend(obstacles.map(|(order, entity)| (Key::Obstacle(order), entity)));
+    }
+    members.sort_unstable_by_key(|&(key, _)| key);
+    members
+}
+
+/// Has the next step look at everything, so that what rests is known to rest and what does not is not.
+pub(super) fn have_all_looked_at(world: &mut World, keys: &Keys) {
+    world.resource_mut::<Attention>().look_at(keys.iter().map(|&(_, entity)| entity));
+}
+
+/// A transform as plain numbers: translation, rotation, scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Frozen([f32; 3], [f32; 4], [f32; 3]);
+
+impl From<Transform> for Frozen {
+    fn from(Transform { translation, rotation, scale }: Transform) -> Self {
+        Self(translation.to_array(), rotation.to_array(), scale.to_array())
+    }
+}
+
+impl From<Frozen> for Transform {
+    fn from(Frozen(translation, rotation, scale): Frozen) -> Self {
+        let rotation = Quat::from_array(rotation);
+        Self { translation: translation.into(), rotation, scale: scale.into() }
+    }
+}
+
+/// Where an entity is: its own transform, as of the last step, and that in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Placed {
+    own: Frozen,
+    global: [f32; 12],
+}
+
+impl Placed {
+    /// Where it is; at the origin without a transform.
+    pub fn take(entity: EntityRef) -> Self {
+        let mut transform = entity.get::<Transform>().copied().unwrap_or_default();
+        if let Some(true_transform) = entity.get::<InterpolationState>().and_then(InterpolationState::end) {
+            transform = true_transform;
+        }
+        let global = entity.get::<GlobalTransform>().copied().unwrap_or_default();
+        Self { own: transform.into(), global: global.affine().to_cols_array() }
+    }
+
+    /// Its own transform.
+    pub fn transform(&self) -> Transform {
+        self.own.into()
+    }
+
+    /// That in the world.
+    pub fn global(&self) -> GlobalTransform {
+        bevy::math::Affine3A::from_cols_array(&self.global).into()
+    }
+
+    /// Puts it back there, if it has a transform at all.
+    pub fn restore(&self, entity: &mut EntityWorldMut) {
+        // Marked as changed in any case: that in the world may be older.
+        if let Some(mut transform) = entity.get_mut::<Transform>() {
+            *transform = self.transform();
+        }
+        if let Some(mut global) = entity.get_mut::<GlobalTransform>() {
+            global.set_if_neq(self.global());
+        }
+        if let Some(mut interpolation) = entity.get_mut::<InterpolationState>() {
+            *interpolation = InterpolationState::default();
+        }
+    }
+}
+
+/// Gives an entity the component that it had, or takes it off, where that makes a difference.
+pub(super) fn put_component<C: Component + PartialEq + Clone>(
+    entity: &mut EntityWorldMut,
+    value: Option<&C>,
+) {
+    if entity.get::<C>() == value {
+        return;
+    }
+    match value {
+        Some(value) => entity.insert(value.clone()),
+        None => entity.remove::<C>(),
+    };
+}

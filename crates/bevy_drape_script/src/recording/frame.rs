@@ -1,0 +1,72 @@
+//! A frame of a recording: where everything was after a step.
+
+use bevy::math::{Affine3A, Quat, Vec3};
+
+use super::track::TrackKind;
+
+/// Where everything was after a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Simulated time in seconds.
+    pub time: f64,
+    /// The states of all that was there, in the order of their tracks.
+    pub states: Vec<State>,
+}
+
+impl Frame {
+    /// The state of a track; none if it was not there.
+    pub fn state(&self, track: usize) -> Option<&State> {
+        let place = self.states.binary_search_by_key(&track, |state| state.track).ok()?;
+        self.states.get(place)
+    }
+}
+
+/// The state of a body, ball or obstacle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// The index of its [`Track`](super::Track) in the recording.
+    pub track: usize,
+    pub(super) values: Vec<f32>,
+}
+
+impl State {
+    /// The numbers as they were recorded; what they mean is told by the [kind](super::TrackKind) of the track.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    fn vector(&self, index: usize) -> Option<Vec3> {
+        let [x, y, z] = *self.values.get(3 * index..)?.first_chunk()?;
+        Some(Vec3::new(x, y, z))
+    }
+
+    /// Places of a body's particles in the world, in metres.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
+        let origin = self.vector(0).unwrap_or_default();
+        let (places, _) = self.values.get(3..).unwrap_or_default().as_chunks::<3>();
+        places.iter().map(move |&place| origin + Vec3::from_array(place))
+    }
+
+    /// Place of a ball's centre, in metres, and its rotation.
+    pub fn ball(&self) -> Option<(Vec3, Quat)> {
+        let rotation: [f32; 4] = *self.values.get(3..)?.first_chunk()?;
+        Some((self.vector(0)?, Quat::from_array(rotation)))
+    }
+
+    /// Where it is: the centre of a ball, the place of an obstacle, the first particle of a body; in metres. Not a number
+    /// where there is none.
+    pub fn place(&self, kind: &TrackKind) -> Vec3 {
+        let place = match kind {
+            TrackKind::Body { .. } => self.positions().next(),
+            TrackKind::Ball { .. } => self.ball().map(|(centre, _)| centre),
+            TrackKind::Obstacle { .. } => self.obstacle().map(|matrix| matrix.translation.into()),
+        };
+        place.unwrap_or(Vec3::NAN)
+    }
+
+    /// The matrix of an obstacle.
+    pub fn obstacle(&self) -> Option<Affine3A> {
+        let columns: &[f32; 12] = self.values.first_chunk()?;
+        Some(Affine3A::from_cols_array(columns))
+    }
+}

@@ -1,0 +1,130 @@
+//! What is recorded: bodies, balls and obstacles, each a track of numbers.
+
+use bevy_drape::drape_solver::Shape;
+use serde::{Deserialize, Serialize};
+
+/// Something that is recorded, from its appearance until it is gone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Track {
+    /// Its `Name`, or what it is and the number of its creation.
+    pub name: String,
+    /// What it is.
+    pub kind: TrackKind,
+}
+
+/// What a track is of, and what it takes to draw it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum TrackKind {
+    /// A cloth, rope or rig. Its values are the body's origin and the places of its particles relative to that.
+    Body {
+        /// The number of particles.
+        particles: u32,
+        /// Triangles, as particle indices.
+        faces: Vec<[u32; 3]>,
+        /// The ends of structural sticks; empty where there are faces.
+        sticks: Vec<[u32; 2]>,
+    },
+    /// A ball. Its values are the place of its centre and its rotation (x, y, z, w).
+    Ball {
+        /// Radius in metres.
+        radius: f32,
+    },
+    /// An obstacle. Its values are the three columns of its matrix and its place.
+    Obstacle {
+        /// Its form, as far as it can be told in numbers.
+        form: Form,
+    },
+}
+
+/// The form of a recorded obstacle, in its own coordinates; lengths in metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Form {
+    /// Everything behind a plane.
+    HalfSpace {
+        /// Unit normal, away from what is solid.
+        normal: [f32; 3],
+    },
+    /// A sphere.
+    Sphere {
+        /// Radius.
+        radius: f32,
+    },
+    /// A capsule along the Y axis.
+    Capsule {
+        /// Half the length of its axis.
+        half_length: f32,
+        /// Radius.
+        radius: f32,
+    },
+    /// A box.
+    Cuboid {
+        /// Half its sides.
+        half_extents: [f32; 3],
+    },
+    /// The inside of a box.
+    Container {
+        /// Half its sides.
+        half_extents: [f32; 3],
+    },
+    /// Another: its box in its own coordinates.
+    Other {
+        /// Least corner.
+        low: [f32; 3],
+        /// Greatest corner.
+        high: [f32; 3],
+    },
+}
+
+impl Form {
+    /// That of a shape.
+    pub fn of(shape: &Shape) -> Self {
+        match shape {
+            Shape::HalfSpace { normal } => Self::HalfSpace { normal: normal.to_array() },
+            Shape::Sphere { radius } => Self::Sphere { radius: *radius },
+            Shape::Capsule { half_length, radius } => {
+                Self::Capsule { half_length: *half_length, radius: *radius }
+            }
+            Shape::Cuboid { half_extents } => Self::Cuboid { half_extents: half_extents.to_array() },
+            Shape::Container { half_extents } => Self::Container { half_extents: half_extents.to_array() },
+            other => {
+                let (low, high) = other.local_bounds();
+                Self::Other { low: low.to_array(), high: high.to_array() }
+            }
+        }
+    }
+}
+
+impl TrackKind {
+    /// How many numbers a state has.
+    pub(super) fn value_count(&self) -> usize {
+        match self {
+            // Saturates where `usize` has 32 bits; such a count never agrees with what is there.
+            Self::Body { particles, .. } => (*particles as usize).saturating_add(1).saturating_mul(3),
+            Self::Ball { .. } => 7,
+            Self::Obstacle { .. } => 12,
+        }
+    }
+
+    /// The number of a body's particles.
+    pub fn particles(&self) -> Option<usize> {
+        match self {
+            Self::Body { particles, .. } => Some(*particles as usize),
+            Self::Ball { .. } | Self::Obstacle { .. } => None,
+        }
+    }
+
+    /// What it is: a body, ball or obstacle.
+    pub fn noun(&self) -> &'static str {
+        match self {
+            Self::Body { .. } => "body",
+            Self::Ball { .. } => "ball",
+            Self::Obstacle { .. } => "obstacle",
+        }
+    }
+
+    /// Whether every index is that of a particle.
+    pub(super) fn is_sound(&self) -> bool {
+        let Self::Body { particles, faces, sticks } = self else { return true };
+        faces.iter().flatten().chain(sticks.iter().flatten()).all(|index| index < particles)
+    }
+}

@@ -1,0 +1,62 @@
+//! Cloth comes to rest in the same shape, however it is stepped.
+
+use drape_solver::glam::Vec3;
+use drape_solver::{ClothBuilder, ClothMaterial, Island, RopeBuilder, SolverSettings, StructuralSolve};
+
+use crate::common::*;
+
+/// Steps in seconds and substeps; the first is what others are compared with.
+const STEPS: [(f32, u32); 5] = [(FRAME, 16), (FRAME, 8), (FRAME, 32), (1.0 / 30.0, 16), (1.0 / 120.0, 16)];
+
+/// Greatest distance of a particle from where it came to rest with the first of the [`STEPS`], for each of the others.
+fn differences(
+    body: impl Fn(SolverSettings) -> Island,
+    settings: SolverSettings,
+    seconds: f32,
+) -> Vec<(String, f32)> {
+    let at_rest = |(dt, substeps): (f32, u32)| {
+        let mut island = body(SolverSettings { substeps, ..settings });
+        run(&mut island, &gravity(dt), seconds);
+        assert!(greatest_speed(&island) < 0.02, "at rest: {} m/s", greatest_speed(&island));
+        particles(&island).positions().collect::<Vec<Vec3>>()
+    };
+    let first = at_rest(STEPS[0]);
+    let against = |step: (f32, u32)| {
+        let apart = at_rest(step).iter().zip(&first).map(|(p, q)| p.distance(*q)).fold(0.0, f32::max);
+        (format!("{:.4} s / {}", step.0, step.1), apart)
+    };
+    STEPS[1..].iter().copied().map(against).collect()
+}
+
+/// A rope of 1 m that stands out level from two pins droops by its stiffness in bending alone.
+#[test]
+fn a_stiff_rope_droops_alike_in_every_step() {
+    let rope = |settings| {
+        let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X, 9).stiffness(1.0, 0.6).damping(1.0).pin(0).pin(1);
+        Island::of_body(rope.build(settings).expect("valid"))
+    };
+    let settings = SolverSettings { drag: 3.0, iterations: 8, ..bare() };
+    for (step, apart) in differences(rope, settings, 8.0) {
+        law_of_error(&format!("rest shape of a stiff rope in m, {step}"), apart.into(), 2.7e-3);
+    }
+}
+
+/// A sheet of half a metre on two corners.
+#[test]
+fn a_sheet_on_two_corners_hangs_alike_in_every_step() {
+    let sheet = |settings| {
+        let sheet = ClothBuilder::new(0.5, 0.5, 9, 9)
+            .material(ClothMaterial { damping: 1.0, ..ClothMaterial::default() });
+        Island::of_body(sheet.pin(0).pin(8).build(settings).expect("valid"))
+    };
+    let sweeps = SolverSettings { drag: 3.0, iterations: 2, tethers: true, ..bare() };
+    for (structural, tolerance) in [(StructuralSolve::Sweeps, 7e-5), (StructuralSolve::Lines, 1.3e-5)] {
+        for (step, apart) in differences(sheet, SolverSettings { structural, ..sweeps }, 4.0) {
+            law_of_error(
+                &format!("rest shape of a sheet in m, {structural:?}, {step}"),
+                apart.into(),
+                tolerance,
+            );
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The command line of the scene runner.
+
+use std::path::PathBuf;
+
+use bevy_drape_script::Override;
+use clap::{Parser, ValueEnum};
+
+/// Runs scripted scenes and tells whether they do what they must.
+#[derive(Clone, Debug, Parser)]
+#[command(version, about)]
+pub struct SceneArguments {
+    /// Scene files (*.scene.ron), and folders of them.
+    #[arg(value_name = "FILE", required_unless_present = "replay", conflicts_with = "replay")]
+    pub files: Vec<PathBuf>,
+
+    /// Run without a window, as fast as the machine can. Without the feature `window` scenes always do.
+    #[arg(long)]
+    pub headless: bool,
+
+    /// Change a value of every scene by its path, or a parameter by its name; may be given several times.
+    #[arg(long = "set", value_name = "PATH=VALUE", conflicts_with = "replay")]
+    pub overrides: Vec<Override>,
+
+    /// Record where everything is after each step: to this file, or of several scenes to this folder.
+    #[arg(long, value_name = "FILE", conflicts_with = "replay")]
+    pub record: Option<PathBuf>,
+
+    /// Show a recording.
+    #[arg(long, value_name = "FILE")]
+    pub replay: Option<PathBuf>,
+
+    /// Tell where another recording parts from the one that is replayed; they must not.
+    #[arg(long, value_name = "OTHER", requires = "replay")]
+    pub diff: Option<PathBuf>,
+
+    /// Draw the pictures that scenes take into this folder (needs the feature `render`).
+    #[arg(long, value_name = "DIR", conflicts_with = "replay")]
+    pub frames: Option<PathBuf>,
+
+    /// Draw speed and stretch of all bodies over time, to `NAME.svg` in the folder of `--out`.
+    #[arg(long, conflicts_with = "replay")]
+    pub plot: bool,
+
+    /// Folder for plots; made if it does not exist.
+    #[arg(long, value_name = "DIR", default_value = "target/scenes")]
+    pub out: PathBuf,
+
+    /// Write the verdicts to the standard output in this format, and all else to the standard error.
+    #[arg(long, value_name = "FORMAT", conflicts_with = "replay")]
+    pub report: Option<ReportFormat>,
+}
+
+/// A format that programs read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReportFormat {
+    /// JUnit XML, for CI systems: a test case for each scene.
+    Junit,
+    /// JSON: a list of reports.
+    Json,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn good_arguments_are_taken_and_bad_ones_named() {
+        let parse = |line: &str| SceneArguments::try_parse_from(line.split_whitespace());
+        let line = "scene a.scene.ron scenes --headless --set curtain.particles=[9,8] --report junit";
+        let arguments = parse(line).expect("valid");
+        assert_eq!((arguments.files.len(), arguments.overrides.len()), (2, 1));
+        assert_eq!(arguments.report, Some(ReportFormat::Junit));
+        assert!(parse("scene --replay a.drape --diff b.drape").is_ok());
+        for (line, needle) in [
+            ("scene", "FILE"),
+            ("scene a --colour red", "--colour"),
+            ("scene a --set nonsense", "PATH=VALUE"),
+            ("scene a --report html", "junit"),
+            ("scene a --diff b", "--replay"),
+            ("scene a --replay b", "cannot be used with"),
+        ] {
+            let message = parse(line).expect_err(line).to_string();
+            assert!(message.contains(needle), "{message}");
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! What the obstacles of a scene look like.
+
+use bevy::prelude::*;
+use bevy_drape_script::recording::Form;
+
+/// Side of the piece of a plane that is shown, in metres.
+const PLANE: f32 = 600.0;
+
+/// What an obstacle looks like, and where that is in the obstacle's coordinates. None for the inside of a box.
+pub fn mesh_of(form: Form) -> Option<(Mesh, Transform)> {
+    let (half, middle) = match form {
+        Form::HalfSpace { normal } => {
+            let turn = Quat::from_rotation_arc(Vec3::Y, Vec3::from_array(normal).normalize_or(Vec3::Y));
+            let plane = Plane3d::default().mesh().size(PLANE, PLANE).build();
+            return Some((plane, Transform::from_rotation(turn)));
+        }
+        Form::Sphere { radius } => return Some((Sphere::new(radius).mesh().uv(48, 24), Transform::IDENTITY)),
+        Form::Capsule { half_length, radius } => {
+            let capsule = Capsule3d::new(radius, 2.0 * half_length).mesh().build();
+            return Some((capsule, Transform::IDENTITY));
+        }
+        Form::Cuboid { half_extents } => (Vec3::from_array(half_extents), Vec3::ZERO),
+        Form::Container { .. } => return None,
+        Form::Other { low, high } => {
+            let [low, high] = [low, high].map(Vec3::from_array);
+            ((high - low) * 0.5, (low + high) * 0.5)
+        }
+    };
+    let is_box = half.is_finite() && middle.is_finite();
+    is_box.then(|| (Cuboid::from_size(half * 2.0).mesh().build(), Transform::from_translation(middle)))
+}
+
+/// What obstacles are made of. Where only the box is known, it can be seen through.
+pub fn material_of(form: Form, colour: Color) -> StandardMaterial {
+    let is_known = !matches!(form, Form::Other { .. });
+    StandardMaterial {
+        base_color: if is_known { colour } else { colour.with_alpha(0.25) },
+        alpha_mode: if is_known { AlphaMode::Opaque } else { AlphaMode::Blend },
+        perceptual_roughness: 0.9,
+        reflectance: 0.15,
+        ..default()
+    }
+}

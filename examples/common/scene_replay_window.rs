@@ -1,0 +1,258 @@
+//! A recording in a window: played, paused, stepped, and scrubbed by a bar.
+
+use std::path::Path;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_drape_script::recording::{Cursor, Recording, RecordingError, TrackKind};
+use thiserror::Error;
+
+use crate::scene_arguments::SceneArguments;
+use crate::scene_forms::{material_of, mesh_of};
+use crate::scene_panel::Panel;
+use crate::scene_replay::{ReplayError, load};
+use crate::scene_window::app;
+use crate::visuals::{EARTH, Wardrobe};
+use crate::window::WindowError;
+
+const HELP: &str = "\
+drag the bar: any step      P, space: play and pause      left, right: a step, with shift ten
+home, end: first and last step      right button, wheel: turn and zoom      H: this help      Esc: quit";
+
+/// Why a recording is not shown.
+#[derive(Debug, Error)]
+pub enum ReplayWindowError {
+    /// There is no window.
+    #[error(transparent)]
+    NoWindow(#[from] WindowError),
+    /// There is no recording.
+    #[error(transparent)]
+    NoRecording(#[from] ReplayError),
+}
+
+/// Opens the window and stays until it is closed. Returns whether it was closed in peace.
+///
+/// # Errors
+/// [`ReplayWindowError`] if there is no display, no graphics adapter, or no recording.
+pub fn run(_: &SceneArguments, path: &Path) -> Result<bool, ReplayWindowError> {
+    let recording = load(path)?;
+    let mut app = app(&format!("{}: {}", path.display(), recording.header().scene))?;
+    let exit = app
+        .insert_resource(Replay::new(recording))
+        .add_systems(Startup, (spawn_bar, spawn_actors))
+        .add_systems(Update, (control, scrub, play, show, tell).chain())
+        .run();
+    Ok(exit.is_success())
+}
+
+/// Where the replay has got to.
+#[derive(Resource)]
+struct Replay {
+    cursor: Cursor<Recording>,
+    frame: usize,
+    /// Of the step after that frame, in seconds, that have passed.
+    overtime: f32,
+    is_playing: bool,
+    fault: Option<RecordingError>,
+}
+
+impl Replay {
+    fn new(recording: Recording) -> Self {
+        Self { cursor: recording.into_cursor(), frame: 0, overtime: 0.0, is_playing: true, fault: None }
+    }
+
+    /// The index of the last frame.
+    fn last(&self) -> usize {
+        self.cursor.recording().frame_count().saturating_sub(1)
+    }
+
+    fn step(&mut self, by: isize) {
+        self.frame = self.frame.saturating_add_signed(by).min(self.last());
+        self.is_playing = false;
+    }
+}
+
+/// Shows a track.
+#[derive(Component)]
+struct Actor(usize);
+
+/// The bar at the bottom, and the part of it that is over.
+#[derive(Component)]
+struct Bar;
+
+#[derive(Component)]
+struct Done;
+
+fn spawn_bar(mut commands: Commands) {
+    let bar = Node {
+        position_type: PositionType::Absolute,
+        bottom: px(10),
+        left: percent(1),
+        width: percent(98),
+        height: px(24),
+        ..default()
+    };
+    let done = Node { width: percent(0), height: percent(100), ..default() };
+    commands
+        .spawn((Bar, Interaction::default(), bar, BackgroundColor(Color::srgba(0.05, 0.05, 0.07, 0.6))))
+        .with_child((Done, done, BackgroundColor(Color::srgb(0.85, 0.55, 0.2))));
+}
+
+fn spawn_actors(
+    mut commands: Commands,
+    replay: Res<Replay>,
+    wardrobe: Res<Wardrobe>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    for (index, track) in replay.cursor.recording().tracks().iter().enumerate() {
+        let mut actor = commands.spawn((Actor(index), Transform::default(), Visibility::Hidden));
+        match &track.kind {
+            TrackKind::Body { particles, faces, .. } => {
+                if faces.is_empty() {
+                    continue;
+                }
+                let usage = RenderAssetUsages::default();
+                let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, usage);
+                mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0; 3]; *particles as usize]);
+                mesh.insert_indices(Indices::U32(faces.as_flattened().to_vec()));
+                let fabric = StandardMaterial {
+                    base_color: Color::srgb(0.62, 0.16, 0.14),
+                    perceptual_roughness: 0.85,
+                    double_sided: true,
+                    cull_mode: None,
+                    ..default()
+                };
+                actor.insert((
+                    Mesh3d(meshes.add(mesh)),
+                    MeshMaterial3d(materials.add(fabric)),
+                    bevy::camera::visibility::NoFrustumCulling,
+                ));
+            }
+            TrackKind::Ball { radius } => {
+                actor.with_child((
+                    Mesh3d(wardrobe.sphere.clone()),
+                    MeshMaterial3d(wardrobe.ball.clone()),
+                    Transform::from_scale(Vec3::splat(*radius)),
+                ));
+            }
+            TrackKind::Obstacle { form } => {
+                if let Some((mesh, transform)) = mesh_of(*form) {
+                    actor.with_child((
+                        Mesh3d(meshes.add(mesh)),
+                        MeshMaterial3d(materials.add(material_of(*form, EARTH))),
+                        transform,
+                    ));
+                }
+            }
+        }
+    }
+}
+
+fn control(keys: Res<ButtonInput<KeyCode>>, mut replay: ResMut<Replay>) {
+    if keys.any_just_pressed([KeyCode::KeyP, KeyCode::Space]) {
+        replay.is_playing = !replay.is_playing;
+        // From the beginning, if it is at the end.
+        if replay.is_playing && replay.frame == replay.last() {
+            replay.frame = 0;
+        }
+    }
+    let stride = if keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]) { 10 } else { 1 };
+    if keys.just_pressed(KeyCode::ArrowLeft) {
+        replay.step(-stride);
+    }
+    if keys.just_pressed(KeyCode::ArrowRight) {
+        replay.step(stride);
+    }
+    if keys.just_pressed(KeyCode::Home) {
+        replay.step(isize::MIN);
+    }
+    if keys.just_pressed(KeyCode::End) {
+        replay.step(isize::MAX);
+    }
+}
+
+/// Goes to where the bar is held.
+fn scrub(
+    bars: Query<(&Interaction, &ComputedNode, &UiGlobalTransform), With<Bar>>,
+    windows: Query<&Window>,
+    mut replay: ResMut<Replay>,
+) {
+    for (interaction, node, transform) in &bars {
+        let Some(pointer) = windows.iter().find_map(Window::physical_cursor_position) else { continue };
+        if *interaction == Interaction::Pressed
+            && let Some(place) = node.normalize_point(*transform, pointer)
+        {
+            let part = (place.x + 0.5).clamp(0.0, 1.0);
+            replay.frame = (part * replay.last() as f32).round() as usize;
+            replay.is_playing = false;
+        }
+    }
+}
+
+fn play(time: Res<Time<Real>>, mut replay: ResMut<Replay>) {
+    let dt = replay.cursor.recording().header().dt;
+    if !replay.is_playing || replay.frame >= replay.last() || !(dt > 0.0) {
+        replay.overtime = 0.0;
+        return;
+    }
+    replay.overtime += time.delta_secs();
+    let steps = (replay.overtime / dt).floor();
+    replay.overtime -= steps * dt;
+    replay.frame = (replay.frame + steps as usize).min(replay.last());
+}
+
+fn show(
+    mut replay: ResMut<Replay>,
+    mut actors: Query<(&Actor, &mut Transform, &mut Visibility, Option<&Mesh3d>)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut gizmos: Gizmos,
+) {
+    let Replay { cursor, frame: index, fault, .. } = &mut *replay;
+    let tracks = cursor.recording().tracks().to_vec();
+    let frame = match cursor.seek(*index) {
+        Ok(frame) => frame,
+        Err(error) => {
+            *fault = Some(error);
+            return;
+        }
+    };
+    for (actor, mut transform, mut visibility, mesh) in &mut actors {
+        let Some(state) = frame.state(actor.0) else {
+            visibility.set_if_neq(Visibility::Hidden);
+            continue;
+        };
+        visibility.set_if_neq(Visibility::Inherited);
+        if let TrackKind::Body { sticks, .. } = &tracks[actor.0].kind {
+            let places: Vec<Vec3> = state.positions().collect();
+            for [a, b] in sticks {
+                gizmos.line(places[*a as usize], places[*b as usize], Color::srgb(0.25, 0.16, 0.10));
+            }
+            if let Some(mut mesh) = mesh.and_then(|mesh| meshes.get_mut(mesh)) {
+                mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, places);
+                mesh.compute_smooth_normals();
+            }
+        } else if let Some((centre, rotation)) =
+            state.ball().filter(|_| matches!(tracks[actor.0].kind, TrackKind::Ball { .. }))
+        {
+            *transform = Transform::from_translation(centre).with_rotation(rotation);
+        } else if let Some(matrix) = state.obstacle() {
+            *transform = Transform::from_matrix(matrix.into());
+        }
+    }
+}
+
+fn tell(replay: Res<Replay>, mut panel: ResMut<Panel>, mut done: Query<&mut Node, With<Done>>) {
+    let (frame, last) = (replay.frame, replay.last());
+    let header = replay.cursor.recording().header();
+    let state = if replay.is_playing { "" } else { ", paused" };
+    let mut text = format!("{}\nstep {frame} of {last}{state}\n", header.scene);
+    if let Some(fault) = &replay.fault {
+        text += &fault.to_string();
+    }
+    panel.show(&text, HELP);
+    for mut node in &mut done {
+        node.width = percent(100.0 * frame as f32 / last.max(1) as f32);
+    }
+}

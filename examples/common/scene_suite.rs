@@ -1,0 +1,165 @@
+//! Scenes without a window, one after another, and their verdict.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use bevy_drape_script::recording::{Header, RecordSteps, RecordingError};
+use bevy_drape_script::{Report, SceneError, SceneRunner, SceneScript, scene_name, to_junit};
+use indicatif::{ProgressBar, ProgressStyle};
+use thiserror::Error;
+
+use crate::scene_arguments::{ReportFormat, SceneArguments};
+use crate::scene_plot::Curves;
+
+/// Why scenes could not be run, or what they did not be written.
+#[derive(Debug, Error)]
+pub enum SuiteError {
+    /// A folder cannot be made.
+    #[error("{}: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// A folder cannot be read, or has no scenes in it.
+    #[error(transparent)]
+    NoScenes(SceneError),
+    /// A recording cannot be written.
+    #[error("{}: {source}", path.display())]
+    Recording {
+        /// The recording.
+        path: PathBuf,
+        /// What is wrong.
+        source: RecordingError,
+    },
+    /// A plot cannot be drawn.
+    #[error("{}: {reason}", path.display())]
+    Plot {
+        /// The plot.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The reports cannot be written.
+    #[error("cannot write the report: {0}")]
+    Report(String),
+}
+
+/// Runs all scenes, and returns whether all have passed.
+///
+/// # Errors
+/// [`SuiteError`] if scenes are not found, or a file cannot be written. A scene that cannot be loaded has failed.
+pub fn run(arguments: &SceneArguments) -> Result<bool, SuiteError> {
+    let files = files_of(&arguments.files)?;
+    make_folders(arguments, files.len())?;
+    let mut reports = Vec::with_capacity(files.len());
+    for file in &files {
+        let report = run_scene(file, arguments, files.len())?;
+        // The standard output may be for a program to read.
+        if arguments.report.is_none() {
+            print!("{report}");
+        } else {
+            eprint!("{report}");
+        }
+        reports.push(report);
+    }
+    let passed = reports.iter().filter(|report| report.passed()).count();
+    if reports.len() > 1 {
+        eprintln!("{} scenes, {passed} passed, {} failed", reports.len(), reports.len() - passed);
+    }
+    write_reports(&reports, arguments.report)?;
+    Ok(passed == reports.len())
+}
+
+/// All scene files that are named, or in a folder that is.
+pub(crate) fn files_of(named: &[PathBuf]) -> Result<Vec<PathBuf>, SuiteError> {
+    let mut files = Vec::new();
+    for path in named {
+        if path.is_dir() {
+            files.extend(bevy_drape_script::scene_files(path).map_err(SuiteError::NoScenes)?);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    Ok(files)
+}
+
+fn make_folders(arguments: &SceneArguments, count: usize) -> Result<(), SuiteError> {
+    let of_recordings = arguments.record.as_deref().and_then(|record| match count {
+        1 => record.parent().filter(|folder| !folder.as_os_str().is_empty()),
+        _ => Some(record),
+    });
+    let of_plots = arguments.plot.then_some(&*arguments.out);
+    for folder in [of_recordings, of_plots, arguments.frames.as_deref()].into_iter().flatten() {
+        std::fs::create_dir_all(folder)
+            .map_err(|source| SuiteError::Folder { path: folder.to_path_buf(), source })?;
+    }
+    Ok(())
+}
+
+fn run_scene(file: &Path, arguments: &SceneArguments, count: usize) -> Result<Report, SuiteError> {
+    let name = scene_name(file);
+    let script = match SceneScript::load_with(file, &arguments.overrides) {
+        Ok(script) => script,
+        Err(error) => return Ok(Report::failed(name, Some(file.to_path_buf()), &error.to_string())),
+    };
+    let dt = script.settings.dt.get() as f32;
+    let mut runner = SceneRunner::headless(script).from_file(file);
+    let recording = arguments.record.as_ref().map(|record| match count {
+        1 => record.clone(),
+        _ => record.join(&name).with_extension("drape"),
+    });
+    let unrecorded = |source| SuiteError::Recording { path: recording.clone().unwrap_or_default(), source };
+    if let Some(path) = &recording {
+        let steps = RecordSteps::create(path, Header { scene: name.clone(), dt }).map_err(unrecorded)?;
+        steps.start(runner.app_mut());
+        runner.note_recording(path);
+    }
+    let progress = progress_bar(&name, runner.greatest_steps());
+    let mut curves = arguments.plot.then(Curves::default);
+    while runner.step() {
+        progress.inc(1);
+        if let Some(curves) = &mut curves {
+            curves.note(runner.world());
+        }
+    }
+    progress.finish_and_clear();
+    RecordSteps::finish(runner.world_mut()).map_err(unrecorded)?;
+    if let Some(curves) = curves {
+        let path = arguments.out.join(&name).with_extension("svg");
+        curves.draw(&path, &name).map_err(|reason| SuiteError::Plot { path: path.clone(), reason })?;
+        eprintln!("{}", path.display());
+    }
+    if let Some(folder) = &arguments.frames {
+        draw_frames(file, arguments, folder);
+    }
+    Ok(runner.report())
+}
+
+/// Says why there are no pictures.
+fn draw_frames(_: &Path, _: &SceneArguments, _: &Path) {
+    eprintln!("no pictures: this program does not draw those of scenes yet");
+}
+
+fn progress_bar(name: &str, steps: u64) -> ProgressBar {
+    // Hidden where nobody watches.
+    let bar = ProgressBar::new(steps);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} steps, {elapsed}") {
+        bar.set_style(style);
+    }
+    bar.with_message(name.to_string())
+}
+
+fn write_reports(reports: &[Report], format: Option<ReportFormat>) -> Result<(), SuiteError> {
+    let text = match format {
+        None => return Ok(()),
+        Some(ReportFormat::Json) => {
+            serde_json::to_string_pretty(reports).map_err(|error| SuiteError::Report(error.to_string()))?
+        }
+        Some(ReportFormat::Junit) => {
+            to_junit("scenes", reports).map_err(|error| SuiteError::Report(error.to_string()))?
+        }
+    };
+    writeln!(io::stdout(), "{text}").map_err(|error| SuiteError::Report(error.to_string()))
+}

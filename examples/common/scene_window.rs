@@ -1,0 +1,229 @@
+//! A scene in a window: it runs, and begins anew whenever its file is saved.
+
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+use bevy::prelude::*;
+use bevy::time::common_conditions::on_real_timer;
+use bevy_drape::prelude::*;
+use bevy_drape_script::play::{ScenePlay, ScenePlugin, begin_scene};
+use bevy_drape_script::{Override, SceneError, SceneScript, scene_name};
+use thiserror::Error;
+
+use crate::adapter::find_adapter;
+use crate::orbit::{Orbit, OrbitPlugin};
+use crate::scene_arguments::SceneArguments;
+use crate::scene_dress::DressPlugin;
+use crate::scene_panel::{Panel, spawn_panel, write_panel};
+use crate::scene_suite::{SuiteError, files_of};
+use crate::visuals::camera;
+use crate::window::{WindowError, has_display};
+
+/// How much slower slow motion is.
+const SLOW_MOTION: f32 = 0.2;
+/// How often the files are looked at.
+const WATCH: core::time::Duration = core::time::Duration::from_millis(300);
+
+const HELP: &str = "\
+P, space  pause      O  one step     T  slow motion    R  from the beginning
+C  next camera       G  strain       N  next scene     H  this help    Esc  quit
+turn, zoom: right button, wheel";
+
+/// Why a scene is not shown.
+#[derive(Debug, Error)]
+pub enum SceneWindowError {
+    /// There is no window.
+    #[error(transparent)]
+    NoWindow(#[from] WindowError),
+    /// There is no scene.
+    #[error(transparent)]
+    NoScenes(#[from] SuiteError),
+}
+
+/// Opens the window and stays until it is closed. Returns whether it was closed in peace.
+///
+/// # Errors
+/// [`SceneWindowError`] if there is no display, no graphics adapter, or no scene.
+pub fn run(arguments: &SceneArguments) -> Result<bool, SceneWindowError> {
+    let files = files_of(&arguments.files)?;
+    open("scenes", Show { files, overrides: arguments.overrides.clone(), ..default() })
+}
+
+/// The app with everything that windows of scenes and of recordings share.
+///
+/// # Errors
+/// [`WindowError`] if there is no display, or nothing to draw with.
+pub(crate) fn app(title: &str) -> Result<App, WindowError> {
+    if !has_display() {
+        return Err(WindowError::NoDisplay);
+    }
+    find_adapter()?;
+    let window = Window { title: title.to_string(), resolution: UVec2::new(1280, 720).into(), ..default() };
+    let plugins = DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() });
+    let mut app = App::new();
+    app.add_plugins((plugins, DrapePlugins::default(), OrbitPlugin, DressPlugin))
+        .add_systems(Startup, (spawn_camera, spawn_panel))
+        .add_systems(Update, quit)
+        .add_systems(PostUpdate, write_panel);
+    Ok(app)
+}
+
+fn open(title: &str, show: Show) -> Result<bool, SceneWindowError> {
+    let mut app = app(title)?;
+    let exit = app
+        .add_plugins(ScenePlugin)
+        .insert_resource(show)
+        .add_systems(PostStartup, begin)
+        .add_systems(Update, (control, tell).chain())
+        .add_systems(Update, watch.run_if(on_real_timer(WATCH)))
+        .run();
+    Ok(exit.is_success())
+}
+
+/// What is shown.
+#[derive(Resource, Default)]
+struct Show {
+    files: Vec<PathBuf>,
+    overrides: Vec<Override>,
+    /// Index of the file that is shown.
+    current: usize,
+    /// The files that the scene is made of, and when they were saved.
+    saved: Vec<(PathBuf, Option<SystemTime>)>,
+    /// Index of the scene's camera that is looked through.
+    view: usize,
+    /// What is wrong with the file.
+    fault: Option<SceneError>,
+}
+
+fn saved_at(path: &PathBuf) -> Option<SystemTime> {
+    std::fs::metadata(path).and_then(|data| data.modified()).ok()
+}
+
+fn spawn_camera(mut commands: Commands, mut images: ResMut<Assets<Image>>) {
+    let orbit = Orbit { target: Vec3::Y, yaw: 0.4, pitch: 0.25, distance: 8.0 };
+    commands.spawn((orbit, camera(orbit.transform(), &mut images)));
+}
+
+fn quit(keys: Res<ButtonInput<KeyCode>>, mut exit: MessageWriter<AppExit>) {
+    if keys.just_pressed(KeyCode::Escape) {
+        exit.write(AppExit::Success);
+    }
+}
+
+/// Loads the current file and begins its scene. One that cannot be loaded leaves what is there.
+fn begin(world: &mut World) {
+    world.resource_scope(|world, mut show: Mut<Show>| {
+        let Some(path) = show.files.get(show.current).cloned() else { return };
+        let mut watched = vec![path.clone()];
+        match SceneScript::load_with(&path, &show.overrides) {
+            Ok(script) => {
+                let folder = path.parent().map(PathBuf::from).unwrap_or_default();
+                watched.extend(script.include.iter().map(|part| folder.join(part)));
+                begin_scene(world, script);
+                show.fault = None;
+            }
+            Err(error) => {
+                error!("{error}");
+                show.fault = Some(error);
+            }
+        }
+        show.saved = watched.into_iter().map(|path| (path.clone(), saved_at(&path))).collect();
+    });
+    let _ = world.run_system_cached(look);
+}
+
+/// Begins the scene anew when one of its files has been saved.
+fn watch(show: Res<Show>, mut commands: Commands) {
+    if show.saved.iter().any(|(path, saved)| saved_at(path) != *saved) {
+        commands.queue(begin);
+    }
+}
+
+/// Looks through the chosen camera of the scene.
+fn look(
+    show: Res<Show>,
+    play: Option<Res<ScenePlay>>,
+    mut cameras: Query<(&mut Orbit, &mut Transform, &mut Projection)>,
+) {
+    let Some(play) = play else { return };
+    let views = &play.script().cameras;
+    let Some(view) = views.values().nth(show.view % views.len().max(1)) else { return };
+    for (mut orbit, mut transform, mut projection) in &mut cameras {
+        let (eye, target) = (view.at.get(), view.look_at.get());
+        let offset = eye - target;
+        let distance = offset.length().max(0.1);
+        *orbit = Orbit {
+            target,
+            yaw: offset.x.atan2(offset.z),
+            pitch: (offset.y / distance).clamp(-1.0, 1.0).asin(),
+            distance,
+        };
+        *transform = Transform::from_translation(eye).looking_at(target, Vec3::Y);
+        if let Projection::Perspective(perspective) = &mut *projection {
+            perspective.fov = view.field_of_view.get().to_radians();
+        }
+    }
+}
+
+fn control(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut show: ResMut<Show>,
+    mut clock: ResMut<DrapeClock>,
+    mut gizmos: ResMut<GizmoConfigStore>,
+    mut commands: Commands,
+) {
+    if keys.any_just_pressed([KeyCode::KeyP, KeyCode::Space]) {
+        clock.paused = !clock.paused;
+    }
+    if keys.just_pressed(KeyCode::KeyO) {
+        clock.paused = true;
+        clock.step_once();
+    }
+    if keys.just_pressed(KeyCode::KeyT) {
+        clock.time_scale = if clock.time_scale < 1.0 { 1.0 } else { SLOW_MOTION };
+    }
+    if keys.just_pressed(KeyCode::KeyN) && !show.files.is_empty() {
+        show.current = (show.current + 1) % show.files.len();
+        show.view = 0;
+        commands.queue(begin);
+    }
+    if keys.just_pressed(KeyCode::KeyR) {
+        commands.queue(begin);
+    }
+    if keys.just_pressed(KeyCode::KeyC) {
+        show.view += 1;
+        commands.run_system_cached(look);
+    }
+    if keys.just_pressed(KeyCode::KeyG) {
+        let drape = gizmos.config_mut::<DrapeGizmos>().0;
+        drape.enabled = !drape.enabled;
+    }
+}
+
+/// Writes where the scene is, and what has become of its expectations.
+fn tell(show: Res<Show>, play: Option<Res<ScenePlay>>, clock: Res<DrapeClock>, mut panel: ResMut<Panel>) {
+    let name = show.files.get(show.current).map(|path| scene_name(path)).unwrap_or_default();
+    let mut text = format!("{name}\n");
+    if let Some(play) = &play {
+        let (steps, settings) = (play.steps(), &play.script().settings);
+        let (now, end) = (steps as f64 * settings.dt.get(), settings.duration.get());
+        let state = match (play.is_over(), clock.paused) {
+            (true, _) => ", over",
+            (_, true) => ", paused",
+            _ => "",
+        };
+        text += &format!("{now:.2} of {end:.2} s, step {steps}{state}\n");
+        if play.is_over() {
+            for verdict in play.verdicts() {
+                text += &format!("{verdict}\n");
+            }
+        }
+        for problem in play.problems() {
+            text += &format!("FAIL {problem}\n");
+        }
+    }
+    if let Some(fault) = &show.fault {
+        text += &format!("{fault}\n");
+    }
+    panel.show(&text, HELP);
+}

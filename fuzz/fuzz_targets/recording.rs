@@ -1,0 +1,43 @@
+//! Any bytes, read as a recording: refused or shown, frame by frame.
+//!
+//! Once as they are; and once packed with good lengths and checksums, as the fuzzer does not find those: two bytes tell how
+//! many of the following make a packet, and so on.
+
+#![no_main]
+
+use std::io::Write;
+
+use bevy_drape_script::recording::{Recording, diff};
+use libfuzzer_sys::fuzz_target;
+use lz4_flex::frame::FrameEncoder;
+
+fuzz_target!(|bytes: &[u8]| {
+    show(bytes.to_vec());
+    show(packed(bytes));
+});
+
+fn show(bytes: Vec<u8>) {
+    let Ok(recording) = Recording::from_bytes(bytes) else { return };
+    let mut cursor = recording.cursor();
+    for index in (0..recording.frame_count()).rev() {
+        let frame = cursor.seek(index).expect("a frame of a recording that was checked");
+        for state in &frame.states {
+            state.place(&recording.tracks()[state.track].kind);
+        }
+    }
+    assert_eq!(diff(&recording, &recording).expect("frames that were checked"), None);
+}
+
+fn packed(mut bytes: &[u8]) -> Vec<u8> {
+    let mut file = b"DRAPEREC\x01\0\0\0".to_vec();
+    while let Some((length, rest)) = bytes.split_first_chunk() {
+        let (packet, rest) = rest.split_at(rest.len().min(usize::from(u16::from_le_bytes(*length))));
+        bytes = rest;
+        let mut encoder = FrameEncoder::new(Vec::new());
+        encoder.write_all(packet).expect("memory");
+        let frame = encoder.finish().expect("memory");
+        file.extend((frame.len() as u32).to_le_bytes());
+        file.extend(frame);
+    }
+    file
+}
