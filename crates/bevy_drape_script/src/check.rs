@@ -102,12 +102,13 @@ impl Checker<'_> {
     }
 
     fn names(&self) -> Result<(), SceneError> {
-        let taken =
-            |name: &str| self.script.bodies.contains_key(name) || self.script.obstacles.contains_key(name);
-        for name in self.script.obstacles.keys().filter(|name| self.script.bodies.contains_key(*name)) {
+        let bodies = &self.script.bodies;
+        let obstacles = &self.script.obstacles;
+        if let Some(name) = obstacles.keys().find(|name| bodies.contains_key(*name)) {
             return fail(&format!("obstacles.{name}"), format!("a body is called `{name}` already"));
         }
-        for name in self.script.cannons.keys().filter(|name| taken(name)) {
+        let is_taken = |name: &&String| bodies.contains_key(*name) || obstacles.contains_key(*name);
+        if let Some(name) = self.script.cannons.keys().find(is_taken) {
             return fail(&format!("cannons.{name}"), format!("something else is called `{name}` already"));
         }
         Ok(())

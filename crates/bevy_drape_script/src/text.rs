@@ -42,7 +42,7 @@ pub(crate) fn write<T: Serialize>(value: &T) -> Result<String, SceneError> {
 /// A path as a file's author thinks of it: `bodies.curtain.size`, without the names of choices.
 pub(crate) fn field_path(path: &Path) -> String {
     let mut text = String::new();
-    for segment in path.iter() {
+    for segment in path {
         match segment {
             Segment::Seq { index } => text.push_str(&format!("[{index}]")),
             Segment::Map { key } => {

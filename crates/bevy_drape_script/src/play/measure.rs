@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_drape::drape_solver::{StateHasher, StickKind, measure};
+use bevy_drape::drape_solver::{StateHasher, StickBatch, StickKind, measure};
 use bevy_drape::prelude::*;
 
 use super::ScenePlay;
@@ -163,7 +163,7 @@ fn stretch(world: &World, parts: &Parts, kind: Measure) -> f64 {
                 let structural =
                     sticks.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
                 let mut strains: Vec<f64> = structural
-                    .flat_map(|batch| batch.range())
+                    .flat_map(StickBatch::range)
                     .map(|stick| {
                         let [a, b] = sticks.stick(stick).map(|end| particles.local_position(end as usize));
                         (f64::from(a.distance(b)) / f64::from(sticks.rest_length(stick)) - 1.0).abs()

@@ -248,7 +248,7 @@ impl ScenePlay {
         self.stage.enter(name, actor);
     }
 
-    fn spawn_rig(&mut self, world: &mut World, name: &str, rig: &scene::Rig) -> Actor {
+    fn spawn_rig(&self, world: &mut World, name: &str, rig: &scene::Rig) -> Actor {
         let settings = self.solver_settings(&rig.solver);
         let mut by_name = BTreeMap::new();
         for (particle_name, particle) in rig.particles.iter() {
