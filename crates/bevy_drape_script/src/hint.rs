@@ -50,7 +50,8 @@ fn go<'a>(root: &'a Value, place: &'a Value, step: &Step) -> Option<&'a Value> {
         choices.flatten().find_map(|choice| {
             // A choice that holds something is an object of one property, which a path leaves out.
             let properties = choice.get("properties").and_then(Value::as_object);
-            let held = properties.filter(|properties| properties.len() == 1).and_then(|only| only.values().next());
+            let held =
+                properties.filter(|properties| properties.len() == 1).and_then(|only| only.values().next());
             held.and_then(|held| go(root, held, step)).or_else(|| go(root, choice, step))
         })
     })

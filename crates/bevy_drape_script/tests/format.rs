@@ -95,7 +95,12 @@ fn an_unknown_field_is_told_with_those_that_there_are() {
 #[test]
 fn a_wrong_type_is_told() {
     let error = error("size: (2, 1.5)", "size: \"big\"");
-    assert_told(&error, "size: \"big\"", "bodies.curtain.size", &["Expected opening `(`", "Width and height in metres"]);
+    assert_told(
+        &error,
+        "size: \"big\"",
+        "bodies.curtain.size",
+        &["Expected opening `(`", "Width and height in metres"],
+    );
 }
 
 #[test]
@@ -103,7 +108,12 @@ fn a_number_out_of_range_is_told_with_the_range() {
     let negative = error("size: (2, 1.5)", "size: (2, -1.5)");
     assert_told(&negative, "-1.5", "bodies.curtain.size[1]", &["from 0.000001 to 1000000", "found -1.5"]);
     let few = error("particles: (41, 31)", "particles: (41, 1)");
-    assert_told(&few, "1)", "bodies.curtain.particles[1]", &["from 2 to 4096", "found 1", "Particles in a row and in a column"]);
+    assert_told(
+        &few,
+        "1)",
+        "bodies.curtain.particles[1]",
+        &["from 2 to 4096", "found 1", "Particles in a row and in a column"],
+    );
     let version = error("version: 1", "version: 2");
     assert_told(&version, "2,", "version", &["from 1 to 1", "found 2"]);
 }
