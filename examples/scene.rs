@@ -58,7 +58,7 @@ fn replay(
 ) -> Result<bool, Box<dyn std::error::Error>> {
     #[cfg(feature = "window")]
     if !arguments.headless && arguments.diff.is_none() {
-        return drape_examples::scene_replay_window::run(arguments, recording).map_err(Into::into);
+        return drape_examples::scene_replay_window::run(recording).map_err(Into::into);
     }
     scene_replay::run(recording, arguments.diff.as_deref()).map_err(Into::into)
 }

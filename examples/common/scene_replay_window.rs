@@ -5,10 +5,9 @@ use std::path::Path;
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy_drape_script::recording::{Cursor, Recording, RecordingError, TrackKind};
+use bevy_drape_script::recording::{Cursor, Recording, RecordingError, Track, TrackKind};
 use thiserror::Error;
 
-use crate::scene_arguments::SceneArguments;
 use crate::scene_forms::{material_of, mesh_of};
 use crate::scene_panel::Panel;
 use crate::scene_replay::{ReplayError, load};
@@ -35,7 +34,7 @@ pub enum ReplayWindowError {
 ///
 /// # Errors
 /// [`ReplayWindowError`] if there is no display, no graphics adapter, or no recording.
-pub fn run(_: &SceneArguments, path: &Path) -> Result<bool, ReplayWindowError> {
+pub fn run(path: &Path) -> Result<bool, ReplayWindowError> {
     let recording = load(path)?;
     let mut app = app(&format!("{}: {}", path.display(), recording.header().scene))?;
     let exit = app
@@ -50,6 +49,8 @@ pub fn run(_: &SceneArguments, path: &Path) -> Result<bool, ReplayWindowError> {
 #[derive(Resource)]
 struct Replay {
     cursor: Cursor<Recording>,
+    /// Those of the recording, which is busy while a frame of it is looked at.
+    tracks: Vec<Track>,
     frame: usize,
     /// Of the step after that frame, in seconds, that have passed.
     overtime: f32,
@@ -59,7 +60,15 @@ struct Replay {
 
 impl Replay {
     fn new(recording: Recording) -> Self {
-        Self { cursor: recording.into_cursor(), frame: 0, overtime: 0.0, is_playing: true, fault: None }
+        let tracks = recording.tracks().to_vec();
+        Self {
+            cursor: recording.into_cursor(),
+            tracks,
+            frame: 0,
+            overtime: 0.0,
+            is_playing: true,
+            fault: None,
+        }
     }
 
     /// The index of the last frame.
@@ -209,8 +218,7 @@ fn show(
     mut meshes: ResMut<Assets<Mesh>>,
     mut gizmos: Gizmos,
 ) {
-    let Replay { cursor, frame: index, fault, .. } = &mut *replay;
-    let tracks = cursor.recording().tracks().to_vec();
+    let Replay { cursor, tracks, frame: index, fault, .. } = &mut *replay;
     let frame = match cursor.seek(*index) {
         Ok(frame) => frame,
         Err(error) => {

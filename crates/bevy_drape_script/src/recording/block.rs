@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::frame::{Frame, State};
-use super::residual::{Guess, History, encoded_length};
+use super::residual::{Guess, History};
 use super::track::Track;
 
 /// Some frames in a row.
@@ -47,7 +47,6 @@ struct Present {
 #[derive(Debug, Default)]
 pub(super) struct Progress {
     present: Vec<Present>,
-    residuals: [Vec<u32>; 2],
 }
 
 impl Progress {
@@ -72,9 +71,8 @@ impl Progress {
         self.retire(&gone);
         self.admit(&come, first);
         let mut bytes = 16 + come.iter().map(Track::encoded_length).sum::<usize>();
-        let residuals = &mut self.residuals;
         let states = self.present.iter_mut().zip(states).map(|(present, state)| {
-            let (coded, length) = encode_state(&mut present.history, state, residuals);
+            let (coded, length) = encode_state(&mut present.history, state);
             bytes += length;
             coded
         });
@@ -188,26 +186,17 @@ impl Track {
     }
 }
 
-/// Encodes a state by the guess that comes nearest to it, and notes it.
-fn encode_state(
-    history: &mut History,
-    state: Vec<f32>,
-    [best, tried]: &mut [Vec<u32>; 2],
-) -> (CodedState, usize) {
+/// Encodes a state by the guess that comes nearest to it, and notes it. Returns about how many bytes it has, too.
+fn encode_state(history: &mut History, state: Vec<f32>) -> (CodedState, usize) {
     let is_same = |(a, b): (&f32, &f32)| a.to_bits() == b.to_bits();
     if history.is_begun() && history.last().iter().zip(&state).all(is_same) {
         history.push(state);
         return (CodedState::Same, 1);
     }
-    let mut chosen = (Guess::Neighbour, usize::MAX);
-    for &guess in history.guesses() {
-        history.residuals(guess, &state, tried);
-        let length = encoded_length(tried);
-        if length < chosen.1 {
-            chosen = (guess, length);
-            core::mem::swap(best, tried);
-        }
-    }
+    let guess = history.best_guess(&state);
+    let coded = CodedState::Changed(guess, history.residuals(guess, &state));
+    // Two or three bytes a number, most of the time.
+    let length = 3 * state.len();
     history.push(state);
-    (CodedState::Changed(chosen.0, best.clone()), chosen.1 + 4)
+    (coded, length)
 }

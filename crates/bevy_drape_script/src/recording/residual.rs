@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the numbers of a state are guessed from. Which is best changes: a recorder tries them all.
+/// What the numbers of a state are guessed from. Which is best changes: a recorder tries them all on a part of the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Guess {
     /// The same coordinate of the particle before.
@@ -81,39 +81,93 @@ impl History {
         self.known >= needed
     }
 
-    /// The guess for number `i`, where those before it are known. All states are of the same length.
-    fn expected(&self, guess: Guess, known: &[f32], i: usize) -> f32 {
+    /// Has `what` done with a guess. All states are of the same length.
+    fn guess<W: WithGuess>(&self, guess: Guess, what: W) -> W::Output {
         let [a, b, c] = &self.states;
         let line = |i: usize| a[i] + (a[i] - b[i]);
         match guess {
-            Guess::Neighbour => i.checked_sub(STRIDE).map_or(0.0, |before| known[before]),
-            Guess::Rest => a[i],
-            Guess::Line => line(i),
-            Guess::LineWithNeighbour => {
-                line(i) + i.checked_sub(STRIDE).map_or(0.0, |before| known[before] - line(before))
+            Guess::Neighbour => {
+                what.done(|known, i| i.checked_sub(STRIDE).map_or(0.0, |before| known[before]))
             }
-            Guess::Parabola => 3.0 * (a[i] - b[i]) + c[i],
+            Guess::Rest => what.done(|_, i| a[i]),
+            Guess::Line => what.done(|_, i| line(i)),
+            Guess::LineWithNeighbour => what.done(|known, i| {
+                line(i) + i.checked_sub(STRIDE).map_or(0.0, |before| known[before] - line(before))
+            }),
+            Guess::Parabola => what.done(|_, i| 3.0 * (a[i] - b[i]) + c[i]),
         }
     }
 
-    /// What has to be added to the guesses to get `state`, written to `residuals`.
-    pub fn residuals(&self, guess: Guess, state: &[f32], residuals: &mut Vec<u32>) {
-        residuals.clear();
-        residuals.extend((0..state.len()).map(|i| {
-            let expected = bits(self.expected(guess, state, i));
-            zigzag(state[i].to_bits().wrapping_sub(expected))
-        }));
+    /// The guess that comes nearest to `state`, by a sample of a long one.
+    pub fn best_guess(&self, state: &[f32]) -> Guess {
+        let length = |guess: &&Guess| self.guess(**guess, SampleLength(state));
+        self.guesses().iter().min_by_key(length).copied().unwrap_or(Guess::Neighbour)
+    }
+
+    /// What has to be added to the guesses to get `state`.
+    pub fn residuals(&self, guess: Guess, state: &[f32]) -> Vec<u32> {
+        self.guess(guess, Residuals(state))
     }
 
     /// The state that these residuals stand for.
     pub fn state(&self, guess: Guess, residuals: &[u32]) -> Vec<f32> {
-        let mut state = Vec::with_capacity(residuals.len());
-        for (i, &residual) in residuals.iter().enumerate() {
-            let expected = bits(self.expected(guess, &state, i));
+        self.guess(guess, Rebuild(residuals))
+    }
+}
+
+/// Something that is done with a guess, compiled for each: a choice made anew for every number would cost more than the
+/// guess.
+trait WithGuess {
+    type Output;
+
+    /// Does it; `expected` is the guess for a number by its index, where those before it are known.
+    fn done(self, expected: impl Fn(&[f32], usize) -> f32) -> Self::Output;
+}
+
+/// How many bytes a part of the residuals takes.
+struct SampleLength<'a>(&'a [f32]);
+
+impl WithGuess for SampleLength<'_> {
+    type Output = usize;
+
+    fn done(self, expected: impl Fn(&[f32], usize) -> f32) -> usize {
+        // No multiple of what a row of a cloth may have.
+        let stride = (self.0.len() / SAMPLES).max(1) | 1;
+        let of_one = |i: usize| encoded_length(residual(self.0[i], expected(self.0, i)));
+        (0..self.0.len()).step_by(stride).map(of_one).sum()
+    }
+}
+
+/// About how many numbers are looked at before a guess is chosen.
+const SAMPLES: usize = 512;
+
+struct Residuals<'a>(&'a [f32]);
+
+impl WithGuess for Residuals<'_> {
+    type Output = Vec<u32>;
+
+    fn done(self, expected: impl Fn(&[f32], usize) -> f32) -> Vec<u32> {
+        self.0.iter().enumerate().map(|(i, &value)| residual(value, expected(self.0, i))).collect()
+    }
+}
+
+struct Rebuild<'a>(&'a [u32]);
+
+impl WithGuess for Rebuild<'_> {
+    type Output = Vec<f32>;
+
+    fn done(self, expected: impl Fn(&[f32], usize) -> f32) -> Vec<f32> {
+        let mut state = Vec::with_capacity(self.0.len());
+        for (i, &residual) in self.0.iter().enumerate() {
+            let expected = bits(expected(&state, i));
             state.push(f32::from_bits(expected.wrapping_add(unzigzag(residual))));
         }
         state
     }
+}
+
+fn residual(value: f32, expected: f32) -> u32 {
+    zigzag(value.to_bits().wrapping_sub(bits(expected)))
 }
 
 /// The bits of a guess. What bits a NaN has depends on the machine.
@@ -130,9 +184,9 @@ fn unzigzag(number: u32) -> u32 {
     (number >> 1) ^ if number & 1 == 1 { u32::MAX } else { 0 }
 }
 
-/// How many bytes `postcard` needs for these numbers: seven bits in each.
-pub(super) fn encoded_length(residuals: &[u32]) -> usize {
-    residuals.iter().map(|&residual| (38 - (residual | 1).leading_zeros() as usize) / 7).sum()
+/// How many bytes `postcard` needs for a number: seven bits in each.
+fn encoded_length(number: u32) -> usize {
+    (38 - (number | 1).leading_zeros() as usize) / 7
 }
 
 #[cfg(test)]
@@ -151,8 +205,7 @@ mod tests {
         for state in states {
             for &guess in history.guesses() {
                 assert!(history.allows(guess));
-                let mut residuals = Vec::new();
-                history.residuals(guess, &state, &mut residuals);
+                let residuals = history.residuals(guess, &state);
                 let again = history.state(guess, &residuals);
                 let bits = |state: &[f32]| state.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
                 assert_eq!(bits(&again), bits(&state), "{guess:?}");
@@ -167,17 +220,16 @@ mod tests {
         for step in 0..3 {
             history.push((0..30).map(|i| i as f32 + 0.25 * step as f32).collect());
         }
-        let mut residuals = Vec::new();
         let next: Vec<f32> = (0..30).map(|i| i as f32 + 0.75).collect();
-        history.residuals(Guess::Line, &next, &mut residuals);
-        assert_eq!(encoded_length(&residuals), 30);
+        let guess = history.best_guess(&next);
+        assert_eq!(history.residuals(guess, &next), [0; 30], "{guess:?}");
     }
 
     #[test]
     fn lengths_are_those_of_postcard() {
         for number in [0, 1, 127, 128, 16_383, 16_384, 2_097_151, 2_097_152, 268_435_456, u32::MAX] {
             let encoded = postcard::to_stdvec(&number).expect("a number");
-            assert_eq!(encoded_length(&[number]), encoded.len(), "{number}");
+            assert_eq!(encoded_length(number), encoded.len(), "{number}");
             assert_eq!(zigzag(unzigzag(number)), number);
         }
     }
