@@ -8,6 +8,8 @@ use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use drape_solver::measure;
 use plotters::prelude::*;
+// Bevy's prelude has a `Color` too.
+use plotters::style::Color as _;
 
 /// One value of every body, by name, over time.
 type Curve = BTreeMap<String, Vec<(f64, f64)>>;

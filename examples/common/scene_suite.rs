@@ -118,7 +118,9 @@ fn run_scene(file: &Path, arguments: &SceneArguments, count: usize) -> Result<Re
     }
     let progress = progress_bar(&name, runner.greatest_steps());
     let mut curves = arguments.plot.then(Curves::default);
-    while runner.step() {
+    let mut goes_on = true;
+    while goes_on {
+        goes_on = runner.step();
         progress.inc(1);
         if let Some(curves) = &mut curves {
             curves.note(runner.world());
