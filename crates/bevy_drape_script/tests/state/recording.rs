@@ -1,13 +1,11 @@
 //! Recordings: every bit comes back, any frame can be shown, and whatever is no recording is refused.
 
-mod scenes;
-
 use bevy_drape_script::recording::{
     Form, Header, Parting, Recorder, Recording, RecordingError, Seen, Track, TrackKind, diff,
 };
 use proptest::prelude::*;
 
-use crate::scenes::{STEP, recorded};
+use crate::world::{STEP, recorded};
 
 /// Something in a made-up frame: its id, which is also its kind, and its numbers.
 type Thing = (u64, Vec<f32>);

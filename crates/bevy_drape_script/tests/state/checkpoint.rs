@@ -1,13 +1,11 @@
 //! Checkpoints: a world that was saved and restored goes on with the same bits.
 
-mod scenes;
-
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::{SnapshotError, members};
 use bevy_drape_script::checkpoint::{Checkpoint, CheckpointError};
 
-use crate::scenes::{fire, hash, world};
+use crate::world::{fire, hash, world};
 
 fn run(app: &mut App, steps: usize) {
     (0..steps).for_each(|_| app.update());
