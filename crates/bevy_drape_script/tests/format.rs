@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bevy_drape_script::scene::{Action, Body, Expected, Names, Probe};
+use bevy_drape_script::scene::{Action, Body, Expected, Names, Probe, Seconds};
 use bevy_drape_script::{Override, SceneError, SceneScript};
 
 const CURTAIN: &str = r#"(
@@ -282,7 +282,7 @@ fn any_value_can_be_overridden_by_its_path() {
     .expect("good");
     assert_eq!(particles(&script), (5, 4));
     assert_eq!(script.settings.duration.get(), 0.5);
-    assert_eq!(script.timeline[0].at.map(bevy_drape_script::scene::Seconds::get), Some(0.25));
+    assert_eq!(script.timeline[0].at.map(Seconds::get), Some(0.25));
     let text = script.to_ron().expect("text");
     assert!(text.contains("quality: High") && text.contains("radius: 0.2"), "{text}");
 }
