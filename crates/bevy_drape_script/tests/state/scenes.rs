@@ -80,14 +80,12 @@ pub fn world(is_moving: bool) -> App {
 }
 
 /// Shoots at the curtain.
-#[allow(dead_code, reason = "not every test shoots")]
 pub fn fire(app: &mut App) {
     let ball = Projectile { radius: 0.12, mass: 1.0, velocity: Vec3::new(0.2, 1.0, -6.0), ..default() };
     app.world_mut().spawn((ball, Transform::from_xyz(-0.3, 1.1, 0.5)));
 }
 
 /// The bits of all bodies and balls.
-#[allow(dead_code, reason = "not every test needs it")]
 pub fn hash(app: &mut App) -> u64 {
     let mut hasher = StateHasher::new();
     for (_, entity) in members(app.world_mut()) {
@@ -117,7 +115,6 @@ impl Write for Memory {
 }
 
 /// The world, recorded for so many steps, with a shot and a wind; and where the curtain is in the end.
-#[allow(dead_code, reason = "not every test records")]
 pub fn recorded(steps: usize, wind: f32) -> (Vec<u8>, Vec<Vec3>) {
     let mut app = world(true);
     app.world_mut().resource_mut::<Wind>().velocity = Vec3::X * wind;

@@ -1,7 +1,5 @@
 //! Recordings: every bit comes back, any frame can be shown, and whatever is no recording is refused.
 
-mod scenes;
-
 use bevy_drape_script::recording::{
     Form, Header, Parting, Recorder, Recording, RecordingError, Seen, Track, TrackKind, diff,
 };

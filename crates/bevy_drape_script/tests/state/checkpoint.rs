@@ -1,7 +1,5 @@
 //! Checkpoints: a world that was saved and restored goes on with the same bits.
 
-mod scenes;
-
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::{SnapshotError, members};

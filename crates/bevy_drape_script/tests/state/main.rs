@@ -1,0 +1,5 @@
+//! State that outlives a run: recordings and checkpoints.
+
+mod checkpoint;
+mod recording;
+mod scenes;
