@@ -30,7 +30,7 @@ pub struct SceneArguments {
     pub replay: Option<PathBuf>,
 
     /// Tell where another recording parts from the one that is replayed; they must not.
-    #[arg(long, value_name = "OTHER", requires = "replay")]
+    #[arg(long, value_name = "OTHER", requires = "replay", conflicts_with = "files")]
     pub diff: Option<PathBuf>,
 
     /// Draw the pictures that scenes take into this folder (needs the feature `render`).
@@ -76,7 +76,7 @@ mod tests {
             ("scene a --colour red", "--colour"),
             ("scene a --set nonsense", "PATH=VALUE"),
             ("scene a --report html", "junit"),
-            ("scene a --diff b", "--replay"),
+            ("scene a --diff b", "cannot be used with"),
             ("scene a --replay b", "cannot be used with"),
         ] {
             let message = parse(line).expect_err(line).to_string();

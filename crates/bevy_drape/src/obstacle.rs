@@ -20,7 +20,7 @@ use crate::scan::{collect_rows, is_any_changed};
 use crate::scene_manager::Bounds;
 
 /// Something solid that cloth, ropes and balls collide with. Nothing pushes it back, unless it is a
-/// [`DynamicObstacle`](crate::dynamic_obstacle::DynamicObstacle). Its [`Transform`] says where it is, scale included; moving
+/// [`DynamicObstacle`]. Its [`Transform`] says where it is, scale included; moving
 /// it carries its velocity into the contact.
 ///
 /// A move faster than 1500 m/s counts as a teleport, which carries none; so does any with [`TeleportObstacle`].

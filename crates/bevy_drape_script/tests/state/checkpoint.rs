@@ -5,7 +5,7 @@ use bevy_drape::prelude::*;
 use bevy_drape::snapshot::{SnapshotError, members};
 use bevy_drape_script::checkpoint::{Checkpoint, CheckpointError};
 
-use crate::world::{fire, hash, world};
+use crate::scenes::{fire, hash, world};
 
 fn run(app: &mut App, steps: usize) {
     (0..steps).for_each(|_| app.update());

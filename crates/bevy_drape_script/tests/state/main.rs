@@ -1,5 +1,5 @@
-//! The state of a running world, kept: checkpoints and recordings.
+//! State that outlives a run: recordings and checkpoints.
 
 mod checkpoint;
 mod recording;
-mod world;
+mod scenes;

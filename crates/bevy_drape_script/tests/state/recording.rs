@@ -5,7 +5,7 @@ use bevy_drape_script::recording::{
 };
 use proptest::prelude::*;
 
-use crate::world::{STEP, recorded};
+use crate::scenes::{STEP, recorded};
 
 /// Something in a made-up frame: its id, which is also its kind, and its numbers.
 type Thing = (u64, Vec<f32>);
