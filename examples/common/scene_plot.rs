@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use bevy::prelude::*;
+// Not all of the prelude: its `Color`, where there is one, and that of the plots get into each other's way.
+use bevy::prelude::World;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use drape_solver::measure;
 use plotters::prelude::*;
-// Bevy's prelude has a `Color` too.
-use plotters::style::Color as _;
 
 /// One value of every body, by name, over time.
 type Curve = BTreeMap<String, Vec<(f64, f64)>>;
