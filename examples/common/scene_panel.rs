@@ -22,7 +22,7 @@ impl Panel {
 }
 
 #[derive(Component)]
-enum Line {
+pub(crate) enum Line {
     State,
     Help,
 }

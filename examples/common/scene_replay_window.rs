@@ -202,7 +202,7 @@ fn scrub(
 
 fn play(time: Res<Time<Real>>, mut replay: ResMut<Replay>) {
     let dt = replay.cursor.recording().header().dt;
-    if !replay.is_playing || replay.frame >= replay.last() || !(dt > 0.0) {
+    if !replay.is_playing || replay.frame >= replay.last() || dt.is_nan() || dt <= 0.0 {
         replay.overtime = 0.0;
         return;
     }
