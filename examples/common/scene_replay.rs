@@ -71,14 +71,15 @@ fn summary(recording: &Recording) -> Result<String, RecordingError> {
     let (plain, bytes) = (4 * values, recording.byte_count());
     let ratio = plain as f64 / bytes.max(1) as f64;
     let mut text = format!(
-        "scene “{}”, {frames} frames of {} s, from {:.3} s to {:.3} s\n{bytes} bytes, a {ratio:.1}th of the plain numbers\n",
+        "scene “{}”, {frames} frames of {} s, from {:.3} s to {:.3} s\n{bytes} bytes, {ratio:.1} times less than the plain numbers\n",
         header.scene, header.dt, times[0], times[1],
     );
     for (track, (_, first, last, _, moved)) in recording.tracks().iter().zip(spans) {
         let kind = &track.kind;
         let size = kind.particles().map_or_else(String::new, |count| format!(", {count} particles"));
+        let mover = if kind.particles().is_some() { "its first particle" } else { "it" };
         text += &format!(
-            "{} “{}”{size}: frames {first} to {last}, moves up to {moved:.3} m\n",
+            "{} “{}”{size}: frames {first} to {last}, {mover} moves up to {moved:.3} m\n",
             kind.noun(),
             track.name
         );

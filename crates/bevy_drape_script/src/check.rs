@@ -3,7 +3,7 @@
 use crate::SceneError;
 use crate::overriding;
 use crate::scene::{
-    Action, Axis, Body, Event, Expected, Motion, Pins, Point, Probe, Rig, SceneScript, Selection, Turn,
+    Action, Axis, Body, Event, Expected, Motion, Names, Pins, Point, Probe, Rig, SceneScript, Selection, Turn,
 };
 
 /// Checks what no field can know by itself.
@@ -278,6 +278,22 @@ impl Checker<'_> {
         }
     }
 
+    /// Whether contacts between these are told at all; an empty list stands for everything.
+    fn is_told_of_contacts(&self, of: &Names, on: &Names) -> bool {
+        let SceneScript { bodies, obstacles, cannons, .. } = self.script;
+        if of.is_empty() || on.is_empty() {
+            return bodies.iter().any(|(_, body)| body.tells_contacts())
+                || obstacles.iter().any(|(_, obstacle)| obstacle.contacts)
+                || cannons.iter().any(|(_, cannon)| cannon.ball.contacts);
+        }
+        of.iter().chain(on.iter()).any(|name| {
+            let whole = name.split('#').next().unwrap_or(name);
+            bodies.get(whole).is_some_and(Body::tells_contacts)
+                || obstacles.get(whole).is_some_and(|obstacle| obstacle.contacts)
+                || cannons.get(whole).is_some_and(|cannon| cannon.ball.contacts)
+        })
+    }
+
     fn probe(&self, field: &str, probe: &Probe, expect: &Expected) -> Result<(), SceneError> {
         let on_probe = format!("{field}.probe");
         let mut kinds = Vec::new();
@@ -314,6 +330,17 @@ impl Checker<'_> {
             }
             Probe::Least { axis: Axis::Length, .. } | Probe::Greatest { axis: Axis::Length, .. } => {
                 fail(&format!("{on_probe}.axis"), "expected X, Y or Z")
+            }
+            Probe::Hits { of, .. }
+                if kinds[..of.len()].iter().any(|kind| !matches!(kind, Kind::Balls | Kind::Cannon)) =>
+            {
+                fail(
+                    &format!("{on_probe}.of"),
+                    "expected balls or a cannon; what others touch `Contacts` tells",
+                )
+            }
+            Probe::Contacts { of, on } if !self.is_told_of_contacts(of, on) => {
+                fail(&on_probe, "nothing here tells its contacts: give one of the two `contacts: true`")
             }
             Probe::Stretch { .. } if kinds.iter().any(|kind| !matches!(kind, Kind::Particles(_))) => {
                 fail(&format!("{on_probe}.of"), "expected a cloth, rope or rig, as nothing else has sticks")

@@ -307,16 +307,46 @@ fn an_override_that_cannot_be_is_told() {
     }
 }
 
-/// What the README shows is a scene that works: it is shipped as it stands there.
+/// What the README shows are scenes that work: they are shipped as they stand there.
 #[test]
-fn the_scene_of_the_readme_is_shipped() {
+fn the_scenes_of_the_readme_are_shipped() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let readme = std::fs::read_to_string(folder.join("README.md")).expect("a README").replace('\r', "");
-    let shown = readme.split("```ron\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a scene");
-    SceneScript::parse(shown).unwrap_or_else(|error| panic!("{error}"));
-    let shipped = folder.join("../../assets/scenes/hello.scene.ron");
-    // A package from crates.io has no scenes beside it.
-    if let Ok(shipped) = std::fs::read_to_string(shipped) {
-        assert_eq!(shipped.replace('\r', ""), shown);
+    let mut scenes = readme.split("```ron\n").skip(1).filter_map(|rest| rest.split("```").next());
+    for name in ["hello", "everything"] {
+        let shown = scenes.next().expect("a scene");
+        SceneScript::parse(shown).unwrap_or_else(|error| panic!("{error}"));
+        let shipped = folder.join("../../assets/scenes").join(name).with_extension("scene.ron");
+        // A package from crates.io has no scenes beside it.
+        if let Ok(shipped) = std::fs::read_to_string(shipped) {
+            assert_eq!(shipped.replace('\r', ""), shown, "{name}");
+        }
+    }
+}
+
+/// A probe that can only ever measure nothing would make a scene pass that should not: it is refused, with the way out.
+#[test]
+fn probes_that_can_measure_nothing_are_refused() {
+    let with = |told: bool, probe: &str| {
+        SceneScript::parse(&format!(
+            r#"(
+    version: 1,
+    bodies: {{ "cloth": Cloth(contacts: {told}), "ball": Balls() }},
+    obstacles: {{ "ground": (shape: Ground) }},
+    expectations: [(when: Always, probe: {probe}, expect: AtMost(0))],
+)"#
+        ))
+    };
+    for probe in
+        [r#"Contacts(of: "cloth", on: "ground")"#, r#"Contacts(of: "ball#1", on: "cloth")"#, "Contacts()"]
+    {
+        let error = with(false, probe).expect_err(probe).to_string();
+        assert!(error.contains("contacts: true") && error.contains("expectations[0].probe"), "{error}");
+        with(true, probe).unwrap_or_else(|error| panic!("{probe}: {error}"));
+    }
+    let error = with(true, r#"Hits(of: "cloth", on: "ball")"#).expect_err("no ball").to_string();
+    assert!(error.contains("Contacts") && error.contains("expectations[0].probe.of"), "{error}");
+    for probe in [r#"Hits(of: "ball#1", on: "cloth")"#, r#"Hits(on: "ground")"#] {
+        with(false, probe).unwrap_or_else(|error| panic!("{probe}: {error}"));
     }
 }

@@ -29,6 +29,16 @@ impl Body {
         }
     }
 
+    /// Whether its contacts are told.
+    pub fn tells_contacts(&self) -> bool {
+        match self {
+            Self::Cloth(cloth) => cloth.contacts,
+            Self::Rope(rope) => rope.contacts,
+            Self::Rig(_) => false,
+            Self::Balls(balls) => balls.contacts,
+        }
+    }
+
     /// The name of its material, if it has one.
     pub fn material(&self) -> Option<&str> {
         match self {
