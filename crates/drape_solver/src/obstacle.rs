@@ -107,8 +107,8 @@ impl Obstacle {
     }
 
     /// The same, moved by what hits it: `body` says how it moves now, about the shape's origin. It [flies](Self::fly)
-    /// through the steps; momentum is kept, and no contact gains energy, whatever the masses. It also [reports its
-    /// reaction](Self::reporting_reaction), and touches no other obstacle.
+    /// through the steps; momentum is kept, and no contact gains energy, whatever the masses. It touches no
+    /// other obstacle.
     ///
     /// What may touch it in one step should be in one island.
     ///
@@ -133,7 +133,7 @@ impl Obstacle {
     #[must_use]
     pub fn with_rigid_body(self, body: RigidBody) -> Self {
         let flight = Some(Flight::at_rest_in(self.placement, body));
-        Self { flight, reports_reaction: true, ..self }
+        Self { flight, ..self }
     }
 
     /// How it moves now, if it is moved by what hits it; once it [flies](Self::fly), at the end of that step if nothing
@@ -181,6 +181,11 @@ impl Obstacle {
     /// Whether [`Island::reactions`](crate::Island::reactions) tells what is done to it.
     pub fn reports_reaction(&self) -> bool {
         self.reports_reaction
+    }
+
+    /// Whether what it gives to bodies and balls has to be known: to be told, or to be felt.
+    pub(crate) fn keeps_account(&self) -> bool {
+        self.reports_reaction || self.flight.is_some()
     }
 
     /// Which layers it belongs to, and which it touches.

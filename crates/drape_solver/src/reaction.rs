@@ -99,7 +99,7 @@ impl Reactions {
 /// Finds out whether anything may touch an obstacle that asks.
 pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles) {
     let Island { bodies, context, .. } = island;
-    let asks = |index: usize| obstacles[index].reports_reaction();
+    let asks = |index: usize| obstacles[index].keeps_account();
     for body in bodies {
         context.reactions.is_on |= body.context.contacts.keep_given(asks);
         context.reactions.is_on |= body.context.faces.obstacles().any(asks);

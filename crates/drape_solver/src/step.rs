@@ -139,6 +139,7 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     island.contacts.clear();
     island.context.report.clear();
     island.reactions.clear();
+    island.moved.clear();
     island.context.reactions.clear();
     let iterations = island.iterations();
     for body in &mut island.bodies {

@@ -248,7 +248,7 @@ fn all_contacts(isa: Isa) -> (Island, Environment) {
     }
     let thrown = obstacle(Shape::Cuboid { half_extents: Vec3::splat(0.1) }, Vec3::new(0.4, 1.0, 0.3), 0.4);
     let body = RigidBody::new(0.3, Vec3::splat(0.002)).expect("a valid body");
-    obstacles.push(thrown.with_rigid_body(body));
+    obstacles.push(thrown.with_rigid_body(body).reporting_reaction());
     let spread = |size: f32, count: u32, height: f32, self_contact: SelfContact| {
         let settings =
             SolverSettings { substeps: 4, thickness: 0.01, self_contact, ..SolverSettings::default() };

@@ -30,7 +30,7 @@ impl Scene {
         let mut environment = weightless(FRAME);
         let shape = Shape::Cuboid { half_extents: Vec3::splat(HALF) };
         let cube = obstacle(shape, at, 0.5).with_restitution(restitution).expect("in range");
-        environment.obstacles.push(cube.with_rigid_body(body));
+        environment.obstacles.push(cube.with_rigid_body(body).reporting_reaction());
         Self { island, environment }
     }
 
