@@ -171,8 +171,9 @@ fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
 #[test]
 fn a_cloth_that_lands_flat_on_a_light_plate_carries_it_along() {
     const SPEED: f32 = 5.0;
-    for mass in [0.02, 0.2, 2.0] {
+    for (mass, iterations) in [(0.02, 4), (0.2, 4), (2.0, 4), (0.02, 1), (0.002, 1)] {
         let mut cloth = free_cloth(0.01);
+        cloth.settings.iterations = iterations;
         let count = cloth.particles.len();
         let middle = (0..count).map(|i| cloth.particles.position(i)).sum::<Vec3>() / count as f32;
         let along = (cloth.particles.position(1) - cloth.particles.position(0)).normalize();
@@ -192,12 +193,15 @@ fn a_cloth_that_lands_flat_on_a_light_plate_carries_it_along() {
         for index in 0..30 {
             scene.step();
             let energy = scene.kinetic_energy();
-            assert!(energy <= 1.0001 * start, "{mass} kg: {start} to {energy} J at step {index}");
+            assert!(
+                energy <= 1.0001 * start,
+                "{mass} kg, {iterations}: {start} to {energy} J at step {index}"
+            );
         }
         let weight = 0.2;
         let common = SPEED * weight / (weight + mass);
         let speed = -scene.body().velocity.dot(normal);
-        assert!((speed / common - 1.0).abs() < 0.1, "{mass} kg: {speed} m/s, not {common}");
+        assert!((speed / common - 1.0).abs() < 0.1, "{mass} kg, {iterations}: {speed} m/s, not {common}");
         let surface = scene.obstacle().placement().translation + normal * 0.1;
         for i in 0..count {
             let above = (particles(&scene.island).position(i) - surface).dot(normal);
