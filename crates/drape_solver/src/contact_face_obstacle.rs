@@ -313,10 +313,8 @@ pub(crate) fn begin_substep(body: &mut Body, around: Surroundings, movers: &[Mov
     let Body { particles, context, .. } = body;
     let mut poses = None;
     for contact in &mut context.faces.contacts {
-        let poses = match mover(movers, contact.obstacle) {
-            Some(mover) => poses.insert(Poses::of_mover(contact.obstacle, mover, particles.origin)),
-            None => kept(&mut poses, contact.obstacle, around, particles.origin),
-        };
+        let mover = mover(movers, contact.obstacle);
+        let poses = kept(&mut poses, contact.obstacle, mover, around, particles.origin);
         contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
         contact.depth = 0.0;
         contact.given = Vec3::ZERO;
@@ -350,16 +348,23 @@ pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover
     let mut poses = None;
     for contact in &mut contacts {
         let mover = mover_mut(movers, contact.obstacle);
-        let poses = match &mover {
-            Some(mover) => poses.insert(Poses::of_mover(contact.obstacle, mover, body.particles.origin)),
-            None => kept(&mut poses, contact.obstacle, around, body.particles.origin),
-        };
+        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, body.particles.origin);
         contact.project(body, around.obstacles, poses, mover, pace);
     }
     body.context.faces.contacts = contacts;
 }
 
-fn kept<'a>(poses: &'a mut Option<Poses>, obstacle: usize, around: Surroundings, origin: Vec3) -> &'a Poses {
+/// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
+fn kept<'a>(
+    poses: &'a mut Option<Poses>,
+    obstacle: usize,
+    mover: Option<&Mover>,
+    around: Surroundings,
+    origin: Vec3,
+) -> &'a Poses {
+    if let Some(mover) = mover {
+        return poses.insert(Poses::of_mover(obstacle, mover, origin));
+    }
     if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
         *poses = None;
     }
@@ -494,10 +499,7 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut
     let mut poses = None;
     for contact in context.faces.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
         let mover = mover_mut(movers, contact.obstacle);
-        let poses = match &mover {
-            Some(mover) => poses.insert(Poses::of_mover(contact.obstacle, mover, particles.origin)),
-            None => kept(&mut poses, contact.obstacle, around, particles.origin),
-        };
+        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, particles.origin);
         let corners = contact.element.corners();
         let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
         let moved = weighted(contact.weights, corners.map(|slot| particles.displacement.get(slot)));

@@ -32,7 +32,6 @@ pub(crate) struct Mover {
     obstacle: usize,
     /// At the start of the substep.
     from: Placement,
-    start: RigidBody,
     /// At its end, if nothing touches it.
     free: (Placement, RigidBody),
     /// At its end, by all that is known so far.
@@ -50,7 +49,6 @@ impl Mover {
         Self {
             obstacle,
             from,
-            start: body,
             free: (from, body),
             to: from,
             end: body,
@@ -115,9 +113,8 @@ impl Mover {
     }
 
     fn begin_substep(&mut self, substep: f32) {
-        (self.from, self.start) = (self.to, self.end);
+        self.from = self.to;
         (self.impulse, self.angular_impulse) = (DVec3::ZERO, DVec3::ZERO);
-        self.end = self.start;
         self.to = self.end.advance(self.from, substep);
         self.free = (self.to, self.end);
     }

@@ -250,3 +250,26 @@ pub fn shake(body: &mut Body, most: f32, seed: u64) {
         }
     }
 }
+
+/// A free cloth of a square metre and 0.2 kg, level, with 16 substeps.
+pub fn free_cloth(thickness: f32) -> Body {
+    let settings = SolverSettings { substeps: 16, iterations: 4, friction: 0.5, thickness, ..bare() };
+    let material = ClothMaterial { areal_density: 0.2, damping: 0.0, ..ClothMaterial::default() };
+    ClothBuilder::new(1.0, 1.0, 17, 17).material(material).build(settings).expect("a valid cloth")
+}
+
+/// Mean place of all particles.
+pub fn centre(body: &Body) -> Vec3 {
+    let particles = &body.particles;
+    (0..particles.len()).map(|i| particles.position(i)).sum::<Vec3>() / particles.len() as f32
+}
+
+/// Along the first row of a [free cloth](free_cloth).
+pub fn along(body: &Body) -> Vec3 {
+    (body.particles.position(1) - body.particles.position(0)).normalize()
+}
+
+/// Across a [free cloth](free_cloth).
+pub fn normal(body: &Body) -> Vec3 {
+    along(body).cross(body.particles.position(17) - body.particles.position(0)).normalize()
+}

@@ -3,8 +3,8 @@
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
-    BallMaterial, Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, RigidBody, Shape,
-    SolverSettings, measure, step,
+    BallMaterial, ClothBuilder, Environment, Island, Obstacle, RigidBody, Shape, SolverSettings, measure,
+    step,
 };
 
 use crate::common::*;
@@ -120,13 +120,6 @@ fn a_ball_and_a_box_keep_momentum_and_gain_no_energy() {
     }
 }
 
-/// A free cloth of a square metre and 0.2 kg, with 16 substeps.
-fn free_cloth(thickness: f32) -> Body {
-    let settings = SolverSettings { substeps: 16, iterations: 4, friction: 0.5, thickness, ..bare() };
-    let material = ClothMaterial { areal_density: 0.2, damping: 0.0, ..ClothMaterial::default() };
-    ClothBuilder::new(1.0, 1.0, 17, 17).material(material).build(settings).expect("a valid cloth")
-}
-
 /// A box that turns flies into a free cloth off its middle, from a fiftieth of the cloth's mass to a hundred times that.
 #[test]
 fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
@@ -134,10 +127,7 @@ fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
         for thickness in [0.0, 0.01] {
             let what = format!("{mass} kg, {thickness} m");
             let cloth = free_cloth(thickness);
-            let positions = || (0..cloth.particles.len()).map(|i| cloth.particles.position(i));
-            let middle = positions().sum::<Vec3>() / cloth.particles.len() as f32;
-            let along = (cloth.particles.position(1) - cloth.particles.position(0)).normalize();
-            let normal = along.cross(cloth.particles.position(17) - cloth.particles.position(0)).normalize();
+            let (middle, along, normal) = (centre(&cloth), along(&cloth), normal(&cloth));
             let mut body = cube(mass, -normal * 6.0);
             body.angular_velocity = Vec3::new(1.0, 2.0, -1.0);
             let at = middle + normal * 0.4 + along * 0.15;
@@ -175,10 +165,7 @@ fn a_cloth_that_lands_flat_on_a_light_plate_carries_it_along() {
         let mut cloth = free_cloth(0.01);
         cloth.settings.iterations = iterations;
         let count = cloth.particles.len();
-        let middle = (0..count).map(|i| cloth.particles.position(i)).sum::<Vec3>() / count as f32;
-        let along = (cloth.particles.position(1) - cloth.particles.position(0)).normalize();
-        let across = (cloth.particles.position(17) - cloth.particles.position(0)).normalize();
-        let normal = along.cross(across);
+        let (middle, normal) = (centre(&cloth), normal(&cloth));
         let velocity = -normal * SPEED;
         (0..count).for_each(|i| cloth.particles.set_velocity(i, velocity));
         let half = Vec3::new(0.6, 0.6, 0.6) - normal.abs() * 0.5;

@@ -1,10 +1,7 @@
 //! Obstacles that are moved by what hits them: momentum is kept over the whole hit, and energy does not rise.
 
 use drape_solver::glam::{DVec3, Vec3};
-use drape_solver::{
-    BallMaterial, Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, RigidBody, Shape,
-    SolverSettings, measure, step,
-};
+use drape_solver::{BallMaterial, Environment, Island, Obstacle, RigidBody, Shape, measure, step};
 
 use crate::common::*;
 
@@ -58,13 +55,6 @@ impl Scene {
     }
 }
 
-/// A free cloth of a square metre and 0.2 kg, level, with 16 substeps.
-fn free_cloth(thickness: f32) -> Body {
-    let settings = SolverSettings { substeps: 16, iterations: 4, friction: 0.5, thickness, ..bare() };
-    let material = ClothMaterial { areal_density: 0.2, damping: 0.0, ..ClothMaterial::default() };
-    ClothBuilder::new(1.0, 1.0, 17, 17).material(material).build(settings).expect("a valid cloth")
-}
-
 /// A box that turns flies into a free cloth off its middle: linear momentum is kept to 1e-5 and angular momentum to 2 %
 /// through the hit, and the kinetic energy never rises, from the cloth's own mass to a hundred times that.
 #[test]
@@ -98,20 +88,6 @@ fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
             assert!(given > 0.05, "it has hit: {given} N s");
         }
     }
-}
-
-fn centre(body: &Body) -> Vec3 {
-    let particles = &body.particles;
-    (0..particles.len()).map(|i| particles.position(i)).sum::<Vec3>() / particles.len() as f32
-}
-
-/// Along the cloth's first row.
-fn along(body: &Body) -> Vec3 {
-    (body.particles.position(1) - body.particles.position(0)).normalize()
-}
-
-fn normal(body: &Body) -> Vec3 {
-    along(body).cross(body.particles.position(17) - body.particles.position(0)).normalize()
 }
 
 /// A ball that hits a box which weighs its own mass or more at the point of contact: what it loses, the box has, and no
