@@ -25,6 +25,7 @@ mod impact_zone;
 mod intrusion;
 mod lines;
 mod mesh;
+mod mesh_cloth;
 mod momentum;
 mod obstacles;
 mod pendulum;
