@@ -5,11 +5,9 @@
 
 #![no_main]
 
-use std::io::Write;
-
 use bevy_drape_script::recording::{Recording, diff};
+use drape_fuzz::{RECORDING, pack};
 use libfuzzer_sys::fuzz_target;
-use lz4_flex::frame::FrameEncoder;
 
 fuzz_target!(|bytes: &[u8]| {
     show(bytes.to_vec());
@@ -29,13 +27,11 @@ fn show(bytes: Vec<u8>) {
 }
 
 fn packed(mut bytes: &[u8]) -> Vec<u8> {
-    let mut file = b"DRAPEREC\x01\0\0\0".to_vec();
+    let mut file = RECORDING.to_vec();
     while let Some((length, rest)) = bytes.split_first_chunk() {
         let (packet, rest) = rest.split_at(rest.len().min(usize::from(u16::from_le_bytes(*length))));
         bytes = rest;
-        let mut encoder = FrameEncoder::new(Vec::new());
-        encoder.write_all(packet).expect("memory");
-        let frame = encoder.finish().expect("memory");
+        let frame = pack(packet);
         file.extend((frame.len() as u32).to_le_bytes());
         file.extend(frame);
     }

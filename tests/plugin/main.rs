@@ -17,6 +17,7 @@ mod isolation;
 mod layered_clothes;
 mod layers;
 mod logging;
+mod operations;
 mod pins;
 mod reflection;
 mod schedule;

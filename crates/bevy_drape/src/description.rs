@@ -62,7 +62,7 @@ pub(crate) fn build_described<D: Description>(
 }
 
 /// Puts a newly built body on an entity.
-fn insert_body(
+pub(crate) fn insert_body(
     commands: &mut Commands,
     entity: Entity,
     order: u64,
@@ -78,7 +78,7 @@ fn insert_body(
 }
 
 /// Takes off an entity what [`insert_body`] put there.
-fn remove_body(commands: &mut Commands, entity: Entity) {
+pub(crate) fn remove_body(commands: &mut Commands, entity: Entity) {
     commands.entity(entity).try_remove::<(Particles, Sticks, Activity, BodyState)>();
 }
 

@@ -5,6 +5,10 @@ mod attention;
 pub mod cannon;
 pub mod clock;
 pub mod cloth;
+#[cfg(feature = "mesh")]
+pub mod cloth_mesh;
+#[cfg(feature = "mesh")]
+mod cloth_mesh_build;
 pub mod contact_events;
 mod description;
 pub mod dynamic_obstacle;
@@ -20,6 +24,8 @@ mod islands;
 pub mod layers;
 #[cfg(feature = "mesh")]
 pub mod mesh;
+#[cfg(feature = "mesh")]
+pub mod mesh_reading;
 #[cfg(feature = "mesh")]
 mod normals;
 pub mod obstacle;
@@ -42,6 +48,8 @@ pub mod snapshot;
 mod surface;
 mod transforms;
 #[cfg(feature = "mesh")]
+mod vertex_map;
+#[cfg(feature = "mesh")]
 mod visibility;
 mod waking;
 
@@ -54,6 +62,9 @@ pub use plugin::DrapePlugins;
 /// use bevy_drape::prelude::*;
 /// ```
 pub mod prelude {
+    #[cfg(feature = "mesh")]
+    #[doc(inline)]
+    pub use crate::cloth_mesh::{ClothMesh, ClothPaint, PaintChannel, WeldedVertices};
     #[cfg(feature = "gizmos")]
     #[doc(inline)]
     pub use crate::gizmos::DrapeGizmos;

@@ -20,9 +20,15 @@ use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
 use crate::cloth::Cloth;
+use crate::cloth_mesh::{ClothMesh, WeldedVertices};
+use crate::cloth_mesh_build::{build_cloth_meshes, remove_mesh_of_cloth};
+use crate::description::remove_described_body;
 use crate::interpolation::step_fraction;
 use crate::particles::{Particles, Sticks};
-use crate::schedule::run_drape_schedule;
+use crate::projectile::build_projectiles;
+use crate::refusal::forget_removed;
+use crate::rig_compile::compile_rigs;
+use crate::schedule::{DrapeSchedule, DrapeSystems, run_drape_schedule};
 use crate::surface::{EntitySpace, Surface, can_be_written, complete};
 use crate::visibility::hide_culled;
 
@@ -51,7 +57,19 @@ impl Plugin for MeshPlugin {
             FixedPostUpdate.intern(),
             FixedLast.intern(),
         ];
+        app.register_type::<(ClothMesh, WeldedVertices)>()
+            .add_observer(remove_described_body::<ClothMesh>)
+            .add_observer(remove_mesh_of_cloth)
+            .add_observer(forget_removed::<ClothMesh>);
         app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
+        app.add_systems(
+            DrapeSchedule,
+            build_cloth_meshes
+                .run_if(resource_exists::<Assets<Mesh>>)
+                .in_set(DrapeSystems::ManageScene)
+                .after(build_projectiles)
+                .before(compile_rigs),
+        );
         app.add_systems(
             self.schedule,
             (build_surfaces.run_if(resource_exists::<Assets<Mesh>>), record_surfaces)

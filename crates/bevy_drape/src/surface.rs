@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use drape_solver::Topology;
 
 use crate::normals::write_smooth_normals;
+use crate::vertex_map::VertexMap;
 
 /// Where the particles were after one step.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +53,8 @@ pub(crate) struct Surface {
     pub columns: u32,
     /// The mesh that is written.
     pub mesh: AssetId<Mesh>,
+    /// How vertices hang on particles; none where each vertex is a particle, in their order.
+    vertices: Option<VertexMap>,
     previous: Snapshot,
     current: Snapshot,
     /// Whether the body did not move in the last step, so that there is nothing between its two states.
@@ -68,11 +71,26 @@ impl Surface {
             topology: Arc::clone(topology),
             columns,
             mesh: AssetId::default(),
+            vertices: None,
             previous: current.clone(),
             current,
             is_settled: true,
             shown: None,
         }
+    }
+
+    /// The same, of a mesh with vertices of its own.
+    pub fn of_mesh(
+        particles: &drape_solver::Particles,
+        topology: &Arc<Topology>,
+        vertices: VertexMap,
+    ) -> Self {
+        Self { vertices: Some(vertices), ..Self::new(particles, topology, 0) }
+    }
+
+    /// The particle of each vertex, of a mesh with vertices of its own.
+    pub fn vertex_particles(&self) -> Arc<[Option<u32>]> {
+        self.vertices.as_ref().map(|vertices| Arc::clone(&vertices.particles)).unwrap_or_default()
     }
 
     /// Notes where a step left the particles. A state that is not finite is not shown.
@@ -104,7 +122,8 @@ impl Surface {
     /// step; none if the mesh has not the right attributes.
     pub fn write(&mut self, mesh: &mut Mesh, space: &EntitySpace, fraction: f32) -> Option<Aabb> {
         let (positions, normals) = position_and_normal(mesh)?;
-        if positions.len() != self.current.positions.len() || normals.len() != positions.len() {
+        let count = self.vertices.as_ref().map_or(self.current.positions.len(), VertexMap::len);
+        if positions.len() != count || normals.len() != count {
             return None;
         }
         let fraction = self.fraction(fraction);
@@ -112,17 +131,30 @@ impl Surface {
         let from = previous.origin - space.translation;
         let to = current.origin - space.translation;
         let ends = previous.positions.iter().zip(&current.positions);
-        if fraction < 1.0 {
-            for (vertex, (&a, &b)) in positions.iter_mut().zip(ends) {
-                let (a, b) = (from + a, to + b);
-                *vertex = space.direction(a + (b - a) * fraction).to_array();
+        let between = |(&a, &b): (&Vec3, &Vec3)| {
+            let (a, b) = (from + a, to + b);
+            space.direction(a + (b - a) * fraction).to_array()
+        };
+        let after = |b: &Vec3| space.direction(to + *b).to_array();
+        match &self.vertices {
+            None if fraction < 1.0 => {
+                positions.iter_mut().zip(ends).for_each(|(vertex, ends)| *vertex = between(ends));
             }
-        } else {
-            for (vertex, &b) in positions.iter_mut().zip(&current.positions) {
-                *vertex = space.direction(to + b).to_array();
+            None => {
+                positions.iter_mut().zip(&current.positions).for_each(|(vertex, b)| *vertex = after(b));
+            }
+            Some(vertices) => {
+                for (vertex, particle) in positions.iter_mut().zip(&*vertices.particles) {
+                    let Some(i) = particle.map(|particle| particle as usize) else { continue };
+                    let ends = (&previous.positions[i], &current.positions[i]);
+                    *vertex = if fraction < 1.0 { between(ends) } else { after(ends.1) };
+                }
             }
         }
-        write_smooth_normals(positions, self.topology.faces(), space.orientation, normals);
+        match &self.vertices {
+            None => write_smooth_normals(positions, self.topology.faces(), space.orientation, normals),
+            Some(vertices) => vertices.write_normals(positions, normals),
+        }
         self.shown = Some((fraction, space.to_world));
         let (mut low, mut high) = (to + current.low, to + current.high);
         if fraction < 1.0 {

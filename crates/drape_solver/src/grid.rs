@@ -202,12 +202,13 @@ const MOST_OPEN_BANDS: usize = 8;
 mod tests {
     use super::*;
     use crate::layout::Layout;
+    use crate::miri::unless_miri;
 
     const FAMILIES: [(isize, usize); 6] = [(1, 0), (0, 1), (1, 1), (-1, 1), (2, 0), (0, 2)];
 
     #[test]
     fn a_family_has_every_stick_once_and_a_half_shares_no_particle() {
-        for (columns, rows) in [(16, 16), (48, 1), (61, 13), (5, 49)] {
+        for (columns, rows) in [(16, 16), (48, 1), (61, 13), (5, 49)].into_iter().take(unless_miri(4, 1)) {
             let grid = Grid::new(columns, rows).expect("large enough");
             for (right, down) in FAMILIES {
                 let mut all = Vec::new();
@@ -235,7 +236,7 @@ mod tests {
 
     #[test]
     fn runs_hold_every_stick_once() {
-        for (columns, rows) in [(16, 16), (64, 40), (61, 13), (5, 49)] {
+        for (columns, rows) in [(16, 16), (64, 40), (61, 13), (5, 49)].into_iter().take(unless_miri(4, 1)) {
             let grid = Grid::new(columns, rows).expect("large enough");
             for half in FAMILIES.into_iter().flat_map(|(right, down)| GridBatch::halves(grid, right, down)) {
                 let mut found = Vec::new();

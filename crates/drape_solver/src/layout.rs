@@ -180,10 +180,12 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::miri::unless_miri;
 
     #[test]
     fn every_particle_has_a_slot_of_its_own_and_finds_back() {
-        for (columns, rows) in [(16, 16), (64, 64), (48, 1), (13, 17), (4, 60), (100, 33), (67, 5)] {
+        let sizes = [(16, 16), (48, 1), (13, 17), (64, 64), (4, 60), (100, 33), (67, 5)];
+        for (columns, rows) in sizes.into_iter().take(unless_miri(7, 3)) {
             let layout = Layout::Grid(Grid::new(columns, rows).expect("large enough"));
             let mut slots: Vec<usize> = layout.slots().collect();
             for (index, &slot) in slots.iter().enumerate() {
@@ -201,7 +203,7 @@ mod tests {
 
     #[test]
     fn neighbours_are_never_in_one_cell() {
-        for (columns, rows) in [(16, 16), (33, 40), (128, 9), (3, 48)] {
+        for (columns, rows) in [(16, 16), (33, 40), (128, 9), (3, 48)].into_iter().take(unless_miri(4, 1)) {
             let grid = Grid::new(columns, rows).expect("large enough");
             for (column, row) in (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))) {
                 for (right, down) in [(1, 0), (0, 1), (1, 1), (2, 0), (0, 2)] {

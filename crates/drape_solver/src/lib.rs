@@ -45,6 +45,8 @@ pub mod measure;
 pub mod mesh_cloth;
 pub mod mesh_error;
 mod mesh_surface;
+#[cfg(test)]
+mod miri;
 mod nearest;
 mod nearest_segments;
 pub mod obstacle;

@@ -350,6 +350,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "it counts looks at ten thousand obstacles")]
     fn a_search_looks_at_what_is_near_only() {
         let mut found = Vec::new();
         let middle = Vec3::new(50.0, 0.0, 50.0);

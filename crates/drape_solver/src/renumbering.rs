@@ -179,6 +179,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "it takes a sheet of 2,500")]
     fn neighbours_of_a_shuffled_sheet_are_about_a_row_apart() {
         let (side, order) = (50_u32, shuffled(2500));
         let at = |column: u32, row: u32| order[(row * side + column) as usize];

@@ -196,6 +196,7 @@ impl BodyContext {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::miri::unless_miri;
     use crate::{ClothBuilder, Edge, Environment, Island, SolverSettings, StateHasher, step};
 
     fn hash(island: &Island) -> u64 {
@@ -223,23 +224,23 @@ mod tests {
     #[test]
     fn a_restored_island_goes_on_with_the_same_bits() {
         let mut island = island();
-        run(&mut island, 20);
+        run(&mut island, unless_miri(20, 1));
         let body = &mut island.bodies[0];
         let pin = (0..body.particles.len()).find(|&i| body.particles.is_pinned(i)).expect("a pin");
         body.particles.set_pin_target(pin, body.particles.position(pin) + Vec3::Y * 0.01);
         body.particles.add_force(7, Vec3::X);
         let particles = body.particles.snapshot();
         let (ball, still_for) = (island.balls[0].snapshot(), body.still_for());
-        run(&mut island, 20);
+        run(&mut island, unless_miri(20, 1));
 
         let mut other = self::island();
-        run(&mut other, 3);
+        run(&mut other, unless_miri(3, 2));
         let body = &mut other.bodies[0];
         body.particles.restore(&particles).expect("of the same cloth");
         body.context = BodyContext::default();
         body.context.set_still_for(still_for);
         other.balls[0] = Ball::from_snapshot(&ball).expect("a ball that was");
-        run(&mut other, 20);
+        run(&mut other, unless_miri(20, 1));
         assert_eq!(hash(&other), hash(&island));
     }
 

@@ -77,12 +77,13 @@ mod tests {
     use super::*;
     use crate::cloth::ClothBuilder;
     use crate::measure;
+    use crate::miri::unless_miri;
     use crate::settings::SolverSettings;
 
     /// Grids of every cut, and one that is too small to be cut.
     #[test]
     fn it_is_the_greatest_stretch_of_all_structural_sticks() {
-        for (columns, rows) in [(64, 50), (20, 17), (4, 60), (5, 5)] {
+        for (columns, rows) in [(5, 5), (20, 17), (4, 60), (64, 50)].into_iter().take(unless_miri(4, 2)) {
             let cloth = ClothBuilder::new(1.0, 1.0, columns, rows);
             let mut body = cloth.build(SolverSettings::default()).expect("valid");
             for i in 0..body.particles.len() {

@@ -159,6 +159,7 @@ impl<S: Simd> LanePose<S> {
 mod tests {
     use super::*;
     use crate::isa::{Isa, Kernel};
+    use crate::miri::unless_miri;
 
     struct Measure<'a>(&'a Shape, &'a Cell);
 
@@ -186,7 +187,7 @@ mod tests {
         for (shape, isa) in
             shapes.iter().flat_map(|shape| Isa::available().into_iter().map(move |isa| (shape, isa)))
         {
-            for step in 0..500 {
+            for step in 0..unless_miri(500, 2) {
                 let mut points = Cell::default();
                 for lane in 0..LANES {
                     let spread = |k: f32| libm::sinf((step * LANES + lane) as f32 * k) * 2.5;

@@ -1,5 +1,6 @@
 //! What is shown: the meshes of cloths, interpolated transforms, gizmos; without a window or a GPU.
 
+mod cloth_mesh;
 mod gizmos;
 mod interpolation;
 mod normals;

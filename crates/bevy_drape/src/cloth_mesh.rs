@@ -1,0 +1,166 @@
+//! Cloths from any mesh.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use drape_solver::{ClothMaterial, MeshCloth, MeshClothBuilder, MeshRepairs};
+
+use crate::mesh_reading::{MeshFault, faces, paint, positions};
+
+/// Makes a cloth of the entity's [`Mesh3d`]: cape, skirt, tent, balloon; from a modelling tool, or made in code.
+///
+/// It is built in the first step after the mesh has loaded, and anew when the component, the mesh or its asset changes.
+/// Vertices in the same place are one particle, so that the cloth does not open along seams of texture coordinates and
+/// normals; vertices, indices and texture coordinates stay the mesh's own, and positions and normals are written back into
+/// a copy of it. Edges become structural sticks, which resist skewing too, and the corners across an edge are joined by a bend stick.
+/// A mesh that is no cloth is refused with the reason in the log and in [`Refusals`](crate::refusal::Refusals); one that is odd is
+/// put right, with a warning.
+///
+/// Particles that are painted are pinned: by default those with a vertex colour of more red than a half. Pins stay fixed to the
+/// entity.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn setup(mut commands: Commands, assets: Res<AssetServer>) {
+/// let mesh = assets.load("cape.gltf#Mesh0/Primitive0");
+/// commands.spawn((Mesh3d(mesh), ClothMesh::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
+/// # }
+/// ```
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[require(Transform)]
+pub struct ClothMesh {
+    /// Mass per area in kg/m^2.
+    pub areal_density: f32,
+    /// Stiffness of the edges, 0 (slack) to 1 (rigid): resists stretching and skewing.
+    pub structural_stiffness: f32,
+    /// Stiffness across the edges, 0 to 1: resists folding.
+    pub bend_stiffness: f32,
+    /// Damping along all sticks in 1/s.
+    pub damping: f32,
+    /// How near vertices have to be in the world to become one particle, in metres; 0 for the very same place. None: a
+    /// hundred-thousandth of the mesh's length.
+    pub weld_distance: Option<f32>,
+    /// Vertices that are pinned besides those that are painted, by their index in the mesh.
+    pub pins: Vec<u32>,
+    /// What colours and other attributes of vertices mean.
+    pub paint: ClothPaint,
+}
+
+/// What is read from the vertices of a mesh, so that it can be painted in a modelling tool.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub struct ClothPaint {
+    /// Where it is said which vertices are pinned: those with a value above [`threshold`](Self::threshold). None: nowhere.
+    pub pins: Option<PaintChannel>,
+    /// The value above which a vertex is pinned; 0.5 by default.
+    pub threshold: f32,
+}
+
+/// A number that each vertex of a mesh has.
+#[derive(Reflect, Clone, Debug, PartialEq, Eq)]
+#[reflect(Debug, Clone, PartialEq)]
+pub enum PaintChannel {
+    /// Red of the vertex colour. A mesh without colours has none.
+    Red,
+    /// Green, likewise.
+    Green,
+    /// Blue, likewise.
+    Blue,
+    /// Alpha, likewise.
+    Alpha,
+    /// The first number of the attribute with this name, which the mesh must have.
+    Attribute(String),
+}
+
+impl Default for ClothPaint {
+    fn default() -> Self {
+        Self { pins: Some(PaintChannel::Red), threshold: 0.5 }
+    }
+}
+
+impl Default for ClothMesh {
+    fn default() -> Self {
+        let ClothMaterial { areal_density, structural, bend, damping, .. } = ClothMaterial::default();
+        Self {
+            areal_density,
+            structural_stiffness: structural,
+            bend_stiffness: bend,
+            damping,
+            weld_distance: None,
+            pins: Vec::new(),
+            paint: ClothPaint::default(),
+        }
+    }
+}
+
+impl ClothMesh {
+    /// Pins these vertices too.
+    pub fn with_pins(mut self, pins: impl IntoIterator<Item = u32>) -> Self {
+        self.pins.extend(pins);
+        self
+    }
+
+    /// The cloth of `mesh` at `transform`.
+    ///
+    /// # Errors
+    /// [`MeshFault`] naming what cannot be used.
+    pub fn build(&self, mesh: &Mesh, transform: &GlobalTransform) -> Result<MeshCloth, MeshFault> {
+        let positions: Vec<Vec3> =
+            positions(mesh)?.iter().map(|&position| transform.transform_point(position.into())).collect();
+        let mut faces = faces(mesh, positions.len())?;
+        if transform.affine().matrix3.determinant() < 0.0 {
+            // In a mirror they turn the other way.
+            faces.iter_mut().for_each(|face| face.swap(1, 2));
+        }
+        let painted = match &self.paint.pins {
+            Some(channel) => paint(mesh, channel, positions.len())?,
+            None => Vec::new(),
+        };
+        let painted =
+            (0..).zip(painted).filter(|&(_, value)| value > self.paint.threshold).map(|(vertex, _)| vertex);
+        let mut builder = MeshClothBuilder::new(positions, faces).material(ClothMaterial {
+            areal_density: self.areal_density,
+            structural: self.structural_stiffness,
+            bend: self.bend_stiffness,
+            damping: self.damping,
+            ..ClothMaterial::default()
+        });
+        if let Some(distance) = self.weld_distance {
+            builder = builder.weld_distance(distance);
+        }
+        let builder = painted.chain(self.pins.iter().copied()).fold(builder, MeshClothBuilder::pin);
+        Ok(builder.build_parts()?)
+    }
+}
+
+/// Which particle each vertex of a [`ClothMesh`] belongs to. Comes with its [`Particles`](crate::particles::Particles).
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct WeldedVertices {
+    particles: Arc<[Option<u32>]>,
+    repairs: MeshRepairs,
+}
+
+impl WeldedVertices {
+    pub(crate) fn new(particles: Arc<[Option<u32>]>, repairs: MeshRepairs) -> Self {
+        Self { particles, repairs }
+    }
+
+    /// The particle of a vertex; none if no triangle with an area has it for a corner.
+    pub fn particle(&self, vertex: usize) -> Option<usize> {
+        self.particles.get(vertex).copied().flatten().map(|particle| particle as usize)
+    }
+
+    /// The number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.particles.len()
+    }
+
+    /// What was put right in the mesh.
+    pub fn repairs(&self) -> MeshRepairs {
+        self.repairs
+    }
+}

@@ -1,0 +1,142 @@
+//! Builds cloths from meshes, and hangs the meshes on them.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::NoAutoAabb;
+use bevy::mesh::VertexAttributeValues;
+use bevy::prelude::*;
+use drape_solver::MeshCloth;
+
+use crate::cloth_mesh::{ClothMesh, WeldedVertices};
+use crate::description::{insert_body, remove_body};
+use crate::mesh_reading::{MeshFault, faces, positions};
+use crate::particles::{CreationOrder, Particles};
+use crate::refusal::Refusals;
+use crate::scan::collect_changed;
+use crate::surface::{EntitySpace, Surface};
+use crate::vertex_map::VertexMap;
+
+/// The mesh that a cloth was made of, which stays as it is, and the copy that shows the cloth.
+#[derive(Component, Clone, Debug)]
+pub(crate) struct MeshOfCloth {
+    source: Handle<Mesh>,
+    /// None if the source is no cloth.
+    shown: Option<AssetId<Mesh>>,
+}
+
+/// Builds what was inserted or changed since the last step, what was given another mesh, and what waited for its mesh.
+pub(crate) fn build_cloth_meshes(
+    mut commands: Commands,
+    components: Query<(Entity, Ref<ClothMesh>)>,
+    given: Query<(Entity, Ref<Mesh3d>), With<ClothMesh>>,
+    not_built: Query<(Entity, Ref<GlobalTransform>), (With<ClothMesh>, Without<Particles>)>,
+    cloths: Query<(&ClothMesh, &Mesh3d, &GlobalTransform, Option<&MeshOfCloth>)>,
+    made: Query<(Entity, &MeshOfCloth)>,
+    mut changes: MessageReader<AssetEvent<Mesh>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut order: ResMut<CreationOrder>,
+    mut refusals: ResMut<Refusals>,
+    mut to_build: Local<Vec<Entity>>,
+) {
+    // What waits for its mesh is in the list still.
+    collect_changed(&components, &mut to_build);
+    collect_changed(&not_built, &mut to_build);
+    let mut swapped = Vec::new();
+    collect_changed(&given, &mut swapped);
+    swapped.retain(|&entity| {
+        let shown = made.get(entity).ok().and_then(|(_, mesh)| mesh.shown);
+        given.get(entity).is_ok_and(|(_, mesh)| Some(mesh.id()) != shown)
+    });
+    to_build.append(&mut swapped);
+    for change in changes.read() {
+        if let AssetEvent::Modified { id } = change {
+            to_build
+                .extend(made.iter().filter(|(_, mesh)| mesh.source.id() == *id).map(|(entity, _)| entity));
+        }
+    }
+    let mut later = Vec::new();
+    let mut seen = Vec::new();
+    for entity in to_build.drain(..) {
+        let Ok((cloth, mesh, transform, made)) = cloths.get(entity) else { continue };
+        if seen.contains(&entity) {
+            continue;
+        }
+        seen.push(entity);
+        let source = match made {
+            Some(made) if made.shown == Some(mesh.id()) => made.source.clone(),
+            _ => mesh.0.clone(),
+        };
+        let Some(asset) = meshes.get(&source) else {
+            later.push(entity);
+            continue;
+        };
+        let built = if transform.affine().is_finite() {
+            let fault = |fault| ("ClothMesh", format!("{}: {fault}", called(&source)));
+            build(cloth, asset, transform).map_err(fault)
+        } else {
+            Err(("Transform", "it must be finite".into()))
+        };
+        match built {
+            Ok((cloth, mut surface, mut copy)) => {
+                refusals.forget(entity);
+                if !cloth.repairs.is_empty() {
+                    warn!("ClothMesh of entity {entity}, {}: {}", called(&source), cloth.repairs);
+                }
+                let bounds =
+                    EntitySpace::new(transform).and_then(|space| surface.write(&mut copy, &space, 1.0));
+                let welded = WeldedVertices::new(surface.vertex_particles(), cloth.repairs);
+                let shown = meshes.add(copy);
+                surface.mesh = shown.id();
+                let state = MeshOfCloth { source, shown: Some(shown.id()) };
+                insert_body(
+                    &mut commands,
+                    entity,
+                    order.next(),
+                    transform,
+                    (cloth.particles, surface.topology.clone()),
+                );
+                let bounds = bounds.unwrap_or_default();
+                commands.entity(entity).insert((Mesh3d(shown), state, surface, welded, NoAutoAabb, bounds));
+            }
+            Err((component, reason)) => {
+                refusals.entity(entity, component, reason);
+                remove_body(&mut commands, entity);
+                commands.entity(entity).remove::<(Surface, WeldedVertices)>();
+                commands.entity(entity).insert(MeshOfCloth { source, shown: None });
+            }
+        }
+    }
+    to_build.append(&mut later);
+}
+
+/// The cloth of a mesh, what is known of its surface, and the mesh that will show it.
+fn build(
+    cloth: &ClothMesh,
+    mesh: &Mesh,
+    transform: &GlobalTransform,
+) -> Result<(MeshCloth, Surface, Mesh), MeshFault> {
+    let built = cloth.build(mesh, transform)?;
+    let places = positions(mesh)?;
+    let normals = mesh.try_attribute_option(Mesh::ATTRIBUTE_NORMAL).ok().flatten();
+    let normals =
+        normals.and_then(VertexAttributeValues::as_float3).filter(|normals| normals.len() == places.len());
+    let faces = faces(mesh, places.len())?;
+    let vertices = VertexMap::new(built.particle_of_vertex.clone(), places, normals, faces);
+    let mut copy = mesh.clone();
+    if normals.is_none() {
+        copy.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; places.len()]);
+    }
+    // Written here, read by the renderer.
+    copy.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
+    let surface = Surface::of_mesh(&built.particles, &built.topology.clone().into(), vertices);
+    Ok((built, surface, copy))
+}
+
+/// A mesh by the path that it was loaded from.
+fn called(mesh: &Handle<Mesh>) -> String {
+    mesh.path().map_or_else(|| "a mesh made in code".into(), |path| format!("mesh “{path}”"))
+}
+
+/// Takes off an entity that loses its [`ClothMesh`] what was put there besides the body. The mesh stays as it is.
+pub(crate) fn remove_mesh_of_cloth(removed: On<Remove, ClothMesh>, mut commands: Commands) {
+    commands.entity(removed.entity).try_remove::<(Surface, WeldedVertices, MeshOfCloth)>();
+}

@@ -1,0 +1,110 @@
+//! What a cloth needs to know of a mesh: places, triangles, paint.
+
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
+use bevy::prelude::*;
+use drape_solver::MeshError;
+use thiserror::Error;
+
+use crate::cloth_mesh::PaintChannel;
+
+/// Why no cloth can be made from a mesh.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum MeshFault {
+    /// The data are with the renderer alone.
+    #[error("its data are with the renderer: load it with `RenderAssetUsages::MAIN_WORLD` too")]
+    NotInMainWorld,
+    /// The mesh says nowhere where its vertices are.
+    #[error("it has no positions, each of three numbers")]
+    NoPositions,
+    /// The mesh is made of points or lines.
+    #[error("it is a {0:?}: a cloth needs triangles")]
+    NoTriangles(PrimitiveTopology),
+    /// The number of indices of a list of triangles is no multiple of three.
+    #[error("its {0} indices are no whole number of triangles")]
+    BrokenTriangle(usize),
+    /// The attribute that says what is pinned is not there.
+    #[error("it has no attribute “{0}”")]
+    NoAttribute(String),
+    /// What is painted is no number between vertices, or there are too few.
+    #[error("its attribute “{0}” is not a number, or some numbers, for each vertex")]
+    NoNumbers(String),
+    /// The triangles make no cloth, or a field of the component is out of range.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// Where the vertices are, in the mesh's own coordinates.
+pub(crate) fn positions(mesh: &Mesh) -> Result<&[[f32; 3]], MeshFault> {
+    let values =
+        mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).map_err(|_| MeshFault::NotInMainWorld)?;
+    values.and_then(VertexAttributeValues::as_float3).ok_or(MeshFault::NoPositions)
+}
+
+/// The triangles of a list or strip, with or without indices.
+pub(crate) fn faces(mesh: &Mesh, vertices: usize) -> Result<Vec<[u32; 3]>, MeshFault> {
+    let indices: Vec<u32> = match mesh.try_indices_option().map_err(|_| MeshFault::NotInMainWorld)? {
+        Some(Indices::U16(indices)) => indices.iter().copied().map(u32::from).collect(),
+        Some(Indices::U32(indices)) => indices.clone(),
+        None => (0..vertices as u32).collect(),
+    };
+    match mesh.primitive_topology() {
+        PrimitiveTopology::TriangleList => match indices.as_chunks() {
+            (faces, []) => Ok(faces.to_vec()),
+            _ => Err(MeshFault::BrokenTriangle(indices.len())),
+        },
+        PrimitiveTopology::TriangleStrip => {
+            let faces = indices.array_windows().enumerate();
+            Ok(faces.map(|(i, &[a, b, c])| if i % 2 == 0 { [a, b, c] } else { [b, a, c] }).collect())
+        }
+        other => Err(MeshFault::NoTriangles(other)),
+    }
+}
+
+/// What is painted on the vertices; nothing on a mesh without colours.
+pub(crate) fn paint(mesh: &Mesh, channel: &PaintChannel, vertices: usize) -> Result<Vec<f32>, MeshFault> {
+    let (name, number) = match channel {
+        PaintChannel::Red => (Mesh::ATTRIBUTE_COLOR.name, 0),
+        PaintChannel::Green => (Mesh::ATTRIBUTE_COLOR.name, 1),
+        PaintChannel::Blue => (Mesh::ATTRIBUTE_COLOR.name, 2),
+        PaintChannel::Alpha => (Mesh::ATTRIBUTE_COLOR.name, 3),
+        PaintChannel::Attribute(name) => (name.as_str(), 0),
+    };
+    let mut attributes = mesh.try_attributes().map_err(|_| MeshFault::NotInMainWorld)?;
+    match (attributes.find(|(attribute, _)| attribute.name == name), channel) {
+        (Some((_, values)), _) => {
+            let numbers = numbers(values, number).filter(|numbers| numbers.len() == vertices);
+            numbers.ok_or_else(|| MeshFault::NoNumbers(name.into()))
+        }
+        (None, PaintChannel::Attribute(_)) => Err(MeshFault::NoAttribute(name.into())),
+        (None, _) => Ok(Vec::new()),
+    }
+}
+
+/// One number of each vertex, whole ones of eight or sixteen bits as parts of the greatest where that is what they stand for.
+fn numbers(values: &VertexAttributeValues, number: usize) -> Option<Vec<f32>> {
+    fn pick<T: Copy, const N: usize>(
+        values: &[[T; N]],
+        number: usize,
+        float: impl Fn(T) -> f32,
+    ) -> Option<Vec<f32>> {
+        (number < N).then(|| values.iter().map(|value| float(value[number])).collect())
+    }
+    let part_of_255 = |value: u8| f32::from(value) / 255.0;
+    let part_of_65535 = |value: u16| f32::from(value) / 65535.0;
+    match values {
+        VertexAttributeValues::Float32(values) if number == 0 => Some(values.clone()),
+        VertexAttributeValues::Float32x2(values) => pick(values, number, f32::from),
+        VertexAttributeValues::Float32x3(values) => pick(values, number, f32::from),
+        VertexAttributeValues::Float32x4(values) => pick(values, number, f32::from),
+        VertexAttributeValues::Unorm8x2(values) => pick(values, number, part_of_255),
+        VertexAttributeValues::Unorm8x4(values) => pick(values, number, part_of_255),
+        VertexAttributeValues::Unorm16x2(values) => pick(values, number, part_of_65535),
+        VertexAttributeValues::Unorm16x4(values) => pick(values, number, part_of_65535),
+        VertexAttributeValues::Uint8x2(values) => pick(values, number, f32::from),
+        VertexAttributeValues::Uint8x4(values) => pick(values, number, f32::from),
+        VertexAttributeValues::Uint16x2(values) => pick(values, number, f32::from),
+        VertexAttributeValues::Uint16x4(values) => pick(values, number, f32::from),
+        _ => None,
+    }
+}

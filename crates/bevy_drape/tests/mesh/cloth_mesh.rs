@@ -1,0 +1,348 @@
+//! Cloths made of meshes that were there before: what of them stays, what moves, what is refused.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
+use bevy::prelude::*;
+use bevy_drape::drape_solver::{StateHasher, measure};
+
+use crate::*;
+
+/// Number of places around the pipe.
+const SIDES: u32 = 12;
+
+/// A pipe of 0.5 m radius and 1 m height about Y, whose texture has a seam. The upper rim is red.
+fn pipe() -> Mesh {
+    let mut mesh: Mesh = Cylinder::new(0.5, 1.0).mesh().resolution(SIDES).segments(6).without_caps().build();
+    let rim: Vec<_> =
+        positions(&mesh).iter().map(|place| [f32::from(place[1] > 0.49), 0.0, 1.0, 1.0]).collect();
+    mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, rim);
+    mesh
+}
+
+fn positions(mesh: &Mesh) -> &[[f32; 3]] {
+    mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(VertexAttributeValues::as_float3).expect("positions")
+}
+
+fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
+    app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
+}
+
+/// An app with a cloth of `mesh` at `transform`, after a step.
+fn hung(mesh: Mesh, cloth: ClothMesh, transform: Transform) -> (App, Entity) {
+    let mut app = app();
+    let handle = add(&mut app, mesh);
+    let entity = app.world_mut().spawn((Mesh3d(handle), cloth, transform)).id();
+    start(&mut app);
+    frame(&mut app, 1.0);
+    (app, entity)
+}
+
+fn refusals(app: &App, entity: Entity) -> Vec<String> {
+    app.world().resource::<Refusals>().of(entity).map(ToString::to_string).collect()
+}
+
+fn welded(app: &App, entity: Entity) -> &WeldedVertices {
+    app.world().get(entity).expect("built")
+}
+
+#[test]
+fn a_mesh_becomes_a_cloth_that_stays_closed_and_keeps_its_texture() {
+    let mesh = pipe();
+    let (mut app, cloth) = hung(mesh.clone(), ClothMesh::default(), Transform::from_xyz(3.0, 2.0, 1.0));
+    (0..60).for_each(|_| frame(&mut app, 1.0));
+    let shown = mesh_of(&app, cloth);
+    assert_eq!(shown.indices(), mesh.indices());
+    assert_eq!(shown.attribute(Mesh::ATTRIBUTE_UV_0), mesh.attribute(Mesh::ATTRIBUTE_UV_0));
+    assert_eq!(shown.attribute(Mesh::ATTRIBUTE_COLOR), mesh.attribute(Mesh::ATTRIBUTE_COLOR));
+    let count = particles(&app, cloth).len();
+    assert_eq!(count, (SIDES * 7) as usize);
+    assert!(count < positions(&mesh).len(), "the seam has its vertices twice");
+    let (shown, normals, places) = (vertices(&app, cloth), normals_of(&app, cloth), positions(&mesh));
+    let mut together = 0;
+    for i in 0..places.len() {
+        for j in 0..i {
+            if Vec3::from(places[i]).distance(places[j].into()) < 1e-5 {
+                assert_eq!((shown[i], normals[i]), (shown[j], normals[j]), "vertices {i} and {j}");
+                together += 1;
+            }
+        }
+    }
+    assert_eq!(together, 7);
+    let moved = places.iter().zip(&shown).map(|(&place, now)| now.distance(place.into())).fold(0.0, f32::max);
+    assert!(moved > 0.01, "it hangs as it was made: {moved} m");
+}
+
+#[test]
+fn painted_vertices_are_pinned_and_follow_their_entity() {
+    let (mut app, cloth) = hung(pipe(), ClothMesh::default(), Transform::default());
+    let rim: Vec<Vec3> = vertices(&app, cloth).into_iter().filter(|vertex| vertex.y > 0.49).collect();
+    assert_eq!(rim.len(), SIDES as usize + 1);
+    app.world_mut().get_mut::<Transform>(cloth).expect("placed").translation.x = 0.2;
+    // The second one only shows what the first has done.
+    (0..2).for_each(|_| frame(&mut app, 1.0));
+    let now: Vec<Vec3> = vertices(&app, cloth).into_iter().filter(|vertex| vertex.y > 0.49).collect();
+    assert!(farthest(&now, &rim) < 1e-5, "they are where they were in the entity");
+    let pinned = |cloth: ClothMesh| {
+        let (app, entity) = hung(pipe(), cloth, Transform::default());
+        let particles = app.world().get::<Particles>(entity).expect("built");
+        (0..particles.len()).filter(|&i| particles.is_pinned(i)).count()
+    };
+    let paint = |pins, threshold| ClothMesh { paint: ClothPaint { pins, threshold }, ..default() };
+    let (all, rim) = ((SIDES * 7) as usize, SIDES as usize);
+    assert_eq!(pinned(paint(Some(PaintChannel::Red), 0.5)), rim);
+    assert_eq!(pinned(paint(Some(PaintChannel::Red), 1.0)), 0);
+    assert_eq!(pinned(paint(Some(PaintChannel::Green), 0.5)), 0);
+    assert_eq!(pinned(paint(Some(PaintChannel::Blue), 0.5)), all);
+    assert_eq!(pinned(paint(None, 0.5)), 0);
+    assert_eq!(pinned(paint(None, 0.5).with_pins([0, 1])), 2);
+}
+
+const HELD: MeshVertexAttribute = MeshVertexAttribute::new("Held", 77_001, VertexFormat::Float32);
+
+#[test]
+fn an_attribute_of_ones_own_pins_too() {
+    let cloth = |name: &str| ClothMesh {
+        paint: ClothPaint { pins: Some(PaintChannel::Attribute(name.into())), ..default() },
+        ..default()
+    };
+    let mut mesh = pipe();
+    let low: Vec<f32> = positions(&mesh).iter().map(|place| f32::from(place[1] < -0.49)).collect();
+    mesh.insert_attribute(HELD, low);
+    let (app, entity) = hung(mesh.clone(), cloth("Held"), Transform::default());
+    let welded = welded(&app, entity);
+    let body = app.world().get::<Particles>(entity).expect("built");
+    for (vertex, place) in positions(&mesh).iter().enumerate() {
+        let particle = welded.particle(vertex).expect("part of it");
+        assert_eq!(body.is_pinned(particle), place[1] < -0.49);
+    }
+    let (app, entity) = hung(mesh, cloth("Hold"), Transform::default());
+    assert!(refusals(&app, entity)[0].contains("no attribute “Hold”"), "{:?}", refusals(&app, entity));
+}
+
+/// Every face of a box has corners of its own, so that its edges are sharp.
+#[test]
+fn sharp_edges_stay_sharp_and_smooth_ones_smooth() {
+    for (mesh, particles) in
+        [(Cuboid::default().mesh().build(), 8), (Sphere::new(0.5).mesh().uv(16, 9), 8 * 16 + 2)]
+    {
+        let expected = mesh.attribute(Mesh::ATTRIBUTE_NORMAL).and_then(VertexAttributeValues::as_float3);
+        let expected: Vec<Vec3> = expected.expect("normals").iter().map(|&n| n.into()).collect();
+        let mut app = app();
+        app.insert_resource(DrapeGravity(Vec3::ZERO));
+        let handle = add(&mut app, mesh);
+        let mirrored = Transform::from_xyz(0.0, 5.0, 0.0).with_scale(Vec3::new(-2.0, 2.0, 2.0));
+        let cloth = app.world_mut().spawn((Mesh3d(handle), ClothMesh::default(), mirrored)).id();
+        start(&mut app);
+        frame(&mut app, 1.0);
+        assert_eq!(crate::particles(&app, cloth).len(), particles);
+        let used = welded(&app, cloth);
+        for (vertex, (now, expected)) in normals_of(&app, cloth).into_iter().zip(expected).enumerate() {
+            if used.particle(vertex).is_some() {
+                // The triangles of a coarse ball lean away from it a little.
+                assert!(now.dot(expected) > 0.97, "vertex {vertex}: {now}, not {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn it_is_where_the_entity_is_as_large_as_that_makes_it() {
+    let mesh = pipe();
+    let parent = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_z(0.4));
+    let scale = Vec3::new(2.0, 0.5, 1.5);
+    let mut app = app();
+    app.insert_resource(DrapeGravity(Vec3::ZERO));
+    let handle = add(&mut app, mesh.clone());
+    let cloth = (
+        Mesh3d(handle),
+        ClothMesh { areal_density: 0.5, paint: ClothPaint { pins: None, ..default() }, ..default() },
+    );
+    let parent = app.world_mut().spawn(parent).id();
+    let cloth = app.world_mut().spawn((cloth, Transform::from_scale(scale), ChildOf(parent))).id();
+    start(&mut app);
+    (0..3).for_each(|_| frame(&mut app, 1.0));
+    let rest: Vec<Vec3> = positions(&mesh).iter().map(|&place| place.into()).collect();
+    assert!(farthest(&vertices(&app, cloth), &rest) < 1e-5, "nothing pulls at it");
+    let place = app.world().get::<GlobalTransform>(cloth).expect("placed");
+    let used = welded(&app, cloth);
+    for (vertex, &rest) in rest.iter().enumerate() {
+        let particle = particles(&app, cloth)[used.particle(vertex).expect("part of it")];
+        assert!(particle.distance(place.transform_point(rest)) < 1e-5);
+    }
+    let triangles = mesh.triangles().expect("triangles");
+    let area = |triangle: Triangle3d| Triangle3d { vertices: triangle.vertices.map(|v| v * scale) }.area();
+    let area: f32 = triangles.map(area).sum();
+    let mass = measure::mass(app.world().get::<Particles>(cloth).expect("built"));
+    assert!((mass - f64::from(0.5 * area)).abs() < 1e-5, "{mass} kg of {area} m^2");
+}
+
+#[test]
+fn a_mesh_that_loads_late_is_waited_for() {
+    let mut app = app();
+    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let cloth = app.world_mut().spawn((Mesh3d(handle.clone()), ClothMesh::default())).id();
+    start(&mut app);
+    (0..5).for_each(|_| frame(&mut app, 1.0));
+    assert!(app.world().get::<Particles>(cloth).is_none());
+    assert!(refusals(&app, cloth).is_empty(), "to wait is no fault");
+    app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, pipe()).expect("reserved");
+    frame(&mut app, 1.0);
+    assert_eq!(particles(&app, cloth).len(), (SIDES * 7) as usize);
+}
+
+#[test]
+fn cloths_that_share_a_mesh_leave_it_alone() {
+    let mut app = app();
+    let mesh = pipe();
+    let handle = add(&mut app, mesh.clone());
+    let cloths = [0.0, 3.0].map(|x| {
+        app.world_mut()
+            .spawn((Mesh3d(handle.clone()), ClothMesh::default(), Transform::from_xyz(x, 0.0, 0.0)))
+            .id()
+    });
+    start(&mut app);
+    (0..30).for_each(|_| frame(&mut app, 1.0));
+    let ids = cloths.map(|cloth| app.world().get::<Mesh3d>(cloth).expect("shown").id());
+    assert!(ids[0] != ids[1] && !ids.contains(&handle.id()));
+    let source = app.world().resource::<Assets<Mesh>>().get(&handle).expect("kept");
+    assert_eq!(positions(source), positions(&mesh));
+}
+
+fn mass(app: &App, cloth: Entity) -> f64 {
+    measure::mass(app.world().get::<Particles>(cloth).expect("built"))
+}
+
+#[test]
+fn what_is_changed_is_built_anew_from_the_mesh_as_it_was_made() {
+    let mut app = app();
+    let handle = add(&mut app, pipe());
+    let cloth = app.world_mut().spawn((Mesh3d(handle.clone()), ClothMesh::default())).id();
+    start(&mut app);
+    (0..30).for_each(|_| frame(&mut app, 1.0));
+    let before = mass(&app, cloth);
+    app.world_mut().get_mut::<ClothMesh>(cloth).expect("described").areal_density *= 2.0;
+    frame(&mut app, 1.0);
+    assert!(
+        (mass(&app, cloth) - 2.0 * before).abs() < 1e-9 * before.max(1.0),
+        "of the mesh and not of its drape"
+    );
+    // The asset is saved anew.
+    let scaled = pipe().scaled_by(Vec3::splat(2.0));
+    app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, scaled).expect("there");
+    (0..2).for_each(|_| frame(&mut app, 1.0));
+    assert!((mass(&app, cloth) / before - 8.0).abs() < 1e-3);
+    // Another mesh altogether.
+    let ball = add(&mut app, Sphere::new(0.5).mesh().ico(2).expect("few"));
+    app.world_mut().entity_mut(cloth).insert(Mesh3d(ball.clone()));
+    frame(&mut app, 1.0);
+    assert_eq!(particles(&app, cloth).len(), 92);
+    assert_ne!(app.world().get::<Mesh3d>(cloth).expect("shown").id(), ball.id());
+    // And no cloth any more.
+    app.world_mut().entity_mut(cloth).remove::<ClothMesh>();
+    let shown = vertices(&app, cloth);
+    (0..3).for_each(|_| frame(&mut app, 1.0));
+    assert!(app.world().get::<Particles>(cloth).is_none());
+    assert_eq!(vertices(&app, cloth), shown, "it stays as it was last");
+}
+
+#[test]
+fn the_drape_is_the_same_whichever_way_vertices_are_split() {
+    let end = |mesh: Mesh| {
+        let (mut app, cloth) = hung(mesh, ClothMesh::default(), Transform::default());
+        (0..60).for_each(|_| frame(&mut app, 1.0));
+        StateHasher::new().particles(app.world().get::<Particles>(cloth).expect("built")).finish()
+    };
+    assert_eq!(end(pipe().with_duplicated_vertices()), end(pipe()));
+}
+
+fn of(topology: PrimitiveTopology, places: Vec<[f32; 3]>) -> Mesh {
+    Mesh::new(topology, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, places)
+}
+
+const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+
+fn of_triangles(places: &[[f32; 3]], indices: &[u16]) -> Mesh {
+    of(PrimitiveTopology::TriangleList, places.to_vec()).with_inserted_indices(Indices::U16(indices.to_vec()))
+}
+
+#[test]
+fn a_strip_of_triangles_is_a_cloth_that_faces_one_way() {
+    let (app, cloth) =
+        hung(of(PrimitiveTopology::TriangleStrip, SQUARE.to_vec()), ClothMesh::default(), default());
+    let sticks = app.world().get::<Sticks>(cloth).expect("built");
+    assert_eq!(sticks.faces().len(), 2);
+    assert!(welded(&app, cloth).repairs().is_empty());
+    assert!(normals_of(&app, cloth).iter().all(|normal| normal.z > 0.99));
+}
+
+/// Each is refused in words that name entity, mesh and fault, once; with a good mesh in its place all is well.
+#[test]
+fn a_mesh_that_is_no_cloth_is_refused() {
+    let list = PrimitiveTopology::TriangleList;
+    let all = [0, 1, 3, 0, 3, 2];
+    let no_place = [SQUARE[0], SQUARE[1], [f32::NAN; 3], SQUARE[3]];
+    let mut taken = of_triangles(&SQUARE, &all);
+    taken.take_gpu_data().expect("there");
+    let far = SQUARE.map(|place| place.map(|x| 1e7 * x));
+    let tiny = SQUARE.map(|place| place.map(|x| 1e-7 * x));
+    let cases = [
+        ("no positions", Mesh::new(list, RenderAssetUsages::default()), "no positions"),
+        ("empty", of(list, vec![]), "no vertices"),
+        ("points", of(PrimitiveTopology::PointList, SQUARE.to_vec()), "PointList: a cloth needs triangles"),
+        ("lines", of(PrimitiveTopology::LineList, SQUARE.to_vec()), "LineList"),
+        ("a line", of(PrimitiveTopology::LineStrip, SQUARE.to_vec()), "LineStrip"),
+        ("no triangles", of_triangles(&SQUARE, &[]), "no triangles"),
+        ("a strip of two", of(PrimitiveTopology::TriangleStrip, SQUARE[..2].to_vec()), "no triangles"),
+        ("two thirds of a triangle", of_triangles(&SQUARE, &all[..5]), "5 indices"),
+        ("four vertices without indices", of(list, SQUARE.to_vec()), "4 indices"),
+        ("an index past the end", of_triangles(&SQUARE, &[0, 1, 4]), "vertex 4"),
+        ("not a number", of_triangles(&no_place, &all), "vertex 2"),
+        ("far away", of_triangles(&far, &all), "below 1e6 m"),
+        ("tiny", of_triangles(&tiny, &all), "unit of length"),
+        ("in one place", of_triangles(&[[1.0; 3]; 4], &all), "unit of length"),
+        ("without area", of_triangles(&SQUARE, &[0, 0, 1, 2, 2, 2]), "area"),
+        ("with the renderer", taken, "RenderAssetUsages"),
+    ];
+    for (name, mesh, words) in cases {
+        let (mut app, cloth) = hung(mesh, ClothMesh::default(), Transform::default());
+        (0..3).for_each(|_| frame(&mut app, 1.0));
+        let said = refusals(&app, cloth);
+        assert_eq!(said.len(), 1, "{name}: {said:?}");
+        for word in ["ClothMesh", &cloth.to_string(), "a mesh made in code", words] {
+            assert!(said[0].contains(word), "{name}: “{}” does not say “{word}”", said[0]);
+        }
+        assert!(app.world().get::<Particles>(cloth).is_none());
+        let good = add(&mut app, pipe());
+        app.world_mut().entity_mut(cloth).insert(Mesh3d(good));
+        frame(&mut app, 1.0);
+        assert!(refusals(&app, cloth).is_empty());
+        assert_eq!(particles(&app, cloth).len(), (SIDES * 7) as usize, "{name}");
+    }
+}
+
+#[test]
+fn fields_out_of_range_and_places_that_are_none_are_refused_and_mended() {
+    let bad = [
+        (ClothMesh { areal_density: 0.0, ..default() }, "areal_density"),
+        (ClothMesh { structural_stiffness: 2.0, ..default() }, "stiffness"),
+        (ClothMesh { bend_stiffness: f32::NAN, ..default() }, "stiffness"),
+        (ClothMesh { damping: -1.0, ..default() }, "damping"),
+        (ClothMesh { weld_distance: Some(-1.0), ..default() }, "weld_distance"),
+        (ClothMesh::default().with_pins([100_000]), "a pin"),
+    ];
+    for (cloth, words) in bad {
+        let (mut app, entity) = hung(pipe(), cloth, Transform::default());
+        assert!(refusals(&app, entity)[0].contains(words), "{:?}", refusals(&app, entity));
+        *app.world_mut().get_mut::<ClothMesh>(entity).expect("described") = ClothMesh::default();
+        frame(&mut app, 1.0);
+        assert!(refusals(&app, entity).is_empty() && app.world().get::<Particles>(entity).is_some());
+    }
+    for place in [Transform::from_scale(Vec3::ZERO), Transform::from_xyz(f32::NAN, 0.0, 0.0)] {
+        let (mut app, entity) = hung(pipe(), ClothMesh::default(), place);
+        assert_eq!(refusals(&app, entity).len(), 1);
+        *app.world_mut().get_mut::<Transform>(entity).expect("placed") = Transform::default();
+        frame(&mut app, 1.0);
+        assert!(refusals(&app, entity).is_empty() && app.world().get::<Particles>(entity).is_some());
+    }
+}

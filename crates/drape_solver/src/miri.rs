@@ -1,0 +1,6 @@
+//! Sizes of tests under Miri, which takes some thousand times as long.
+
+/// `size`, or `small` under Miri.
+pub(crate) fn unless_miri<T>(size: T, small: T) -> T {
+    if cfg!(miri) { small } else { size }
+}

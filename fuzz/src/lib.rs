@@ -1,0 +1,42 @@
+//! What fuzz targets and the maker of their seeds share.
+
+use std::io::{Read, Write};
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_drape::prelude::*;
+use lz4_flex::frame::{FrameDecoder, FrameEncoder, FrameInfo};
+
+/// How a checkpoint begins, up to its length.
+pub const CHECKPOINT: &[u8] = b"DRAPESAV\x01\0\0\0";
+
+/// How a recording begins, up to its first packet.
+pub const RECORDING: &[u8] = b"DRAPEREC\x01\0\0\0";
+
+/// A world of one of each: a cloth, a ball, an obstacle, after one step.
+pub fn world() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, DrapePlugins::default()))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.world_mut().spawn(Cloth::new(1.0, 1.0).with_particles(4, 4));
+    app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 0.0, 1.0)));
+    app.world_mut().spawn((Obstacle::ground(), Transform::from_xyz(0.0, -2.0, 0.0)));
+    app.update();
+    app.update();
+    app
+}
+
+/// Compresses as the library does, with a good checksum.
+pub fn pack(plain: &[u8]) -> Vec<u8> {
+    let info = FrameInfo::new().content_checksum(true);
+    let mut encoder = FrameEncoder::with_frame_info(info, Vec::new());
+    encoder.write_all(plain).expect("memory");
+    encoder.finish().expect("memory")
+}
+
+/// What was [packed](pack).
+pub fn unpack(packed: &[u8]) -> Vec<u8> {
+    let mut plain = Vec::new();
+    FrameDecoder::new(packed).read_to_end(&mut plain).expect("a frame of the library");
+    plain
+}
