@@ -92,9 +92,9 @@ fn scene(c: &mut Choices) -> String {
     let wind = c.of(&["(0, 0, 0)", "(3, 0, 1)", "(-60, 10, 0)"]);
     let dt = c.of(&["0.0166666667", "0.001", "0.05", "0.1"]);
     let _ = write!(text, "gravity: {gravity}, wind: (velocity: {wind}), dt: {dt}), bodies: {{ ");
-    let bodies = 1 + c.below(NAMES.len() as u8);
-    for name in &NAMES[..usize::from(bodies)] {
-        let _ = write!(text, "\"{name}\": {}, ", body(c));
+    let bodies: Vec<String> = (0..=c.below(NAMES.len() as u8)).map(|_| body(c)).collect();
+    for (name, body) in NAMES.iter().zip(&bodies) {
+        let _ = write!(text, "\"{name}\": {body}, ");
     }
     text += "}, obstacles: { ";
     for number in 0..c.below(3) {
@@ -102,8 +102,11 @@ fn scene(c: &mut Choices) -> String {
     }
     text += "}, timeline: [";
     for _ in 0..c.below(6) {
-        let name = NAMES[usize::from(c.below(bodies))];
-        let _ = write!(text, "(at: {}.{}, do: {}), ", c.below(3), c.below(10), action(c, name));
+        let chosen = usize::from(c.below(bodies.len() as u8));
+        // Balls have no particles that could be pinned.
+        let first = if bodies[chosen].starts_with("Balls") { 2 } else { 0 };
+        let _ =
+            write!(text, "(at: {}.{}, do: {}), ", c.below(3), c.below(10), action(c, NAMES[chosen], first));
     }
     text + "])"
 }
@@ -160,14 +163,15 @@ fn obstacle(c: &mut Choices) -> String {
     format!("(shape: {shape}, at: {}, friction: {})", c.place(), c.of(&["0.5", "0", "5"]))
 }
 
-fn action(c: &mut Choices, name: &str) -> String {
-    match c.below(7) {
+/// What is done to a body, or to all; from the `first` kind on.
+fn action(c: &mut Choices, name: &str, first: u8) -> String {
+    match first + c.below(7 - first) {
         0 => format!("Pin(of: \"{name}\")"),
         1 => format!("Unpin(of: \"{name}\")"),
         2 => format!("Push(of: \"{name}\", impulse: {})", c.velocity()),
         3 => format!("Spawn(\"{name}\")"),
         4 => format!("Despawn(\"{name}\")"),
-        5 => format!("SetWind({})", c.velocity()),
+        5 => format!("SetWind{}", c.velocity()),
         _ => format!("Set(\"settings.gravity\", {})", "[0, 5, 0]"),
     }
 }

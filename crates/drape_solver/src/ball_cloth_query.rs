@@ -51,7 +51,6 @@ mod tests {
     use crate::ball::{Ball, BallMaterial};
     use crate::cloth::ClothBuilder;
     use crate::island::Environment;
-    use crate::miri::unless_miri;
     use crate::settings::SolverSettings;
     use crate::step;
 
@@ -67,8 +66,9 @@ mod tests {
     /// A ball through a free cloth that is heavily deformed: the search leaves nothing out, nor what the ball's centre
     /// has passed through. On grids in rows, in square patches, and too small to be cut.
     #[test]
+    #[cfg_attr(miri, ignore = "fast balls take hundreds of substeps")]
     fn the_search_finds_what_a_look_at_all_candidates_finds() {
-        for (columns, rows) in [(6, 5), (17, 13), (40, 30)].into_iter().take(unless_miri(3, 1)) {
+        for (columns, rows) in [(40, 30), (17, 13), (6, 5)] {
             let body = ClothBuilder::new(2.0, 1.5, columns, rows)
                 .placed(Vec3::new(-1.0, 0.75, 0.0), Vec3::X, Vec3::NEG_Y)
                 .build(SolverSettings::default())
@@ -81,7 +81,7 @@ mod tests {
             }
             let environment = Environment::default();
             let (mut contacts, mut passed) = (0, 0);
-            for _ in 0..unless_miri(12, 3) {
+            for _ in 0..12 {
                 step::begin(&mut island, &environment).expect("finite");
                 step::accumulate_forces(&mut island, &environment);
                 step::detect_collisions(&mut island, &environment);
@@ -105,8 +105,7 @@ mod tests {
                 }
                 step::finish(&mut island).expect("finite");
             }
-            let enough = unless_miri(20, 0);
-            assert!(contacts > enough && passed > enough, "{contacts} contacts, {passed} passed");
+            assert!(contacts > 20 && passed > 20, "{contacts} contacts, {passed} passed");
         }
     }
 }

@@ -439,6 +439,7 @@ mod tests {
 
     /// A body longer than its window: blocks take turns in it.
     #[test]
+    #[cfg_attr(miri, ignore = "it takes twenty blocks of particles")]
     fn a_window_smaller_than_the_body_is_enough() {
         let cells = 40 * BLOCK / LANES;
         let mut sticks = ListedSticks::default();
