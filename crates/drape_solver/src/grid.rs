@@ -63,19 +63,50 @@ impl GridBatch {
         [[from, row], [from.wrapping_add_signed(self.right), row + self.down]]
     }
 
-    /// The two particles that stick `k` joins.
+    /// The stick that begins at this column and row, if there is one; the way back from [`ends`](Self::ends).
+    fn stick_from(self, [column, row]: [usize; 2]) -> Option<usize> {
+        let left = if self.right < 0 { self.right.unsigned_abs() } else { 0 };
+        let ([across, down], (number, width)) = (self.starts(), self.split());
+        let column = column.checked_sub(left).filter(|&column| column < across && row < down)?;
+        let place = if self.down == 0 { column } else { row };
+        let in_group = (place % (2 * width)).checked_sub(self.phase * width).filter(|&i| i < width)?;
+        let i = place / (2 * width) * width + in_group;
+        Some(if self.down == 0 { row * number + i } else { i * across + column })
+    }
+
+    /// The stick between two places of the grid, given by their slots, if there is one.
+    pub fn stick_between(self, [a, b]: [usize; 2]) -> Option<usize> {
+        let [a, b] = [self.grid.place(a), self.grid.place(b)];
+        let leads = |from: [usize; 2], to: [usize; 2]| {
+            let stick = self.stick_from(from)?;
+            (self.ends(stick)[1] == to).then_some(stick)
+        };
+        leads(a, b).or_else(|| leads(b, a))
+    }
+
+    /// The slots of the ends of stick `k`.
+    pub fn slots(self, k: usize) -> [usize; 2] {
+        self.ends(k).map(|[column, row]| self.grid.slot(column, row))
+    }
+
+    /// The two particles that stick `k` joins in a whole grid.
     pub fn particles(self, k: usize) -> [usize; 2] {
         self.ends(k).map(|[column, row]| row * self.grid.columns + column)
     }
 
-    /// Puts the sticks into runs of cells, and strips whose runs are alike into bands.
-    pub fn runs(self) -> GridRuns {
+    /// Puts the sticks into runs of cells, and strips whose runs are alike into bands; all but the `severed` ones, of
+    /// which there is an ascending list.
+    pub fn runs(self, severed: &[u32]) -> GridRuns {
         let cells_of_strip = self.grid.cells_of_strip();
         // Skip-one sticks along a row begin in two cells of four: every fourth cell makes the longer run.
         let period = if self.down == 0 { 2 * self.right.unsigned_abs() } else { 1 };
         let mut pairs = Vec::with_capacity(self.count());
+        let mut severed = severed.iter().peekable();
         for k in 0..self.count() {
-            let [a, b] = self.ends(k).map(|[column, row]| self.grid.slot(column, row));
+            if severed.next_if_eq(&&(k as u32)).is_some() {
+                continue;
+            }
+            let [a, b] = self.slots(k);
             // The lane of the second end is never the lower one, so that there is one direction to shift in.
             let [a, b] = if a % LANES <= b % LANES { [a, b] } else { [b, a] };
             let strip = (a / LANES).min(b / LANES) / cells_of_strip;
@@ -240,7 +271,7 @@ mod tests {
             for half in FAMILIES.into_iter().flat_map(|(right, down)| GridBatch::halves(grid, right, down)) {
                 let mut found = Vec::new();
                 // In two windows, as a sweep down the strips takes them.
-                let runs = half.runs();
+                let runs = half.runs(&[]);
                 let (_, strips) = Layout::Grid(grid).strips();
                 for window in [0..strips / 2, strips / 2..strips] {
                     for (band, runs) in runs.bands() {
@@ -256,8 +287,11 @@ mod tests {
                         }
                     }
                 }
-                let slots = |k: usize| half.ends(k).map(|[column, row]| grid.slot(column, row));
-                let mut expected: Vec<_> = (0..half.count()).map(slots).collect();
+                let mut expected: Vec<_> = (0..half.count()).map(|k| half.slots(k)).collect();
+                for (k, &ends) in expected.iter().enumerate() {
+                    assert_eq!(half.stick_between(ends), Some(k));
+                    assert_eq!(half.stick_between([ends[1], ends[0]]), Some(k));
+                }
                 for pair in found.iter_mut().chain(&mut expected) {
                     pair.sort_unstable();
                 }
