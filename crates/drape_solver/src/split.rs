@@ -125,6 +125,11 @@ impl<'a> Split<'a> {
         &self.corners
     }
 
+    /// The particles near cracks, in order.
+    pub fn near(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.is_near.len() as u32).filter(|&particle| self.is_near[particle as usize])
+    }
+
     /// Whether a stick between these particles may have been severed.
     pub fn may_concern(&self, [a, b]: [u32; 2]) -> bool {
         self.is_near[a as usize] || self.is_near[b as usize]

@@ -81,6 +81,11 @@ pub(crate) struct LooseStick {
 }
 
 impl StickBatch {
+    /// Which of a grid family's sticks stick `i` is, if these are `severed`.
+    pub(crate) fn place_in_family(&self, i: usize, severed: &[u32]) -> usize {
+        kept(i - self.first, severed)
+    }
+
     /// The indices of the batch's sticks.
     pub fn range(&self) -> core::ops::Range<usize> {
         self.first..self.first + self.count

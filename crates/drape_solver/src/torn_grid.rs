@@ -71,6 +71,11 @@ impl TornGrid {
         self.homes[index]
     }
 
+    /// Whether both of these particles have the slot that they are at home in.
+    pub fn are_home(&self, particles: [u32; 2]) -> bool {
+        particles.iter().all(|&particle| self.slots[particle as usize] == self.homes[particle as usize])
+    }
+
     /// The particle in `slot`; none in a ghost or an empty place.
     pub fn index(&self, slot: usize) -> Option<usize> {
         self.indices.get(slot).filter(|&&index| index != NOBODY).map(|&index| index as usize)
