@@ -23,5 +23,6 @@ mod reflection;
 mod schedule;
 mod simulates;
 mod sleeping;
+mod tearing;
 mod threads;
 mod waking;

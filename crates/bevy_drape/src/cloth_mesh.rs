@@ -135,7 +135,8 @@ impl ClothMesh {
     }
 }
 
-/// Which particle each vertex of a [`ClothMesh`] belongs to. Comes with its [`Particles`](crate::particles::Particles).
+/// Which particle each vertex of the mesh belongs to that a [`ClothMesh`] shows. Comes with its
+/// [`Particles`](crate::particles::Particles).
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, Clone)]
@@ -147,6 +148,11 @@ pub struct WeldedVertices {
 impl WeldedVertices {
     pub(crate) fn new(particles: Arc<[Option<u32>]>, repairs: MeshRepairs) -> Self {
         Self { particles, repairs }
+    }
+
+    /// Of a piece of a cloth that was torn.
+    pub(crate) fn torn(particles: Arc<[Option<u32>]>) -> Self {
+        Self::new(particles, MeshRepairs::default())
     }
 
     /// The particle of a vertex; none if no triangle with an area has it for a corner.

@@ -2,7 +2,7 @@
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoAutoAabb;
-use bevy::mesh::VertexAttributeValues;
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use drape_solver::MeshCloth;
 
@@ -83,7 +83,10 @@ pub(crate) fn build_cloth_meshes(
                 }
                 let bounds =
                     EntitySpace::new(transform).and_then(|space| surface.write(&mut copy, &space, 1.0));
-                let welded = WeldedVertices::new(surface.vertex_particles(), cloth.repairs);
+                let welded = WeldedVertices::new(
+                    surface.vertices().map(|vertices| vertices.particles.clone()).unwrap_or_default(),
+                    cloth.repairs,
+                );
                 let shown = meshes.add(copy);
                 surface.mesh = shown.id();
                 let state = MeshOfCloth { source, shown: Some(shown.id()) };
@@ -120,15 +123,28 @@ fn build(
     let normals =
         normals.and_then(VertexAttributeValues::as_float3).filter(|normals| normals.len() == places.len());
     let faces = faces(mesh, places.len())?;
-    let vertices = VertexMap::new(built.particle_of_vertex.clone(), places, normals, faces);
-    let mut copy = mesh.clone();
+    let mut copy = if mesh.primitive_topology() == PrimitiveTopology::TriangleList {
+        mesh.clone()
+    } else {
+        list_of_triangles(mesh, &faces)
+    };
     if normals.is_none() {
         copy.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; places.len()]);
     }
+    let vertices = VertexMap::new(built.particle_of_vertex.clone(), places, normals, faces);
     // Written here, read by the renderer.
     copy.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
     let surface = Surface::of_mesh(&built.particles, &built.topology.clone().into(), vertices);
     Ok((built, surface, copy))
+}
+
+/// A strip as a list, which can be torn.
+fn list_of_triangles(strip: &Mesh, faces: &[[u32; 3]]) -> Mesh {
+    let mut list = Mesh::new(PrimitiveTopology::TriangleList, strip.asset_usage);
+    for (&attribute, values) in strip.attributes() {
+        list.insert_attribute(attribute, values.clone());
+    }
+    list.with_inserted_indices(Indices::U32(faces.as_flattened().to_vec()))
 }
 
 /// A mesh by the path that it was loaded from.

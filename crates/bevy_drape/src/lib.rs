@@ -46,6 +46,9 @@ mod sleepers;
 pub mod snapshot;
 #[cfg(feature = "mesh")]
 mod surface;
+pub mod tear;
+#[cfg(feature = "mesh")]
+mod torn_mesh;
 mod transforms;
 #[cfg(feature = "mesh")]
 mod vertex_map;
@@ -96,5 +99,6 @@ pub mod prelude {
         settings::{
             DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
         },
+        tear::{BodySplit, CutCloth, StickTorn, Tearable},
     };
 }

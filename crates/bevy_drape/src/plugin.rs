@@ -45,6 +45,7 @@ use crate::rope::Rope;
 use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
 use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
+use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
 
@@ -109,6 +110,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
+            .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
         app.init_resource::<ActivityCounts>()
             .init_resource::<Attention>()
@@ -132,11 +134,14 @@ impl Plugin for SolverPlugin {
             .init_resource::<Touching>()
             .init_resource::<Wind>()
             .add_message::<BallHit>()
+            .add_message::<BodySplit>()
             .add_message::<CannonFired>()
+            .add_message::<CutCloth>()
             .add_message::<DrapeContactEnded>()
             .add_message::<DrapeContactHit>()
             .add_message::<DrapeContactStarted>()
-            .add_message::<FireCannon>();
+            .add_message::<FireCannon>()
+            .add_message::<StickTorn>();
         app.add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
             .add_observer(remove_ball)
@@ -158,7 +163,8 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_removed::<Obstacle>)
             .add_observer(forget_despawned_body)
             .add_observer(forget_removed::<Projectile>)
-            .add_observer(forget_removed::<Rope>);
+            .add_observer(forget_removed::<Rope>)
+            .add_observer(forget_removed::<Tearable>);
         configure(app);
         app.add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate));
         app.add_systems(
@@ -173,7 +179,7 @@ impl Plugin for SolverPlugin {
                         .chain(),
                     fire_cannons,
                     (build_described::<Cloth>, build_described::<Rope>, build_projectiles).chain(),
-                    compile_rigs,
+                    (compile_rigs, cut_bodies).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
                     (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
                     (pay_attention, wake, cull).chain(),
@@ -189,6 +195,7 @@ impl Plugin for SolverPlugin {
                     send_contacts,
                     write_projectile_transforms,
                     write_rig_transforms,
+                    tear_bodies,
                     count_activity,
                 )
                     .chain()

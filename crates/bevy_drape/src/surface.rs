@@ -29,6 +29,12 @@ impl Snapshot {
         snapshot
     }
 
+    /// The places of some of the particles.
+    fn torn(&self, origins: &[u32]) -> Option<Self> {
+        let positions = origins.iter().map(|&origin| self.positions.get(origin as usize).copied());
+        Some(Self { positions: positions.collect::<Option<_>>()?, ..*self })
+    }
+
     /// Takes the present state; false if it is not finite.
     fn read(&mut self, particles: &drape_solver::Particles) -> bool {
         self.origin = particles.origin();
@@ -88,9 +94,27 @@ impl Surface {
         Self { vertices: Some(vertices), ..Self::new(particles, topology, 0) }
     }
 
-    /// The particle of each vertex, of a mesh with vertices of its own.
-    pub fn vertex_particles(&self) -> Arc<[Option<u32>]> {
-        self.vertices.as_ref().map(|vertices| Arc::clone(&vertices.particles)).unwrap_or_default()
+    /// How vertices hang on particles, of a mesh with vertices of its own.
+    pub fn vertices(&self) -> Option<&VertexMap> {
+        self.vertices.as_ref()
+    }
+
+    /// The surface of what has these particles of the body since the last step, and these vertices of its own if the body
+    /// has; none if there are no such particles.
+    pub fn torn(
+        &self,
+        origins: &[u32],
+        topology: &Arc<Topology>,
+        vertices: Option<VertexMap>,
+    ) -> Option<Self> {
+        Some(Self {
+            topology: Arc::clone(topology),
+            vertices,
+            previous: self.previous.torn(origins)?,
+            current: self.current.torn(origins)?,
+            shown: None,
+            ..self.clone()
+        })
     }
 
     /// Notes where a step left the particles. A state that is not finite is not shown.

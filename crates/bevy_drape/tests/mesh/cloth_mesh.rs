@@ -346,3 +346,51 @@ fn fields_out_of_range_and_places_that_are_none_are_refused_and_mended() {
         assert!(refusals(&app, entity).is_empty() && app.world().get::<Particles>(entity).is_some());
     }
 }
+
+/// The triangles of a mesh by the texture coordinates of their corners, in order.
+fn textured(mesh: &Mesh) -> Vec<[[u32; 2]; 3]> {
+    let Some(VertexAttributeValues::Float32x2(places)) = mesh.attribute(Mesh::ATTRIBUTE_UV_0) else {
+        panic!("no texture coordinates");
+    };
+    let indices: Vec<usize> = mesh.indices().expect("indexed").iter().collect();
+    indices.as_chunks().0.iter().map(|face: &[usize; 3]| face.map(|i| places[i].map(f32::to_bits))).collect()
+}
+
+/// Cut across, and the lower part, which has come off, slit and cut again.
+#[test]
+fn what_is_cut_keeps_its_triangles_and_its_texture() {
+    let cloth = ClothMesh::default();
+    let (mut app, _) = hung(pipe(), cloth, Transform::default());
+    let expected = {
+        let mut all = textured(&pipe());
+        all.sort_unstable();
+        all
+    };
+    let across = |y: f32| [-1.0, 1.0].map(|x| [-1.0, 1.0].map(|z| Vec3::new(x, y, z)));
+    let slit = [
+        [Vec3::new(0.3, -0.6, 0.1), Vec3::new(0.3, -0.2, 0.1)],
+        [Vec3::new(0.7, -0.6, 0.1), Vec3::new(0.7, -0.2, 0.1)],
+    ];
+    for (blade, bodies) in [(across(0.05), 2), (slit, 2), (across(-0.25), 3)] {
+        app.world_mut().write_message(CutCloth::sweep(blade[0], blade[1]));
+        (0..3).for_each(|_| frame(&mut app, 1.0));
+        let mut query = app.world_mut().query_filtered::<Entity, With<Particles>>();
+        let parts: Vec<Entity> = query.iter(app.world()).collect();
+        assert_eq!(parts.len(), bodies);
+        let mut all = Vec::new();
+        for &part in &parts {
+            all.extend(textured(mesh_of(&app, part)));
+            let (shown, places) = (world_vertices(&app, part), particles(&app, part));
+            let welded = welded(&app, part);
+            assert_eq!(shown.len(), welded.vertex_count());
+            for (vertex, shown) in shown.into_iter().enumerate() {
+                let place = places[welded.particle(vertex).expect("of a triangle")];
+                assert!(place.distance(shown) < 0.1, "shown between two steps");
+            }
+            let normals = normals_of(&app, part);
+            assert!(normals.iter().all(|normal| (normal.length() - 1.0).abs() < 1e-4));
+        }
+        all.sort_unstable();
+        assert!(all == expected, "no triangle is lost, and none has other coordinates");
+    }
+}

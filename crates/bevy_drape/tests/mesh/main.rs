@@ -6,6 +6,7 @@ mod interpolation;
 mod normals;
 mod ownership;
 mod schedules;
+mod torn;
 mod vertices;
 mod writes;
 

@@ -42,6 +42,7 @@ mod self_contact_triangles;
 mod stability;
 mod stiffness;
 mod symmetry;
+mod tearing;
 mod terminal_velocity;
 mod tethers;
 mod tetrahedron_spin;
