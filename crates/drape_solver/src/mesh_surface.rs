@@ -171,12 +171,12 @@ impl MeshSurface {
 
 /// Twice the area of a triangle in m^2, which single precision may not tell from zero.
 pub(crate) fn double_area(corners: [Vec3; 3]) -> f64 {
-    let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a).cross(c - a).length()
 }
 
 fn is_empty(corners: [Vec3; 3]) -> bool {
-    let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
     let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
     double_area(corners) <= LEAST_HEIGHT * longest
 }
