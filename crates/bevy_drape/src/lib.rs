@@ -47,6 +47,7 @@ mod transforms;
 #[cfg(feature = "mesh")]
 mod visibility;
 mod waking;
+pub mod wind_zone;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -71,7 +72,7 @@ pub mod prelude {
             DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
         },
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
-        environment::{DrapeGravity, Wind},
+        environment::{DrapeGravity, Gusts, Wind},
         grab::Grab,
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
@@ -89,5 +90,6 @@ pub mod prelude {
             DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
         },
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
+        wind_zone::{WindFlow, WindRegion, WindZone},
     };
 }

@@ -89,6 +89,7 @@ mod topology_builder;
 mod torn_grid;
 pub mod touch;
 mod transpose;
+pub mod wind;
 mod work;
 
 pub use ball::{Ball, BallMaterial};
@@ -97,7 +98,6 @@ pub use body::{Body, BodyContext};
 pub use cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use dynamic_obstacle::MovedObstacle;
 pub use error::{BuildError, StepError};
-pub use force::Wind;
 pub use hash::StateHasher;
 pub use isa::Isa;
 pub use island::{Environment, Island};
@@ -120,6 +120,7 @@ pub use threads::{Alone, Threads};
 pub use topology::{StickBatch, StickKind, StickMaterial, Topology};
 pub use topology_builder::TopologyBuilder;
 pub use touch::{Contact, Feature, Other, Party, Touch};
+pub use wind::{Turbulence, Wind, WindFlow, WindRegion, WindZone};
 
 pub use glam;
 pub use parry3d;

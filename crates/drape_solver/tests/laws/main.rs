@@ -47,3 +47,4 @@ mod tethers;
 mod tetrahedron_spin;
 mod timestep;
 mod touch;
+mod wind;
