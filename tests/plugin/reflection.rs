@@ -45,6 +45,7 @@ fn components_and_resources_are_registered() {
     assert_component::<Tearable>(&app);
     assert_component::<TeleportObstacle>(&app);
     assert_component::<Viewer>(&app);
+    assert_component::<WindZone>(&app);
     assert_resource::<ActivityCounts>(&app);
     assert_resource::<DefaultSolverSettings>(&app);
     assert_resource::<DrapeClock>(&app);
@@ -100,10 +101,10 @@ mod both {
             Activity ActivityCounts BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
             CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
-            DrapeSystems DynamicObstacle FireCannon Grab HitTarget InRig Interpolated Obstacle ObstacleReaction
+            DrapeSystems DynamicObstacle FireCannon Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
             ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
             SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
-            Viewer Wind
+            Viewer Wind WindFlow WindRegion WindZone
         }
         .into_iter()
     }

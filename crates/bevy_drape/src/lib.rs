@@ -55,6 +55,7 @@ mod vertex_map;
 #[cfg(feature = "mesh")]
 mod visibility;
 mod waking;
+pub mod wind_zone;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -82,7 +83,7 @@ pub mod prelude {
             DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
         },
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
-        environment::{DrapeGravity, Wind},
+        environment::{DrapeGravity, Gusts, Wind},
         grab::Grab,
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
@@ -100,5 +101,6 @@ pub mod prelude {
             DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
         },
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
+        wind_zone::{WindFlow, WindRegion, WindZone},
     };
 }

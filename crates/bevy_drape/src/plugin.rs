@@ -21,7 +21,7 @@ use crate::contact_events::{
 };
 use crate::description::{build_described, remove_described_body};
 use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
-use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
+use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
 use crate::grab::{Grab, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
@@ -48,6 +48,7 @@ use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
 use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
+use crate::wind_zone::{WindFlow, WindRegion, WindZone};
 
 /// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
 ///
@@ -111,6 +112,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
+            .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
         app.init_resource::<ActivityCounts>()
             .init_resource::<Attention>()
@@ -164,7 +166,8 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_despawned_body)
             .add_observer(forget_removed::<Projectile>)
             .add_observer(forget_removed::<Rope>)
-            .add_observer(forget_removed::<Tearable>);
+            .add_observer(forget_removed::<Tearable>)
+            .add_observer(forget_removed::<WindZone>);
         configure(app);
         app.add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate));
         app.add_systems(

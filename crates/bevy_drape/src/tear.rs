@@ -149,7 +149,14 @@ pub(crate) struct TornMesh {
 type TornQuery<'w, 's> = Query<
     'w,
     's,
-    (&'static mut Particles, &'static mut Sticks, &'static mut BodyState, Option<&'static Tearable>),
+    (
+        Entity,
+        &'static mut Particles,
+        &'static mut Sticks,
+        &'static mut BodyState,
+        &'static Activity,
+        Option<Ref<'static, Tearable>>,
+    ),
     Without<Rig>,
 >;
 
@@ -169,7 +176,6 @@ pub(crate) struct Tearing<'w, 's> {
 pub(crate) fn cut_bodies(
     mut cuts: MessageReader<CutCloth>,
     mut bodies: TornQuery,
-    orders: Query<(Entity, &BodyState), (With<Particles>, Without<Rig>)>,
     clock: Res<DrapeClock>,
     mut tearing: Tearing,
 ) {
@@ -179,14 +185,14 @@ pub(crate) fn cut_bodies(
             continue;
         }
         let bounds = cut.bounds();
-        let is_near = |&(entity, state): &(Entity, &BodyState)| {
+        let is_near = |entity: Entity, state: &BodyState| {
             cut.only.is_none_or(|only| only == entity)
                 && !state.refused
                 && overlap(bounds, grown(state.extent.bounds, state.settings.thickness))
         };
         // In order of creation, so that entity ids do not matter to the order of the pieces.
         let mut near: Vec<(u64, Entity)> =
-            orders.iter().filter(is_near).map(|(entity, state)| (state.order, entity)).collect();
+            bodies.iter().filter(|body| is_near(body.0, body.3)).map(|body| (body.3.order, body.0)).collect();
         near.sort_unstable();
         for (_, entity) in near {
             tearing.part(entity, &mut bodies, clock.elapsed(), true, |body| body.cut(&cut.blade));
@@ -197,13 +203,13 @@ pub(crate) fn cut_bodies(
 /// Tears what this step has stretched too far.
 pub(crate) fn tear_bodies(
     mut bodies: TornQuery,
-    tearable: Query<(Entity, Ref<Tearable>, &Activity, &BodyState), Without<Rig>>,
     clock: Res<DrapeClock>,
     mut tearing: Tearing,
     mut awake: Local<Vec<(u64, Entity, TearLimits)>>,
 ) {
     awake.clear();
-    for (entity, tearable, activity, state) in &tearable {
+    for (entity, _, _, state, activity, tearable) in &bodies {
+        let Some(tearable) = tearable else { continue };
         let Tearable { strain, most_at_once, .. } = *tearable;
         if tearable.is_changed() {
             tearing.refusals.forget_component(entity, "Tearable");
@@ -235,7 +241,9 @@ impl Tearing<'_, '_> {
         is_cut: bool,
         part: impl FnOnce(&mut Body) -> Result<Option<Torn>, drape_solver::BuildError>,
     ) {
-        let Ok((mut particles, mut sticks, mut state, tearable)) = bodies.get_mut(entity) else { return };
+        let Ok((_, mut particles, mut sticks, mut state, _, tearable)) = bodies.get_mut(entity) else {
+            return;
+        };
         if particles.is_empty() || particles.len() != sticks.particle_count() {
             return;
         }
@@ -259,7 +267,7 @@ impl Tearing<'_, '_> {
         for TornStick { position, length, rest_length, .. } in torn_sticks {
             self.torn.write(StickTorn { body: entity, position, length, rest_length, is_cut, time });
         }
-        let least = tearable.copied().unwrap_or_default().least_particles as usize;
+        let least = tearable.map_or_else(Tearable::default, |tearable| *tearable).least_particles as usize;
         for Piece { body: piece, origins } in pieces {
             let spawned =
                 (piece.particles.len() >= least).then(|| self.spawn(entity, &state, piece, &origins));

@@ -95,6 +95,7 @@ mod torn_grid;
 pub mod touch;
 mod transpose;
 mod weld;
+pub mod wind;
 mod work;
 
 pub use ball::{Ball, BallMaterial};
@@ -103,7 +104,6 @@ pub use body::{Body, BodyContext};
 pub use cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use dynamic_obstacle::MovedObstacle;
 pub use error::{BuildError, StepError};
-pub use force::Wind;
 pub use hash::StateHasher;
 pub use isa::Isa;
 pub use island::{Environment, Island};
@@ -128,6 +128,7 @@ pub use threads::{Alone, Threads};
 pub use topology::{StickBatch, StickKind, StickMaterial, Topology};
 pub use topology_builder::TopologyBuilder;
 pub use touch::{Contact, Feature, Other, Party, Touch};
+pub use wind::{Turbulence, Wind, WindFlow, WindRegion, WindZone};
 
 pub use glam;
 pub use parry3d;

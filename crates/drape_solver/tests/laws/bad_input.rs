@@ -132,6 +132,21 @@ fn non_finite_states_are_found_and_named() {
     assert_eq!(step(&mut island, &gravity(FRAME)), Err(StepError::NonFiniteBody(0)));
 }
 
+/// A fuzzed checkpoint put a particle so far away that the area of its faces was no number, and the wind on them panicked, as
+/// `f32::clamp` does between limits that are none. Such a state is refused by the step.
+#[test]
+fn wind_on_a_face_without_a_finite_area_does_not_panic() {
+    for far in [1e13, 1e20, 1e30, f32::MAX] {
+        let curtain = ClothBuilder::new(1.0, 1.0, 4, 4).pin_edge(Edge::Top).build(SolverSettings::default());
+        let mut island = Island::of_body(curtain.expect("valid"));
+        island.bodies[0].particles.set_position(9, Vec3::new(far, -far, far));
+        let wind = Wind { lift_coefficient: 1.0, ..Wind::new(Vec3::X * 5.0) };
+        let environment = Environment { wind, ..gravity(FRAME) };
+        let outcome = (0..3).try_for_each(|_| step(&mut island, &environment));
+        assert!(outcome.is_err() || particles(&island).is_finite(), "{far}");
+    }
+}
+
 #[test]
 fn bad_particles_are_refused() {
     for bad in BAD {

@@ -48,3 +48,4 @@ mod tethers;
 mod tetrahedron_spin;
 mod timestep;
 mod touch;
+mod wind;
