@@ -50,8 +50,7 @@ impl BallObstacle {
     /// What the obstacle has given to the ball in the last substep, if anything.
     pub(crate) fn given(&self, balls: &[Ball]) -> Option<Given> {
         let Push { push, moment } = self.given;
-        let point = balls[self.ball].position.as_dvec3();
-        (self.depth > 0.0).then_some(Given { obstacle: self.obstacle, point, push, moment })
+        (self.depth > 0.0).then(|| self.gives(&balls[self.ball], push, moment))
     }
 
     /// The obstacle, if it is moved by what hits it; the pair's poses then follow it.

@@ -117,7 +117,8 @@ fn a_ball_hands_its_momentum_to_a_box() {
         for _ in 0..30 {
             scene.step();
             assert!((scene.momentum() - linear).length() < 1e-5 * linear.length());
-            assert!((scene.angular_momentum() - angular).length() <= 0.02 * angular.length() + 1e-5);
+            let lost = (scene.angular_momentum() - angular).length();
+            assert!(lost < 1e-5, "{mass} kg, {off} m off: {lost} of {angular} N m s");
             assert!(scene.kinetic_energy() < 1.0001 * most, "{mass} kg: {} J", scene.kinetic_energy());
             most = most.min(scene.kinetic_energy());
         }
@@ -125,7 +126,7 @@ fn a_ball_hands_its_momentum_to_a_box() {
         let expected = 48.0 * (1.0 + 0.5 * restitution) / (mass + 4.0);
         assert!(scene.body.velocity.x > 0.8 * expected, "{mass} kg: {} m/s", scene.body.velocity.x);
         if spin > 0.0 {
-            assert!(scene.body.velocity.y < -0.1, "it was rubbed down: {} m/s", scene.body.velocity.y);
+            assert!(scene.body.velocity.y > 0.1, "it was rubbed up: {} m/s", scene.body.velocity.y);
         }
     }
 }
