@@ -152,8 +152,9 @@ fn operate(world: &mut World, dice: &mut Dice, things: &mut Vec<Entity>) {
         }
         11 => {
             let grab = world.get::<Particles>(entity).map(|particles| {
-                let held = Grab::new(particles, dice.below(particles.len()), 0.3);
-                Grab { target: dice.vector(2.0), ..held }
+                let mut grab = Grab::new(particles, dice.below(particles.len()), 0.3);
+                grab.target = dice.vector(2.0);
+                grab
             });
             match grab {
                 Some(grab) if dice.below(2) == 0 => world.entity_mut(entity).insert(grab),

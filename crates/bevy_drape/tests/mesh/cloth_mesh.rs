@@ -49,6 +49,7 @@ fn welded(app: &App, entity: Entity) -> &WeldedVertices {
 fn a_mesh_becomes_a_cloth_that_stays_closed_and_keeps_its_texture() {
     let mesh = pipe();
     let (mut app, cloth) = hung(mesh.clone(), ClothMesh::default(), Transform::from_xyz(3.0, 2.0, 1.0));
+    app.insert_resource(Wind { velocity: Vec3::new(6.0, 0.0, 2.0), ..default() });
     (0..60).for_each(|_| frame(&mut app, 1.0));
     let shown = mesh_of(&app, cloth);
     assert_eq!(shown.indices(), mesh.indices());
