@@ -46,6 +46,8 @@ impl Motion {
 /// A body as it was looked at last.
 #[derive(Clone, Debug, Default)]
 struct Known {
+    /// Its place in the island, by which lists name it.
+    place: usize,
     topology: Weak<Topology>,
     level: SelfContact,
     thickness: f32,
@@ -56,15 +58,17 @@ struct Known {
 }
 
 impl Known {
-    fn is(&self, body: &Body) -> bool {
-        core::ptr::eq(self.topology.as_ptr(), Arc::as_ptr(&body.topology))
+    fn is(&self, place: usize, body: &Body) -> bool {
+        self.place == place
+            && core::ptr::eq(self.topology.as_ptr(), Arc::as_ptr(&body.topology))
             && self.level == body.settings.self_contact
             && self.thickness.to_bits() == body.settings.thickness.to_bits()
             && self.position.cells.len() == body.particles.position.cells.len()
     }
 
-    fn note(&mut self, body: &Body) {
-        if !self.is(body) {
+    fn note(&mut self, place: usize, body: &Body) {
+        if !self.is(place, body) {
+            self.place = place;
             self.topology = Arc::downgrade(&body.topology);
             self.level = body.settings.self_contact;
             self.thickness = body.settings.thickness;
@@ -89,20 +93,20 @@ impl RelativeMotion {
     /// Adds the way since the last call, once all have flown for this substep. False if the bodies are not those of the
     /// last call, or the way has become too long to be added to: then there is a new beginning.
     pub fn follow(&mut self, bodies: &[Body], isa: Isa, is_first: bool) -> bool {
-        let on = || bodies.iter().filter(|body| is_on(body));
-        let are_known =
-            on().count() == self.known.len() && on().zip(&self.known).all(|(body, known)| known.is(body));
+        let on = || bodies.iter().enumerate().filter(|(_, body)| is_on(body));
+        let are_known = on().count() == self.known.len()
+            && on().zip(&self.known).all(|((i, body), known)| known.is(i, body));
         if are_known {
             let mut sums = Legs { first: Vec3::ZERO, flight: Vec3::ZERO };
             let mut count = 0.0;
-            for (body, known) in on().zip(&self.known) {
+            for ((_, body), known) in on().zip(&self.known) {
                 let of_body = isa.run(Sum(Ways::new(body, known)));
                 sums = Legs { first: sums.first + of_body.first, flight: sums.flight + of_body.flight };
                 count += body.particles.len() as f32;
             }
             let mean = Legs { first: sums.first / count, flight: sums.flight / count };
             let (mut first, mut flight) = (0.0_f32, 0.0_f32);
-            for (body, known) in on().zip(&self.known) {
+            for ((_, body), known) in on().zip(&self.known) {
                 let of_body = isa.run(Greatest(Ways::new(body, known), mean));
                 (first, flight) = (first.max(of_body[0]), flight.max(of_body[1]));
             }
@@ -110,7 +114,7 @@ impl RelativeMotion {
             self.of_step.add(first.sqrt(), flight.sqrt());
         }
         self.known.resize_with(on().count(), Known::default);
-        on().zip(&mut self.known).for_each(|(body, known)| known.note(body));
+        on().zip(&mut self.known).for_each(|((place, body), known)| known.note(place, body));
         // Not a number counts as too long.
         let is_good = are_known && self.of_lists.now < LONGEST_WAY;
         if !is_good {
