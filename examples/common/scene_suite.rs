@@ -9,7 +9,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
 use crate::scene_arguments::{ReportFormat, SceneArguments};
+#[cfg(feature = "render")]
+use crate::scene_frames::Gallery;
 use crate::scene_plot::Curves;
+#[cfg(feature = "render")]
+use crate::studio::PictureError;
 
 /// Why scenes could not be run, or what they did not be written.
 #[derive(Debug, Error)]
@@ -41,6 +45,14 @@ pub enum SuiteError {
         /// What is wrong.
         reason: String,
     },
+    /// Pictures are asked for, and cannot be drawn.
+    #[cfg(feature = "render")]
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// Pictures are asked for, and this program draws none.
+    #[cfg(not(feature = "render"))]
+    #[error("`--frames` draws pictures, which needs the feature `render`: cargo run --features render ..")]
+    CannotDraw,
     /// The reports cannot be written.
     #[error("cannot write the report: {0}")]
     Report(String),
@@ -54,8 +66,9 @@ pub fn run(arguments: &SceneArguments) -> Result<bool, SuiteError> {
     let files = files_of(&arguments.files)?;
     make_folders(arguments, files.len())?;
     let mut reports = Vec::with_capacity(files.len());
+    let mut pictures = Pictures::open(arguments.frames.as_deref())?;
     for file in &files {
-        let report = run_scene(file, arguments, files.len())?;
+        let report = run_scene(file, arguments, files.len(), &mut pictures)?;
         // The standard output may be for a program to read.
         if arguments.report.is_none() {
             print!("{report}");
@@ -98,14 +111,19 @@ fn make_folders(arguments: &SceneArguments, count: usize) -> Result<(), SuiteErr
     Ok(())
 }
 
-fn run_scene(file: &Path, arguments: &SceneArguments, count: usize) -> Result<Report, SuiteError> {
+fn run_scene(
+    file: &Path,
+    arguments: &SceneArguments,
+    count: usize,
+    pictures: &mut Pictures,
+) -> Result<Report, SuiteError> {
     let name = scene_name(file);
     let script = match SceneScript::load_with(file, &arguments.overrides) {
         Ok(script) => script,
         Err(error) => return Ok(Report::failed(name, Some(file.to_path_buf()), &error.to_string())),
     };
     let dt = script.settings.dt.get() as f32;
-    let mut runner = SceneRunner::headless(script).from_file(file);
+    let mut runner = pictures.runner(script).from_file(file);
     let recording = arguments.record.as_ref().map(|record| match count {
         1 => record.clone(),
         _ => record.join(&name).with_extension("drape"),
@@ -122,6 +140,7 @@ fn run_scene(file: &Path, arguments: &SceneArguments, count: usize) -> Result<Re
     while goes_on {
         goes_on = runner.step();
         progress.inc(1);
+        pictures.look(&mut runner, &name)?;
         if let Some(curves) = &mut curves {
             curves.note(runner.world());
         }
@@ -133,15 +152,56 @@ fn run_scene(file: &Path, arguments: &SceneArguments, count: usize) -> Result<Re
         curves.draw(&path, &name).map_err(|reason| SuiteError::Plot { path: path.clone(), reason })?;
         eprintln!("{}", path.display());
     }
-    if let Some(folder) = &arguments.frames {
-        draw_frames(file, arguments, folder);
-    }
-    Ok(runner.report())
+    let report = runner.report();
+    pictures.close(runner);
+    Ok(report)
 }
 
-/// Says why there are no pictures.
-fn draw_frames(_: &Path, _: &SceneArguments, _: &Path) {
-    eprintln!("no pictures: this program does not draw those of scenes yet");
+/// What draws pictures of the scenes, if they are asked for.
+struct Pictures {
+    #[cfg(feature = "render")]
+    gallery: Option<Gallery>,
+}
+
+#[cfg(feature = "render")]
+impl Pictures {
+    fn open(folder: Option<&Path>) -> Result<Self, SuiteError> {
+        Ok(Self { gallery: folder.map(Gallery::open).transpose()? })
+    }
+
+    fn runner(&mut self, script: SceneScript) -> SceneRunner {
+        match &mut self.gallery {
+            Some(gallery) => gallery.runner(script),
+            None => SceneRunner::headless(script),
+        }
+    }
+
+    fn look(&mut self, runner: &mut SceneRunner, name: &str) -> Result<(), SuiteError> {
+        self.gallery.as_mut().map_or(Ok(()), |gallery| Ok(gallery.look(runner, name)?))
+    }
+
+    fn close(&mut self, runner: SceneRunner) {
+        if let Some(gallery) = &mut self.gallery {
+            gallery.close(runner);
+        }
+    }
+}
+
+#[cfg(not(feature = "render"))]
+impl Pictures {
+    fn open(folder: Option<&Path>) -> Result<Self, SuiteError> {
+        if folder.is_some() { Err(SuiteError::CannotDraw) } else { Ok(Self {}) }
+    }
+
+    fn runner(&mut self, script: SceneScript) -> SceneRunner {
+        SceneRunner::headless(script)
+    }
+
+    fn look(&mut self, _: &mut SceneRunner, _: &str) -> Result<(), SuiteError> {
+        Ok(())
+    }
+
+    fn close(&mut self, _: SceneRunner) {}
 }
 
 fn progress_bar(name: &str, steps: u64) -> ProgressBar {

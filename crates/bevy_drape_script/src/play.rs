@@ -125,6 +125,12 @@ impl ScenePlay {
         self.judges.iter().map(Judge::verdict).collect()
     }
 
+    /// The indices of the expectations that have failed, whatever comes; once the scene is over, of all that do not hold.
+    pub fn broken(&self) -> impl Iterator<Item = usize> {
+        let is_broken = |judge: &Judge| judge.is_broken() || self.is_over && !judge.verdict().passed;
+        self.judges.iter().enumerate().filter(move |(_, judge)| is_broken(judge)).map(|(index, _)| index)
+    }
+
     /// The end of the last step in seconds since the scene began.
     fn time(&self, world: &World) -> f64 {
         world.resource::<DrapeClock>().elapsed() - self.began.1

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use bevy::app::PluginsState;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
@@ -51,11 +52,14 @@ impl SceneRunner {
         if !app.is_plugin_added::<ScenePlugin>() {
             app.add_plugins(ScenePlugin);
         }
-        while app.plugins_state() == bevy::app::PluginsState::Adding {
+        while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
-        app.finish();
-        app.cleanup();
+        // An app that has run a scene before is ready.
+        if app.plugins_state() != PluginsState::Cleaned {
+            app.finish();
+            app.cleanup();
+        }
         app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
         begin_scene(app.world_mut(), script);
         // The first update takes no time and so no step.
@@ -79,6 +83,11 @@ impl SceneRunner {
     /// Says where the recording of this run lies, for the report.
     pub fn note_recording(&mut self, path: impl Into<PathBuf>) {
         self.recording = Some(path.into());
+    }
+
+    /// The app, to run another scene in.
+    pub fn into_app(self) -> App {
+        self.app
     }
 
     /// The app that the scene is in.

@@ -11,8 +11,11 @@ use crate::scene::Names;
 pub(super) struct Tally {
     hits: Vec<(String, String)>,
     contacts: Vec<(String, String)>,
+    /// What touches now, the names beside the entities: these may be gone when the contact ends.
+    touching: Vec<(Entity, Entity, (String, String))>,
     hit_cursor: MessageCursor<BallHit>,
     contact_cursor: MessageCursor<DrapeContactStarted>,
+    end_cursor: MessageCursor<DrapeContactEnded>,
     shot_cursor: MessageCursor<CannonFired>,
 }
 
@@ -22,8 +25,10 @@ impl Tally {
         Self {
             hits: Vec::new(),
             contacts: Vec::new(),
+            touching: Vec::new(),
             hit_cursor: world.resource::<Messages<BallHit>>().get_cursor_current(),
             contact_cursor: world.resource::<Messages<DrapeContactStarted>>().get_cursor_current(),
+            end_cursor: world.resource::<Messages<DrapeContactEnded>>().get_cursor_current(),
             shot_cursor: world.resource::<Messages<CannonFired>>().get_cursor_current(),
         }
     }
@@ -44,8 +49,15 @@ impl Tally {
             self.hits.push((name(hit.projectile), name(hit.target)));
         }
         for contact in self.contact_cursor.read(world.resource::<Messages<DrapeContactStarted>>()) {
-            self.contacts.push((name(contact.body), name(contact.other)));
+            let names = (name(contact.body), name(contact.other));
+            self.contacts.push(names.clone());
+            self.touching.push((contact.body, contact.other, names));
         }
+        for end in self.end_cursor.read(world.resource::<Messages<DrapeContactEnded>>()) {
+            self.touching.retain(|&(body, other, _)| (body, other) != (end.body, end.other));
+        }
+        self.touching
+            .retain(|&(body, other, _)| world.get_entity(body).is_ok() && world.get_entity(other).is_ok());
     }
 
     /// How many hits there were of `of` on `on`. Two balls that touch are one hit.
@@ -55,10 +67,18 @@ impl Tally {
 
     /// How many contacts began between `of` and `on`.
     pub fn contacts(&self, of: &Names, on: &Names) -> usize {
-        let is_one =
-            |(a, b): &&(String, String)| matches(of, a) && matches(on, b) || matches(of, b) && matches(on, a);
-        self.contacts.iter().filter(is_one).count()
+        self.contacts.iter().filter(|pair| is_between(pair, of, on)).count()
     }
+
+    /// How many pairs of `of` and `on` touch now.
+    pub fn touching(&self, of: &Names, on: &Names) -> usize {
+        self.touching.iter().filter(|(_, _, pair)| is_between(pair, of, on)).count()
+    }
+}
+
+/// Whether one of a pair is of `of` and the other of `on`.
+fn is_between((a, b): &(String, String), of: &Names, on: &Names) -> bool {
+    matches(of, a) && matches(on, b) || matches(of, b) && matches(on, a)
 }
 
 /// Whether `name` is one of `names`, or a ball of one of them. No names are all names.

@@ -2,9 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use super::{Aim, NonNegative, Point, Seconds, Vector};
+use super::{Aim, Literal, NonNegative, Point, Seconds, Vector};
 
 /// What an event does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -64,7 +63,7 @@ pub enum Action {
     },
     /// A value of the scene is changed by its path, as from a command line: `Set("ground.friction", 0)`. A body whose form is
     /// changed by this is built anew.
-    Set(String, Value),
+    Set(String, Literal),
     /// Something that was not present, or was despawned, appears.
     Spawn(String),
     /// Something vanishes.
