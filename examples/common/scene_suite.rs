@@ -3,6 +3,10 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use bevy::ecs::message::{MessageCursor, Messages};
+use bevy::prelude::{Fixed, Time, World};
+use bevy_drape_script::checkpoint::{Checkpoint, CheckpointError};
+use bevy_drape_script::play::CheckpointTaken;
 use bevy_drape_script::recording::{Header, RecordSteps, RecordingError};
 use bevy_drape_script::{Report, SceneError, SceneRunner, SceneScript, scene_name, to_junit};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -53,6 +57,9 @@ pub enum SuiteError {
     #[cfg(not(feature = "render"))]
     #[error("`--frames` draws pictures, which needs the feature `render`: cargo run --features render ..")]
     CannotDraw,
+    /// A checkpoint cannot be written, read or gone on from.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// The reports cannot be written.
     #[error("cannot write the report: {0}")]
     Report(String),
@@ -104,11 +111,13 @@ fn make_folders(arguments: &SceneArguments, count: usize) -> Result<(), SuiteErr
         _ => Some(record),
     });
     let of_plots = arguments.plot.then_some(&*arguments.out);
-    for folder in [of_recordings, of_plots, arguments.frames.as_deref()].into_iter().flatten() {
-        std::fs::create_dir_all(folder)
-            .map_err(|source| SuiteError::Folder { path: folder.to_path_buf(), source })?;
-    }
-    Ok(())
+    let folders = [of_recordings, of_plots, arguments.frames.as_deref()];
+    folders.into_iter().flatten().try_for_each(make_folder)
+}
+
+fn make_folder(folder: &Path) -> Result<(), SuiteError> {
+    std::fs::create_dir_all(folder)
+        .map_err(|source| SuiteError::Folder { path: folder.to_path_buf(), source })
 }
 
 fn run_scene(
@@ -117,30 +126,46 @@ fn run_scene(
     count: usize,
     pictures: &mut Pictures,
 ) -> Result<Report, SuiteError> {
+    if file.extension().is_some_and(|extension| extension == "checkpoint") {
+        let checkpoint = Checkpoint::load(file)?;
+        let name = checkpoint.scene().to_string();
+        return run_to_end(SceneRunner::resume(&checkpoint)?, &name, arguments, count, pictures);
+    }
     let name = scene_name(file);
     let script = match SceneScript::load_with(file, &arguments.overrides) {
         Ok(script) => script,
         Err(error) => return Ok(Report::failed(name, Some(file.to_path_buf()), &error.to_string())),
     };
-    let dt = script.settings.dt.get() as f32;
-    let mut runner = pictures.runner(script).from_file(file);
+    run_to_end(pictures.runner(script).from_file(file), &name, arguments, count, pictures)
+}
+
+fn run_to_end(
+    mut runner: SceneRunner,
+    name: &str,
+    arguments: &SceneArguments,
+    count: usize,
+    pictures: &mut Pictures,
+) -> Result<Report, SuiteError> {
+    let dt = runner.world().resource::<Time<Fixed>>().timestep().as_secs_f32();
     let recording = arguments.record.as_ref().map(|record| match count {
         1 => record.clone(),
-        _ => record.join(&name).with_extension("drape"),
+        _ => record.join(name).with_extension("drape"),
     });
     let unrecorded = |source| SuiteError::Recording { path: recording.clone().unwrap_or_default(), source };
     if let Some(path) = &recording {
-        let steps = RecordSteps::create(path, Header { scene: name.clone(), dt }).map_err(unrecorded)?;
+        let steps = RecordSteps::create(path, Header { scene: name.to_string(), dt }).map_err(unrecorded)?;
         steps.start(runner.app_mut());
         runner.note_recording(path);
     }
-    let progress = progress_bar(&name, runner.greatest_steps());
+    let progress = progress_bar(name, runner.greatest_steps());
     let mut curves = arguments.plot.then(Curves::default);
+    let mut checkpoints = Checkpoints::default();
     let mut goes_on = true;
     while goes_on {
         goes_on = runner.step();
         progress.inc(1);
-        pictures.look(&mut runner, &name)?;
+        pictures.look(&mut runner, name)?;
+        checkpoints.save(runner.world(), arguments, name)?;
         if let Some(curves) = &mut curves {
             curves.note(runner.world());
         }
@@ -148,13 +173,33 @@ fn run_scene(
     progress.finish_and_clear();
     RecordSteps::finish(runner.world_mut()).map_err(unrecorded)?;
     if let Some(curves) = curves {
-        let path = arguments.out.join(&name).with_extension("svg");
-        curves.draw(&path, &name).map_err(|reason| SuiteError::Plot { path: path.clone(), reason })?;
+        let path = arguments.out.join(name).with_extension("svg");
+        curves.draw(&path, name).map_err(|reason| SuiteError::Plot { path: path.clone(), reason })?;
         eprintln!("{}", path.display());
     }
     let report = runner.report();
     pictures.close(runner);
     Ok(report)
+}
+
+/// Writes the checkpoints that a scene's timeline takes.
+#[derive(Default)]
+struct Checkpoints {
+    taken: MessageCursor<CheckpointTaken>,
+}
+
+impl Checkpoints {
+    fn save(&mut self, world: &World, arguments: &SceneArguments, scene: &str) -> Result<(), SuiteError> {
+        for CheckpointTaken { name, checkpoint } in
+            self.taken.read(world.resource::<Messages<CheckpointTaken>>())
+        {
+            make_folder(&arguments.out)?;
+            let path = arguments.out.join(format!("{scene}.{name}.checkpoint"));
+            checkpoint.clone().named(scene).save(&path)?;
+            eprintln!("{}", path.display());
+        }
+        Ok(())
+    }
 }
 
 /// What draws pictures of the scenes, if they are asked for.

@@ -268,7 +268,13 @@ fn mistakes_are_told_in_the_words_of_the_file() {
         ("Balls(at", "Bals(at", "Bals", "bodies.ball", &[one_of, "did you mean `Balls`?"]),
         ("Balls(at", "(at", "(at: (0, 1, 3)", "bodies.ball", &[one_of, "found `(`"]),
         ("Fire(\"cannon\")", "Fire(cannon)", "cannon)", "timeline[0].do", &["did you mean `\"cannon\"`?"]),
-        ("(at: 1.5, do: Fire", "(1.5, Fire", "1.5, Fire", "timeline[0]", &[field, "found `1.5`", "`at`, `do`"]),
+        (
+            "(at: 1.5, do: Fire",
+            "(1.5, Fire",
+            "1.5, Fire",
+            "timeline[0]",
+            &[field, "found `1.5`", "`at`, `do`"],
+        ),
         (
             "(at: 1.5, do: Fire(\"cannon\"))",
             "(at: 1.5)",

@@ -1,6 +1,6 @@
 //! Scenes that are played: events, triggers, probes and expectations, each seen to do what it says.
 
-use bevy_drape_script::play::{CheckpointDue, PictureDue, ScenePlay};
+use bevy_drape_script::play::{CheckpointTaken, PictureDue, ScenePlay};
 use bevy_drape_script::scene::Measured;
 use bevy_drape_script::{Report, SceneRunner, SceneScript};
 
@@ -292,7 +292,7 @@ fn a_pause_stops_the_simulation_and_not_the_scene() {
             seen.push((due.camera.clone(), steps));
         }
         for due in
-            world.resource::<bevy::ecs::message::Messages<CheckpointDue>>().iter_current_update_messages()
+            world.resource::<bevy::ecs::message::Messages<CheckpointTaken>>().iter_current_update_messages()
         {
             seen.push((due.name.clone(), steps));
         }

@@ -54,6 +54,7 @@ impl core::fmt::Display for Verdict {
 }
 
 /// Looks at one expectation.
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Judge {
     pub expectation: Expectation,
     /// The value that is taken off, once its time has come.

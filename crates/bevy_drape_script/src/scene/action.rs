@@ -70,9 +70,9 @@ pub enum Action {
     Despawn(String),
     /// The simulation stands still for a while, in seconds.
     Pause(Seconds),
-    /// A picture is taken by the camera of this name, where there is a renderer.
+    /// A picture is taken by the camera of this name, where there is something to draw it with.
     Picture(String),
-    /// The state is saved under this name, where the runner saves states.
+    /// The state is saved under this name, as it is before all that happens at this time.
     Checkpoint(String),
     /// The scene ends.
     Stop,
