@@ -130,8 +130,8 @@ impl Gallery {
         if let Ok((mut transform, mut projection)) = cameras.get_mut(world, self.studio.camera()) {
             view.apply(&mut transform, &mut projection);
         }
-        let strategy = world.resource::<TimeUpdateStrategy>().clone();
-        world.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        let still = TimeUpdateStrategy::ManualDuration(Duration::ZERO);
+        let strategy = core::mem::replace(&mut *world.resource_mut::<TimeUpdateStrategy>(), still);
         let mut fixed = world.resource_mut::<Time<Fixed>>();
         let overstep = fixed.timestep().mul_f64(OVERSTEP);
         fixed.accumulate_overstep(overstep);
