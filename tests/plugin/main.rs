@@ -22,5 +22,6 @@ mod reflection;
 mod schedule;
 mod simulates;
 mod sleeping;
+mod tearing;
 mod threads;
 mod waking;

@@ -42,8 +42,10 @@ fn components_and_resources_are_registered() {
     assert_component::<SolverSettings>(&app);
     assert_component::<Stick>(&app);
     assert_component::<Sticks>(&app);
+    assert_component::<Tearable>(&app);
     assert_component::<TeleportObstacle>(&app);
     assert_component::<Viewer>(&app);
+    assert_component::<WindZone>(&app);
     assert_resource::<ActivityCounts>(&app);
     assert_resource::<DefaultSolverSettings>(&app);
     assert_resource::<DrapeClock>(&app);
@@ -61,7 +63,8 @@ fn messages_are_registered() {
     let app = app();
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let contacts = ["DrapeContactStarted", "DrapeContactHit", "DrapeContactEnded"];
-    for name in ["FireCannon", "CannonFired", "BallHit"].into_iter().chain(contacts) {
+    let tears = ["CutCloth", "StickTorn", "BodySplit"];
+    for name in ["FireCannon", "CannonFired", "BallHit"].into_iter().chain(contacts).chain(tears) {
         assert!(registry.get_with_short_type_path(name).is_some(), "{name} is not registered");
     }
 }
@@ -95,12 +98,13 @@ mod both {
     /// Every name of the prelude, and the full one that it stands for.
     pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
         full_names! {
-            Activity ActivityCounts BallHit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
-            DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
+            Activity ActivityCounts BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
+            CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
-            DrapeSystems DynamicObstacle FireCannon Grab HitTarget InRig Interpolated Obstacle ObstacleReaction
+            DrapeSystems DynamicObstacle FireCannon Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
             ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
-            SolverSettings Stick StickKind StickProjection Sticks StructuralSolve TeleportObstacle Viewer Wind
+            SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
+            Viewer Wind WindFlow WindRegion WindZone
         }
         .into_iter()
     }

@@ -1,12 +1,13 @@
 //! Gravity and wind.
 
 use bevy::prelude::*;
-use drape_solver::Environment;
 use drape_solver::constants::MAX_MAGNITUDE;
+use drape_solver::{Environment, Turbulence};
 
 use crate::clock::DrapeClock;
 use crate::obstacle::KnownObstacles;
 use crate::refusal::Refusals;
+use crate::wind_zone::{WindZone, read_zones};
 
 /// Acceleration of gravity in m/s^2.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
@@ -20,7 +21,8 @@ impl Default for DrapeGravity {
     }
 }
 
-/// The wind, the same everywhere. It pushes on the faces of cloths and the links of ropes.
+/// The wind that blows everywhere. It pushes on the faces of cloths and the links of ropes, as [`drape_solver::Wind`] says;
+/// places with a wind of their own have a [`WindZone`](crate::wind_zone::WindZone).
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -32,6 +34,51 @@ pub struct Wind {
     pub air_density: f32,
     /// Drag coefficient of a plate square to the wind; 1.2 for a flat one.
     pub drag_coefficient: f32,
+    /// Lift coefficient, of a force at right angles to the wind; 0 by default. With some 1, flags flutter more.
+    pub lift_coefficient: f32,
+    /// How the wind differs from place to place and from moment to moment.
+    pub gusts: Gusts,
+    /// The part of the wind that is spared what has an obstacle between itself and the wind, within 10 m: from 0, the
+    /// default, to 1.
+    pub shelter: f32,
+}
+
+/// Gusts, the same in every run. While they blow, nothing falls asleep.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Gusts {
+    /// Root mean square of their speed in m/s; 0, the default, is a steady wind.
+    pub speed: f32,
+    /// Size of the greatest in metres; 4 by default.
+    pub length: f32,
+    /// Another seed is another day.
+    pub seed: u32,
+}
+
+impl Default for Gusts {
+    fn default() -> Self {
+        Turbulence::default().into()
+    }
+}
+
+impl From<Turbulence> for Gusts {
+    fn from(Turbulence { speed, length, seed }: Turbulence) -> Self {
+        Self { speed, length, seed }
+    }
+}
+
+impl From<Gusts> for Turbulence {
+    fn from(Gusts { speed, length, seed }: Gusts) -> Self {
+        Self { speed, length, seed }
+    }
+}
+
+impl Wind {
+    /// A wind of `velocity` (m/s) in ordinary air.
+    pub fn new(velocity: Vec3) -> Self {
+        Self { velocity, ..Self::default() }
+    }
 }
 
 impl Default for Wind {
@@ -42,15 +89,24 @@ impl Default for Wind {
 
 impl From<drape_solver::Wind> for Wind {
     fn from(wind: drape_solver::Wind) -> Self {
-        let drape_solver::Wind { velocity, air_density, drag_coefficient } = wind;
-        Self { velocity, air_density, drag_coefficient }
+        let drape_solver::Wind {
+            velocity,
+            air_density,
+            drag_coefficient,
+            lift_coefficient,
+            turbulence,
+            shelter,
+        } = wind;
+        let gusts = turbulence.into();
+        Self { velocity, air_density, drag_coefficient, lift_coefficient, gusts, shelter }
     }
 }
 
 impl From<Wind> for drape_solver::Wind {
     fn from(wind: Wind) -> Self {
-        let Wind { velocity, air_density, drag_coefficient } = wind;
-        Self { velocity, air_density, drag_coefficient }
+        let Wind { velocity, air_density, drag_coefficient, lift_coefficient, gusts, shelter } = wind;
+        let turbulence = gusts.into();
+        Self { velocity, air_density, drag_coefficient, lift_coefficient, turbulence, shelter }
     }
 }
 
@@ -72,17 +128,19 @@ impl DrapeGravity {
     }
 }
 
-/// Brings time, gravity and wind into the solver. What is not finite is refused, and the last good value kept.
+/// Brings time, gravity, wind and its zones into the solver. What is not finite is refused, and the last good value kept.
 pub(crate) fn read_environment(
     clock: Res<DrapeClock>,
     gravity: Res<DrapeGravity>,
     wind: Res<Wind>,
+    zones: Query<(Entity, &WindZone, &GlobalTransform)>,
     mut solver: ResMut<SolverEnvironment>,
     mut refusals: ResMut<Refusals>,
 ) {
     let SolverEnvironment { environment, changed, .. } = &mut *solver;
     environment.dt = clock.delta();
-    *changed = false;
+    environment.time = clock.elapsed();
+    *changed = read_zones(&zones, &mut environment.wind_zones, &mut refusals);
     if gravity.is_usable() {
         *changed |= environment.gravity != gravity.0;
         environment.gravity = gravity.0;
@@ -93,10 +151,14 @@ pub(crate) fn read_environment(
     let new_wind = drape_solver::Wind::from(*wind);
     match new_wind.validate() {
         Ok(()) => {
-            *changed |= environment.wind != new_wind;
+            *changed |= environment.wind != new_wind || new_wind.turbulence.speed > 0.0;
             environment.wind = new_wind;
             refusals.forget_resource("Wind");
         }
-        Err(_) => refusals.resource("Wind", "it must be finite and below 1e6; the last good value stays"),
+        Err(_) => refusals.resource(
+            "Wind",
+            "it must be finite and below 1e6, gusts must have a length above zero and no negative speed, and shelter \
+             must be from 0 to 1; the last good value stays",
+        ),
     }
 }

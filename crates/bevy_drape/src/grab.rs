@@ -112,6 +112,13 @@ impl Grab {
         Self { target, held: particles.positions().enumerate().filter_map(hold).collect() }
     }
 
+    /// Holds what it held after a tear, in which particles got these `origins`.
+    pub(crate) fn follow(&mut self, origins: &[u32]) {
+        let of = |held: &Held| origins.iter().position(|&origin| origin == held.particle).map(|i| (i, *held));
+        let held = self.held.iter().filter_map(of);
+        self.held = held.map(|(particle, held)| Held { particle: particle as u32, ..held }).collect();
+    }
+
     /// Indices of the particles that are held.
     pub fn particles(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         self.held.iter().map(|held| held.particle as usize)

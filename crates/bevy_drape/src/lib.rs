@@ -40,10 +40,14 @@ mod sleepers;
 pub mod snapshot;
 #[cfg(feature = "mesh")]
 mod surface;
+pub mod tear;
+#[cfg(feature = "mesh")]
+mod torn_mesh;
 mod transforms;
 #[cfg(feature = "mesh")]
 mod visibility;
 mod waking;
+pub mod wind_zone;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -68,7 +72,7 @@ pub mod prelude {
             DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
         },
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
-        environment::{DrapeGravity, Wind},
+        environment::{DrapeGravity, Gusts, Wind},
         grab::Grab,
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
@@ -85,5 +89,7 @@ pub mod prelude {
         settings::{
             DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
         },
+        tear::{BodySplit, CutCloth, StickTorn, Tearable},
+        wind_zone::{WindFlow, WindRegion, WindZone},
     };
 }

@@ -24,6 +24,7 @@ use crate::interpolation::step_fraction;
 use crate::particles::{Particles, Sticks};
 use crate::schedule::run_drape_schedule;
 use crate::surface::{EntitySpace, Surface, can_be_written, complete};
+use crate::torn_mesh::tear_meshes;
 use crate::visibility::hide_culled;
 
 /// Gives each [`Cloth`] a [`Mesh3d`] and keeps it up with the simulation. To see it, add a `MeshMaterial3d`.
@@ -54,7 +55,7 @@ impl Plugin for MeshPlugin {
         app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
         app.add_systems(
             self.schedule,
-            (build_surfaces.run_if(resource_exists::<Assets<Mesh>>), record_surfaces)
+            ((tear_meshes, build_surfaces).chain().run_if(resource_exists::<Assets<Mesh>>), record_surfaces)
                 .chain()
                 .after(run_drape_schedule)
                 .before(TransformSystems::Propagate),

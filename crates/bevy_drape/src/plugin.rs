@@ -21,7 +21,7 @@ use crate::contact_events::{
 };
 use crate::description::{build_described, remove_described_body};
 use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
-use crate::environment::{DrapeGravity, SolverEnvironment, Wind, read_environment};
+use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
 use crate::grab::{Grab, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
@@ -45,8 +45,10 @@ use crate::rope::Rope;
 use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
 use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
+use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
+use crate::wind_zone::{WindFlow, WindRegion, WindZone};
 
 /// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
 ///
@@ -109,6 +111,8 @@ impl Plugin for SolverPlugin {
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
+            .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
+            .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
         app.init_resource::<ActivityCounts>()
             .init_resource::<Attention>()
@@ -132,11 +136,14 @@ impl Plugin for SolverPlugin {
             .init_resource::<Touching>()
             .init_resource::<Wind>()
             .add_message::<BallHit>()
+            .add_message::<BodySplit>()
             .add_message::<CannonFired>()
+            .add_message::<CutCloth>()
             .add_message::<DrapeContactEnded>()
             .add_message::<DrapeContactHit>()
             .add_message::<DrapeContactStarted>()
-            .add_message::<FireCannon>();
+            .add_message::<FireCannon>()
+            .add_message::<StickTorn>();
         app.add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
             .add_observer(remove_ball)
@@ -158,7 +165,9 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_removed::<Obstacle>)
             .add_observer(forget_despawned_body)
             .add_observer(forget_removed::<Projectile>)
-            .add_observer(forget_removed::<Rope>);
+            .add_observer(forget_removed::<Rope>)
+            .add_observer(forget_removed::<Tearable>)
+            .add_observer(forget_removed::<WindZone>);
         configure(app);
         app.add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate));
         app.add_systems(
@@ -173,7 +182,7 @@ impl Plugin for SolverPlugin {
                         .chain(),
                     fire_cannons,
                     (build_described::<Cloth>, build_described::<Rope>, build_projectiles).chain(),
-                    compile_rigs,
+                    (compile_rigs, cut_bodies).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
                     (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
                     (pay_attention, wake, cull).chain(),
@@ -189,6 +198,7 @@ impl Plugin for SolverPlugin {
                     send_contacts,
                     write_projectile_transforms,
                     write_rig_transforms,
+                    tear_bodies,
                     count_activity,
                 )
                     .chain()

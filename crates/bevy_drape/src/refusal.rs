@@ -46,6 +46,11 @@ impl Refusals {
         self.0.retain(|(about, _), _| *about != Some(entity));
     }
 
+    /// Forgets what was said about one of its components, when it was changed.
+    pub(crate) fn forget_component(&mut self, entity: Entity, component: &'static str) {
+        self.0.remove(&(Some(entity), component));
+    }
+
     /// Forgets what was said about a resource, when it was mended.
     pub(crate) fn forget_resource(&mut self, resource: &'static str) {
         self.0.remove(&(None, resource));

@@ -1,7 +1,7 @@
 //! The schedule of a step.
 //!
 //! ```text
-//! DrapeSchedule   ManageScene        obstacles, pins, new bodies; wake, cull
+//! DrapeSchedule   ManageScene        obstacles, pins, new bodies, cuts; wake, cull
 //!                 AccumulateForces   gravity, wind; your forces go here
 //!                 FormIslands        what can touch is grouped; forces become accelerations
 //!                 DetectCollisions   what could touch what in this step
@@ -9,7 +9,7 @@
 //! DrapeSubsteps       Integrate          \
 //!                     Relax               > x substeps
 //!                     ProjectCollisions  /
-//!                 Finish             rest and sleep, hits, transforms, counts
+//!                 Finish             rest and sleep, hits, transforms, tears, counts
 //! ```
 //!
 //! While nobody has a system of their own from [`FormIslands`](DrapeSystems::FormIslands) to
@@ -45,7 +45,7 @@ pub struct DrapeSubsteps;
 /// [`DrapeSchedule`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DrapeSystems {
-    /// New bodies are built, obstacles and pins follow their transforms, cannons fire; bodies wake and are
+    /// New bodies are built, blades cut, obstacles and pins follow their transforms, cannons fire; bodies wake and are
     /// culled.
     ManageScene,
     /// Gravity and wind are read. Systems that add forces to [`Particles`](crate::particles::Particles) belong here.
@@ -56,7 +56,7 @@ pub enum DrapeSystems {
     DetectCollisions,
     /// Runs [`DrapeSubsteps`].
     Substeps,
-    /// Bodies at rest fall asleep; hits are reported; transforms are written.
+    /// Bodies at rest fall asleep; hits are reported; transforms are written; bodies tear.
     Finish,
     /// Particles and balls fly freely for one substep.
     Integrate,

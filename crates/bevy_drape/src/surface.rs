@@ -28,6 +28,12 @@ impl Snapshot {
         snapshot
     }
 
+    /// The places of some of the particles.
+    fn torn(&self, origins: &[u32]) -> Option<Self> {
+        let positions = origins.iter().map(|&origin| self.positions.get(origin as usize).copied());
+        Some(Self { positions: positions.collect::<Option<_>>()?, ..*self })
+    }
+
     /// Takes the present state; false if it is not finite.
     fn read(&mut self, particles: &drape_solver::Particles) -> bool {
         self.origin = particles.origin();
@@ -73,6 +79,17 @@ impl Surface {
             is_settled: true,
             shown: None,
         }
+    }
+
+    /// The surface of what has these particles of the body since the last step; none if there are no such.
+    pub fn torn(&self, origins: &[u32], topology: &Arc<Topology>) -> Option<Self> {
+        Some(Self {
+            topology: Arc::clone(topology),
+            previous: self.previous.torn(origins)?,
+            current: self.current.torn(origins)?,
+            shown: None,
+            ..self.clone()
+        })
     }
 
     /// Notes where a step left the particles. A state that is not finite is not shown.

@@ -14,6 +14,7 @@ use crate::run::Job;
 use crate::scene::{Scene, SceneKind};
 use crate::shots::Range;
 use crate::solver::{Effort, Projection, Solver};
+use crate::torn::Cuts;
 
 /// Named scenes, this solver and its peers: what a step costs and how far the cloth stretches.
 #[derive(Parser)]
@@ -46,6 +47,8 @@ pub enum Task {
     Broad(Field),
     /// Measures what each kind of contact costs per particle.
     Contacts(Trials),
+    /// Measures what torn cloth costs, and tearing it.
+    Torn(Cuts),
     /// Prints hashes of how scenes end, which are the same on every machine.
     Hashes {
         /// Also compare them with those in this file.

@@ -43,6 +43,7 @@ pub mod stability;
 pub mod stretch;
 pub mod table;
 pub mod table1;
+pub mod torn;
 pub mod world;
 
 use std::error::Error;
@@ -77,6 +78,7 @@ fn work(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         #[cfg(feature = "plugin")]
         Task::Broad(field) => broad::report(field)?,
         Task::Contacts(trials) => contact_cost::report(trials)?,
+        Task::Torn(cuts) => torn::report(cuts)?,
         Task::Hashes { golden, threads } => {
             let hashes = golden::hashes(Isa::detected(), *threads)?;
             print!("{hashes}");

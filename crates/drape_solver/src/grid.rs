@@ -63,25 +63,102 @@ impl GridBatch {
         [[from, row], [from.wrapping_add_signed(self.right), row + self.down]]
     }
 
-    /// The two particles that stick `k` joins.
+    /// The stick that begins at this column and row, if there is one; the way back from [`ends`](Self::ends).
+    fn stick_from(self, [column, row]: [usize; 2]) -> Option<usize> {
+        let left = if self.right < 0 { self.right.unsigned_abs() } else { 0 };
+        let ([across, down], (number, width)) = (self.starts(), self.split());
+        let column = column.checked_sub(left).filter(|&column| column < across && row < down)?;
+        let place = if self.down == 0 { column } else { row };
+        let in_group = (place % (2 * width)).checked_sub(self.phase * width).filter(|&i| i < width)?;
+        let i = place / (2 * width) * width + in_group;
+        Some(if self.down == 0 { row * number + i } else { i * across + column })
+    }
+
+    /// The sticks that begin or end at the place with this slot.
+    pub fn sticks_at(self, slot: usize) -> impl Iterator<Item = usize> {
+        let [column, row] = self.grid.place(slot);
+        let before = column.checked_add_signed(-self.right).zip(row.checked_sub(self.down));
+        let before = before.map(|(column, row)| [column, row]);
+        [Some([column, row]), before].into_iter().flatten().filter_map(move |from| self.stick_from(from))
+    }
+
+    /// The stick between two places of the grid, given by their slots, if there is one.
+    pub fn stick_between(self, [a, b]: [usize; 2]) -> Option<usize> {
+        let [a, b] = [self.grid.place(a), self.grid.place(b)];
+        let leads = |from: [usize; 2], to: [usize; 2]| {
+            let stick = self.stick_from(from)?;
+            (self.ends(stick)[1] == to).then_some(stick)
+        };
+        leads(a, b).or_else(|| leads(b, a))
+    }
+
+    /// The slots of the ends of stick `k`.
+    pub fn slots(self, k: usize) -> [usize; 2] {
+        self.ends(k).map(|[column, row]| self.grid.slot(column, row))
+    }
+
+    /// The two particles that stick `k` joins in a whole grid.
     pub fn particles(self, k: usize) -> [usize; 2] {
         self.ends(k).map(|[column, row]| row * self.grid.columns + column)
     }
 
-    /// Puts the sticks into runs of cells, and strips whose runs are alike into bands.
-    pub fn runs(self) -> GridRuns {
+    /// The strip of stick `k`, and a run of it alone.
+    fn run_of(self, k: usize) -> (usize, GridRun) {
+        let cells_of_strip = self.grid.cells_of_strip();
+        let [a, b] = self.slots(k);
+        // The lane of the second end is never the lower one, so that there is one direction to shift in.
+        let [a, b] = if a % LANES <= b % LANES { [a, b] } else { [b, a] };
+        let strip = (a / LANES).min(b / LANES) / cells_of_strip;
+        let shift = (b % LANES - a % LANES) as u8;
+        let lanes = 1 << (a % LANES);
+        let [a, b] = [a, b].map(|slot| (slot / LANES - strip * cells_of_strip) as u32);
+        (strip, GridRun { a, b, count: 1, step: 1, shift, lanes })
+    }
+
+    /// These runs without some more of the sticks.
+    pub fn without(self, runs: &GridRuns, severed: &[u32]) -> GridRuns {
+        let mut gone: Vec<(usize, GridRun)> = severed.iter().map(|&k| self.run_of(k as usize)).collect();
+        gone.sort_unstable_by_key(|&(strip, run)| (strip, run.a, run.b, run.lanes));
+        let strips = self.grid.height.div_ceil(self.grid.cells_of_strip() / self.grid.width);
+        let mut of_strips: Vec<&[GridRun]> = vec![&[]; strips];
+        for (band, runs) in runs.bands() {
+            band.among(&(0..strips)).for_each(|strip| of_strips[strip] = runs);
+        }
+        let mut left = GridRuns { reach: runs.reach, ..GridRuns::default() };
+        for (strip, runs) in of_strips.into_iter().enumerate() {
+            let gone = &gone[gone.partition_point(|&(other, _)| other < strip)..];
+            let gone = &gone[..gone.partition_point(|&(other, _)| other == strip)];
+            if gone.is_empty() {
+                left.push(strip as u32, runs);
+                continue;
+            }
+            let mut found = Vec::new();
+            for mut cell in runs.iter().flat_map(GridRun::cells) {
+                let own = gone.partition_point(|(_, run)| (run.a, run.b) < (cell.a, cell.b));
+                let own = gone[own..].iter().take_while(|(_, run)| (run.a, run.b) == (cell.a, cell.b));
+                cell.lanes &= !own.fold(0, |bits, (_, run)| bits | run.lanes);
+                if cell.lanes != 0 {
+                    extend(&mut found, cell);
+                }
+            }
+            left.push(strip as u32, &found);
+        }
+        left
+    }
+
+    /// Puts the sticks into runs of cells, and strips whose runs are alike into bands; all but the `severed` ones, of
+    /// which there is an ascending list.
+    pub fn runs(self, severed: &[u32]) -> GridRuns {
         let cells_of_strip = self.grid.cells_of_strip();
         // Skip-one sticks along a row begin in two cells of four: every fourth cell makes the longer run.
         let period = if self.down == 0 { 2 * self.right.unsigned_abs() } else { 1 };
         let mut pairs = Vec::with_capacity(self.count());
+        let mut severed = severed.iter().peekable();
         for k in 0..self.count() {
-            let [a, b] = self.ends(k).map(|[column, row]| self.grid.slot(column, row));
-            // The lane of the second end is never the lower one, so that there is one direction to shift in.
-            let [a, b] = if a % LANES <= b % LANES { [a, b] } else { [b, a] };
-            let strip = (a / LANES).min(b / LANES) / cells_of_strip;
-            let [cell_a, cell_b] = [a, b].map(|slot| (slot / LANES - strip * cells_of_strip) as u32);
-            let shift = (b % LANES - a % LANES) as u8;
-            pairs.push((strip, (shift, cell_a as usize % period, cell_a, cell_b), a % LANES));
+            if severed.next_if_eq(&&(k as u32)).is_none() {
+                let (strip, GridRun { a, b, shift, lanes, .. }) = self.run_of(k);
+                pairs.push((strip, (shift, a as usize % period, a, b), lanes));
+            }
         }
         pairs.sort_unstable();
         let mut runs = GridRuns::default();
@@ -89,11 +166,8 @@ impl GridBatch {
             let mut found: Vec<GridRun> = Vec::new();
             for same in of_strip.chunk_by(|p, q| p.1 == q.1) {
                 let (shift, _, a, b) = same[0].1;
-                let lanes = same.iter().fold(0, |bits, pair| bits | (1 << pair.2));
-                let cell = GridRun { a, b, count: 1, step: 1, shift, lanes };
-                if !found.last_mut().is_some_and(|last| last.extend(&cell)) {
-                    found.push(cell);
-                }
+                let lanes = same.iter().fold(0, |bits, pair| bits | pair.2);
+                extend(&mut found, GridRun { a, b, count: 1, step: 1, shift, lanes });
                 runs.reach = runs.reach.max(a.max(b) as usize / cells_of_strip);
             }
             runs.push(of_strip[0].0 as u32, &found);
@@ -116,6 +190,15 @@ pub(crate) struct GridRun {
 }
 
 impl GridRun {
+    /// Its cells, each as a run.
+    fn cells(&self) -> impl Iterator<Item = Self> + use<> {
+        let run = *self;
+        (0..run.count).map(move |k| {
+            let [a, b] = [run.a, run.b].map(|cell| cell + k * run.step);
+            Self { a, b, count: 1, step: 1, ..run }
+        })
+    }
+
     /// Takes in one more cell, if it goes on as the others do.
     fn extend(&mut self, cell: &Self) -> bool {
         let step = if self.count == 1 { cell.a.saturating_sub(self.a) } else { self.step };
@@ -126,6 +209,13 @@ impl GridRun {
             (self.step, self.count) = (step, self.count + 1);
         }
         goes_on
+    }
+}
+
+/// Adds one more cell to some runs.
+fn extend(runs: &mut Vec<GridRun>, cell: GridRun) {
+    if !runs.last_mut().is_some_and(|last| last.extend(&cell)) {
+        runs.push(cell);
     }
 }
 
@@ -182,6 +272,9 @@ impl GridRuns {
 
     /// Adds the runs of one more strip.
     fn push(&mut self, strip: u32, runs: &[GridRun]) {
+        if runs.is_empty() {
+            return;
+        }
         // Where patches are an odd number of rows high, bands take turns.
         for band in self.bands.iter_mut().rev().take(MOST_OPEN_BANDS) {
             let [from, to] = band.runs.map(|place| place as usize);
@@ -240,7 +333,7 @@ mod tests {
             for half in FAMILIES.into_iter().flat_map(|(right, down)| GridBatch::halves(grid, right, down)) {
                 let mut found = Vec::new();
                 // In two windows, as a sweep down the strips takes them.
-                let runs = half.runs();
+                let runs = half.runs(&[]);
                 let (_, strips) = Layout::Grid(grid).strips();
                 for window in [0..strips / 2, strips / 2..strips] {
                     for (band, runs) in runs.bands() {
@@ -256,8 +349,11 @@ mod tests {
                         }
                     }
                 }
-                let slots = |k: usize| half.ends(k).map(|[column, row]| grid.slot(column, row));
-                let mut expected: Vec<_> = (0..half.count()).map(slots).collect();
+                let mut expected: Vec<_> = (0..half.count()).map(|k| half.slots(k)).collect();
+                for (k, &ends) in expected.iter().enumerate() {
+                    assert_eq!(half.stick_between(ends), Some(k));
+                    assert_eq!(half.stick_between([ends[1], ends[0]]), Some(k));
+                }
                 for pair in found.iter_mut().chain(&mut expected) {
                     pair.sort_unstable();
                 }

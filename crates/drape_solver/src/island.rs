@@ -11,12 +11,12 @@ use crate::contact_ball_obstacle::BallObstacle;
 use crate::contact_report::ContactReport;
 use crate::contact_self::SelfContacts;
 use crate::dynamic_obstacle::{MovedObstacle, Mover};
-use crate::force::Wind;
 use crate::impact_zone::ImpactZones;
 use crate::isa::Isa;
 use crate::obstacles::Obstacles;
 use crate::reaction::{Reaction, Reactions};
 use crate::touch::{Contact, Other, Party, Touch, pair_without};
+use crate::wind::{Wind, WindZone};
 
 /// What is the same for all islands in one step.
 #[derive(Clone, Debug)]
@@ -25,8 +25,12 @@ pub struct Environment {
     pub dt: f32,
     /// Acceleration of gravity in m/s^2.
     pub gravity: Vec3,
-    /// The wind.
+    /// The wind that blows everywhere.
     pub wind: Wind,
+    /// Places with a wind of their own.
+    pub wind_zones: Vec<WindZone>,
+    /// Time in seconds since the start, by which gusts go.
+    pub time: f64,
     /// The obstacles.
     pub obstacles: Obstacles,
 }
@@ -37,6 +41,8 @@ impl Default for Environment {
             dt: 1.0 / 60.0,
             gravity: Vec3::new(0.0, -9.81, 0.0),
             wind: Wind::default(),
+            wind_zones: Vec::new(),
+            time: 0.0,
             obstacles: Obstacles::new(),
         }
     }

@@ -18,6 +18,7 @@ use std::sync::Arc;
 use crate::columns::LANES;
 use crate::constants::CELLS_AT_ONCE;
 use crate::renumbering::Renumbering;
+use crate::torn_grid::TornGrid;
 
 /// The arrangement of a body's particles in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,6 +29,8 @@ pub(crate) enum Layout {
     Renumbered(Arc<Renumbering>),
     /// A grid, in patches.
     Grid(Grid),
+    /// What is left of one, and what was split from it.
+    Torn(Arc<TornGrid>),
 }
 
 /// A grid of particles, one patch a lane.
@@ -56,6 +59,7 @@ impl Layout {
             Self::Linear { count } => *count,
             Self::Renumbered(renumbering) => renumbering.count(),
             Self::Grid(grid) => grid.columns * grid.rows,
+            Self::Torn(torn) => torn.count(),
         }
     }
 
@@ -64,6 +68,7 @@ impl Layout {
         match self {
             Self::Linear { .. } | Self::Renumbered(_) => self.count().div_ceil(LANES),
             Self::Grid(grid) => grid.width * grid.height,
+            Self::Torn(torn) => torn.cells(),
         }
     }
 
@@ -75,12 +80,31 @@ impl Layout {
                 (cells, self.cells().div_ceil(cells))
             }
             Self::Grid(grid) => (grid.cells_of_strip(), grid.height.div_ceil(ROWS_OF_STRIP)),
+            // What has no place in the grid goes on behind its last strip.
+            Self::Torn(torn) => {
+                let cells = torn.grid.cells_of_strip();
+                (cells, torn.cells().div_ceil(cells))
+            }
         }
     }
 
     /// Whether a row of the grid is a row of cells, so that a sweep may run down the strips.
     pub fn has_whole_rows(&self) -> bool {
-        matches!(self, Self::Grid(grid) if grid.down == 1)
+        matches!(self.grid(), Some(grid) if grid.down == 1)
+    }
+
+    /// Whether it is a grid with empty places, or with particles that have none.
+    pub fn is_torn(&self) -> bool {
+        matches!(self, Self::Torn(_))
+    }
+
+    /// The grid, whole or torn, that decides where particles are.
+    pub fn grid(&self) -> Option<Grid> {
+        match self {
+            Self::Grid(grid) => Some(*grid),
+            Self::Torn(torn) => Some(torn.grid),
+            Self::Linear { .. } | Self::Renumbered(_) => None,
+        }
     }
 
     /// The slot of particle `index`.
@@ -90,6 +114,7 @@ impl Layout {
             Self::Linear { .. } => index,
             Self::Renumbered(renumbering) => renumbering.slot(index),
             Self::Grid(grid) => grid.slot(index % grid.columns, index / grid.columns),
+            Self::Torn(torn) => torn.slot(index),
         }
     }
 
@@ -104,6 +129,7 @@ impl Layout {
             Self::Linear { count } => (slot < *count).then_some(slot),
             Self::Renumbered(renumbering) => renumbering.index(slot),
             Self::Grid(grid) => grid.index(slot),
+            Self::Torn(torn) => torn.index(slot),
         }
     }
 
@@ -111,6 +137,7 @@ impl Layout {
     pub fn real_lanes(&self, cell: usize) -> u16 {
         match self {
             Self::Grid(grid) if grid.is_full() => u16::MAX,
+            Self::Torn(torn) => torn.lanes(cell),
             Self::Linear { .. } | Self::Renumbered(_) if (cell + 1) * LANES <= self.count() => u16::MAX,
             _ => self.real_lanes_one_by_one(cell),
         }
@@ -159,10 +186,16 @@ impl Grid {
         (row % self.height * self.width + column % self.width) * LANES + lane
     }
 
-    fn index(self, slot: usize) -> Option<usize> {
+    /// Column and row of a slot.
+    pub fn place(self, slot: usize) -> [usize; 2] {
         let (cell, lane) = (slot / LANES, slot % LANES);
         let column = lane % self.across * self.width + cell % self.width;
         let row = lane / self.across * self.height + cell / self.width;
+        [column, row]
+    }
+
+    fn index(self, slot: usize) -> Option<usize> {
+        let [column, row] = self.place(slot);
         (column < self.columns && row < self.rows).then_some(row * self.columns + column)
     }
 

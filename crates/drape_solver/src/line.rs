@@ -61,7 +61,7 @@ impl Lines {
             batches.filter(|&(batch, &stiffness)| Self::of(batch, stiffness, settings) == Some(self));
         own.find_map(|(batch, _)| match batch.sticks {
             BatchSticks::Grid { rest_length, .. } => Some(rest_length),
-            BatchSticks::Listed(_) => None,
+            BatchSticks::Listed(_) | BatchSticks::Loose(_) => None,
         })
     }
 

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
 use crate::line::Lines;
-use crate::settings::SolverSettings;
+use crate::settings::{SolverSettings, StructuralSolve};
 use crate::topology::{BatchSticks, StickBatch, Topology};
 
 /// A piece of a substep's work that can be done strip by strip.
@@ -24,6 +24,12 @@ pub(crate) enum Stage {
         end: usize,
         backwards: bool,
     },
+    /// The same of a torn grid's loose sticks, which may join any two strips.
+    Loose {
+        first: usize,
+        end: usize,
+        backwards: bool,
+    },
     Tethers,
     /// Displacements follow positions.
     Update,
@@ -33,7 +39,7 @@ pub(crate) enum Stage {
 impl Stage {
     /// The same work the other way round.
     fn turn(&mut self) {
-        if let Self::Listed { backwards, .. } = self {
+        if let Self::Listed { backwards, .. } | Self::Loose { backwards, .. } = self {
             *backwards = true;
         }
     }
@@ -68,6 +74,12 @@ impl Plan {
         projections: u32,
     ) {
         (self.cells_of_strip, self.strips) = topology.layout.strips();
+        let mut settings = *settings;
+        if topology.layout.is_torn() {
+            // A line with gaps is no chain.
+            settings.structural = StructuralSolve::default();
+        }
+        let settings = &settings;
         let is_swept = |&batch: &usize| {
             stiffness[batch] > 0.0
                 && Lines::of(&topology.batches[batch], stiffness[batch], settings).is_none()
@@ -121,11 +133,19 @@ impl Plan {
     /// Adds a batch of sticks, to the listed ones before if it is listed as well.
     fn push_batch(&mut self, topology: &Topology, batch: usize) {
         let is_listed = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Listed(_));
-        let all_listed = |between: Range<usize>| topology.batches[between].iter().all(is_listed);
+        let is_loose = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Loose(_));
+        let all =
+            |between: Range<usize>, are: fn(&StickBatch) -> bool| topology.batches[between].iter().all(are);
         match (&topology.batches[batch].sticks, self.stages.last_mut()) {
             (BatchSticks::Grid { .. }, _) => self.stages.push(Stage::Sticks(batch)),
-            (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) if all_listed(*end..batch) => {
+            (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) if all(*end..batch, is_listed) => {
                 *end = batch + 1;
+            }
+            (BatchSticks::Loose(_), Some(Stage::Loose { end, .. })) if all(*end..batch, is_loose) => {
+                *end = batch + 1;
+            }
+            (BatchSticks::Loose(_), _) => {
+                self.stages.push(Stage::Loose { first: batch, end: batch + 1, backwards: false });
             }
             (BatchSticks::Listed(_), _) => {
                 self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
@@ -151,7 +171,7 @@ impl Plan {
                         lag += runs.reach;
                     }
                 }
-                Stage::Listed { .. } => self.can_sweep = false,
+                Stage::Listed { .. } | Stage::Loose { .. } => self.can_sweep = false,
                 _ => {}
             }
             self.lags.push(lag);
@@ -162,8 +182,8 @@ impl Plan {
     /// strip to strip; then one for all up to listed sticks, and so on.
     pub fn passes(&self, stages: Range<usize>) -> impl Iterator<Item = Range<usize>> + '_ {
         let (mut next, end) = (stages.start, stages.end);
-        let is_alone =
-            |place: usize| self.lag_of_substep() > 0 || matches!(self.stages[place], Stage::Listed { .. });
+        let goes_alone = |stage: Stage| matches!(stage, Stage::Listed { .. } | Stage::Loose { .. });
+        let is_alone = move |place: usize| self.lag_of_substep() > 0 || goes_alone(self.stages[place]);
         core::iter::from_fn(move || {
             let first = next;
             next = (first + 1..end).find(|&place| is_alone(place - 1) || is_alone(place)).unwrap_or(end);

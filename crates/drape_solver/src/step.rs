@@ -25,6 +25,7 @@ use crate::obstacle_search::Span;
 use crate::strain::greatest_strain;
 use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
+use crate::wind::WindZone;
 use crate::{
     contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self, dynamic_obstacle,
 };
@@ -116,6 +117,7 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
         return Err(StepError::BadEnvironment("gravity"));
     }
     environment.wind.validate()?;
+    environment.wind_zones.iter().try_for_each(WindZone::validate)?;
     island.bodies.iter_mut().for_each(Body::prepare);
     check_finite(island)?;
     let mut substeps = 1;
@@ -156,7 +158,7 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
 /// were added to particles and balls.
 pub fn accumulate_forces(island: &mut Island, environment: &Environment) {
     for body in &mut island.bodies {
-        force::accumulate(body, environment.gravity, &environment.wind, environment.dt);
+        force::accumulate(body, environment);
     }
 }
 

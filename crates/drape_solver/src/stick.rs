@@ -15,8 +15,9 @@ use crate::columns::{Cell, LANES};
 use crate::constants::REFERENCE_STEP;
 use crate::grid::GridRun;
 use crate::lanes::{Lanes3, load};
+use crate::listed::project;
 use crate::particles::Particles;
-use crate::topology::{StickBatch, StickMaterial, Topology};
+use crate::topology::{LooseStick, StickBatch, StickMaterial, Topology};
 use crate::work::Common;
 
 /// The part of a stick's error that one relaxation iteration removes, for a `stiffness` in 0..=1, a substep of
@@ -232,6 +233,26 @@ fn project_lanes<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
     }
 }
 
+/// Sticks that belong to no run, one by one: all of a body's, which so is not cut.
+#[inline(always)]
+pub(crate) fn project_loose(
+    joined: &mut Joined,
+    sticks: &[LooseStick],
+    backwards: bool,
+    stiffness: f32,
+    projection: impl Projection,
+) {
+    for i in 0..sticks.len() {
+        let LooseStick { slots, rest_length } = sticks[if backwards { sticks.len() - 1 - i } else { i }];
+        let [[a, i], [b, j]] = slots.map(|slot| [slot as usize / LANES, slot as usize % LANES]);
+        let ends = [joined.position[a].get(i), joined.position[b].get(j)];
+        let masses = [joined.inverse_mass[a][i], joined.inverse_mass[b][j]];
+        let [p, q] = project(ends, masses, rest_length, stiffness, projection);
+        joined.position[a].set(i, p);
+        joined.position[b].set(j, q);
+    }
+}
+
 #[inline(always)]
 fn shifted<S: Simd, const SHIFT: usize>(v: Lanes3<S>) -> Lanes3<S> {
     if SHIFT == 0 { v } else { v.shifted::<SHIFT>() }
@@ -281,7 +302,6 @@ mod tests {
 
     use crate::body::Body;
     use crate::isa::{Isa, Kernel};
-    use crate::listed::project;
     use crate::settings::{SolverSettings, StickProjection};
     use crate::sweep::{self, Surroundings};
     use crate::topology::StickKind;

@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::columns::{Cell, LANES};
 use crate::grid::GridRun;
-use crate::topology::{BatchSticks, StickKind};
+use crate::topology::{BatchSticks, LooseStick, StickKind};
 
 /// The least and the greatest squared length of some sticks, in parts of their squared rest length.
 #[derive(Clone, Copy)]
@@ -18,17 +18,30 @@ impl Lengths {
         self.greatest = self.greatest.max(squared);
     }
 
+    fn stretch(self) -> f32 {
+        self.greatest.sqrt() - 1.0
+    }
+
     fn strain(self) -> f32 {
-        (self.greatest.sqrt() - 1.0).max(1.0 - self.least.sqrt())
+        self.stretch().max(1.0 - self.least.sqrt())
     }
 }
 
 /// The greatest strain `|length / rest length - 1|` of the structural sticks that are relaxed.
 pub(crate) fn greatest_strain(body: &Body) -> f32 {
-    let Body { particles, topology, context, .. } = body;
+    lengths(body).strain()
+}
+
+/// By how much, in parts of its rest length, the most stretched of these sticks is longer than at rest.
+pub(crate) fn greatest_stretch(body: &Body) -> f32 {
+    lengths(body).stretch()
+}
+
+fn lengths(body: &Body) -> Lengths {
+    let Body { particles, topology, .. } = body;
     let mut lengths = Lengths { least: 1.0, greatest: 1.0 };
-    for (batch, &stiffness) in topology.batches.iter().zip(&context.stiffness) {
-        if batch.material.kind != StickKind::Structural || stiffness == 0.0 {
+    for batch in &topology.batches {
+        if batch.material.kind != StickKind::Structural || batch.material.stiffness == 0.0 {
             continue;
         }
         match &batch.sticks {
@@ -50,9 +63,15 @@ pub(crate) fn greatest_strain(body: &Body) -> f32 {
                     lengths.take(p.distance_squared(q) / (rest_length * rest_length));
                 }
             }
+            BatchSticks::Loose(loose) => {
+                for LooseStick { slots, rest_length } in loose {
+                    let [p, q] = slots.map(|slot| particles.position.get(slot as usize));
+                    lengths.take(p.distance_squared(q) / (rest_length * rest_length));
+                }
+            }
         }
     }
-    lengths.strain()
+    lengths
 }
 
 /// The sticks of a run, lane by lane; lanes without a stick measure a stick at rest.

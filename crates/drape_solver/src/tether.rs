@@ -135,6 +135,13 @@ impl Tethers {
         self.particle.iter().chain(&self.pin).copied().max()
     }
 
+    /// From (particle, pin, length in metres), in order of the particles, nearest pin first.
+    pub(crate) fn from_list(list: impl IntoIterator<Item = (u32, u32, f32)>) -> Self {
+        let mut tethers = Self::default();
+        list.into_iter().for_each(|(particle, pin, length)| tethers.push(particle, pin, length));
+        tethers
+    }
+
     fn push(&mut self, particle: u32, pin: u32, length: f32) {
         self.particle.push(particle);
         self.pin.push(pin);

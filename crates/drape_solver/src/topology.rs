@@ -63,13 +63,29 @@ pub struct StickBatch {
 /// Where the ends of a batch's sticks are found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BatchSticks {
-    /// Equal sticks of a grid, all of this length in metres: worked out, not stored.
-    Grid { batch: GridBatch, runs: GridRuns, rest_length: f32 },
+    /// Equal sticks of a grid, all of this length in metres: worked out, not stored. Those that are severed, in ascending
+    /// order, do not count.
+    Grid { batch: GridBatch, runs: GridRuns, rest_length: f32, severed: Box<[u32]> },
     /// In the topology's list.
     Listed(ListedBatch),
+    /// The few of a torn grid that are no longer of its families.
+    Loose(Box<[LooseStick]>),
+}
+
+/// A stick that is relaxed by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LooseStick {
+    pub slots: [u32; 2],
+    /// Metres.
+    pub rest_length: f32,
 }
 
 impl StickBatch {
+    /// Which of a grid family's sticks stick `i` is, if these are `severed`.
+    pub(crate) fn place_in_family(&self, i: usize, severed: &[u32]) -> usize {
+        kept(i - self.first, severed)
+    }
+
     /// The indices of the batch's sticks.
     pub fn range(&self) -> core::ops::Range<usize> {
         self.first..self.first + self.count
@@ -123,11 +139,14 @@ impl Topology {
     pub fn stick(&self, i: usize) -> [u32; 2] {
         let batch = self.batch_of(i);
         match &batch.sticks {
-            BatchSticks::Grid { batch: grid, .. } => grid.particles(i - batch.first).map(|end| end as u32),
-            BatchSticks::Listed(listed) => self
-                .listed
-                .slots(listed.first + i - batch.first)
-                .map(|slot| self.layout.index(slot as usize).map_or(u32::MAX, |index| index as u32)),
+            BatchSticks::Grid { batch: grid, severed, .. }
+                if severed.is_empty() && !self.layout.is_torn() =>
+            {
+                grid.particles(i - batch.first).map(|end| end as u32)
+            }
+            _ => {
+                self.stick_slots(i).map(|slot| self.layout.index(slot).map_or(u32::MAX, |index| index as u32))
+            }
         }
     }
 
@@ -135,12 +154,11 @@ impl Topology {
     pub(crate) fn stick_slots(&self, i: usize) -> [usize; 2] {
         let batch = self.batch_of(i);
         match &batch.sticks {
-            BatchSticks::Grid { batch: grid, .. } => {
-                grid.particles(i - batch.first).map(|end| self.layout.slot(end))
-            }
+            BatchSticks::Grid { batch: grid, severed, .. } => grid.slots(kept(i - batch.first, severed)),
             BatchSticks::Listed(listed) => {
                 self.listed.slots(listed.first + i - batch.first).map(|slot| slot as usize)
             }
+            BatchSticks::Loose(loose) => loose[i - batch.first].slots.map(|slot| slot as usize),
         }
     }
 
@@ -150,6 +168,7 @@ impl Topology {
         match &batch.sticks {
             BatchSticks::Grid { rest_length, .. } => *rest_length,
             BatchSticks::Listed(listed) => self.listed.rest_length(listed.first + i - batch.first),
+            BatchSticks::Loose(loose) => loose[i - batch.first].rest_length,
         }
     }
 
@@ -170,11 +189,13 @@ impl Topology {
     /// Memory of rest positions, sticks and tethers on the heap, in bytes.
     pub fn bytes(&self) -> usize {
         let runs = |batch: &StickBatch| match &batch.sticks {
-            BatchSticks::Grid { runs, .. } => runs.bytes(),
+            BatchSticks::Grid { runs, severed, .. } => runs.bytes() + size_of_val(&**severed),
             BatchSticks::Listed(listed) => listed.bytes(),
+            BatchSticks::Loose(loose) => size_of_val(&**loose),
         };
         let numbers = match &self.layout {
             Layout::Renumbered(renumbering) => renumbering.bytes(),
+            Layout::Torn(torn) => torn.bytes(),
             Layout::Linear { .. } | Layout::Grid(_) => 0,
         };
         let runs = self.batches.iter().map(runs).sum::<usize>();
@@ -190,7 +211,7 @@ impl Topology {
     pub(crate) fn window(&self) -> usize {
         let listed = self.batches.iter().filter_map(|batch| match &batch.sticks {
             BatchSticks::Listed(listed) => Some(listed),
-            BatchSticks::Grid { .. } => None,
+            BatchSticks::Grid { .. } | BatchSticks::Loose(_) => None,
         });
         if self.listed.is_empty() { 0 } else { 1 + listed.map(ListedBatch::reach).sum::<usize>() }
     }
@@ -203,5 +224,30 @@ impl Topology {
     /// Segments that a body without faces touches others with: the links of a rope.
     pub fn segments(&self) -> &[[u32; 2]] {
         &self.segments
+    }
+}
+
+/// Which of a family's sticks is number `i` of those that are not `severed`.
+fn kept(i: usize, severed: &[u32]) -> usize {
+    let mut before = 0;
+    let mut end = severed.len();
+    // So many are severed before it that the numbers of the others catch up.
+    while before < end {
+        let middle = before.midpoint(end);
+        if severed[middle] as usize - middle <= i { before = middle + 1 } else { end = middle }
+    }
+    i + before
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kept;
+
+    #[test]
+    fn sticks_that_are_kept_are_numbered_in_order() {
+        let severed = [0, 3, 4, 7];
+        let expected = [1, 2, 5, 6, 8, 9];
+        assert_eq!([0, 1, 2, 3, 4, 5].map(|i| kept(i, &severed)), expected);
+        assert_eq!([0, 1, 2].map(|i| kept(i, &[])), [0, 1, 2]);
     }
 }

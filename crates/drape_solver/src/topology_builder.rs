@@ -89,7 +89,8 @@ impl TopologyBuilder {
             return Err(BuildError::ZeroRestLength { a, b });
         }
         for batch in GridBatch::halves(grid, right as isize, down.unsigned_abs() as usize) {
-            let sticks = BatchSticks::Grid { batch, runs: batch.runs(), rest_length };
+            let sticks =
+                BatchSticks::Grid { batch, runs: batch.runs(&[]), rest_length, severed: Box::default() };
             self.push_batch(material, batch.count(), sticks);
         }
         Ok(self)

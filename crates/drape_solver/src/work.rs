@@ -12,7 +12,7 @@ use crate::integrate::{Flight, update_displacements};
 use crate::listed::Descent;
 use crate::plan::Stage;
 use crate::rows::Rows;
-use crate::stick::{Alike, Joined, Projection, project_runs};
+use crate::stick::{Alike, Joined, Projection, project_loose, project_runs};
 use crate::sweep::Surroundings;
 use crate::topology::{BatchSticks, Topology};
 
@@ -157,6 +157,15 @@ impl Work<'_> {
                 if let Some(rows) = rows.as_deref_mut().filter(|_| strips.start == 0) {
                     let (position, sticks) = (&mut *moving.position, &topology.listed);
                     Descent { rows, position, inverse_mass, sticks }.relax(simd, batches, projection);
+                }
+            }
+            Stage::Loose { first, end, backwards } => {
+                let batches = (first..end).map(|i| if backwards { end - 1 - (i - first) } else { i });
+                for batch in batches.filter(|&batch| rest.stiffness[batch] > 0.0) {
+                    if let BatchSticks::Loose(loose) = &rest.topology.batches[batch].sticks {
+                        let mut joined = Joined::new(moving.position, &rest, first_cell);
+                        project_loose(&mut joined, loose, backwards, rest.stiffness[batch], projection);
+                    }
                 }
             }
             Stage::Tethers => {

@@ -5,6 +5,7 @@ mod interpolation;
 mod normals;
 mod ownership;
 mod schedules;
+mod torn;
 mod vertices;
 mod writes;
 

@@ -55,7 +55,7 @@ pub struct Wind {
 
 impl Default for Wind {
     fn default() -> Self {
-        let drape::Wind { velocity, air_density, drag_coefficient } = drape::Wind::default();
+        let drape::Wind { velocity, air_density, drag_coefficient, .. } = drape::Wind::default();
         Self {
             velocity: Vector::known(velocity),
             air_density: NonNegative::known(air_density),
@@ -70,6 +70,7 @@ impl From<&Wind> for drape::Wind {
             velocity: wind.velocity.get(),
             air_density: wind.air_density.get(),
             drag_coefficient: wind.drag_coefficient.get(),
+            ..Self::default()
         }
     }
 }

@@ -187,7 +187,7 @@ fn a_sweep_down_the_strips_gives_the_bits_of_whole_stages() {
 }
 
 /// So many threads, started anew for every step.
-struct Fresh(usize);
+pub struct Fresh(pub usize);
 
 impl Threads for Fresh {
     fn count(&self) -> usize {

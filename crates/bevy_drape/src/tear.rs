@@ -1,0 +1,331 @@
+//! Tearing and cutting: cloth that gives way where it is pulled too hard, and blades that part it.
+//!
+//! A body with a [`Tearable`] tears where its sticks are stretched too far; any body is cut by a [`CutCloth`] message:
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! fn spawn(mut commands: Commands) {
+//!     commands.spawn((Cloth::new(2.0, 1.5), Tearable::default()));
+//! }
+//!
+//! fn slash(mut cuts: MessageWriter<CutCloth>) {
+//!     let (hilt, tip) = (Vec3::new(-2.0, 0.0, 0.0), Vec3::new(-2.0, 0.0, 2.0));
+//!     cuts.write(CutCloth::sweep([hilt, tip], [hilt + Vec3::X * 4.0, tip + Vec3::X * 4.0]));
+//! }
+//! ```
+//!
+//! The cloth opens along the edges of its faces: none is lost or divided, and texture coordinates stay where they were on
+//! both sides. What comes off is an entity of its own: a clone of the one that it was part of, with the same material,
+//! settings and components, but its own [`Particles`], [`Sticks`] and mesh, and no description such as
+//! [`Cloth`](crate::cloth::Cloth). The largest piece stays where it was. [`BodySplit`] tells of it; observe it to take off
+//! the clone what it should not have.
+
+use bevy::prelude::*;
+use drape_solver::{Body, Piece, TearLimits, Torn, TornStick};
+
+use crate::activity::Activity;
+use crate::clock::DrapeClock;
+use crate::cloth::Cloth;
+use crate::grab::Grab;
+use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
+use crate::refusal::Refusals;
+use crate::rig::Rig;
+use crate::rope::Rope;
+use crate::scene_manager::{grown, overlap};
+
+/// Lets a body tear. Rigs, whose particles are entities, do not.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tearable {
+    /// The strain of a structural stick beyond which it tears: 0.5, the default, means half as long again as at rest. Above
+    /// 0. Rigid sticks stretch where more hangs on them than the substeps can carry.
+    pub strain: f32,
+    /// The most particles that are split in one step; 16 by default. How fast a tear runs.
+    pub most_at_once: u32,
+    /// Pieces of fewer particles vanish; 4 by default. Such a crumb is no cloth.
+    pub least_particles: u32,
+}
+
+impl Default for Tearable {
+    fn default() -> Self {
+        let TearLimits { strain, most } = TearLimits::default();
+        Self { strain, most_at_once: most, least_particles: 4 }
+    }
+}
+
+/// Cuts what a blade passes through. Sent at any time; carried out at the start of the next step.
+#[derive(Message, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Debug, Default, Clone, PartialEq)]
+pub struct CutCloth {
+    /// The triangles of the blade in the world, in metres.
+    pub blade: Vec<[Vec3; 3]>,
+    /// The only body that is cut; all by default.
+    pub only: Option<Entity>,
+}
+
+impl CutCloth {
+    /// What a straight edge cuts that moves from one place to another: a sword's hilt and tip, then and now.
+    pub fn sweep([hilt, tip]: [Vec3; 2], [new_hilt, new_tip]: [Vec3; 2]) -> Self {
+        Self { blade: vec![[hilt, tip, new_tip], [hilt, new_tip, new_hilt]], only: None }
+    }
+
+    /// What lies between two rays, up to `length` metres away: a stroke of the pointer across the screen.
+    pub fn between(from: Ray3d, to: Ray3d, length: f32) -> Self {
+        Self::sweep([from.origin, from.get_point(length)], [to.origin, to.get_point(length)])
+    }
+
+    /// A star of three slits of `radius` (metres) around `centre`, along `direction`: what a bullet leaves.
+    pub fn star(centre: Vec3, direction: Dir3, radius: f32) -> Self {
+        let (along, aside) = (direction * radius, direction.any_orthonormal_vector());
+        let mut star = Self::default();
+        for turn in 0..3_u8 {
+            let turned = Quat::from_axis_angle(*direction, core::f32::consts::FRAC_PI_3 * f32::from(turn));
+            let reach = turned * aside * radius;
+            let slit = Self::sweep(
+                [centre - reach - along, centre - reach + along],
+                [centre + reach - along, centre + reach + along],
+            );
+            star.blade.extend(slit.blade);
+        }
+        star
+    }
+
+    /// Cuts this body only.
+    pub fn only(mut self, body: Entity) -> Self {
+        self.only = Some(body);
+        self
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        let corners = self.blade.as_flattened().iter();
+        corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &c| (low.min(c), high.max(c)))
+    }
+}
+
+/// Sent for each stick that a tear or a cut parts.
+#[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
+pub struct StickTorn {
+    /// The body.
+    pub body: Entity,
+    /// The middle of the stick when it gave way, in the world, in metres.
+    pub position: Vec3,
+    /// How long it was, in metres.
+    pub length: f32,
+    /// How long it is at rest, in metres.
+    pub rest_length: f32,
+    /// Whether it was cut; else it was stretched too far.
+    pub is_cut: bool,
+    /// Simulated time in seconds.
+    pub time: f64,
+}
+
+/// Triggered on a body that a piece comes off, once for each piece; also sent as a message.
+#[derive(EntityEvent, Message, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
+pub struct BodySplit {
+    /// The body that the piece was part of.
+    #[event_target]
+    pub body: Entity,
+    /// The piece, a body of its own now. None if it was too small, and is gone.
+    pub piece: Option<Entity>,
+    /// For each particle of the piece the index that it had in the body.
+    pub origins: Vec<u32>,
+    /// Simulated time in seconds.
+    pub time: f64,
+}
+
+/// How the vertices of a torn body's mesh follow from those of the mesh that it had. Taken off once the mesh is made.
+#[derive(Component, Clone, Debug)]
+pub(crate) struct TornMesh {
+    /// The entity whose mesh it was.
+    pub source: Entity,
+    /// For each particle the vertex of that mesh.
+    pub origins: Vec<u32>,
+}
+
+type TornQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static mut Particles,
+        &'static mut Sticks,
+        &'static mut BodyState,
+        &'static Activity,
+        Option<Ref<'static, Tearable>>,
+    ),
+    Without<Rig>,
+>;
+
+/// What tears are told to, and what pieces are made with.
+#[derive(bevy::ecs::system::SystemParam)]
+pub(crate) struct Tearing<'w, 's> {
+    commands: Commands<'w, 's>,
+    order: ResMut<'w, CreationOrder>,
+    refusals: ResMut<'w, Refusals>,
+    torn_meshes: Query<'w, 's, &'static TornMesh>,
+    grabs: Query<'w, 's, &'static mut Grab>,
+    torn: MessageWriter<'w, StickTorn>,
+    split: MessageWriter<'w, BodySplit>,
+}
+
+/// Cuts what the blades of this step pass through.
+pub(crate) fn cut_bodies(
+    mut cuts: MessageReader<CutCloth>,
+    mut bodies: TornQuery,
+    clock: Res<DrapeClock>,
+    mut tearing: Tearing,
+) {
+    for cut in cuts.read() {
+        if !cut.blade.as_flattened().iter().all(|corner| corner.is_finite()) {
+            tearing.refusals.resource("CutCloth", "a corner of its blade is not finite");
+            continue;
+        }
+        let bounds = cut.bounds();
+        let is_near = |entity: Entity, state: &BodyState| {
+            cut.only.is_none_or(|only| only == entity)
+                && !state.refused
+                && overlap(bounds, grown(state.extent.bounds, state.settings.thickness))
+        };
+        // In order of creation, so that entity ids do not matter to the order of the pieces.
+        let mut near: Vec<(u64, Entity)> =
+            bodies.iter().filter(|body| is_near(body.0, body.3)).map(|body| (body.3.order, body.0)).collect();
+        near.sort_unstable();
+        for (_, entity) in near {
+            tearing.part(entity, &mut bodies, clock.elapsed(), true, |body| body.cut(&cut.blade));
+        }
+    }
+}
+
+/// Tears what this step has stretched too far.
+pub(crate) fn tear_bodies(
+    mut bodies: TornQuery,
+    clock: Res<DrapeClock>,
+    mut tearing: Tearing,
+    mut awake: Local<Vec<(u64, Entity, TearLimits)>>,
+) {
+    awake.clear();
+    for (entity, _, _, state, activity, tearable) in &bodies {
+        let Some(tearable) = tearable else { continue };
+        let Tearable { strain, most_at_once, .. } = *tearable;
+        if tearable.is_changed() {
+            tearing.refusals.forget_component(entity, "Tearable");
+        }
+        if !(strain > 0.0 && strain.is_finite()) {
+            tearing.refusals.entity(
+                entity,
+                "Tearable",
+                format_args!("strain must be finite and above zero, but is {strain}"),
+            );
+        } else if *activity == Activity::Active && !state.refused {
+            awake.push((state.order, entity, TearLimits { strain, most: most_at_once }));
+        }
+    }
+    awake.sort_unstable_by_key(|&(order, ..)| order);
+    let now = clock.elapsed() + f64::from(clock.delta());
+    for (_, entity, limits) in awake.drain(..) {
+        tearing.part(entity, &mut bodies, now, false, |body| body.tear(&limits));
+    }
+}
+
+impl Tearing<'_, '_> {
+    /// Does `part` to a body, and makes entities of what comes off.
+    fn part(
+        &mut self,
+        entity: Entity,
+        bodies: &mut TornQuery,
+        time: f64,
+        is_cut: bool,
+        part: impl FnOnce(&mut Body) -> Result<Option<Torn>, drape_solver::BuildError>,
+    ) {
+        let Ok((_, mut particles, mut sticks, mut state, _, tearable)) = bodies.get_mut(entity) else {
+            return;
+        };
+        if particles.is_empty() || particles.len() != sticks.particle_count() {
+            return;
+        }
+        let mut body = Body::new(
+            core::mem::take(&mut particles.bypass_change_detection().0),
+            sticks.0.clone(),
+            state.settings,
+        );
+        let outcome = part(&mut body);
+        let torn = match outcome {
+            Ok(torn) => torn,
+            Err(error) => {
+                self.refusals.entity(entity, "Tearable", error);
+                None
+            }
+        };
+        let Some(Torn { origins, sticks: torn_sticks, pieces }) = torn else {
+            particles.bypass_change_detection().0 = body.particles;
+            return;
+        };
+        for TornStick { position, length, rest_length, .. } in torn_sticks {
+            self.torn.write(StickTorn { body: entity, position, length, rest_length, is_cut, time });
+        }
+        let least = tearable.map_or_else(Tearable::default, |tearable| *tearable).least_particles as usize;
+        for Piece { body: piece, origins } in pieces {
+            let spawned =
+                (piece.particles.len() >= least).then(|| self.spawn(entity, &state, piece, &origins));
+            let split = BodySplit { body: entity, piece: spawned, origins, time };
+            self.split.write(split.clone());
+            self.commands.trigger(split);
+        }
+        if let Ok(mut grab) = self.grabs.get_mut(entity) {
+            grab.follow(&origins);
+        }
+        let mesh = self.torn_mesh(entity, &origins);
+        self.commands.entity(entity).insert(mesh);
+        state.context = body.context;
+        state.pins = pins_after(&state, &origins);
+        state.extent = Extent::of(&body.particles);
+        particles.0 = body.particles;
+        sticks.0 = body.topology;
+    }
+
+    /// The entity of a piece that has come off another.
+    fn spawn(&mut self, from: Entity, state: &BodyState, piece: Body, origins: &[u32]) -> Entity {
+        let mesh = self.torn_mesh(from, origins);
+        let state = BodyState {
+            order: self.order.next(),
+            anchor: state.anchor,
+            pins: pins_after(state, origins),
+            extent: Extent::of(&piece.particles),
+            settings: state.settings,
+            layers: state.layers,
+            ..BodyState::default()
+        };
+        let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
+        let mut commands = self.commands.entity(from);
+        let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
+            cloner.deny::<(Cloth, Rope, Grab, TornMesh, Particles, Sticks, Activity, BodyState)>();
+            #[cfg(feature = "mesh")]
+            cloner.deny::<(crate::surface::Surface, Mesh3d, bevy::camera::primitives::Aabb)>();
+        });
+        spawned.insert(own);
+        spawned.id()
+    }
+
+    /// Where the vertices of a body's new mesh come from.
+    fn torn_mesh(&self, entity: Entity, origins: &[u32]) -> TornMesh {
+        match self.torn_meshes.get(entity) {
+            // Torn before the mesh of the last tear was made.
+            Ok(TornMesh { source, origins: before }) => {
+                let origins = origins.iter().filter_map(|&origin| before.get(origin as usize).copied());
+                TornMesh { source: *source, origins: origins.collect() }
+            }
+            Err(_) => TornMesh { source: entity, origins: origins.to_vec() },
+        }
+    }
+}
+
+/// The pins of a body, or of a piece of it, whose particles have these origins.
+fn pins_after(state: &BodyState, origins: &[u32]) -> Vec<(u32, Vec3)> {
+    let place = |origin: u32| state.pins.iter().find(|&&(pin, _)| pin == origin).map(|&(_, place)| place);
+    let origins = origins.iter().enumerate();
+    origins.filter_map(|(index, &origin)| Some((index as u32, place(origin)?))).collect()
+}

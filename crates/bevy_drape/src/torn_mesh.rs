@@ -1,0 +1,59 @@
+//! The meshes of what has been torn: the vertices that there were, shared out and copied as the particles were.
+
+use bevy::camera::visibility::NoAutoAabb;
+use bevy::mesh::Indices;
+use bevy::prelude::*;
+use drape_solver::Topology;
+
+use crate::particles::{Particles, Sticks};
+use crate::surface::{EntitySpace, Surface};
+use crate::tear::TornMesh;
+
+/// Gives torn bodies, and the pieces that came off them, their meshes.
+pub(crate) fn tear_meshes(
+    mut commands: Commands,
+    torn: Query<(Entity, &TornMesh, &Particles, &Sticks, &GlobalTransform)>,
+    whole: Query<(&Mesh3d, &Surface)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+) {
+    // All are made before the first is replaced that others are made from.
+    let mut made = Vec::new();
+    for (entity, TornMesh { source, origins }, particles, sticks, transform) in &torn {
+        commands.entity(entity).remove::<TornMesh>();
+        let Ok((handle, surface)) = whole.get(*source) else { continue };
+        let mesh = meshes.get(handle).and_then(|mesh| torn_mesh(mesh, origins, &sticks.0));
+        let surface = surface.torn(origins, &sticks.0).filter(|_| origins.len() == particles.len());
+        let (Some(mut mesh), Some(mut own)) = (mesh, surface) else { continue };
+        let bounds = EntitySpace::new(transform).and_then(|space| own.write(&mut mesh, &space, 1.0));
+        let handle = (*source == entity).then(|| handle.0.clone());
+        made.push((entity, handle, mesh, own, bounds.unwrap_or_default()));
+    }
+    for (entity, handle, mesh, mut surface, bounds) in made {
+        let handle = match handle {
+            Some(handle) => {
+                if let Some(mut known) = meshes.get_mut(&handle) {
+                    *known = mesh;
+                }
+                handle
+            }
+            None => meshes.add(mesh),
+        };
+        surface.mesh = handle.id();
+        commands.entity(entity).insert((Mesh3d(handle), surface, NoAutoAabb, bounds));
+    }
+}
+
+/// A mesh with the vertices `origins` of another, in this order, and the faces of `topology`; none if it has not so many,
+/// or its data is not here.
+fn torn_mesh(mesh: &Mesh, origins: &[u32], topology: &Topology) -> Option<Mesh> {
+    let count = mesh.count_vertices();
+    if origins.iter().any(|&origin| origin as usize >= count) {
+        return None;
+    }
+    let mut torn = mesh.clone();
+    // Vertices are duplicated by index: these are the indices.
+    torn.try_insert_indices(Indices::U32(origins.to_vec())).ok()?;
+    torn.try_duplicate_vertices().ok()?;
+    torn.try_insert_indices(Indices::U32(topology.faces().as_flattened().to_vec())).ok()?;
+    Some(torn)
+}

@@ -1,0 +1,231 @@
+//! Tears and cuts: what comes off is a body of its own, and everyone is told.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_solver::measure;
+
+use crate::common::*;
+
+/// What a game may have on its cloth.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+struct Colour(u32);
+
+/// What was told of tears and splits.
+#[derive(Resource, Default)]
+struct Told {
+    torn: Vec<StickTorn>,
+    split: Vec<BodySplit>,
+    observed: Vec<BodySplit>,
+}
+
+fn tearing_app() -> App {
+    let mut app = app();
+    app.init_resource::<Told>().add_observer(|split: On<BodySplit>, mut told: ResMut<Told>| {
+        told.observed.push(split.event().clone());
+    });
+    app.add_systems(
+        Last,
+        |mut torn: MessageReader<StickTorn>, mut split: MessageReader<BodySplit>, mut told: ResMut<Told>| {
+            told.torn.extend(torn.read());
+            told.split.extend(split.read().cloned());
+        },
+    );
+    app
+}
+
+/// A level cut through a curtain of 1 m around the origin, at this height.
+fn level(height: f32) -> CutCloth {
+    let edge = |x: f32| [Vec3::new(x, height, -2.0), Vec3::new(x, height, 2.0)];
+    CutCloth::sweep(edge(-2.0), edge(2.0))
+}
+
+fn mass(app: &mut App) -> f64 {
+    let mut bodies = app.world_mut().query::<&Particles>();
+    bodies.iter(app.world()).map(|particles| measure::mass(particles)).sum()
+}
+
+#[test]
+fn what_is_cut_off_is_a_clone_with_a_body_of_its_own_and_falls() {
+    let mut app = tearing_app();
+    let place = Transform::from_xyz(3.0, 0.0, 0.0);
+    let curtain = app.world_mut().spawn((curtain(), place, Colour(7), dragless())).id();
+    let other = app.world_mut().spawn(self::curtain()).id();
+    run(&mut app, 0.2);
+    let before = mass(&mut app);
+    let cut = CutCloth::sweep(
+        [Vec3::new(2.0, -0.1, -2.0), Vec3::new(2.0, -0.1, 2.0)],
+        [Vec3::new(4.0, -0.1, -2.0), Vec3::new(4.0, -0.1, 2.0)],
+    );
+    app.world_mut().write_message(cut);
+    step(&mut app, 1);
+    let told = app.world().resource::<Told>();
+    assert_eq!((told.split.len(), &told.split), (1, &told.observed));
+    let split = told.split[0].clone();
+    assert_eq!(split.body, curtain);
+    assert!(!told.torn.is_empty() && told.torn.iter().all(|torn| torn.body == curtain && torn.is_cut));
+    let piece = split.piece.expect("large enough");
+    assert_eq!(get::<Particles>(&app, piece).len(), split.origins.len());
+    assert_eq!((*get::<Colour>(&app, piece), *get::<SolverSettings>(&app, piece)), (Colour(7), dragless()));
+    assert!(app.world().get::<Cloth>(piece).is_none(), "it is no longer what it was built from");
+    assert_eq!(get::<Particles>(&app, other).len(), 81, "the other curtain is elsewhere");
+    assert!((mass(&mut app) - before).abs() < 1e-5 * before);
+
+    let start = centre(&app, piece).y;
+    let speed = app
+        .world()
+        .get::<Particles>(piece)
+        .map(|p| measure::momentum(p) / measure::mass(p))
+        .expect("a body")
+        .y;
+    run(&mut app, 0.5);
+    let expected = start + speed as f32 * 0.5 - 0.5 * GRAVITY * 0.25;
+    assert!(
+        (centre(&app, piece).y - expected).abs() < 0.02,
+        "{}, expected {expected}",
+        centre(&app, piece).y
+    );
+    assert!(get::<Particles>(&app, curtain).positions().all(|place| place.y > -0.3), "the rest hangs");
+    // The transform of a body moves its pins; the piece has none left.
+    get_mut::<Transform>(&mut app, curtain).translation.y += 1.0;
+    step(&mut app, 1);
+    assert!(get::<Particles>(&app, curtain).position(0).y > 1.4);
+}
+
+#[test]
+fn only_the_body_that_is_named_is_cut() {
+    let mut app = tearing_app();
+    let [first, second] =
+        [0.0, 0.2].map(|z| app.world_mut().spawn((curtain(), Transform::from_xyz(0.0, 0.0, z))).id());
+    step(&mut app, 2);
+    app.world_mut().write_message(level(0.05).only(second));
+    step(&mut app, 1);
+    assert!(app.world().resource::<Told>().split.iter().all(|split| split.body == second));
+    assert_eq!(get::<Particles>(&app, first).len(), 81);
+    assert_eq!(app.world().resource::<Told>().split.len(), 1);
+}
+
+#[test]
+fn a_cut_wakes_a_curtain_that_hangs_asleep() {
+    let mut app = tearing_app();
+    let curtain = app.world_mut().spawn((curtain(), quiet())).id();
+    settle(&mut app, curtain);
+    app.world_mut().write_message(level(0.05));
+    step(&mut app, 1);
+    assert_eq!(activity(&app, curtain), Activity::Active);
+    let piece = app.world().resource::<Told>().split[0].piece.expect("large enough");
+    assert_eq!(activity(&app, piece), Activity::Active);
+}
+
+/// A heavy ball tears a curtain that may tear, and does not tear one that may not.
+#[test]
+fn a_cannon_ball_tears_what_is_tearable() {
+    for is_tearable in [true, false] {
+        let mut app = tearing_app();
+        let cloth = Cloth::new(2.0, 2.0).with_particles(33, 33).with_pins(ClothPins::Corners);
+        let curtain = app.world_mut().spawn(cloth).id();
+        if is_tearable {
+            app.world_mut().entity_mut(curtain).insert(Tearable {
+                strain: 0.3,
+                most_at_once: 32,
+                ..default()
+            });
+        }
+        let ball = Projectile { radius: 0.15, mass: 20.0, velocity: Vec3::Z * 40.0, ..default() };
+        app.world_mut().spawn((ball, Transform::from_xyz(0.1, 0.1, -1.0)));
+        step(&mut app, 1);
+        let before = mass(&mut app);
+        run(&mut app, 0.5);
+        let told = app.world().resource::<Told>();
+        assert_eq!(told.torn.is_empty(), !is_tearable, "{} sticks torn", told.torn.len());
+        assert!(told.torn.iter().all(|torn| !torn.is_cut && torn.length > 1.3 * torn.rest_length));
+        let vanished = told.split.iter().filter(|split| split.piece.is_none()).count();
+        let after = mass(&mut app);
+        assert!(
+            after <= before * (1.0 + 1e-6) && (vanished > 0 || after > before * (1.0 - 1e-5)),
+            "{after} of {before} kg"
+        );
+        let faces: usize =
+            app.world_mut().query::<&Sticks>().iter(app.world()).map(|sticks| sticks.faces().len()).sum();
+        assert!(faces <= 2 * 32 * 32 && (vanished > 0 || faces == 2 * 32 * 32));
+    }
+}
+
+#[test]
+fn crumbs_vanish_and_are_told_of() {
+    let mut app = tearing_app();
+    let tearable = Tearable { least_particles: 1000, ..default() };
+    app.world_mut().spawn((curtain(), tearable));
+    step(&mut app, 2);
+    app.world_mut().write_message(level(0.05));
+    step(&mut app, 1);
+    let told = app.world().resource::<Told>();
+    assert_eq!((told.split.len(), told.split[0].piece), (1, None));
+    assert_eq!(app.world_mut().query::<&Particles>().iter(app.world()).count(), 1);
+}
+
+#[test]
+fn a_hand_keeps_hold_of_what_it_held() {
+    let mut app = tearing_app();
+    let curtain = app.world_mut().spawn(curtain()).id();
+    step(&mut app, 2);
+    let grab = Grab::new(get::<Particles>(&app, curtain), 80, 0.3);
+    let held = get::<Particles>(&app, curtain).position(80);
+    app.world_mut().entity_mut(curtain).insert(grab);
+    // From the left to the middle: nothing comes off, but particles are split.
+    let edge = |x: f32| [Vec3::new(x, 0.05, -2.0), Vec3::new(x, 0.05, 2.0)];
+    app.world_mut().write_message(CutCloth::sweep(edge(-2.0), edge(0.1)));
+    step(&mut app, 1);
+    assert!(get::<Particles>(&app, curtain).len() > 81, "it was cut");
+    let firmest = get::<Grab>(&app, curtain).particles().map(|i| get::<Particles>(&app, curtain).position(i));
+    assert!(firmest.into_iter().any(|place| place.distance(held) < 0.05));
+}
+
+#[test]
+fn a_tear_that_cannot_be_and_a_blade_that_is_nowhere_are_said_to_be_so() {
+    for strain in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let mut app = tearing_app();
+        let curtain = app.world_mut().spawn((curtain(), Tearable { strain, ..default() })).id();
+        step(&mut app, 3);
+        let messages = refusals(&app, curtain);
+        assert!(
+            messages.len() == 1 && messages[0].contains("Tearable") && messages[0].contains("strain"),
+            "{messages:?}"
+        );
+        assert_eq!(activity(&app, curtain), Activity::Active, "it is simulated all the same");
+        get_mut::<Tearable>(&mut app, curtain).strain = 0.5;
+        step(&mut app, 1);
+        assert!(refusals(&app, curtain).is_empty(), "mended");
+    }
+    let mut app = tearing_app();
+    app.world_mut().spawn(curtain());
+    app.world_mut().write_message(CutCloth { blade: vec![[Vec3::NAN; 3]], only: None });
+    step(&mut app, 2);
+    let messages: Vec<String> =
+        app.world().resource::<Refusals>().messages().map(ToString::to_string).collect();
+    assert!(messages.len() == 1 && messages[0].contains("CutCloth"), "{messages:?}");
+}
+
+/// Two runs give the same bits, whatever the entities are called.
+#[test]
+fn the_same_tears_give_the_same_bits() {
+    let run = |others: usize| {
+        let mut app = tearing_app();
+        for _ in 0..others {
+            app.world_mut().spawn_empty();
+        }
+        let cloth = Cloth::new(1.0, 1.0).with_particles(33, 33);
+        let curtain = app.world_mut().spawn((cloth, Tearable { strain: 0.2, ..default() })).id();
+        step(&mut app, 20);
+        app.world_mut().write_message(level(-0.1));
+        app.world_mut().write_message(CutCloth::star(Vec3::new(0.1, 0.2, 0.0), Dir3::Z, 0.1));
+        let ball = Projectile { velocity: Vec3::Z * 25.0, ..default() };
+        app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.3, -0.5)));
+        step(&mut app, 60);
+        let mut bodies = vec![curtain];
+        bodies.extend(app.world().resource::<Told>().split.iter().filter_map(|split| split.piece));
+        (bodies.len(), hash(&app, &bodies))
+    };
+    let first = run(0);
+    assert!(first.0 > 1);
+    assert_eq!(first, run(100));
+}
