@@ -62,7 +62,7 @@ mod tests {
             ("partilces", "particles"),
             ("pin", "pins"),
             ("fire", "Fire"),
-            ("Streching", "Stretch"),
+            ("Stretc", "Stretch"),
             ("areal_densty", "areal_density"),
         ] {
             assert_eq!(nearest(found, known), Some(meant), "{found}");

@@ -284,8 +284,8 @@ fn mistakes_are_told_in_the_words_of_the_file() {
         ),
         (
             "when: Always",
-            "when: Allways",
-            "Allways",
+            "when: always",
+            "always, probe",
             "expectations[1].when",
             &["`At(..)`", "did you mean `Always`?"],
         ),
@@ -309,7 +309,7 @@ fn mistakes_are_told_in_the_words_of_the_file() {
     ] {
         assert_told(&error(from, to), at, path, words);
         let message = error(from, to).0.problem;
-        for jargon in ["dentifier", "variant", "struct ", "unit value", "tuple", "r#"] {
+        for jargon in ["Identifier", "identifier", "variant", "struct ", "unit value", "tuple", "r#"] {
             assert!(!message.contains(jargon), "“{message}” says {jargon}");
         }
     }
