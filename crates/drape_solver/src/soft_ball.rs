@@ -14,7 +14,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::error::{BuildError, in_range, positive};
+use crate::error::{BuildError, finite_vector, in_range, positive};
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
 use crate::topology::{StickKind, StickMaterial, Topology};
@@ -23,10 +23,11 @@ use crate::topology_builder::TopologyBuilder;
 /// Particles of the inmost ring; each further ring has so many more.
 const INMOST: u32 = 10;
 
-/// A soft ball in the XY plane around a centre, as rings of particles.
+/// A soft ball in a plane, as rings of particles around its centre.
 #[derive(Clone, Debug)]
 pub struct SoftBallBuilder {
     centre: Vec3,
+    axes: [Vec3; 2],
     radius: f32,
     rings: u32,
     areal_density: f32,
@@ -36,10 +37,18 @@ pub struct SoftBallBuilder {
 }
 
 impl SoftBallBuilder {
-    /// A ball of `radius` (metres) around `centre` in `rings` rings: 10 kg/m^2, quite stiff, free.
+    /// A ball of `radius` (metres) around `centre` in `rings` rings, in the XY plane: 10 kg/m^2, quite stiff, free.
     pub fn new(centre: Vec3, radius: f32, rings: u32) -> Self {
         let (areal_density, stiffness, damping) = (10.0, 0.999, 1.0);
-        Self { centre, radius, rings, areal_density, stiffness, damping, is_rim_pinned: false }
+        let axes = [Vec3::X, Vec3::Y];
+        Self { centre, axes, radius, rings, areal_density, stiffness, damping, is_rim_pinned: false }
+    }
+
+    /// Puts it into the plane of these two directions (unit length, at right angles), the first particle of each ring along
+    /// the first.
+    pub fn axes(mut self, right: Vec3, up: Vec3) -> Self {
+        self.axes = [right, up];
+        self
     }
 
     /// Mass per area in kg/m^2, above zero.
@@ -83,6 +92,13 @@ impl SoftBallBuilder {
     /// [`BuildError`] naming what cannot be built.
     pub fn build_parts(self) -> Result<(Particles, Topology), BuildError> {
         positive("radius", self.radius)?;
+        let [right, up] = self.axes;
+        finite_vector("right", right)?;
+        finite_vector("up", up)?;
+        let unit = |v: Vec3| (v.length_squared() - 1.0).abs() < 1e-3;
+        if !(unit(right) && unit(up) && right.dot(up).abs() < 1e-3) {
+            return Err(BuildError::BadAxes);
+        }
         positive("areal_density", self.areal_density)?;
         in_range("rings", self.rings as f32, 1.0, 256.0)?;
         let (last_count, last_first) = Self::ring(self.rings - 1);
@@ -100,7 +116,8 @@ impl SoftBallBuilder {
             let inverse_mass = if is_pinned { 0.0 } else { count as f32 / (area * self.areal_density) };
             for i in 0..count {
                 let angle = TAU * i as f32 / count as f32;
-                positions.push(self.centre + Vec3::new(libm::cosf(angle), libm::sinf(angle), 0.0) * radius);
+                let [right, up] = self.axes;
+                positions.push(self.centre + (right * libm::cosf(angle) + up * libm::sinf(angle)) * radius);
                 inverse_masses.push(inverse_mass);
             }
         }
