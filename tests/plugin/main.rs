@@ -22,6 +22,7 @@ mod reflection;
 mod schedule;
 mod simulates;
 mod sleeping;
+mod soft;
 mod tearing;
 mod threads;
 mod waking;

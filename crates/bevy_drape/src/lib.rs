@@ -25,6 +25,7 @@ mod normals;
 pub mod obstacle;
 pub mod particles;
 pub mod plugin;
+pub mod pressure;
 pub mod projectile;
 pub mod refusal;
 pub mod rig;
@@ -38,6 +39,7 @@ pub mod schedule;
 pub mod settings;
 mod sleepers;
 pub mod snapshot;
+pub mod soft_ball;
 #[cfg(feature = "mesh")]
 mod surface;
 pub mod tear;
@@ -80,6 +82,7 @@ pub mod prelude {
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
+        pressure::Pressure,
         projectile::{Projectile, ProjectileState},
         refusal::Refusals,
         rig::{InRig, Particle, Rig, Stick, StickKind},
@@ -89,6 +92,7 @@ pub mod prelude {
         settings::{
             DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
         },
+        soft_ball::SoftBall,
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
         wind_zone::{WindFlow, WindRegion, WindZone},
     };

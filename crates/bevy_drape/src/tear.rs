@@ -33,6 +33,7 @@ use crate::refusal::Refusals;
 use crate::rig::Rig;
 use crate::rope::Rope;
 use crate::scene_manager::{grown, overlap};
+use crate::soft_ball::SoftBall;
 
 /// Lets a body tear. Rigs, whose particles are entities, do not.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -302,7 +303,7 @@ impl Tearing<'_, '_> {
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
         let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
-            cloner.deny::<(Cloth, Rope, Grab, TornMesh, Particles, Sticks, Activity, BodyState)>();
+            cloner.deny::<(Cloth, Rope, SoftBall, Grab, TornMesh, Particles, Sticks, Activity, BodyState)>();
             #[cfg(feature = "mesh")]
             cloner.deny::<(crate::surface::Surface, Mesh3d, bevy::camera::primitives::Aabb)>();
         });
