@@ -59,7 +59,7 @@ fn a_soft_ball_that_cannot_be_is_refused_by_name() {
         (SoftBall { areal_density: -1.0, ..default() }, "areal_density"),
         (SoftBall { stiffness: 2.0, ..default() }, "stiffness"),
     ] {
-        assert_refused(ball, &["SoftBall", word]);
+        let _ = assert_refused(ball, &["SoftBall", word]);
     }
 }
 
