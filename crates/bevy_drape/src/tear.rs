@@ -150,14 +150,7 @@ pub(crate) struct TornMesh {
 type TornQuery<'w, 's> = Query<
     'w,
     's,
-    (
-        Entity,
-        &'static mut Particles,
-        &'static mut Sticks,
-        &'static mut BodyState,
-        &'static Activity,
-        Option<Ref<'static, Tearable>>,
-    ),
+    (Entity, &'static mut Particles, &'static mut Sticks, &'static mut BodyState, Option<&'static Tearable>),
     Without<Rig>,
 >;
 
@@ -204,13 +197,15 @@ pub(crate) fn cut_bodies(
 /// Tears what this step has stretched too far.
 pub(crate) fn tear_bodies(
     mut bodies: TornQuery,
+    // Apart from the bodies, so that only what may tear is looked at.
+    tearable: Query<(Entity, Ref<Tearable>, &Activity), Without<Rig>>,
     clock: Res<DrapeClock>,
     mut tearing: Tearing,
     mut awake: Local<Vec<(u64, Entity, TearLimits)>>,
 ) {
     awake.clear();
-    for (entity, _, _, state, activity, tearable) in &bodies {
-        let Some(tearable) = tearable else { continue };
+    for (entity, tearable, activity) in &tearable {
+        let Ok((_, _, _, state, _)) = bodies.get(entity) else { continue };
         let Tearable { strain, most_at_once, .. } = *tearable;
         if tearable.is_changed() {
             tearing.refusals.forget_component(entity, "Tearable");
@@ -242,7 +237,7 @@ impl Tearing<'_, '_> {
         is_cut: bool,
         part: impl FnOnce(&mut Body) -> Result<Option<Torn>, drape_solver::BuildError>,
     ) {
-        let Ok((_, mut particles, mut sticks, mut state, _, tearable)) = bodies.get_mut(entity) else {
+        let Ok((_, mut particles, mut sticks, mut state, tearable)) = bodies.get_mut(entity) else {
             return;
         };
         if particles.is_empty() || particles.len() != sticks.particle_count() {
@@ -268,7 +263,7 @@ impl Tearing<'_, '_> {
         for TornStick { position, length, rest_length, .. } in torn_sticks {
             self.torn.write(StickTorn { body: entity, position, length, rest_length, is_cut, time });
         }
-        let least = tearable.map_or_else(Tearable::default, |tearable| *tearable).least_particles as usize;
+        let least = tearable.copied().unwrap_or_default().least_particles as usize;
         for Piece { body: piece, origins } in pieces {
             let spawned =
                 (piece.particles.len() >= least).then(|| self.spawn(entity, &state, piece, &origins));

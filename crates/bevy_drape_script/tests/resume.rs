@@ -12,7 +12,7 @@ use bevy_drape_script::{Report, SceneRunner, SceneScript};
 const SCENE: &str = r#"(
     version: 1,
     settings: (duration: 3),
-    parameters: { "fine": (default: (16, 12), sets: ["curtain.particles"]) },
+    parameters: { "fine": (default: (13, 11), sets: ["curtain.particles"]) },
     bodies: {
         "curtain": Cloth(size: (1.2, 1), at: (0, 1.5, 0), contacts: true),
         "rope": Rope(start: (1, 2, 0), end: (1.8, 2, 0), particles: 16, velocity: (0, 0, 1)),
