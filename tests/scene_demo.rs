@@ -100,3 +100,35 @@ fn plots_are_drawn() {
     let plot = std::fs::read_to_string(folder.0.join("plots/a.svg")).expect("a plot");
     assert!(plot.contains("polyline"), "no curve in it");
 }
+
+#[test]
+fn checkpoints_are_written_and_gone_on_from() {
+    let scene = SCENE.replace("bodies:", "timeline: [(at: 0.25, do: Checkpoint(\"half\"))],\n    bodies:");
+    let folder = Folder::new("checkpoint").with("a.scene.ron", &scene);
+    let out = folder.path("out");
+    assert!(passes(&[&folder.path("a.scene.ron"), "--out", &out]));
+    let checkpoint = folder.path("out/a.half.checkpoint");
+    assert!(passes(&[&checkpoint, "--out", &out]), "it goes on to somewhere else");
+    std::fs::write(&checkpoint, "nothing of the kind").expect("written");
+    assert!(scene_suite::run(&arguments(&[&checkpoint])).is_err());
+}
+
+#[test]
+fn pictures_are_drawn_or_it_is_told_how() {
+    let folder = Folder::new("pictures").with("a.scene.ron", &SCENE.replace("8.774", "9"));
+    let frames = folder.path("frames");
+    let drawn = scene_suite::run(&arguments(&[&folder.path("a.scene.ron"), "--frames", &frames]));
+    match drawn {
+        Ok(passed) => {
+            assert!(!passed, "it hangs too high");
+            for name in ["a.whole.1_start.png", "a.whole.3_end.png", "a.failed_1.png"] {
+                assert!(Path::new(&frames).join(name).is_file(), "{name}");
+            }
+        }
+        // Without the feature, or a graphics adapter.
+        Err(error) => {
+            let told = error.to_string();
+            assert!(told.contains("feature `render`") || told.contains("adapter"), "{told}");
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
+use crate::clock_keys::control_clock;
 use crate::scene::{Curtain, begin};
 
 /// How fast the barrel turns, in rad/s.
@@ -17,8 +18,6 @@ const AZIMUTH: f32 = 0.6;
 const SPEED: (f32, f32) = (5.0, 40.0);
 /// Mean velocity of the wind in m/s.
 const WIND: Vec3 = Vec3::new(0.5, 0.0, -1.8);
-/// How much slower slow motion is.
-const SLOW_MOTION: f32 = 0.2;
 
 /// Strain from which on a stick is wholly red: what is seen for a moment after a hit.
 const FULL_STRAIN: f32 = 0.01;
@@ -93,19 +92,6 @@ fn fire(
 fn reset(mut commands: Commands, keys: Res<ButtonInput<KeyCode>>) {
     if keys.just_pressed(KeyCode::KeyR) {
         commands.queue(begin);
-    }
-}
-
-fn control_clock(keys: Res<ButtonInput<KeyCode>>, mut clock: ResMut<DrapeClock>) {
-    if keys.just_pressed(KeyCode::KeyP) {
-        clock.paused = !clock.paused;
-    }
-    if keys.just_pressed(KeyCode::KeyO) {
-        clock.paused = true;
-        clock.step_once();
-    }
-    if keys.just_pressed(KeyCode::KeyT) {
-        clock.time_scale = if clock.time_scale < 1.0 { 1.0 } else { SLOW_MOTION };
     }
 }
 

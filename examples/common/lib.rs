@@ -12,7 +12,11 @@ pub mod arguments;
 #[cfg(feature = "render")]
 mod cannon_model;
 #[cfg(feature = "window")]
+mod clock_keys;
+#[cfg(feature = "window")]
 pub mod controls;
+#[cfg(feature = "render")]
+mod cords;
 #[cfg(feature = "render")]
 pub mod frames;
 pub mod headless;
@@ -30,10 +34,12 @@ pub mod recorder;
 pub mod report;
 pub mod scene;
 pub mod scene_arguments;
-#[cfg(feature = "window")]
+#[cfg(feature = "render")]
 mod scene_dress;
-#[cfg(feature = "window")]
+#[cfg(feature = "render")]
 mod scene_forms;
+#[cfg(feature = "render")]
+mod scene_frames;
 #[cfg(feature = "window")]
 mod scene_panel;
 mod scene_plot;
@@ -41,9 +47,13 @@ pub mod scene_replay;
 #[cfg(feature = "window")]
 pub mod scene_replay_window;
 pub mod scene_suite;
+#[cfg(feature = "render")]
+mod scene_view;
 #[cfg(feature = "window")]
 pub mod scene_window;
 pub mod soak;
+#[cfg(feature = "render")]
+pub mod studio;
 pub mod table1;
 #[cfg(feature = "render")]
 mod textures;

@@ -9,7 +9,7 @@ use clap::{Parser, ValueEnum};
 #[derive(Clone, Debug, Parser)]
 #[command(version, about)]
 pub struct SceneArguments {
-    /// Scene files (*.scene.ron), and folders of them.
+    /// Scene files (*.scene.ron), folders of them, and checkpoints (*.checkpoint) to go on from.
     #[arg(value_name = "FILE", required_unless_present = "replay", conflicts_with = "replay")]
     pub files: Vec<PathBuf>,
 
@@ -41,7 +41,7 @@ pub struct SceneArguments {
     #[arg(long, conflicts_with = "replay")]
     pub plot: bool,
 
-    /// Folder for plots; made if it does not exist.
+    /// Folder for plots and checkpoints; made if it does not exist.
     #[arg(long, value_name = "DIR", default_value = "target/scenes")]
     pub out: PathBuf,
 

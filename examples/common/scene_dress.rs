@@ -1,24 +1,27 @@
 //! What the bodies and obstacles of a running scene look like: the materials that the scene gives them.
 
+use bevy::camera::visibility::NoFrustumCulling;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
-use bevy_drape_script::recording::Form;
 use bevy_drape_script::scene;
 use drape_solver::StickKind;
 
-use crate::scene_forms::{material_of, mesh_of};
+use crate::cords;
+use crate::scene_forms::{meshes_of, solid};
 use crate::visuals::{EARTH, OutdoorsPlugin, Wardrobe};
 
-/// Colour of the lines of ropes and rigs.
-const LINE: Color = Color::srgb(0.25, 0.16, 0.10);
+/// Colour of obstacles that have no material, but for the ground.
+const SOLID: Color = Color::srgb(0.45, 0.52, 0.58);
 
 /// Dresses whatever a scene spawns.
 pub struct DressPlugin;
 
 impl Plugin for DressPlugin {
     fn build(&self, app: &mut App) {
-        app.add_plugins(OutdoorsPlugin).add_systems(Update, (dress_cloths, dress_obstacles, draw_lines));
+        app.add_plugins(OutdoorsPlugin)
+            .add_systems(Update, (dress_cloths, dress_obstacles, dress_cords))
+            .add_systems(PostUpdate, (write_cords, drop_cords));
     }
 }
 
@@ -63,39 +66,77 @@ fn dress_cloths(
 struct Dressed;
 
 fn dress_obstacles(
-    obstacles: Query<(Entity, &Obstacle, Option<&Name>), Without<Dressed>>,
+    obstacles: Query<(Entity, &Obstacle, &Name), Without<Dressed>>,
     play: Option<Res<ScenePlay>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
+    let Some(play) = play else { return };
     for (entity, obstacle, name) in &obstacles {
-        let form = Form::of(&obstacle.shape);
-        let own = play.as_deref().zip(name).and_then(|(play, name)| material(play, name));
         let mut dressed = commands.entity(entity);
         dressed.insert((Dressed, Interpolated, Visibility::default()));
+        let told = play.script().obstacles.get(name.as_str());
         // What only senses is air.
-        if let Some((mesh, transform)) = mesh_of(form).filter(|_| !obstacle.is_sensor) {
-            let material = material_of(form, own.as_ref().map_or(EARTH, colour));
-            dressed.with_child((
-                Mesh3d(meshes.add(mesh)),
-                MeshMaterial3d(materials.add(material)),
-                transform,
+        let Some(told) = told.filter(|_| !obstacle.is_sensor) else { continue };
+        let usual = if matches!(told.shape, scene::Shape::Ground) { EARTH } else { SOLID };
+        let own = material(&play, name);
+        let material = materials.add(solid(own.as_ref().map_or(usual, colour)));
+        for (mesh, place) in meshes_of(&told.shape) {
+            dressed.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()), place));
+        }
+    }
+}
+
+/// Shows the cords of a body: of its structural sticks, as it has no surface.
+#[derive(Component)]
+struct CordsOf(Entity);
+
+/// Marks a body whose cords are shown.
+#[derive(Component)]
+struct HasCords;
+
+fn dress_cords(
+    bodies: Query<(Entity, &Sticks), Without<HasCords>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, sticks) in &bodies {
+        commands.entity(entity).insert(HasCords);
+        if sticks.faces().is_empty() {
+            commands.spawn((
+                CordsOf(entity),
+                Mesh3d(meshes.add(cords::empty())),
+                MeshMaterial3d(materials.add(cords::material())),
+                // Its bounds change with every step.
+                NoFrustumCulling,
             ));
         }
     }
 }
 
-/// Ropes and rigs have no surface: their structural sticks are drawn.
-fn draw_lines(bodies: Query<(&Particles, &Sticks)>, mut gizmos: Gizmos) {
-    for (particles, sticks) in &bodies {
-        if !sticks.faces().is_empty() {
+fn write_cords(
+    cords: Query<(&CordsOf, &Mesh3d)>,
+    bodies: Query<(&Particles, &Sticks)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+) {
+    for (&CordsOf(body), mesh) in &cords {
+        let (Ok((particles, sticks)), Some(mut mesh)) = (bodies.get(body), meshes.get_mut(mesh)) else {
             continue;
-        }
+        };
         let structural = sticks.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
-        for stick in structural.flat_map(drape_solver::StickBatch::range) {
-            let [a, b] = sticks.stick(stick).map(|end| particles.position(end as usize));
-            gizmos.line(a, b, LINE);
+        let ends = structural
+            .flat_map(drape_solver::StickBatch::range)
+            .map(|stick| sticks.stick(stick).map(|end| particles.position(end as usize)));
+        cords::write(&mut mesh, ends);
+    }
+}
+
+fn drop_cords(cords: Query<(Entity, &CordsOf)>, bodies: Query<(), With<Particles>>, mut commands: Commands) {
+    for (entity, &CordsOf(body)) in &cords {
+        if !bodies.contains(body) {
+            commands.entity(entity).despawn();
         }
     }
 }

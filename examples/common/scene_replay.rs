@@ -1,7 +1,9 @@
 //! A recording without a window: what is in it, and where it parts from another.
 
+use core::fmt;
 use std::path::{Path, PathBuf};
 
+use bevy::math::Vec3;
 use bevy_drape_script::recording::{Recording, RecordingError, diff};
 use thiserror::Error;
 
@@ -46,26 +48,60 @@ pub fn run(path: &Path, other: Option<&Path>) -> Result<bool, ReplayError> {
     }
 }
 
+/// What a track did.
+#[derive(Default)]
+struct Span {
+    /// Its first and last frame.
+    frames: Option<(usize, usize)>,
+    /// Where it was first, every particle of it.
+    start: Vec<Vec3>,
+    /// The corners of the box in which it always was.
+    bounds: Option<(Vec3, Vec3)>,
+    /// The farthest that any particle was from where it was first, in metres.
+    displacement: f32,
+}
+
+impl Span {
+    fn note(&mut self, frame: usize, places: Vec<Vec3>) {
+        self.frames = Some((self.frames.map_or(frame, |(first, _)| first), frame));
+        for (index, &place) in places.iter().enumerate() {
+            let (least, greatest) = self.bounds.unwrap_or((place, place));
+            self.bounds = Some((least.min(place), greatest.max(place)));
+            let start = self.start.get(index).copied().unwrap_or(place);
+            self.displacement = self.displacement.max(place.distance(start));
+        }
+        if self.start.is_empty() {
+            self.start = places;
+        }
+    }
+}
+
+impl fmt::Display for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Some((first, last)), Some((least, greatest))) = (self.frames, self.bounds) else {
+            return f.write_str("in no frame");
+        };
+        let displacement = self.displacement;
+        write!(
+            f,
+            "frames {first} to {last}, moves up to {displacement:.3} m, between {least:.3} and {greatest:.3}"
+        )
+    }
+}
+
 /// What is in it, in a few lines.
 fn summary(recording: &Recording) -> Result<String, RecordingError> {
     let (header, frames) = (recording.header(), recording.frame_count());
     let mut cursor = recording.cursor();
     let mut values = 0;
     let mut times = [0.0; 2];
-    // For each track its frames, the first and the last of them, and the distance that its first place has moved.
-    let mut spans = vec![(0_usize, 0, 0, None, 0.0_f32); recording.tracks().len()];
+    let mut spans: Vec<Span> = recording.tracks().iter().map(|_| Span::default()).collect();
     for index in 0..frames {
         let frame = cursor.seek(index)?;
         times = [if index == 0 { frame.time } else { times[0] }, frame.time];
         for state in &frame.states {
             values += state.values().len();
-            let place = state.place(&recording.tracks()[state.track].kind);
-            let (count, first, last, start, moved) = &mut spans[state.track];
-            *first = if *count == 0 { index } else { *first };
-            *last = index;
-            *count += 1;
-            let start = *start.get_or_insert(place);
-            *moved = moved.max(place.distance(start));
+            spans[state.track].note(index, state.places(&recording.tracks()[state.track].kind));
         }
     }
     let (plain, bytes) = (4 * values, recording.byte_count());
@@ -74,15 +110,29 @@ fn summary(recording: &Recording) -> Result<String, RecordingError> {
         "scene “{}”, {frames} frames of {} s, from {:.3} s to {:.3} s\n{bytes} bytes, {ratio:.1} times less than the plain numbers\n",
         header.scene, header.dt, times[0], times[1],
     );
-    for (track, (_, first, last, _, moved)) in recording.tracks().iter().zip(spans) {
+    for (track, span) in recording.tracks().iter().zip(spans) {
         let kind = &track.kind;
         let size = kind.particles().map_or_else(String::new, |count| format!(", {count} particles"));
-        let mover = if kind.particles().is_some() { "its first particle" } else { "it" };
-        text += &format!(
-            "{} “{}”{size}: frames {first} to {last}, {mover} moves up to {moved:.3} m\n",
-            kind.noun(),
-            track.name
-        );
+        text += &format!("{} “{}”{size}: {span}\n", kind.noun(), track.name);
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_span_is_that_of_all_particles() {
+        let mut span = Span::default();
+        span.note(3, vec![Vec3::ZERO, Vec3::X]);
+        span.note(4, vec![Vec3::ZERO, Vec3::new(1.0, -2.0, 0.0)]);
+        span.note(5, vec![Vec3::ZERO, Vec3::X]);
+        let told = span.to_string();
+        assert_eq!(
+            told,
+            "frames 3 to 5, moves up to 2.000 m, between [0.000, -2.000, 0.000] and [1.000, 0.000, 0.000]"
+        );
+        assert_eq!(Span::default().to_string(), "in no frame");
+    }
 }

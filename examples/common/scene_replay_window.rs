@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy_drape_script::recording::{Cursor, Recording, RecordingError, Track, TrackKind};
 use thiserror::Error;
 
+use crate::cords;
 use crate::scene_forms::{material_of, mesh_of};
 use crate::scene_panel::Panel;
 use crate::scene_replay::{ReplayError, load};
@@ -120,6 +121,11 @@ fn spawn_actors(
         match &track.kind {
             TrackKind::Body { particles, faces, .. } => {
                 if faces.is_empty() {
+                    actor.insert((
+                        Mesh3d(meshes.add(cords::empty())),
+                        MeshMaterial3d(materials.add(cords::material())),
+                        bevy::camera::visibility::NoFrustumCulling,
+                    ));
                     continue;
                 }
                 let usage = RenderAssetUsages::default();
@@ -216,7 +222,6 @@ fn show(
     mut replay: ResMut<Replay>,
     mut actors: Query<(&Actor, &mut Transform, &mut Visibility, Option<&Mesh3d>)>,
     mut meshes: ResMut<Assets<Mesh>>,
-    mut gizmos: Gizmos,
 ) {
     let Replay { cursor, tracks, frame: index, fault, .. } = &mut *replay;
     let frame = match cursor.seek(*index) {
@@ -232,12 +237,13 @@ fn show(
             continue;
         };
         visibility.set_if_neq(Visibility::Inherited);
-        if let TrackKind::Body { sticks, .. } = &tracks[actor.0].kind {
+        if let TrackKind::Body { sticks, faces, .. } = &tracks[actor.0].kind {
             let places: Vec<Vec3> = state.positions().collect();
-            for [a, b] in sticks {
-                gizmos.line(places[*a as usize], places[*b as usize], Color::srgb(0.25, 0.16, 0.10));
-            }
-            if let Some(mut mesh) = mesh.and_then(|mesh| meshes.get_mut(mesh)) {
+            let Some(mut mesh) = mesh.and_then(|mesh| meshes.get_mut(mesh)) else { continue };
+            if faces.is_empty() {
+                let place = |end: u32| places.get(end as usize).copied().unwrap_or_default();
+                cords::write(&mut mesh, sticks.iter().map(|ends| ends.map(place)));
+            } else {
                 mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, places);
                 mesh.compute_smooth_normals();
             }

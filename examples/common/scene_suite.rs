@@ -3,13 +3,21 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use bevy::ecs::message::{MessageCursor, Messages};
+use bevy::prelude::{Fixed, Time, World};
+use bevy_drape_script::checkpoint::{Checkpoint, CheckpointError};
+use bevy_drape_script::play::CheckpointTaken;
 use bevy_drape_script::recording::{Header, RecordSteps, RecordingError};
 use bevy_drape_script::{Report, SceneError, SceneRunner, SceneScript, scene_name, to_junit};
 use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
 use crate::scene_arguments::{ReportFormat, SceneArguments};
+#[cfg(feature = "render")]
+use crate::scene_frames::Gallery;
 use crate::scene_plot::Curves;
+#[cfg(feature = "render")]
+use crate::studio::PictureError;
 
 /// Why scenes could not be run, or what they did not be written.
 #[derive(Debug, Error)]
@@ -41,6 +49,17 @@ pub enum SuiteError {
         /// What is wrong.
         reason: String,
     },
+    /// Pictures are asked for, and cannot be drawn.
+    #[cfg(feature = "render")]
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// Pictures are asked for, and this program draws none.
+    #[cfg(not(feature = "render"))]
+    #[error("`--frames` draws pictures, which needs the feature `render`: cargo run --features render ..")]
+    CannotDraw,
+    /// A checkpoint cannot be written, read or gone on from.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// The reports cannot be written.
     #[error("cannot write the report: {0}")]
     Report(String),
@@ -54,8 +73,9 @@ pub fn run(arguments: &SceneArguments) -> Result<bool, SuiteError> {
     let files = files_of(&arguments.files)?;
     make_folders(arguments, files.len())?;
     let mut reports = Vec::with_capacity(files.len());
+    let mut pictures = Pictures::open(arguments.frames.as_deref())?;
     for file in &files {
-        let report = run_scene(file, arguments, files.len())?;
+        let report = run_scene(file, arguments, files.len(), &mut pictures)?;
         // The standard output may be for a program to read.
         if arguments.report.is_none() {
             print!("{report}");
@@ -91,37 +111,61 @@ fn make_folders(arguments: &SceneArguments, count: usize) -> Result<(), SuiteErr
         _ => Some(record),
     });
     let of_plots = arguments.plot.then_some(&*arguments.out);
-    for folder in [of_recordings, of_plots, arguments.frames.as_deref()].into_iter().flatten() {
-        std::fs::create_dir_all(folder)
-            .map_err(|source| SuiteError::Folder { path: folder.to_path_buf(), source })?;
-    }
-    Ok(())
+    let folders = [of_recordings, of_plots, arguments.frames.as_deref()];
+    folders.into_iter().flatten().try_for_each(make_folder)
 }
 
-fn run_scene(file: &Path, arguments: &SceneArguments, count: usize) -> Result<Report, SuiteError> {
+fn make_folder(folder: &Path) -> Result<(), SuiteError> {
+    std::fs::create_dir_all(folder)
+        .map_err(|source| SuiteError::Folder { path: folder.to_path_buf(), source })
+}
+
+fn run_scene(
+    file: &Path,
+    arguments: &SceneArguments,
+    count: usize,
+    pictures: &mut Pictures,
+) -> Result<Report, SuiteError> {
+    if file.extension().is_some_and(|extension| extension == "checkpoint") {
+        let checkpoint = Checkpoint::load(file)?;
+        let name = checkpoint.scene().to_string();
+        return run_to_end(SceneRunner::resume(&checkpoint)?, &name, arguments, count, pictures);
+    }
     let name = scene_name(file);
     let script = match SceneScript::load_with(file, &arguments.overrides) {
         Ok(script) => script,
         Err(error) => return Ok(Report::failed(name, Some(file.to_path_buf()), &error.to_string())),
     };
-    let dt = script.settings.dt.get() as f32;
-    let mut runner = SceneRunner::headless(script).from_file(file);
+    run_to_end(pictures.runner(script).from_file(file), &name, arguments, count, pictures)
+}
+
+fn run_to_end(
+    mut runner: SceneRunner,
+    name: &str,
+    arguments: &SceneArguments,
+    count: usize,
+    pictures: &mut Pictures,
+) -> Result<Report, SuiteError> {
+    let dt = runner.world().resource::<Time<Fixed>>().timestep().as_secs_f32();
     let recording = arguments.record.as_ref().map(|record| match count {
         1 => record.clone(),
-        _ => record.join(&name).with_extension("drape"),
+        _ => record.join(name).with_extension("drape"),
     });
     let unrecorded = |source| SuiteError::Recording { path: recording.clone().unwrap_or_default(), source };
     if let Some(path) = &recording {
-        let steps = RecordSteps::create(path, Header { scene: name.clone(), dt }).map_err(unrecorded)?;
+        let steps = RecordSteps::create(path, Header { scene: name.to_string(), dt }).map_err(unrecorded)?;
         steps.start(runner.app_mut());
         runner.note_recording(path);
     }
-    let progress = progress_bar(&name, runner.greatest_steps());
+    let progress = progress_bar(name, runner.greatest_steps());
     let mut curves = arguments.plot.then(Curves::default);
+    let mut checkpoints = Checkpoints::default();
     let mut goes_on = true;
     while goes_on {
         goes_on = runner.step();
         progress.inc(1);
+        pictures.look(&mut runner, name)?;
+        checkpoints.save(runner.world(), arguments, name)?;
         if let Some(curves) = &mut curves {
             curves.note(runner.world());
         }
@@ -129,19 +173,80 @@ fn run_scene(file: &Path, arguments: &SceneArguments, count: usize) -> Result<Re
     progress.finish_and_clear();
     RecordSteps::finish(runner.world_mut()).map_err(unrecorded)?;
     if let Some(curves) = curves {
-        let path = arguments.out.join(&name).with_extension("svg");
-        curves.draw(&path, &name).map_err(|reason| SuiteError::Plot { path: path.clone(), reason })?;
+        let path = arguments.out.join(name).with_extension("svg");
+        curves.draw(&path, name).map_err(|reason| SuiteError::Plot { path: path.clone(), reason })?;
         eprintln!("{}", path.display());
     }
-    if let Some(folder) = &arguments.frames {
-        draw_frames(file, arguments, folder);
-    }
-    Ok(runner.report())
+    let report = runner.report();
+    pictures.close(runner);
+    Ok(report)
 }
 
-/// Says why there are no pictures.
-fn draw_frames(_: &Path, _: &SceneArguments, _: &Path) {
-    eprintln!("no pictures: this program does not draw those of scenes yet");
+/// Writes the checkpoints that a scene's timeline takes.
+#[derive(Default)]
+struct Checkpoints {
+    taken: MessageCursor<CheckpointTaken>,
+}
+
+impl Checkpoints {
+    fn save(&mut self, world: &World, arguments: &SceneArguments, scene: &str) -> Result<(), SuiteError> {
+        for CheckpointTaken { name, checkpoint } in
+            self.taken.read(world.resource::<Messages<CheckpointTaken>>())
+        {
+            make_folder(&arguments.out)?;
+            let path = arguments.out.join(format!("{scene}.{name}.checkpoint"));
+            checkpoint.clone().named(scene).save(&path)?;
+            eprintln!("{}", path.display());
+        }
+        Ok(())
+    }
+}
+
+/// What draws pictures of the scenes, if they are asked for.
+struct Pictures {
+    #[cfg(feature = "render")]
+    gallery: Option<Gallery>,
+}
+
+#[cfg(feature = "render")]
+impl Pictures {
+    fn open(folder: Option<&Path>) -> Result<Self, SuiteError> {
+        Ok(Self { gallery: folder.map(Gallery::open).transpose()? })
+    }
+
+    fn runner(&mut self, script: SceneScript) -> SceneRunner {
+        match &mut self.gallery {
+            Some(gallery) => gallery.runner(script),
+            None => SceneRunner::headless(script),
+        }
+    }
+
+    fn look(&mut self, runner: &mut SceneRunner, name: &str) -> Result<(), SuiteError> {
+        self.gallery.as_mut().map_or(Ok(()), |gallery| Ok(gallery.look(runner, name)?))
+    }
+
+    fn close(&mut self, runner: SceneRunner) {
+        if let Some(gallery) = &mut self.gallery {
+            gallery.close(runner);
+        }
+    }
+}
+
+#[cfg(not(feature = "render"))]
+impl Pictures {
+    fn open(folder: Option<&Path>) -> Result<Self, SuiteError> {
+        if folder.is_some() { Err(SuiteError::CannotDraw) } else { Ok(Self {}) }
+    }
+
+    fn runner(&mut self, script: SceneScript) -> SceneRunner {
+        SceneRunner::headless(script)
+    }
+
+    fn look(&mut self, _: &mut SceneRunner, _: &str) -> Result<(), SuiteError> {
+        Ok(())
+    }
+
+    fn close(&mut self, _: SceneRunner) {}
 }
 
 fn progress_bar(name: &str, steps: u64) -> ProgressBar {

@@ -11,16 +11,16 @@ use bevy_drape_script::{Override, SceneError, SceneScript, scene_name};
 use thiserror::Error;
 
 use crate::adapter::find_adapter;
+use crate::clock_keys::control_clock;
 use crate::orbit::{Orbit, OrbitPlugin};
 use crate::scene_arguments::SceneArguments;
 use crate::scene_dress::DressPlugin;
 use crate::scene_panel::{Panel, spawn_panel, write_panel};
 use crate::scene_suite::{SuiteError, files_of};
+use crate::scene_view::{DIRECTION, Framing, View};
 use crate::visuals::camera;
 use crate::window::{WindowError, has_display};
 
-/// How much slower slow motion is.
-const SLOW_MOTION: f32 = 0.2;
 /// How often the files are looked at.
 const WATCH: core::time::Duration = core::time::Duration::from_millis(300);
 
@@ -73,8 +73,8 @@ fn open(title: &str, show: Show) -> Result<bool, SceneWindowError> {
     let exit = app
         .add_plugins(ScenePlugin)
         .insert_resource(show)
-        .add_systems(PostStartup, begin)
-        .add_systems(Update, (control, tell).chain())
+        .add_systems(PostStartup, open_current)
+        .add_systems(Update, (control_clock, control, frame, tell).chain())
         .add_systems(Update, watch.run_if(on_real_timer(WATCH)))
         .run();
     Ok(exit.is_success())
@@ -91,6 +91,10 @@ struct Show {
     saved: Vec<(PathBuf, Option<SystemTime>)>,
     /// Index of the scene's camera that is looked through.
     view: usize,
+    /// The box around all that was shown.
+    framing: Framing,
+    /// How the camera was last put so that all of that is seen; none for a scene with cameras of its own.
+    framed: Option<Orbit>,
     /// What is wrong with the file.
     fault: Option<SceneError>,
 }
@@ -129,6 +133,12 @@ fn begin(world: &mut World) {
         }
         show.saved = watched.into_iter().map(|path| (path.clone(), saved_at(&path))).collect();
     });
+}
+
+/// The same, and looks at it from where it is to be looked at.
+fn open_current(world: &mut World) {
+    begin(world);
+    world.resource_mut::<Show>().framing = Framing::default();
     let _ = world.run_system_cached(look);
 }
 
@@ -139,30 +149,51 @@ fn watch(show: Res<Show>, mut commands: Commands) {
     }
 }
 
-/// Looks through the chosen camera of the scene.
+/// Looks through the chosen camera of the scene, or at all of a scene that has none.
 fn look(
-    show: Res<Show>,
+    mut show: ResMut<Show>,
     play: Option<Res<ScenePlay>>,
     mut cameras: Query<(&mut Orbit, &mut Transform, &mut Projection)>,
 ) {
     let Some(play) = play else { return };
     let views = &play.script().cameras;
-    let Some(view) = views.values().nth(show.view % views.len().max(1)) else { return };
+    let view = views.values().nth(show.view % views.len().max(1)).map(View::of);
     for (mut orbit, mut transform, mut projection) in &mut cameras {
-        let (eye, target) = (view.at.get(), view.look_at.get());
-        let offset = eye - target;
+        let Some(view) = view else {
+            show.framed = Some(*orbit);
+            continue;
+        };
+        show.framed = None;
+        let offset = view.eye - view.target;
         let distance = offset.length().max(0.1);
         *orbit = Orbit {
-            target,
+            target: view.target,
             yaw: offset.x.atan2(offset.z),
             pitch: (offset.y / distance).clamp(-1.0, 1.0).asin(),
             distance,
         };
-        *transform = Transform::from_translation(eye).looking_at(target, Vec3::Y);
-        if let Projection::Perspective(perspective) = &mut *projection {
-            perspective.fov = view.field_of_view.get().to_radians();
-        }
+        view.apply(&mut transform, &mut projection);
     }
+}
+
+/// Keeps all of a scene without cameras in sight, until the player turns away.
+fn frame(world: &mut World) {
+    world.resource_scope(|world, mut show: Mut<Show>| {
+        let Some(framed) = show.framed else { return };
+        show.framing.note(world);
+        let view = show.framing.view();
+        let (target, distance) = show.framing.middle_and_distance();
+        let mut cameras = world.query::<(&mut Orbit, &mut Transform, &mut Projection)>();
+        for (mut orbit, mut transform, mut projection) in cameras.iter_mut(world) {
+            if *orbit != framed {
+                show.framed = None;
+                return;
+            }
+            *orbit = Orbit { target, yaw: DIRECTION.0, pitch: DIRECTION.1, distance };
+            show.framed = Some(*orbit);
+            view.apply(&mut transform, &mut projection);
+        }
+    });
 }
 
 fn control(
@@ -172,20 +203,13 @@ fn control(
     mut gizmos: ResMut<GizmoConfigStore>,
     mut commands: Commands,
 ) {
-    if keys.any_just_pressed([KeyCode::KeyP, KeyCode::Space]) {
+    if keys.just_pressed(KeyCode::Space) {
         clock.paused = !clock.paused;
-    }
-    if keys.just_pressed(KeyCode::KeyO) {
-        clock.paused = true;
-        clock.step_once();
-    }
-    if keys.just_pressed(KeyCode::KeyT) {
-        clock.time_scale = if clock.time_scale < 1.0 { 1.0 } else { SLOW_MOTION };
     }
     if keys.just_pressed(KeyCode::KeyN) && !show.files.is_empty() {
         show.current = (show.current + 1) % show.files.len();
         show.view = 0;
-        commands.queue(begin);
+        commands.queue(open_current);
     }
     if keys.just_pressed(KeyCode::KeyR) {
         commands.queue(begin);

@@ -23,6 +23,7 @@ mod reflection;
 mod schedule;
 mod simulates;
 mod sleeping;
+mod soft;
 mod tearing;
 mod threads;
 mod waking;

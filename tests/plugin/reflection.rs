@@ -35,10 +35,12 @@ fn components_and_resources_are_registered() {
     assert_component::<ObstacleReaction>(&app);
     assert_component::<Particle>(&app);
     assert_component::<Particles>(&app);
+    assert_component::<Pressure>(&app);
     assert_component::<Projectile>(&app);
     assert_component::<ProjectileState>(&app);
     assert_component::<Rig>(&app);
     assert_component::<Rope>(&app);
+    assert_component::<SoftBall>(&app);
     assert_component::<SolverSettings>(&app);
     assert_component::<Stick>(&app);
     assert_component::<Sticks>(&app);
@@ -102,8 +104,8 @@ mod both {
             CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
             DrapeSystems DynamicObstacle FireCannon Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
-            ObstacleShape Particle Particles Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
-            SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
+            ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
+            SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
             Viewer Wind WindFlow WindRegion WindZone
         }
         .into_iter()

@@ -10,10 +10,20 @@ use crate::contact_events::ContactEvents;
 use crate::islands::ComputeThreads;
 use crate::layers::DrapeLayers;
 use crate::particles::{BodyState, Extent, Particles, Sticks};
+use crate::pressure::Pressure;
 use crate::projectile::{ProjectileRecord, ProjectileState};
 
-pub(crate) type BodyQuery<'w, 's> =
-    Query<'w, 's, (&'static mut Particles, &'static Sticks, &'static mut BodyState, Has<ContactEvents>)>;
+pub(crate) type BodyQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static mut Particles,
+        &'static Sticks,
+        &'static mut BodyState,
+        Has<ContactEvents>,
+        Option<&'static Pressure>,
+    ),
+>;
 pub(crate) type BallQuery<'w, 's> = Query<
     'w,
     's,
@@ -157,13 +167,16 @@ impl Island {
         solver.bodies.clear();
         for entity in &mut self.bodies {
             let body = match bodies.get_mut(*entity) {
-                Ok((mut particles, sticks, mut state, reports_contacts)) if fits(&particles, sticks) => {
+                Ok((mut particles, sticks, mut state, reports_contacts, pressure))
+                    if fits(&particles, sticks) =>
+                {
                     Body {
                         particles: core::mem::take(&mut particles.bypass_change_detection().0),
                         topology: Arc::clone(&sticks.0),
                         settings: state.settings,
                         layers: state.layers,
                         reports_contacts,
+                        pressure: pressure.map_or(0.0, |pressure| pressure.0),
                         context: core::mem::take(&mut state.context),
                     }
                 }
@@ -196,7 +209,7 @@ impl Island {
         let mut extents = self.extents.drain(..);
         for (&entity, body) in self.bodies.iter().zip(self.solver.bodies.drain(..)) {
             let extent = extents.next();
-            if let Ok((mut particles, _, mut state, _)) = bodies.get_mut(entity) {
+            if let Ok((mut particles, _, mut state, ..)) = bodies.get_mut(entity) {
                 particles.0 = body.particles;
                 state.context = body.context;
                 state.extent = extent.unwrap_or(state.extent);

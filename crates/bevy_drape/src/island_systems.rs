@@ -167,7 +167,7 @@ impl Members<'_, '_> {
                 let entity = island.bodies.remove(index);
                 let mut body = island.solver.bodies.remove(index);
                 body.particles.clear_requests();
-                if let Ok((mut particles, _, mut state, _)) = self.bodies.get_mut(entity) {
+                if let Ok((mut particles, _, mut state, ..)) = self.bodies.get_mut(entity) {
                     particles.bypass_change_detection().0 = body.particles;
                     state.context = body.context;
                     state.refused = true;

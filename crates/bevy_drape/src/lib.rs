@@ -31,6 +31,7 @@ mod normals;
 pub mod obstacle;
 pub mod particles;
 pub mod plugin;
+pub mod pressure;
 pub mod projectile;
 pub mod refusal;
 pub mod rig;
@@ -44,6 +45,7 @@ pub mod schedule;
 pub mod settings;
 mod sleepers;
 pub mod snapshot;
+pub mod soft_ball;
 #[cfg(feature = "mesh")]
 mod surface;
 pub mod tear;
@@ -91,6 +93,7 @@ pub mod prelude {
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
+        pressure::Pressure,
         projectile::{Projectile, ProjectileState},
         refusal::Refusals,
         rig::{InRig, Particle, Rig, Stick, StickKind},
@@ -100,6 +103,7 @@ pub mod prelude {
         settings::{
             DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
         },
+        soft_ball::SoftBall,
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
         wind_zone::{WindFlow, WindRegion, WindZone},
     };

@@ -29,11 +29,12 @@ use crate::projectile::build_projectiles;
 use crate::refusal::forget_removed;
 use crate::rig_compile::compile_rigs;
 use crate::schedule::{DrapeSchedule, DrapeSystems, run_drape_schedule};
-use crate::surface::{EntitySpace, Surface, can_be_written, complete};
+use crate::soft_ball::SoftBall;
+use crate::surface::{EntitySpace, Shown, Surface, can_be_written, complete};
 use crate::torn_mesh::tear_meshes;
 use crate::visibility::hide_culled;
 
-/// Gives each [`Cloth`] a [`Mesh3d`] and keeps it up with the simulation. To see it, add a `MeshMaterial3d`.
+/// Gives each [`Cloth`] and [`SoftBall`] a [`Mesh3d`] and keeps it up with the simulation. To see it, add a `MeshMaterial3d`.
 ///
 /// Does nothing in an app without `Assets<Mesh>`.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +74,12 @@ impl Plugin for MeshPlugin {
         );
         app.add_systems(
             self.schedule,
-            ((tear_meshes, build_surfaces).chain().run_if(resource_exists::<Assets<Mesh>>), record_surfaces)
+            (
+                (tear_meshes, build_surfaces::<Cloth>, build_surfaces::<SoftBall>)
+                    .chain()
+                    .run_if(resource_exists::<Assets<Mesh>>),
+                record_surfaces,
+            )
                 .chain()
                 .after(run_drape_schedule)
                 .before(TransformSystems::Propagate),
@@ -97,9 +103,9 @@ impl Plugin for MeshPlugin {
 struct InterpolateSurfaces(bool);
 
 /// Gives new and rebuilt cloths their surface, and a mesh where there is none that fits.
-fn build_surfaces(
+fn build_surfaces<D: Shown>(
     mut commands: Commands,
-    cloths: Query<(Entity, &Cloth, &Particles, &Sticks, &GlobalTransform, Option<&Mesh3d>, Option<&Surface>)>,
+    cloths: Query<(Entity, &D, &Particles, &Sticks, &GlobalTransform, Option<&Mesh3d>, Option<&Surface>)>,
     users: Query<(Entity, &Mesh3d)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
@@ -119,15 +125,14 @@ fn build_surfaces(
             (None, _) if is_known => continue,
             _ => {}
         }
-        let UVec2 { x: columns, y: rows } = cloth.particles;
-        if u64::from(columns) * u64::from(rows) != particles.len() as u64 {
+        if cloth.vertex_count() != particles.len() as u64 {
             // The cloth was changed after the step; the next one builds it anew.
             continue;
         }
-        let fits_grid = surface.is_none_or(|surface| surface.columns == columns);
+        let fits_grid = surface.is_none_or(|surface| surface.layout == cloth.layout());
         let kept = asset.filter(|_| fits_grid).and_then(|asset| {
             let mut asset = asset.clone();
-            complete(&mut asset, [columns, rows], &sticks.0).then_some(asset)
+            complete(&mut asset, cloth, &sticks.0).then_some(asset)
         });
         if kept.is_none() && asset.is_some() && surface.is_none() {
             warn!("the mesh of cloth {entity} has not one vertex for each particle: it is replaced");
@@ -139,12 +144,12 @@ fn build_surfaces(
         let mut asset = kept.unwrap_or_else(|| {
             let mut new = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
             new.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; particles.len()]);
-            complete(&mut new, [columns, rows], &sticks.0);
+            complete(&mut new, cloth, &sticks.0);
             new
         });
         // Written here, read by the renderer.
         asset.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
-        let mut surface = Surface::new(particles, &sticks.0, columns);
+        let mut surface = Surface::new(particles, &sticks.0, cloth.layout());
         let bounds = EntitySpace::new(transform).and_then(|space| surface.write(&mut asset, &space, 1.0));
         let handle = match handle {
             Some(handle) => {

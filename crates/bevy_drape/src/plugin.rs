@@ -33,6 +33,7 @@ use crate::obstacle::{
     note_gone_obstacle, sync_obstacles,
 };
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::pressure::{Pressure, wake_pressed};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
     write_projectile_transforms,
@@ -45,6 +46,7 @@ use crate::rope::Rope;
 use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
 use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
+use crate::soft_ball::SoftBall;
 use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
@@ -111,6 +113,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
+            .register_type::<(SoftBall, Pressure)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
             .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
@@ -146,6 +149,7 @@ impl Plugin for SolverPlugin {
             .add_message::<StickTorn>();
         app.add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
+            .add_observer(remove_described_body::<SoftBall>)
             .add_observer(remove_ball)
             .add_observer(note_lost::<SolverSettings>)
             .add_observer(note_gone_obstacle)
@@ -166,6 +170,7 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_despawned_body)
             .add_observer(forget_removed::<Projectile>)
             .add_observer(forget_removed::<Rope>)
+            .add_observer(forget_removed::<SoftBall>)
             .add_observer(forget_removed::<Tearable>)
             .add_observer(forget_removed::<WindZone>);
         configure(app);
@@ -181,11 +186,17 @@ impl Plugin for SolverPlugin {
                     )
                         .chain(),
                     fire_cannons,
-                    (build_described::<Cloth>, build_described::<Rope>, build_projectiles).chain(),
+                    (
+                        build_described::<Cloth>,
+                        build_described::<Rope>,
+                        build_described::<SoftBall>,
+                        build_projectiles,
+                    )
+                        .chain(),
                     (compile_rigs, cut_bodies).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
                     (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
-                    (pay_attention, wake, cull).chain(),
+                    (wake_pressed, pay_attention, wake, cull).chain(),
                 )
                     .chain()
                     .in_set(DrapeSystems::ManageScene),

@@ -40,6 +40,8 @@ use bevy::prelude::*;
 use drape_solver::BuildError;
 use thiserror::Error;
 
+use crate::particles::CreationOrder;
+
 pub use world::members;
 
 /// What tells a body, ball or obstacle from all others of its scene: when it was created. It is the same in every run, as
@@ -104,6 +106,14 @@ pub enum SnapshotError {
     /// A number of the clock, gravity, or the wind cannot be.
     #[error("{0} of the snapshot cannot be")]
     BadWorld(&'static str),
+}
+
+/// Has the next step that sees something new give out the numbers after `last`: to spawn again what was spawned while the scene
+/// ran, so that a snapshot of that finds it.
+pub fn number_from(world: &mut World, last: u64) {
+    if let Some(mut order) = world.get_resource_mut::<CreationOrder>() {
+        order.go_on_from(last);
+    }
 }
 
 impl Snapshot {

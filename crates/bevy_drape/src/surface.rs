@@ -8,7 +8,9 @@ use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
 use drape_solver::Topology;
 
+use crate::cloth::Cloth;
 use crate::normals::write_smooth_normals;
+use crate::soft_ball::SoftBall;
 use crate::vertex_map::VertexMap;
 
 /// Where the particles were after one step.
@@ -55,8 +57,8 @@ impl Snapshot {
 #[derive(Component, Clone, Debug)]
 pub(crate) struct Surface {
     pub topology: Arc<Topology>,
-    /// Particles in a row of the grid that the mesh was made for.
-    pub columns: u32,
+    /// The layout of the vertices that the mesh was made for.
+    pub layout: [u32; 2],
     /// The mesh that is written.
     pub mesh: AssetId<Mesh>,
     /// How vertices hang on particles; none where each vertex is a particle, in their order.
@@ -71,11 +73,11 @@ pub(crate) struct Surface {
 
 impl Surface {
     /// The surface of a body as it is now.
-    pub fn new(particles: &drape_solver::Particles, topology: &Arc<Topology>, columns: u32) -> Self {
+    pub fn new(particles: &drape_solver::Particles, topology: &Arc<Topology>, layout: [u32; 2]) -> Self {
         let current = Snapshot::of(particles);
         Self {
             topology: Arc::clone(topology),
-            columns,
+            layout,
             mesh: AssetId::default(),
             vertices: None,
             previous: current.clone(),
@@ -91,7 +93,7 @@ impl Surface {
         topology: &Arc<Topology>,
         vertices: VertexMap,
     ) -> Self {
-        Self { vertices: Some(vertices), ..Self::new(particles, topology, 0) }
+        Self { vertices: Some(vertices), ..Self::new(particles, topology, [0, 0]) }
     }
 
     /// How vertices hang on particles, of a mesh with vertices of its own.
@@ -238,9 +240,59 @@ impl EntitySpace {
     }
 }
 
-/// Makes sure that `mesh` has what a surface needs: normals, texture coordinates from (0, 0) at the top left to
-/// (1, 1), and indices, each if it has none of its own. False if it has not one position for each particle.
-pub(crate) fn complete(mesh: &mut Mesh, [columns, rows]: [u32; 2], topology: &Topology) -> bool {
+/// A description of a body that is shown by one vertex for each particle.
+pub(crate) trait Shown: Component {
+    /// What differs between bodies whose vertices mean something else: columns and rows, or rings.
+    fn layout(&self) -> [u32; 2];
+
+    /// The number of vertices.
+    fn vertex_count(&self) -> u64;
+
+    /// Texture coordinates from (0, 0) at the top left to (1, 1).
+    fn texture_coordinates(&self) -> Vec<[f32; 2]>;
+}
+
+impl Shown for Cloth {
+    fn layout(&self) -> [u32; 2] {
+        self.particles.to_array()
+    }
+
+    fn vertex_count(&self) -> u64 {
+        u64::from(self.particles.x) * u64::from(self.particles.y)
+    }
+
+    fn texture_coordinates(&self) -> Vec<[f32; 2]> {
+        let [columns, rows] = self.layout();
+        let part = |i: u32, n: u32| i as f32 / (n.max(2) - 1) as f32;
+        let row = |r: u32| (0..columns).map(move |c| [part(c, columns), part(r, rows)]);
+        (0..rows).flat_map(row).collect()
+    }
+}
+
+impl Shown for SoftBall {
+    fn layout(&self) -> [u32; 2] {
+        [self.rings, 0]
+    }
+
+    fn vertex_count(&self) -> u64 {
+        5 * u64::from(self.rings) * (u64::from(self.rings) + 1)
+    }
+
+    fn texture_coordinates(&self) -> Vec<[f32; 2]> {
+        let ring = |ring: u32| {
+            let (count, radius) = (10 * (ring + 1), (ring + 1) as f32 / self.rings as f32);
+            (0..count).map(move |i| {
+                let around = Vec2::from_angle(core::f32::consts::TAU * i as f32 / count as f32) * radius;
+                [0.5 + 0.5 * around.x, 0.5 - 0.5 * around.y]
+            })
+        };
+        (0..self.rings).flat_map(ring).collect()
+    }
+}
+
+/// Makes sure that `mesh` has what a surface needs: normals, texture coordinates, and indices, each if it has none of
+/// its own. False if it has not one position for each particle.
+pub(crate) fn complete(mesh: &mut Mesh, shown: &impl Shown, topology: &Topology) -> bool {
     let count = topology.particle_count();
     let has = |mesh: &Mesh, id| mesh.try_attribute_option(id).ok().flatten().map(VertexAttributeValues::len);
     let positions = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).ok().flatten();
@@ -254,9 +306,7 @@ pub(crate) fn complete(mesh: &mut Mesh, [columns, rows]: [u32; 2], topology: &To
         mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; count]);
     }
     if has(mesh, Mesh::ATTRIBUTE_UV_0) != Some(count) {
-        let part = |i: u32, n: u32| i as f32 / (n.max(2) - 1) as f32;
-        let row = |r: u32| (0..columns).map(move |c| [part(c, columns), part(r, rows)]);
-        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, (0..rows).flat_map(row).collect::<Vec<_>>());
+        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, shown.texture_coordinates());
     }
     if mesh.try_indices_option().is_ok_and(|indices| indices.is_none()) {
         mesh.insert_indices(Indices::U32(topology.faces().as_flattened().to_vec()));

@@ -33,6 +33,7 @@ use crate::refusal::Refusals;
 use crate::rig::Rig;
 use crate::rope::Rope;
 use crate::scene_manager::{grown, overlap};
+use crate::soft_ball::SoftBall;
 
 /// Lets a body tear. Rigs, whose particles are entities, do not.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -149,14 +150,7 @@ pub(crate) struct TornMesh {
 type TornQuery<'w, 's> = Query<
     'w,
     's,
-    (
-        Entity,
-        &'static mut Particles,
-        &'static mut Sticks,
-        &'static mut BodyState,
-        &'static Activity,
-        Option<Ref<'static, Tearable>>,
-    ),
+    (Entity, &'static mut Particles, &'static mut Sticks, &'static mut BodyState, Option<&'static Tearable>),
     Without<Rig>,
 >;
 
@@ -203,13 +197,15 @@ pub(crate) fn cut_bodies(
 /// Tears what this step has stretched too far.
 pub(crate) fn tear_bodies(
     mut bodies: TornQuery,
+    // Apart from the bodies, so that only what may tear is looked at.
+    tearable: Query<(Entity, Ref<Tearable>, &Activity), Without<Rig>>,
     clock: Res<DrapeClock>,
     mut tearing: Tearing,
     mut awake: Local<Vec<(u64, Entity, TearLimits)>>,
 ) {
     awake.clear();
-    for (entity, _, _, state, activity, tearable) in &bodies {
-        let Some(tearable) = tearable else { continue };
+    for (entity, tearable, activity) in &tearable {
+        let Ok((_, _, _, state, _)) = bodies.get(entity) else { continue };
         let Tearable { strain, most_at_once, .. } = *tearable;
         if tearable.is_changed() {
             tearing.refusals.forget_component(entity, "Tearable");
@@ -241,7 +237,7 @@ impl Tearing<'_, '_> {
         is_cut: bool,
         part: impl FnOnce(&mut Body) -> Result<Option<Torn>, drape_solver::BuildError>,
     ) {
-        let Ok((_, mut particles, mut sticks, mut state, _, tearable)) = bodies.get_mut(entity) else {
+        let Ok((_, mut particles, mut sticks, mut state, tearable)) = bodies.get_mut(entity) else {
             return;
         };
         if particles.is_empty() || particles.len() != sticks.particle_count() {
@@ -267,7 +263,7 @@ impl Tearing<'_, '_> {
         for TornStick { position, length, rest_length, .. } in torn_sticks {
             self.torn.write(StickTorn { body: entity, position, length, rest_length, is_cut, time });
         }
-        let least = tearable.map_or_else(Tearable::default, |tearable| *tearable).least_particles as usize;
+        let least = tearable.copied().unwrap_or_default().least_particles as usize;
         for Piece { body: piece, origins } in pieces {
             let spawned =
                 (piece.particles.len() >= least).then(|| self.spawn(entity, &state, piece, &origins));
@@ -302,7 +298,7 @@ impl Tearing<'_, '_> {
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
         let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
-            cloner.deny::<(Cloth, Rope, Grab, TornMesh, Particles, Sticks, Activity, BodyState)>();
+            cloner.deny::<(Cloth, Rope, SoftBall, Grab, TornMesh, Particles, Sticks, Activity, BodyState)>();
             #[cfg(feature = "mesh")]
             cloner.deny::<(
                 crate::cloth_mesh::ClothMesh,

@@ -3,8 +3,10 @@
 use crate::SceneError;
 use crate::overriding;
 use crate::scene::{
-    Action, Axis, Body, Event, Expected, Motion, Names, Pins, Point, Probe, Rig, SceneScript, Selection, Turn,
+    Action, Axis, Body, Event, Expected, Motion, Names, Pins, Point, Probe, Rig, SceneScript, Selection,
+    Turn, When,
 };
+use crate::suggest::unknown;
 
 /// Checks what no field can know by itself.
 ///
@@ -22,7 +24,10 @@ pub(crate) fn check(script: &SceneScript) -> Result<(), SceneError> {
         checker.event(&format!("timeline[{index}]"), event)?;
     }
     for (index, expectation) in script.expectations.iter().enumerate() {
-        checker.probe(&format!("expectations[{index}]"), &expectation.probe, &expectation.expect)?;
+        let field = format!("expectations[{index}]");
+        checker.when(&field, &expectation.when)?;
+        checker.since(&field, &expectation.probe)?;
+        checker.probe(&field, &expectation.probe, &expectation.expect)?;
     }
     Ok(())
 }
@@ -83,18 +88,14 @@ impl Checker<'_> {
         self.kind(name).map_or_else(
             || {
                 let known = [
-                    &self.body_names()[..],
-                    &self.keys(&self.script.obstacles),
-                    &self.keys(&self.script.cannons),
+                    self.keys(&self.script.bodies),
+                    self.keys(&self.script.obstacles),
+                    self.keys(&self.script.cannons),
                 ];
-                fail(field, format!("nothing is called `{name}`; there are: {}", known.concat().join(", ")))
+                fail(field, unknown(&format!("nothing is called `{name}`"), name, &known.concat()))
             },
             Ok,
         )
-    }
-
-    fn body_names(&self) -> Vec<String> {
-        self.keys(&self.script.bodies)
     }
 
     fn keys<T>(&self, named: &crate::scene::Named<T>) -> Vec<String> {
@@ -117,11 +118,9 @@ impl Checker<'_> {
     fn material(&self, field: &str, material: Option<&str>) -> Result<(), SceneError> {
         match material {
             Some(name) if !self.script.materials.contains_key(name) => {
-                let known = self.keys(&self.script.materials).join(", ");
-                fail(
-                    &format!("{field}.material"),
-                    format!("no material is called `{name}`; there are: {known}"),
-                )
+                let known = self.keys(&self.script.materials);
+                let problem = unknown(&format!("no material is called `{name}`"), name, &known);
+                fail(&format!("{field}.material"), problem)
             }
             _ => Ok(()),
         }
@@ -160,8 +159,8 @@ impl Checker<'_> {
         for (index, stick) in rig.sticks.iter().enumerate() {
             for (end, name) in [("a", &stick.a), ("b", &stick.b)] {
                 if !rig.particles.contains_key(name) {
-                    let known = self.keys(&rig.particles).join(", ");
-                    let problem = format!("no particle is called `{name}`; there are: {known}");
+                    let known = self.keys(&rig.particles);
+                    let problem = unknown(&format!("no particle is called `{name}`"), name, &known);
                     return fail(&format!("{field}.sticks[{index}].{end}"), problem);
                 }
             }
@@ -227,8 +226,8 @@ impl Checker<'_> {
             return if self.script.cameras.contains_key(camera) {
                 Ok(())
             } else {
-                let known = self.keys(&self.script.cameras).join(", ");
-                fail(field, format!("no camera is called `{camera}`; there are: {known}"))
+                let known = self.keys(&self.script.cameras);
+                fail(field, unknown(&format!("no camera is called `{camera}`"), camera, &known))
             };
         }
         let mut kind = Kind::Obstacle;
@@ -275,6 +274,48 @@ impl Checker<'_> {
                 .map(|_| ())
                 .map_err(|error| SceneError::of_field(field, format!("{}: {}", error.field, error.problem))),
             _ => Ok(()),
+        }
+    }
+
+    /// The longest that the scene may run, in seconds: its timeline may change that.
+    fn greatest_duration(&self) -> f64 {
+        let set = self.script.timeline.iter().filter_map(|event| match &event.action {
+            Action::Set(path, value) if path == "settings.duration" => value.as_str().parse().ok(),
+            _ => None,
+        });
+        set.fold(self.script.settings.duration.get(), f64::max)
+    }
+
+    /// Whether the scene comes to this time at all.
+    fn within_duration(&self, field: &str, time: f64) -> Result<(), SceneError> {
+        let (duration, dt) = (self.greatest_duration(), self.script.settings.dt.get());
+        if time <= duration + 0.5 * dt {
+            Ok(())
+        } else {
+            fail(field, format!("expected a time up to {duration} s, when the scene ends, found {time}"))
+        }
+    }
+
+    fn when(&self, field: &str, when: &When) -> Result<(), SceneError> {
+        let field = format!("{field}.when");
+        match when {
+            When::End | When::Always | When::Eventually { within: None } => Ok(()),
+            When::At(time) => self.within_duration(&field, time.get()),
+            When::Eventually { within: Some(time) } => {
+                self.within_duration(&format!("{field}.within"), time.get())
+            }
+            When::During(from, to) if from > to => {
+                let (from, to) = (from.get(), to.get());
+                fail(&field, format!("expected the earlier time first, found {from} s, then {to} s"))
+            }
+            When::During(_, to) => self.within_duration(&field, to.get()),
+        }
+    }
+
+    fn since(&self, field: &str, probe: &Probe) -> Result<(), SceneError> {
+        match probe.since() {
+            Some(time) => self.within_duration(&format!("{field}.probe.since"), time.get()),
+            None => Ok(()),
         }
     }
 
@@ -339,7 +380,7 @@ impl Checker<'_> {
                     "expected balls or a cannon; what others touch `Contacts` tells",
                 )
             }
-            Probe::Contacts { of, on } if !self.is_told_of_contacts(of, on) => {
+            Probe::Contacts { of, on } | Probe::Touching { of, on } if !self.is_told_of_contacts(of, on) => {
                 fail(&on_probe, "nothing here tells its contacts: give one of the two `contacts: true`")
             }
             Probe::Stretch { .. } if kinds.iter().any(|kind| !matches!(kind, Kind::Particles(_))) => {

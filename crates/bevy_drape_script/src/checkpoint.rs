@@ -1,5 +1,8 @@
 //! Checkpoints: the state of a running world in a file, to go on from there with the same bits.
 //!
+//! The timeline of a scripted scene takes checkpoints by itself, which [`resume`](Checkpoint::resume) goes on from, in whatever world:
+//! they hold the scene, too. Any other world is saved by hand.
+//!
 //! A checkpoint is a [`Snapshot`] with the name of its scene: what it holds, and what the world has to be that it is
 //! restored into, stands there.
 //!
@@ -29,18 +32,21 @@ use bevy_drape::snapshot::{Snapshot, SnapshotError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::SceneError;
 use crate::container::{pack, unpack};
 
 /// How every checkpoint begins.
 const MAGIC: [u8; 8] = *b"DRAPESAV";
 /// The version of the format that is written here, and the only one that is read: a snapshot is of this version's state.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The state of a running world, with the name of its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     scene: String,
     snapshot: Snapshot,
+    /// What the scene that is being played remembers, as text; none if there is no scripted scene.
+    play: Option<String>,
 }
 
 /// Why a checkpoint cannot be written, read or restored.
@@ -77,6 +83,12 @@ pub enum CheckpointError {
         /// What is wrong with it.
         reason: String,
     },
+    /// There is no scripted scene in it.
+    #[error("the checkpoint holds no scripted scene: it was not taken by a scene's timeline")]
+    NoPlay,
+    /// What the scripted scene remembers cannot be understood.
+    #[error("the checkpoint's scene: {0}")]
+    BadPlay(SceneError),
     /// The world is not that of the checkpoint.
     #[error("the checkpoint of scene “{scene}” cannot be restored: {source}")]
     AnotherWorld {
@@ -90,7 +102,28 @@ pub enum CheckpointError {
 impl Checkpoint {
     /// The state of `world`, between steps.
     pub fn take(world: &mut World, scene: &str) -> Self {
-        Self { scene: scene.into(), snapshot: Snapshot::take(world) }
+        Self::of(world, scene, None)
+    }
+
+    /// The same, with what the scripted scene remembers.
+    pub(crate) fn of(world: &mut World, scene: &str, play: Option<String>) -> Self {
+        Self { scene: scene.into(), snapshot: Snapshot::take(world), play }
+    }
+
+    /// The same, of a scene of this name.
+    #[must_use]
+    pub fn named(self, scene: &str) -> Self {
+        Self { scene: scene.into(), ..self }
+    }
+
+    /// Begins the scripted scene of this checkpoint in `world`, in place of the one that is being played, and takes it to where
+    /// it was. It goes on with the same bits, as if it had never stopped.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] if it was [taken](Self::take) of a world and not by a scene's timeline, or does not agree with itself.
+    pub fn resume(&self, world: &mut World) -> Result<(), CheckpointError> {
+        let play = self.play.as_ref().ok_or(CheckpointError::NoPlay)?;
+        crate::play::resume(world, &self.scene, &self.snapshot, play)
     }
 
     /// The name of its scene.

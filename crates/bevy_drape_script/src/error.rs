@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneError {
+    /// The override that it is about, such as `--set curtain.pins=Tip`; none if it is about the file itself.
+    pub origin: Option<String>,
     /// The file; none if the scene did not come from one.
     pub file: Option<PathBuf>,
     /// Line, counted from 1; none if it is not about a place in the file.
@@ -25,7 +27,8 @@ pub struct SceneError {
 impl SceneError {
     /// A problem with the field at a path.
     pub(crate) fn of_field(field: impl Into<String>, problem: impl fmt::Display) -> Self {
-        Self { file: None, line: None, column: None, field: field.into(), problem: problem.to_string() }
+        let (field, problem) = (field.into(), problem.to_string());
+        Self { origin: None, file: None, line: None, column: None, field, problem }
     }
 
     /// A problem with the whole scene.
@@ -48,13 +51,15 @@ impl SceneError {
 
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(file) = &self.file {
+        if let Some(origin) = &self.origin {
+            write!(f, "{origin}: ")?;
+        } else if let Some(file) = &self.file {
             write!(f, "{}:", file.display())?;
         }
-        if let (Some(line), Some(column)) = (self.line, self.column) {
+        if let (Some(line), Some(column), None) = (self.line, self.column, &self.origin) {
             write!(f, "{line}:{column}:")?;
         }
-        if self.file.is_some() || self.line.is_some() {
+        if self.origin.is_none() && (self.file.is_some() || self.line.is_some()) {
             f.write_str(" ")?;
         }
         if !self.field.is_empty() {

@@ -5,6 +5,7 @@ mod check;
 pub mod checkpoint;
 mod container;
 mod error;
+mod explain;
 #[cfg(feature = "harness")]
 pub mod harness;
 mod hint;
@@ -19,6 +20,7 @@ pub mod runner;
 pub mod scene;
 pub mod schema;
 mod step_times;
+mod suggest;
 pub mod suite;
 mod text;
 

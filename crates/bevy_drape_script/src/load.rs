@@ -5,7 +5,6 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::SceneError;
 use crate::check::check;
-use crate::hint::with_hint;
 use crate::overriding::{self, Override};
 use crate::scene::{Named, SceneScript, Settings};
 use crate::text;
@@ -33,13 +32,13 @@ pub(crate) fn from_text(text: &str) -> Result<SceneScript, SceneError> {
     if !script.include.is_empty() {
         return Err(SceneError::of_field("include", "a scene that is no file cannot include others"));
     }
-    let script = overriding::apply(script, &[])?;
-    check(&script).map_err(|error| located(error, text))?;
+    let script = overriding::apply(script, &[]).map_err(|error| located(error, text))?;
+    check(&script).map_err(|error| located(overriding::blame(&script, &[], error), text))?;
     Ok(script)
 }
 
 fn parse(text: &str) -> Result<SceneScript, SceneError> {
-    text::parse(text).map_err(with_hint)
+    text::parse(text)
 }
 
 /// The scene at `path`, all of whose texts have been read.
@@ -49,18 +48,34 @@ pub(crate) fn from_texts(
     overrides: &[Override],
 ) -> Result<SceneScript, SceneError> {
     let script = with_fragments(path, texts, &mut Vec::new())?;
-    let script = overriding::apply(script, overrides).map_err(|error| error.in_file(path))?;
-    check(&script).map_err(|error| {
-        let error = texts.get(path).map_or(error.clone(), |text| located(error, text));
-        error.in_file(path)
-    })?;
+    let script = overriding::apply(script, overrides).map_err(|error| located_among(error, path, texts))?;
+    check(&script)
+        .map_err(|error| located_among(overriding::blame(&script, overrides, error), path, texts))?;
     Ok(script)
 }
 
 fn located(error: SceneError, text: &str) -> SceneError {
     match text::locate(text, &error.field) {
-        Some(place) => error.at(place),
-        None => error,
+        Some((place, _)) if error.origin.is_none() => error.at(place),
+        _ => error,
+    }
+}
+
+/// The same error with the place of its field, be it in the scene at `path` or in a fragment of it.
+fn located_among(error: SceneError, path: &Path, texts: &Texts) -> SceneError {
+    if error.origin.is_some() {
+        return error.in_file(path);
+    }
+    // Where most of the path is found; in the scene itself, if that is as good as any.
+    let own = texts.get_key_value(path).into_iter();
+    let places = own.chain(texts.iter()).filter_map(|(file, text)| {
+        let (place, depth) = text::locate(text, &error.field)?;
+        Some((depth, place, file))
+    });
+    let best = places.reduce(|best, next| if next.0 > best.0 { next } else { best });
+    match best {
+        Some((_, place, file)) => error.at(place).in_file(file),
+        None => error.in_file(path),
     }
 }
 

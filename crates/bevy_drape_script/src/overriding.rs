@@ -1,30 +1,38 @@
 //! Overrides: values of a scene replaced by their paths, as by `--set curtain.particles=[128,96]`.
 
+use core::fmt;
 use std::str::FromStr;
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-use serde_json::Value;
-
 use crate::SceneError;
-use crate::hint::with_hint;
-use crate::scene::SceneScript;
-use crate::text::{Step, field_path, parse_value, steps};
+use crate::scene::{Literal, SceneScript};
+use crate::suggest::unknown;
+use crate::text::{Instead, Step, field_path, find, parse, steps, write};
 
 /// A value and the path of what it replaces, or the name of a parameter. Parsed from `PATH=VALUE`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
     /// A path such as `settings.duration`, `curtain.particles` or `timeline[0].at`, or the name of a parameter. What begins
     /// with the name of a body, obstacle, cannon, camera or material is within that.
     pub path: String,
-    /// The new value. Choices are written as texts.
-    pub value: Value,
+    /// The new value, as it would be written in the file.
+    pub value: Literal,
 }
 
 impl Override {
     /// Replaces what is at `path` by `value`.
-    pub fn new(path: impl Into<String>, value: impl Into<Value>) -> Self {
+    pub fn new(path: impl Into<String>, value: impl Into<Literal>) -> Self {
         Self { path: path.into(), value: value.into() }
+    }
+
+    /// The same error, told of this override instead of a place in a file.
+    fn blamed(&self, error: SceneError) -> SceneError {
+        SceneError { origin: Some(format!("--set {self}")), file: None, line: None, column: None, ..error }
+    }
+}
+
+impl fmt::Display for Override {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        write!(formatter, "{}={}", self.path, self.value)
     }
 }
 
@@ -39,14 +47,11 @@ impl FromStr for Override {
         if path.is_empty() || value.is_empty() {
             return Err(bad());
         }
-        // A bare word is a choice or a text.
-        let is_word = value.chars().all(|c| c.is_alphanumeric() || c == '_')
-            && !value.starts_with(|c: char| c.is_ascii_digit());
-        let value = if is_word && !["true", "false"].contains(&value) {
-            Value::String(value.to_string())
-        } else {
-            parse_value(value).map_err(|error| SceneError::of_field(path, error.problem))?
-        };
+        let value = value.parse().map_err(|error| SceneError {
+            origin: Some(format!("--set {text}")),
+            field: path.to_string(),
+            ..error
+        })?;
         Ok(Self { path: path.to_string(), value })
     }
 }
@@ -57,102 +62,105 @@ pub(crate) fn apply(mut script: SceneScript, overrides: &[Override]) -> Result<S
         let given = overrides.iter().rev().find(|given| given.path == *name);
         let value = given.map_or(&parameter.default, |given| &given.value);
         for path in &parameter.sets {
-            script = replaced(&script, path, value)?;
+            script = replaced(&script, path, value).map_err(|error| match given {
+                Some(given) => given.blamed(error),
+                None => of_default(name, error),
+            })?;
         }
     }
-    for Override { path, value } in overrides {
-        if !script.parameters.contains_key(path) {
-            script = replaced(&script, path, value)?;
+    for given in overrides {
+        if !script.parameters.contains_key(&given.path) {
+            script = replaced(&script, &given.path, &given.value).map_err(|error| given.blamed(error))?;
         }
     }
     Ok(script)
 }
 
-/// `script` with one more value replaced. The word `None` may also be nothing at all.
-pub(crate) fn replaced(script: &SceneScript, path: &str, value: &Value) -> Result<SceneScript, SceneError> {
-    let mut root = to_value(script)?;
-    *place(&mut root, path)? = value.clone();
-    from_value(root).or_else(|error| {
-        if value == "None" {
-            let mut root = to_value(script)?;
-            *place(&mut root, path)? = Value::Null;
-            if let Ok(script) = from_value(root) {
-                return Ok(script);
-            }
+fn of_default(parameter: &str, error: SceneError) -> SceneError {
+    let SceneError { field, problem, .. } = error;
+    SceneError::of_field(format!("parameters.{parameter}.default"), format!("{field}: {problem}"))
+}
+
+/// The same error, told of the override or the default that put there what is wrong, if one did.
+pub(crate) fn blame(script: &SceneScript, overrides: &[Override], error: SceneError) -> SceneError {
+    let sets = |path: &str| {
+        let path = field_path(&whole_path(script, path));
+        error.field.strip_prefix(&path).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    };
+    let is_at_fault = |given: &&Override| match script.parameters.get(&given.path) {
+        Some(parameter) => parameter.sets.iter().any(|path| sets(path)),
+        None => sets(&given.path),
+    };
+    if let Some(given) = overrides.iter().rev().find(is_at_fault) {
+        return given.blamed(error);
+    }
+    let default =
+        script.parameters.iter().find(|(_, parameter)| parameter.sets.iter().any(|path| sets(path)));
+    match default {
+        Some((name, _)) => of_default(name, error),
+        None => error,
+    }
+}
+
+/// `script` with one more value replaced.
+pub(crate) fn replaced(script: &SceneScript, path: &str, value: &Literal) -> Result<SceneScript, SceneError> {
+    let text = write(script)?;
+    let steps = whole_path(script, path);
+    if steps.is_empty() {
+        return Err(SceneError::of_field(path, "expected a path"));
+    }
+    let place = find(&text, &steps)
+        .map_err(|(depth, instead)| SceneError::of_field(path, missing(script, &steps, depth, &instead)))?;
+    let mut fault = None;
+    for reading in value.readings() {
+        // A comment at its end shall not swallow what follows.
+        match parse([&text[..place.start], &reading, "\n", &text[place.end..]].concat().as_str()) {
+            Ok(script) => return Ok(script),
+            Err(error) => fault = fault.or(Some(error)),
         }
-        let error = with_hint(error);
-        Err(SceneError::of_field(path, format!("cannot be {value}: {}", error.problem)))
-    })
-}
-
-fn to_value<T: Serialize>(value: &T) -> Result<Value, SceneError> {
-    serde_json::to_value(value).map_err(SceneError::new)
-}
-
-fn from_value<T: DeserializeOwned>(value: Value) -> Result<T, SceneError> {
-    serde_path_to_error::deserialize(value)
-        .map_err(|error| SceneError::of_field(field_path(error.path()), error.inner()))
+    }
+    let fault = fault.unwrap_or_else(|| SceneError::new("expected a value"));
+    Err(SceneError { line: None, column: None, ..fault })
 }
 
 /// The maps that a path may leave out.
 const NAMED: [&str; 5] = ["bodies", "obstacles", "cannons", "cameras", "materials"];
 
-/// The value at `path`.
-fn place<'a>(root: &'a mut Value, path: &str) -> Result<&'a mut Value, SceneError> {
-    let steps = steps(path);
-    let mut holder = None;
-    if let Some(Step::Key(first)) = steps.first()
-        && root.get(first).is_none()
-    {
-        holder = NAMED.into_iter().find(|map| root.get(map).is_some_and(|map| map.get(first).is_some()));
-    }
-    let mut current = root;
-    if let Some(holder) = holder {
-        current = &mut current[holder];
-    }
-    for step in &steps {
-        current = go(current, step).map_err(|problem| SceneError::of_field(path, problem))?;
-    }
-    if steps.is_empty() {
-        return Err(SceneError::of_field(path, "expected a path"));
-    }
-    Ok(current)
-}
-
-fn go<'a>(mut current: &'a mut Value, step: &Step) -> Result<&'a mut Value, String> {
-    match step {
-        Step::Key(key) => {
-            // The name of a choice need not be told.
-            while let Some(choice) = only_choice(current).filter(|choice| choice != key) {
-                current = &mut current[&choice];
-            }
-            let known = current.as_object().map(|map| map.keys().cloned().collect::<Vec<_>>());
-            match known {
-                Some(keys) if keys.iter().any(|known| known == key) => Ok(&mut current[key.as_str()]),
-                Some(keys) => Err(format!("there is no `{key}` here; there are: {}", keys.join(", "))),
-                None => Err(format!("there is no `{key}` here, as this has no fields")),
-            }
-        }
-        Step::Index(index) => {
-            while let Some(choice) = only_choice(current) {
-                current = &mut current[&choice];
-            }
-            match current.as_array_mut() {
-                Some(items) => {
-                    let count = items.len();
-                    items
-                        .get_mut(*index)
-                        .ok_or_else(|| format!("there is no item {index}, as there are {count}"))
-                }
-                None => Err(format!("there is no item {index}, as this is no list")),
-            }
+/// The steps of `path`, from the scene as a whole.
+fn whole_path(script: &SceneScript, path: &str) -> Vec<Step> {
+    let mut steps = steps(path);
+    let SceneScript { bodies, obstacles, cannons, cameras, materials, .. } = script;
+    if let Some(Step::Key(first)) = steps.first() {
+        let holds = [
+            bodies.contains_key(first),
+            obstacles.contains_key(first),
+            cannons.contains_key(first),
+            cameras.contains_key(first),
+            materials.contains_key(first),
+        ];
+        if let Some(holder) = holds.into_iter().position(|holds| holds) {
+            steps.insert(0, Step::Key(NAMED[holder].to_string()));
         }
     }
+    steps
 }
 
-/// The name of the choice that a value is, if it is one that holds something.
-fn only_choice(value: &Value) -> Option<String> {
-    let map = value.as_object()?;
-    let (key, _) = map.iter().next().filter(|_| map.len() == 1)?;
-    key.starts_with(|c: char| c.is_uppercase()).then(|| key.clone())
+/// What to say of a path of which only the first `depth` steps can be taken.
+fn missing(script: &SceneScript, steps: &[Step], depth: usize, instead: &Instead) -> String {
+    let wanted = match steps.get(depth) {
+        Some(Step::Key(key) | Step::Variant(key)) => key.clone(),
+        Some(Step::Index(index)) => format!("item {index}"),
+        None => String::new(),
+    };
+    match instead {
+        Instead::Keys(keys) => {
+            let mut keys = keys.clone();
+            if depth == 0 {
+                keys.extend(script.names().map(str::to_string));
+            }
+            unknown(&format!("there is no `{wanted}` here"), &wanted, &keys)
+        }
+        Instead::Items(count) => format!("there is no {wanted} here, as there are {count}"),
+        Instead::NoParts => format!("there is no `{wanted}` here, as this has no parts"),
+    }
 }

@@ -14,11 +14,15 @@ mod measure;
 mod orders;
 mod points;
 mod stage;
+mod state;
 mod tally;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
+use serde::{Deserialize, Serialize};
+
+use crate::checkpoint::Checkpoint;
 use crate::scene::SceneScript;
 use drag::DragUnderWay;
 use judge::Judge;
@@ -27,6 +31,7 @@ use stage::Stage;
 use tally::Tally;
 
 pub use judge::Verdict;
+pub(crate) use state::resume;
 
 /// Plays scripted scenes in an app that has [`DrapePlugins`] in their usual schedule. A scene begins with [`begin_scene`].
 pub struct ScenePlugin;
@@ -34,7 +39,7 @@ pub struct ScenePlugin;
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
         app.add_message::<PictureDue>()
-            .add_message::<CheckpointDue>()
+            .add_message::<CheckpointTaken>()
             .add_systems(FixedUpdate, director::before_step)
             .add_systems(DrapeSchedule, orders::on_built_bodies.in_set(DrapeSystems::AccumulateForces))
             .add_systems(FixedLast, director::after_step);
@@ -49,10 +54,12 @@ pub struct PictureDue {
 }
 
 /// Sent when the timeline asks for the state to be saved: that before the step that is about to be taken.
-#[derive(Message, Clone, Debug, PartialEq, Eq)]
-pub struct CheckpointDue {
+#[derive(Message, Clone, Debug, PartialEq)]
+pub struct CheckpointTaken {
     /// The name of the checkpoint.
     pub name: String,
+    /// The state, with that of the timeline and the expectations.
+    pub checkpoint: Checkpoint,
 }
 
 /// The scene that is being played.
@@ -79,6 +86,7 @@ pub struct ScenePlay {
 }
 
 /// When an event happens next.
+#[derive(Clone, Serialize, Deserialize)]
 struct ScheduledEvent {
     /// In seconds; none while its trigger has not been set off, and once it is through.
     due: Option<f64>,
@@ -123,6 +131,12 @@ impl ScenePlay {
     /// What has become of the expectations so far.
     pub fn verdicts(&self) -> Vec<Verdict> {
         self.judges.iter().map(Judge::verdict).collect()
+    }
+
+    /// The indices of the expectations that have failed, whatever comes; once the scene is over, of all that do not hold.
+    pub fn broken(&self) -> impl Iterator<Item = usize> {
+        let is_broken = |judge: &Judge| judge.is_broken() || self.is_over && !judge.verdict().passed;
+        self.judges.iter().enumerate().filter(move |(_, judge)| is_broken(judge)).map(|(index, _)| index)
     }
 
     /// The end of the last step in seconds since the scene began.

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use bevy::app::PluginsState;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
 
+use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::play::{ScenePlay, ScenePlugin, begin_scene};
 use crate::report::Report;
 use crate::scene::SceneScript;
@@ -47,19 +49,41 @@ impl SceneRunner {
 
     /// A runner of `script` in `app`, which has [`DrapePlugins`] and Bevy's time and tasks. From now on the app's time goes
     /// by steps: each update takes one.
-    pub fn new(mut app: App, script: SceneScript) -> Self {
+    pub fn new(app: App, script: SceneScript) -> Self {
+        let mut runner = Self::ready(app);
+        begin_scene(runner.world_mut(), script);
+        // The first update takes no time and so no step.
+        runner.app.update();
+        runner
+    }
+
+    /// A runner of the scene of `checkpoint`, from there on, in an app of its own.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] if it holds no scene, or one that does not agree with itself.
+    pub fn resume(checkpoint: &Checkpoint) -> Result<Self, CheckpointError> {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, DrapePlugins::default()));
+        let mut runner = Self::ready(app).named(checkpoint.scene());
+        runner.app.update();
+        checkpoint.resume(runner.world_mut())?;
+        Ok(runner)
+    }
+
+    /// A runner of no scene yet.
+    fn ready(mut app: App) -> Self {
         if !app.is_plugin_added::<ScenePlugin>() {
             app.add_plugins(ScenePlugin);
         }
-        while app.plugins_state() == bevy::app::PluginsState::Adding {
+        while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
-        app.finish();
-        app.cleanup();
+        // An app that has run a scene before is ready.
+        if app.plugins_state() != PluginsState::Cleaned {
+            app.finish();
+            app.cleanup();
+        }
         app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-        begin_scene(app.world_mut(), script);
-        // The first update takes no time and so no step.
-        app.update();
         Self { app, name: String::from("scene"), file: None, recording: None, began: Instant::now() }
     }
 
@@ -79,6 +103,11 @@ impl SceneRunner {
     /// Says where the recording of this run lies, for the report.
     pub fn note_recording(&mut self, path: impl Into<PathBuf>) {
         self.recording = Some(path.into());
+    }
+
+    /// The app, to run another scene in.
+    pub fn into_app(self) -> App {
+        self.app
     }
 
     /// The app that the scene is in.

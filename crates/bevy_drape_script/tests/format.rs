@@ -59,6 +59,16 @@ fn a_scene_is_read_as_it_is_written() {
 }
 
 #[test]
+fn values_stand_in_round_brackets_or_square_ones() {
+    let square = CURTAIN
+        .replace("(2, 1.5)", "[2, 1.5]")
+        .replace("(41, 31)", "[41, 31]")
+        .replace("(0, 1, 3)", "[0, 1, 3]");
+    let script = SceneScript::parse(&square).expect("a good scene");
+    assert_eq!(script, SceneScript::parse(CURTAIN).expect("a good scene"));
+}
+
+#[test]
 fn what_is_written_reads_the_same() {
     let script = SceneScript::parse(CURTAIN).expect("a good scene");
     let text = script.to_ron().expect("written");
@@ -99,7 +109,7 @@ fn a_wrong_type_is_told() {
         &error,
         "size: \"big\"",
         "bodies.curtain.size",
-        &["Expected opening `(`", "Width and height in metres"],
+        &["expected 2 values", "found `\"big\"`", "Width and height in metres"],
     );
 }
 
@@ -133,13 +143,18 @@ fn a_missing_version_is_told() {
 #[test]
 fn an_unknown_choice_is_told_with_those_that_there_are() {
     let error = error("Fire(\"cannon\")", "Shoot(\"cannon\")");
-    assert_told(&error, "Shoot", "timeline[0].do", &["`Shoot`", "`Fire`"]);
+    assert_told(&error, "Shoot", "timeline[0].do", &["`Shoot`", "`Fire(..)`"]);
 }
 
 #[test]
 fn a_name_that_stands_for_nothing_is_told_with_those_that_do() {
     let fire = error("Fire(\"cannon\")", "Fire(\"canon\")");
-    assert_told(&fire, "Fire(\"canon\")", "timeline[0].do", &["`canon`", "cannon"]);
+    assert_told(
+        &fire,
+        "Fire(\"canon\")",
+        "timeline[0].do",
+        &["`canon`", "did you mean `cannon`?", "There are"],
+    );
     let probe = error("Stretch(of: \"curtain\"", "Stretch(of: \"certain\"");
     assert_told(&probe, "Stretch(of: \"certain\"", "expectations[0].probe", &["`certain`", "curtain"]);
 }
@@ -152,10 +167,181 @@ fn a_name_that_stands_for_something_else_is_told() {
     assert_told(&stretch, "\"ball\", measure", "expectations[0].probe.of", &["sticks"]);
 }
 
+/// What somebody may write who has not read everything, where the error lies, and what it says.
+#[test]
+fn mistakes_are_told_in_the_words_of_the_file() {
+    let field = "the name of a field";
+    let one_of = "expected one of `Cloth(..)`, `Rope(..)`";
+    for (from, to, at, path, words) in [
+        (
+            "solver: (drag: 2.0)",
+            "pins: 8",
+            "8",
+            "bodies.curtain.pins",
+            &["one of `None`, `Top`", "found `8`", "Which"][..],
+        ),
+        ("solver: (drag: 2.0)", "pins: \"Top\"", "\"Top\"", "bodies.curtain.pins", &["did you mean `Top`?"]),
+        (
+            "solver: (drag: 2.0)",
+            "pins: Topp",
+            "Topp",
+            "bodies.curtain.pins",
+            &["`Indices(..)`", "did you mean `Top`?"],
+        ),
+        ("solver: (drag: 2.0)", "pins: Top(3)", "(3)", "bodies.curtain", &["`Top` holds nothing"]),
+        (
+            "solver: (drag: 2.0)",
+            "pins: Indices(1, 2)",
+            "1, 2",
+            "bodies.curtain.pins",
+            &["a list: `[.., ..]`", "found `1`"],
+        ),
+        (
+            "solver: (drag: 2.0)",
+            "pins: Indices",
+            ",\n        ),\n        \"ball",
+            "bodies.curtain.pins",
+            &["`Indices(..)` that holds"],
+        ),
+        ("solver: (drag: 2.0)", "pins = Top", "= Top", "bodies.curtain", &["expected `:`", "found `=`"]),
+        (
+            "solver: (drag: 2.0)",
+            "\"pins\": Top",
+            "\"pins\"",
+            "bodies.curtain",
+            &[field, "did you mean `pins`?"],
+        ),
+        (
+            "solver: (drag: 2.0)",
+            "pins: Top pins: Top",
+            "pins: Top,",
+            "bodies.curtain",
+            &["expected `,`", "found `pins`"],
+        ),
+        (
+            "solver: (drag: 2.0)",
+            "pins: Top, pins: Top",
+            "pins: Top,\n",
+            "bodies.curtain",
+            &["`pins` is given twice"],
+        ),
+        (
+            "solver: (drag: 2.0)",
+            "material: red",
+            "red",
+            "bodies.curtain.material",
+            &["in quotes", "found `red`", "`\"red\"`?"],
+        ),
+        (
+            "solver: (drag: 2.0)",
+            "present: yes",
+            "yes",
+            "bodies.curtain.present",
+            &["`true` or `false`", "found `yes`"],
+        ),
+        (
+            "solver: (drag: 2.0)",
+            "velocity: 3",
+            "3,\n        ),\n        \"ball",
+            "bodies.curtain.velocity",
+            &["3 values"],
+        ),
+        (
+            "solver: (drag: 2.0)",
+            "velocity: (1, 2)",
+            "1, 2)",
+            "bodies.curtain.velocity",
+            &["3 values", "found 2"],
+        ),
+        ("(41, 31)", "(41, 31, 2)", "2)", "bodies.curtain.particles", &["2 values", "found more"]),
+        ("(41, 31)", "(41.5, 31)", ".5, 31", "bodies.curtain.particles", &["a whole number, found `41.5`"]),
+        ("drag: 2.0", "drag: two", "two", "bodies.curtain.solver.drag", &["a number from 0", "found `two`"]),
+        ("duration: 2", "duration: 2s", "s,", "settings", &["a number, found `2s`"]),
+        ("duration: 2", "seed: -1", "-1,", "settings.seed", &["a whole number from 0", "found `-1`"]),
+        (
+            "\"ball\": Balls",
+            "ball: Balls",
+            "ball: Balls",
+            "bodies",
+            &["a name in quotes", "did you mean `\"ball\"`?"],
+        ),
+        ("Balls(at", "Bals(at", "Bals", "bodies.ball", &[one_of, "did you mean `Balls`?"]),
+        ("Balls(at", "(at", "(at: (0, 1, 3)", "bodies.ball", &[one_of, "found `(`"]),
+        ("Fire(\"cannon\")", "Fire(cannon)", "cannon)", "timeline[0].do", &["did you mean `\"cannon\"`?"]),
+        (
+            "(at: 1.5, do: Fire",
+            "(1.5, Fire",
+            "1.5, Fire",
+            "timeline[0]",
+            &[field, "found `1.5`", "`at`, `do`"],
+        ),
+        (
+            "(at: 1.5, do: Fire(\"cannon\"))",
+            "(at: 1.5)",
+            "),\n        (when: R",
+            "timeline[0].do",
+            &["`do` is missing"],
+        ),
+        (
+            "when: Always",
+            "when: always",
+            "always, probe",
+            "expectations[1].when",
+            &["`At(..)`", "did you mean `Always`?"],
+        ),
+        ("within: 2", "2", "2), probe", "expectations[2].when", &[field, "`within`"]),
+        (
+            "expect: AtMost(0.01)",
+            "expect: 0.01",
+            "0.01",
+            "expectations[0].expect",
+            &["one of `Near(..)`", "found `0.01`"],
+        ),
+        (
+            "Stretch(of: \"curtain\"",
+            "Stretch(of: curtain",
+            "curtain, m",
+            "expectations[0].probe.of",
+            &["in quotes", "`\"curtain\"`?"],
+        ),
+        ("bodies: {", "bodies: [", "[\n", "bodies", &["in braces", "found `[`"]),
+        ("timeline: [", "timeline: {", "{\n        (at", "timeline", &["a list", "found `{`"]),
+    ] {
+        assert_told(&error(from, to), at, path, words);
+        let message = error(from, to).0.problem;
+        for jargon in ["Identifier", "identifier", "variant", "struct ", "unit value", "tuple", "r#"] {
+            assert!(!message.contains(jargon), "“{message}” says {jargon}");
+        }
+    }
+}
+
 #[test]
 fn a_name_given_twice_is_told() {
     let error = error("\"rope\": Rope(", "\"ball\": Rope(");
     assert_told(&error, "\"ball\": Rope", "bodies", &["`ball` is taken"]);
+}
+
+#[test]
+fn times_that_never_come_are_told() {
+    for (from, to, at, path, words) in [
+        ("At(1)", "At(99)", "At(99)", "expectations[3].when", &["up to 2 s", "found 99"][..]),
+        (
+            "Always",
+            "During(9, 3)",
+            "During(9, 3)",
+            "expectations[1].when",
+            &["earlier time first", "9 s, then 3 s"],
+        ),
+        ("Always", "During(1, 3)", "During(1, 3)", "expectations[1].when", &["up to 2 s", "found 3"]),
+        ("within: 2", "within: 2.5", "2.5", "expectations[2].when.within", &["up to 2 s", "found 2.5"]),
+        ("axis: Y)", "axis: Y, since: 7)", "7)", "expectations[1].probe.since", &["up to 2 s", "found 7"]),
+    ] {
+        assert_told(&error(from, to), at, path, words);
+    }
+    // The timeline may prolong the scene.
+    let longer =
+        CURTAIN.replace("SetWind(1, 0, 0)", "Set(\"settings.duration\", 100)").replace("At(1)", "At(99)");
+    SceneScript::parse(&longer).expect("it comes to 99 s");
 }
 
 #[test]
@@ -252,7 +438,9 @@ fn overridden(texts: &[&str]) -> Result<SceneScript, SceneError> {
         "bodies: {",
         r#"parameters: { "fine": (default: [21, 16], sets: ["curtain.particles"]) }, bodies: {"#,
     );
-    let folder = folder("overridden", &[("a.scene.ron", with_parameters.as_str())]);
+    // Tests run side by side.
+    let name = format!("overridden_{}", std::thread::current().name().unwrap_or_default());
+    let folder = folder(&name, &[("a.scene.ron", with_parameters.as_str())]);
     let overrides: Vec<Override> = texts.iter().map(|text| text.parse()).collect::<Result<_, _>>()?;
     SceneScript::load_with(folder.join("a.scene.ron"), &overrides)
 }
@@ -273,28 +461,48 @@ fn a_parameter_has_a_default_and_can_be_overridden() {
 fn any_value_can_be_overridden_by_its_path() {
     let script = overridden(&[
         "curtain.particles=[5,4]",
-        "settings.duration=0.5",
+        "settings.duration=2.5",
         "settings.solver.quality=High",
         "post.shape.radius=0.2",
         "timeline[0].at=0.25",
-        "bodies.curtain.pins=None",
+        "bodies.curtain.pins=Indices([1,2])",
+        "ball.material=None",
+        "ball.velocity=[0, 0, 1]",
+        "timeline[2].do=SetWind(3, 0, 0)",
+        "expectations[1].when=During(0.1, 0.2)",
     ])
     .expect("good");
     assert_eq!(particles(&script), (5, 4));
-    assert_eq!(script.settings.duration.get(), 0.5);
+    assert_eq!(script.settings.duration.get(), 2.5);
     assert_eq!(script.timeline[0].at.map(Seconds::get), Some(0.25));
     let text = script.to_ron().expect("text");
-    assert!(text.contains("quality: High") && text.contains("radius: 0.2"), "{text}");
+    for part in ["quality: High", "radius: 0.2", "Indices([", "SetWind(", "During("] {
+        assert!(text.contains(part), "{text}");
+    }
 }
 
 #[test]
 fn an_override_that_cannot_be_is_told() {
     for (text, words) in [
-        ("curtain.particle=[5,4]", &["curtain.particle", "there is no `particle`", "particles"][..]),
-        ("curtain.particles=[5,1]", &["curtain.particles", "from 2 to 4096", "found 1"]),
-        ("curtain.particles=many", &["curtain.particles", "many"]),
-        ("fine=[5,1]", &["curtain.particles", "from 2 to 4096"]),
-        ("certain.particles=[5,4]", &["certain"]),
+        (
+            "curtain.particle=[5,4]",
+            &["--set curtain.particle=[5,4]:", "no `particle`", "did you mean `particles`?"][..],
+        ),
+        ("curtain.particles=[5,1]", &["--set curtain.particles=[5,1]: ", "from 2 to 4096", "found 1"]),
+        ("curtain.particles=many", &["curtain.particles", "2 values", "`many`"]),
+        ("curtain.pins=Tops", &["--set curtain.pins=Tops: bodies.curtain.pins:", "did you mean `Top`?"]),
+        ("curtain.pins=Indices([1,x])", &["curtain.pins[1]", "a whole number", "found `x`"]),
+        (
+            "curtain.pins=Indices([9999])",
+            &["--set curtain.pins=Indices([9999]): ", "below 336", "found 9999"],
+        ),
+        ("curtain.material=red", &["--set curtain.material=red: ", "no material is called `red`"]),
+        ("timeline[0].do=Fire(canon)", &["--set timeline[0].do=Fire(canon): ", "in quotes"]),
+        ("timeline[0].do=Fire(\"canon\")", &["--set timeline[0].do=", "did you mean `cannon`?"]),
+        ("fine=[5,1]", &["--set fine=[5,1]: ", "curtain.particles", "from 2 to 4096"]),
+        ("certain.particles=[5,4]", &["certain", "did you mean `curtain`?"]),
+        ("settings.gravity=(0, -1)", &["settings.gravity", "3 values", "found 2"]),
+        ("settings.duration=1), bodies: (", &["settings.duration", "nothing after"]),
         ("timeline[9].at=1", &["no item 9", "4"]),
         ("settings.duration", &["PATH=VALUE"]),
         ("settings.duration=(1", &["settings.duration"]),
@@ -305,6 +513,28 @@ fn an_override_that_cannot_be_is_told() {
             assert!(error.contains(word), "“{error}” does not say {word}");
         }
     }
+}
+
+#[test]
+fn a_default_that_cannot_be_is_told_where_it_stands() {
+    let text = CURTAIN.replace(
+        "bodies: {",
+        "parameters: {\n        \"fine\": (default: [21, 1], sets: [\"curtain.particles\"]) },\n bodies: {",
+    );
+    let error = SceneScript::parse(&text).expect_err("one row");
+    let words = ["bodies.curtain.particles[1]", "from 2 to 4096", "found 1"];
+    assert_told(&(error, text), "[21, 1]", "parameters.fine.default", &words);
+    let text = CURTAIN.replace(
+        "bodies: {",
+        "parameters: {\n        \"held\": (default: Indices([0, 5000]), sets: [\"curtain.pins\"]) },\n bodies: {",
+    );
+    let error = SceneScript::parse(&text).expect_err("no such particle");
+    assert_told(
+        &(error, text),
+        "Indices",
+        "parameters.held.default",
+        &["bodies.curtain.pins[1]", "found 5000"],
+    );
 }
 
 /// What the README shows are scenes that work: they are shipped as they stand there.

@@ -1,6 +1,6 @@
 //! Scenes that are played: events, triggers, probes and expectations, each seen to do what it says.
 
-use bevy_drape_script::play::{CheckpointDue, PictureDue, ScenePlay};
+use bevy_drape_script::play::{CheckpointTaken, PictureDue, ScenePlay};
 use bevy_drape_script::scene::Measured;
 use bevy_drape_script::{Report, SceneRunner, SceneScript};
 
@@ -48,12 +48,12 @@ fn what_does_not_hold_is_told_with_scene_time_expected_and_got() {
     let mut runner = SceneRunner::headless(script(
         r#"(version: 1,
         settings: (duration: 1),
-        bodies: { "ball": Balls(at: (0, 10, 0)) },
+        bodies: { "ball": Balls(at: (0, 10, 0)), "ghost": Balls(present: false) },
         expectations: [
             (name: "floats", when: Always, probe: Position(of: "ball", axis: Y), expect: AtLeast(9)),
             (when: At(0.5), probe: Position(of: "ball", axis: Y), expect: Near(value: 0, tolerance: 1)),
             (when: Eventually(within: 0.5), probe: Position(of: "ball", axis: Y), expect: AtMost(6)),
-            (when: At(3), probe: Position(of: "ball", axis: Y), expect: Near(value: 0, tolerance: 1)),
+            (when: At(1), probe: Position(of: "ghost", axis: Y), expect: Near(value: 0, tolerance: 1)),
         ])"#,
     ))
     .named("fall");
@@ -74,6 +74,34 @@ fn what_does_not_hold_is_told_with_scene_time_expected_and_got() {
     assert!(lines[4].contains("target/fall.rec"), "{}", lines[4]);
     let caught = std::panic::catch_unwind(|| report.assert_passed());
     assert!(caught.is_err(), "it asserts nothing");
+}
+
+#[test]
+fn what_is_only_reported_is_told_so() {
+    let report = run(r#"
+        settings: (duration: 0.5),
+        bodies: { "ball": Balls(at: (0, 10, 0)) },
+        expectations: [(probe: Position(of: "ball", axis: Y), expect: Reported)]"#);
+    let verdict = report.verdicts[0].to_string();
+    assert!(verdict.starts_with("info ") && verdict.contains("a report only: got 8.7"), "{verdict}");
+}
+
+#[test]
+fn what_touches_now_is_told_from_what_ever_did() {
+    // It falls for 0.45 s and bounces to a quarter of the height: on its way again for as long.
+    run(r#"
+        settings: (duration: 4),
+        bodies: { "ball": Balls(at: (0, 1.15, 0), restitution: 0.5, contacts: true) },
+        obstacles: { "ground": (shape: Ground, restitution: 0.5) },
+        expectations: [
+            (when: During(0, 0.4), probe: Touching(of: "ball", on: "ground"), expect: Near(value: 0, tolerance: 0)),
+            (when: Eventually(within: 0.5), probe: Touching(of: "ball", on: "ground"), expect: Near(value: 1, tolerance: 0)),
+            (when: During(0.6, 0.85), probe: Touching(of: "ball", on: "ground"), expect: Near(value: 0, tolerance: 0)),
+            (when: During(0.6, 0.85), probe: Contacts(of: "ball", on: "ground"), expect: Near(value: 1, tolerance: 0)),
+            (probe: Touching(), expect: Near(value: 1, tolerance: 0)),
+            (probe: Contacts(), expect: AtLeast(2)),
+        ]"#)
+    .assert_passed();
 }
 
 #[test]
@@ -264,7 +292,7 @@ fn a_pause_stops_the_simulation_and_not_the_scene() {
             seen.push((due.camera.clone(), steps));
         }
         for due in
-            world.resource::<bevy::ecs::message::Messages<CheckpointDue>>().iter_current_update_messages()
+            world.resource::<bevy::ecs::message::Messages<CheckpointTaken>>().iter_current_update_messages()
         {
             seen.push((due.name.clone(), steps));
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::columns::Columns;
 use crate::contact_face_obstacle::FaceContacts;
@@ -31,6 +31,9 @@ pub struct Body {
     /// Whether [`Island::contacts`](crate::Island::contacts) tells what it touches. Such a body is stepped substep by
     /// substep while it touches something.
     pub reports_contacts: bool,
+    /// The volume that a closed body keeps, in parts of that at rest: 1 keeps it, more blows it up; 0, the default, lets it be.
+    /// Nothing happens where [faces are not closed](Topology::rest_volume).
+    pub pressure: f32,
     /// Scratch of the step, kept so that a step allocates nothing once warm.
     pub context: BodyContext,
 }
@@ -70,6 +73,8 @@ pub struct BodyContext {
     /// What listed sticks are relaxed in.
     pub(crate) rows: Rows,
     pub(crate) lines: LineScratch,
+    /// How the volume grows with each particle's place.
+    pub(crate) gradient: Vec<DVec3>,
     /// The order of work of a substep.
     pub(crate) plan: Plan,
     pub(crate) still_for: f32,

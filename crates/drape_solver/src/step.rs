@@ -18,7 +18,7 @@ use glam::Vec3;
 use crate::body::Body;
 use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS};
 use crate::crew::Crew;
-use crate::error::StepError;
+use crate::error::{StepError, in_range};
 use crate::isa::Isa;
 use crate::island::{Environment, Island, IslandContext};
 use crate::obstacle_search::Span;
@@ -32,7 +32,7 @@ use crate::{
 use crate::{
     contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle,
     contact_particle_dynamic as particle_dynamic, contact_report, force, impact_zone, integrate as verlet,
-    obstacle_search, reaction, rest, stick,
+    obstacle_search, reaction, rest, stick, volume,
 };
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -123,6 +123,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     let mut substeps = 1;
     for (index, body) in island.bodies.iter().enumerate() {
         body.settings.validate().map_err(|source| StepError::BadSettings { body: index, source })?;
+        in_range("pressure", body.pressure, 0.0, 1e3)
+            .map_err(|source| StepError::BadSettings { body: index, source })?;
         substeps = substeps.max(body.settings.substeps);
     }
     for ball in &mut island.balls {
@@ -224,6 +226,7 @@ pub fn relax(island: &mut Island, environment: &Environment) {
             sweep::tether(body, around, index);
             ball_cloth::put_back(context, &mut body.particles);
             sweep::solve_lines(body, around, index);
+            volume::project(body);
         }
     }
 }

@@ -121,8 +121,9 @@ impl Kernel for Look<'_> {
                 y: real.select(x.y.max(high.y), high.y),
                 z: real.select(x.z.max(high.z), high.z),
             };
-            let squared = d.dot(d);
-            odd += (x.x + x.y + x.z + squared) * zero;
+            // Nothing holds what is in a lane without a particle: it falls for ever.
+            let squared = real.select(d.dot(d), zero);
+            odd += (real.select(x.x + x.y + x.z, zero) + squared) * zero;
             greatest = squared.max(greatest);
             sum += free.select(squared, zero);
             count += free.select(f32x16::splat(simd, 1.0), zero);

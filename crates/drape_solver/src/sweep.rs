@@ -109,7 +109,9 @@ pub(crate) fn is_all_stages(body: &Body) -> bool {
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     // Self-contact meets all of the body at once, and faces more than a strip of it.
     let is_in_strips = !contact_self::is_on(body) && body.context.faces.is_empty();
-    is_fixed && is_in_strips && body.context.damping.iter().all(|&d| d == 0.0)
+    // Pressure is felt by the whole body.
+    let has_pressure = body.pressure > 0.0;
+    is_fixed && is_in_strips && !has_pressure && body.context.damping.iter().all(|&d| d == 0.0)
 }
 
 /// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.

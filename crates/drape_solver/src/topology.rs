@@ -10,6 +10,7 @@ use crate::layout::Layout;
 use crate::listed::{ListedBatch, ListedSticks};
 use crate::surface_tree::SurfaceTree;
 use crate::tether::TetherPlan;
+use crate::volume::RestVolume;
 
 /// What a stick is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -109,6 +110,7 @@ pub struct Topology {
     /// Where the particles are at rest, by index, in metres: tells which are neighbours in self-contact.
     pub(crate) rest: Vec<Vec3>,
     pub(crate) surface: LazySurface,
+    pub(crate) rest_volume: RestVolume,
 }
 
 /// The tree of the surface, made when it is first asked for. As it follows from the rest, any two are equal.
@@ -174,6 +176,14 @@ impl Topology {
 
     fn batch_of(&self, stick: usize) -> &StickBatch {
         &self.batches[self.batches.partition_point(|batch| batch.first + batch.count <= stick)]
+    }
+
+    /// Where particle `i` was at rest, in metres.
+    ///
+    /// # Panics
+    /// If `i` is out of range.
+    pub fn rest_position(&self, i: usize) -> Vec3 {
+        self.rest[i]
     }
 
     /// The batches in the order in which they are relaxed.

@@ -6,7 +6,8 @@ use bevy_drape::prelude::*;
 use super::drag::DragUnderWay;
 use super::orders::{Order, OrderKind};
 use super::stage::Actor;
-use super::{CheckpointDue, PictureDue, ScenePlay};
+use super::{CheckpointTaken, PictureDue, ScenePlay};
+use crate::checkpoint::Checkpoint;
 use crate::overriding;
 use crate::scene::{Action, Measured, Motion, Seconds, Selection};
 
@@ -42,6 +43,7 @@ impl ScenePlay {
         let dt = self.script.settings.dt.get();
         // Half a step of slack: the clock sums up rounded steps.
         let now = time + 0.5 * dt;
+        self.save_state(world, now);
         for index in 0..self.schedule.len() {
             while let Some(due) = self.schedule[index].due.filter(|&due| due <= now) {
                 let event = &self.script.timeline[index];
@@ -56,6 +58,23 @@ impl ScenePlay {
         self.move_obstacles(world, time + dt);
         self.drag(world, time + dt);
         self.carry_out_orders(world);
+    }
+
+    /// Takes the checkpoints that are due by `now`.
+    fn save_state(&mut self, world: &mut World, now: f64) {
+        for (event, scheduled) in self.script.timeline.iter().zip(&self.schedule) {
+            if let Action::Checkpoint(name) = &event.action
+                && scheduled.due.is_some_and(|due| due <= now)
+            {
+                match self.save(world) {
+                    Ok(play) => {
+                        let checkpoint = Checkpoint::of(world, name, Some(play));
+                        world.write_message(CheckpointTaken { name: name.clone(), checkpoint });
+                    }
+                    Err(error) => self.problems.push(format!("checkpoint {name}: {error}")),
+                }
+            }
+        }
     }
 
     fn act(&mut self, world: &mut World, action: &Action, time: f64) {
@@ -83,7 +102,7 @@ impl ScenePlay {
             }
             Action::Pin { of, particles } => order(of, particles, OrderKind::Pin),
             Action::Unpin { of, particles } => order(of, particles, OrderKind::Unpin),
-            Action::Push { of, impulse, particles } => order(of, particles, OrderKind::Push(impulse.get())),
+            Action::Push { of, impulse, particles } => order(of, particles, OrderKind::Push(*impulse)),
             Action::Drag { of, point, radius, path } => {
                 self.drags.push(DragUnderWay::new(of, point, *radius, path, time));
             }
@@ -97,14 +116,13 @@ impl ScenePlay {
             Action::Picture(camera) => {
                 world.write_message(PictureDue { camera: camera.clone() });
             }
-            Action::Checkpoint(name) => {
-                world.write_message(CheckpointDue { name: name.clone() });
-            }
+            // Before all that is due with it, so that nothing is half done.
+            Action::Checkpoint(_) => {}
             Action::Stop => self.is_stopping = true,
         }
     }
 
-    fn spawn(&mut self, world: &mut World, name: &str) {
+    pub(super) fn spawn(&mut self, world: &mut World, name: &str) {
         if self.stage.contains(name) {
             return;
         }

@@ -2,21 +2,25 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::ScenePlay;
 use super::points;
 use crate::scene::{NonNegative, Point, Seconds, Vector};
 
 /// A drag on its way.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct DragUnderWay {
     of: String,
     point: Point,
     radius: f32,
     path: Vec<(Seconds, Vector)>,
     began: f64,
-    /// The body that is held, and where the particle was; none before the body has been built.
-    held: Option<(Entity, Vec3)>,
+    /// The body that is held; none before it has been built.
+    #[serde(skip)]
+    held: Option<Entity>,
+    /// Where the particle was; none before.
+    from: Option<Vector>,
 }
 
 impl DragUnderWay {
@@ -28,6 +32,7 @@ impl DragUnderWay {
             path: path.to_vec(),
             began,
             held: None,
+            from: None,
         }
     }
 
@@ -57,13 +62,17 @@ impl ScenePlay {
     pub(super) fn drag(&mut self, world: &mut World, time: f64) {
         let mut drags = core::mem::take(&mut self.drags);
         drags.retain_mut(|drag| {
-            if drag.held.is_none() {
-                drag.held = self.take_hold(world, drag);
+            if drag.held.is_none()
+                && let Some((body, from)) = self.take_hold(world, drag)
+            {
+                (drag.held, drag.from) = (Some(body), drag.from.or(Some(from)));
             }
-            let Some((body, from)) = drag.held else { return self.stage.contains(&drag.of) };
+            let (Some(body), Some(from)) = (drag.held, drag.from) else {
+                return self.stage.contains(&drag.of);
+            };
             let since = time - drag.began;
             let is_over = since > drag.end() + 1e-9;
-            let target = from + drag.way(since);
+            let target = from.get() + drag.way(since);
             let Ok(mut body) = world.get_entity_mut(body) else { return false };
             if is_over {
                 body.remove::<Grab>();
@@ -75,12 +84,14 @@ impl ScenePlay {
         self.drags = drags;
     }
 
-    fn take_hold(&self, world: &mut World, drag: &DragUnderWay) -> Option<(Entity, Vec3)> {
+    fn take_hold(&self, world: &mut World, drag: &DragUnderWay) -> Option<(Entity, Vector)> {
         let all = points::particles(world, &self.stage, &drag.of)?;
         let (body, index) = all[points::index_of(&drag.point, all.len())?];
-        let grab = Grab::new(world.get::<Particles>(body)?, index, drag.radius.max(1e-3));
-        let from = grab.target;
-        world.entity_mut(body).insert(grab);
-        Some((body, from))
+        // Of what was restored the hand has hold already.
+        if drag.from.is_none() || world.get::<Grab>(body).is_none() {
+            let grab = Grab::new(world.get::<Particles>(body)?, index, drag.radius.max(1e-3));
+            world.entity_mut(body).insert(grab);
+        }
+        Some((body, Vector::known(world.get::<Grab>(body)?.target)))
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{Expectation, Measured, Probe, When};
+use crate::scene::{Expectation, Expected, Measured, Seconds, When};
 
 /// What has become of an expectation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,28 +22,39 @@ pub struct Verdict {
     pub got: Option<Measured>,
     /// When that was, in seconds.
     pub time: Option<f64>,
-    /// Whether it holds.
+    /// Whether it holds. What is only reported does.
     pub passed: bool,
+    /// Whether nothing is expected: the value is only reported.
+    pub is_report: bool,
 }
 
 impl core::fmt::Display for Verdict {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { title, probe, when, expected, unit, got, time, passed } = self;
-        let mark = if *passed { "ok  " } else { "FAIL" };
+        let Self { title, probe, when, expected, unit, got, time, passed, is_report } = self;
+        let mark = match (is_report, passed) {
+            (true, _) => "info",
+            (false, true) => "ok  ",
+            (false, false) => "FAIL",
+        };
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         write!(f, "{mark} {title}: ")?;
         if title != probe {
             write!(f, "{probe} ")?;
         }
-        write!(f, "{when}: expected {expected}{unit}, ")?;
+        if *is_report {
+            write!(f, "{when}, a report only: ")?;
+        } else {
+            write!(f, "{when}: expected {expected}{unit}, ")?;
+        }
         match (got, time) {
             (Some(got), Some(time)) => write!(f, "got {got}{unit} at {time:.3} s"),
-            _ => f.write_str("but it was never there to be measured"),
+            _ => f.write_str("it was never there to be measured"),
         }
     }
 }
 
 /// Looks at one expectation.
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Judge {
     pub expectation: Expectation,
     /// The value that is taken off, once its time has come.
@@ -61,12 +72,7 @@ impl Judge {
 
     /// The time from which on values count from a base, if they do.
     pub fn since(&self) -> Option<f64> {
-        match self.expectation.probe {
-            Probe::Position { since, .. } | Probe::Velocity { since, .. } => {
-                since.map(crate::scene::Seconds::get)
-            }
-            _ => None,
-        }
+        self.expectation.probe.since().map(Seconds::get)
     }
 
     /// Whether it looks at the step that ends at `time`, give or take `slack`; the last one, if `is_last`.
@@ -107,9 +113,14 @@ impl Judge {
         }
     }
 
+    /// Whether it has failed, whatever comes.
+    pub fn is_broken(&self) -> bool {
+        self.has_failed
+    }
+
     pub fn verdict(&self) -> Verdict {
         let Expectation { when, probe, expect, .. } = &self.expectation;
-        let is_reported = *expect == crate::scene::Expected::Reported;
+        let is_report = *expect == Expected::Reported;
         let passed = match when {
             When::Eventually { .. } => self.has_held,
             _ => self.seen.is_some() && !self.has_failed,
@@ -122,7 +133,8 @@ impl Judge {
             unit: probe.unit().to_string(),
             got: self.seen.as_ref().map(|(_, measured)| measured.clone()),
             time: self.seen.as_ref().map(|&(time, _)| time),
-            passed: passed || is_reported,
+            passed: passed || is_report,
+            is_report,
         }
     }
 }

@@ -65,6 +65,7 @@ impl ScenePlay {
             }
             Probe::Hits { of, on } => number(self.tally.hits(of, on) as f64),
             Probe::Contacts { of, on } => number(self.tally.contacts(of, on) as f64),
+            Probe::Touching { of, on } => number(self.tally.touching(of, on) as f64),
             Probe::StateHash { of } => {
                 Some(Measured::Word(format!("{:016x}", state_hash(world, &self.parts(world, of)?))))
             }

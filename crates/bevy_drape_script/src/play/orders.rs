@@ -6,24 +6,25 @@ use bevy_drape::prelude::*;
 use super::ScenePlay;
 use super::points;
 use super::stage::Actor;
-use crate::scene::{Body, Selection};
+use crate::scene::{Body, Selection, Vector};
+use serde::{Deserialize, Serialize};
 
 /// Something that a body is to do.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Order {
     pub of: String,
     pub particles: Selection,
     pub kind: OrderKind,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) enum OrderKind {
     Pin,
     Unpin,
     /// An impulse in newton seconds.
-    Push(Vec3),
+    Push(Vector),
     /// A velocity in m/s.
-    Velocity(Vec3),
+    Velocity(Vector),
 }
 
 /// Carries out what was to be done to bodies that have now been built.
@@ -90,7 +91,7 @@ impl ScenePlay {
                     let (body, index) = all[index];
                     let mut body = world.get_mut::<Particles>(body)?;
                     if !body.is_pinned(index) {
-                        body.set_velocity(index, velocity);
+                        body.set_velocity(index, velocity.get());
                     }
                 }
             }
@@ -135,7 +136,7 @@ impl ScenePlay {
     fn order_solids(&self, world: &mut World, order: &Order) -> bool {
         let parts = self.stage.parts(world, [&order.of]);
         let OrderKind::Push(impulse) = order.kind else { return true };
-        let share = impulse / parts.balls.len().max(1) as f32;
+        let share = impulse.get() / parts.balls.len().max(1) as f32;
         for &ball in &parts.balls {
             if let Some(mut ball) = world.get_mut::<ProjectileState>(ball) {
                 ball.apply_impulse(share);
@@ -143,7 +144,7 @@ impl ScenePlay {
         }
         for &obstacle in &parts.obstacles {
             if let Some(mut dynamic) = world.get_mut::<DynamicObstacle>(obstacle) {
-                let change = impulse / dynamic.mass;
+                let change = impulse.get() / dynamic.mass;
                 dynamic.velocity += change;
             }
         }

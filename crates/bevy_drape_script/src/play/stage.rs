@@ -60,6 +60,16 @@ impl Stage {
         self.actors.insert(name.to_string(), actor);
     }
 
+    /// All who are on the stage, by name.
+    pub fn actors(&self) -> impl Iterator<Item = (&String, &Actor)> {
+        self.actors.iter()
+    }
+
+    /// Replaces who is on the stage, without a word to the world.
+    pub fn cast(&mut self, actors: BTreeMap<String, Actor>) {
+        self.actors = actors;
+    }
+
     /// Notes the ball that a cannon has shot.
     pub fn note_shot(&mut self, cannon: Entity, projectile: Entity) -> Option<String> {
         self.actors.iter_mut().find_map(|(name, actor)| match actor {
@@ -281,7 +291,7 @@ impl ScenePlay {
             self.orders.push(Order {
                 of: name.to_string(),
                 particles: Selection::All,
-                kind: OrderKind::Velocity(velocity.get()),
+                kind: OrderKind::Velocity(velocity),
             });
         }
     }

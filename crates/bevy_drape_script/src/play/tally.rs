@@ -3,16 +3,32 @@
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::snapshot::Key;
+use serde::{Deserialize, Serialize};
 
 use super::stage::Stage;
 use crate::scene::Names;
 
+/// Names of two that touch.
+type Pair = (String, String);
+
+/// What was counted so far, in a form that can be kept.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Counted {
+    hits: Vec<Pair>,
+    contacts: Vec<Pair>,
+    touching: Vec<(Key, Key, Pair)>,
+}
+
 /// Pairs of names that began to touch.
 pub(super) struct Tally {
-    hits: Vec<(String, String)>,
-    contacts: Vec<(String, String)>,
+    hits: Vec<Pair>,
+    contacts: Vec<Pair>,
+    /// What touches now, the names beside the entities: these may be gone when the contact ends.
+    touching: Vec<(Entity, Entity, Pair)>,
     hit_cursor: MessageCursor<BallHit>,
     contact_cursor: MessageCursor<DrapeContactStarted>,
+    end_cursor: MessageCursor<DrapeContactEnded>,
     shot_cursor: MessageCursor<CannonFired>,
 }
 
@@ -22,9 +38,36 @@ impl Tally {
         Self {
             hits: Vec::new(),
             contacts: Vec::new(),
+            touching: Vec::new(),
             hit_cursor: world.resource::<Messages<BallHit>>().get_cursor_current(),
             contact_cursor: world.resource::<Messages<DrapeContactStarted>>().get_cursor_current(),
+            end_cursor: world.resource::<Messages<DrapeContactEnded>>().get_cursor_current(),
             shot_cursor: world.resource::<Messages<CannonFired>>().get_cursor_current(),
+        }
+    }
+
+    /// What was counted so far, to be kept: what touches now by the keys that `key_of` gives.
+    pub fn save(&self, key_of: impl Fn(Entity) -> Option<Key>) -> Counted {
+        let key = |&(body, other, ref names): &(Entity, Entity, Pair)| {
+            Some((key_of(body)?, key_of(other)?, names.clone()))
+        };
+        Counted {
+            hits: self.hits.clone(),
+            contacts: self.contacts.clone(),
+            touching: self.touching.iter().filter_map(key).collect(),
+        }
+    }
+
+    /// Goes on from what was kept.
+    pub fn restored(world: &World, counted: &Counted, entity_of: impl Fn(Key) -> Option<Entity>) -> Self {
+        let entity = |&(body, other, ref names): &(Key, Key, Pair)| {
+            Some((entity_of(body)?, entity_of(other)?, names.clone()))
+        };
+        Self {
+            hits: counted.hits.clone(),
+            contacts: counted.contacts.clone(),
+            touching: counted.touching.iter().filter_map(entity).collect(),
+            ..Self::new(world)
         }
     }
 
@@ -44,8 +87,15 @@ impl Tally {
             self.hits.push((name(hit.projectile), name(hit.target)));
         }
         for contact in self.contact_cursor.read(world.resource::<Messages<DrapeContactStarted>>()) {
-            self.contacts.push((name(contact.body), name(contact.other)));
+            let names = (name(contact.body), name(contact.other));
+            self.contacts.push(names.clone());
+            self.touching.push((contact.body, contact.other, names));
         }
+        for end in self.end_cursor.read(world.resource::<Messages<DrapeContactEnded>>()) {
+            self.touching.retain(|&(body, other, _)| (body, other) != (end.body, end.other));
+        }
+        self.touching
+            .retain(|&(body, other, _)| world.get_entity(body).is_ok() && world.get_entity(other).is_ok());
     }
 
     /// How many hits there were of `of` on `on`. Two balls that touch are one hit.
@@ -55,10 +105,18 @@ impl Tally {
 
     /// How many contacts began between `of` and `on`.
     pub fn contacts(&self, of: &Names, on: &Names) -> usize {
-        let is_one =
-            |(a, b): &&(String, String)| matches(of, a) && matches(on, b) || matches(of, b) && matches(on, a);
-        self.contacts.iter().filter(is_one).count()
+        self.contacts.iter().filter(|pair| is_between(pair, of, on)).count()
     }
+
+    /// How many pairs of `of` and `on` touch now.
+    pub fn touching(&self, of: &Names, on: &Names) -> usize {
+        self.touching.iter().filter(|(_, _, pair)| is_between(pair, of, on)).count()
+    }
+}
+
+/// Whether one of a pair is of `of` and the other of `on`.
+fn is_between((a, b): &Pair, of: &Names, on: &Names) -> bool {
+    matches(of, a) && matches(on, b) || matches(of, b) && matches(on, a)
 }
 
 /// Whether `name` is one of `names`, or a ball of one of them. No names are all names.

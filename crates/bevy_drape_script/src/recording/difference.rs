@@ -166,7 +166,7 @@ fn parting(
                     if is_body {
                         state.positions().nth(place).unwrap_or(Vec3::NAN)
                     } else {
-                        state.place(kind)
+                        state.places(kind).first().copied().unwrap_or(Vec3::NAN)
                     }
                 });
                 found = Some(Parting::Place {

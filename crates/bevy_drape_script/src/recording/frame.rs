@@ -53,15 +53,15 @@ impl State {
         Some((self.vector(0)?, Quat::from_array(rotation)))
     }
 
-    /// Where it is: the centre of a ball, the place of an obstacle, the first particle of a body; in metres. Not a number
-    /// where there is none.
-    pub fn place(&self, kind: &TrackKind) -> Vec3 {
-        let place = match kind {
-            TrackKind::Body { .. } => self.positions().next(),
-            TrackKind::Ball { .. } => self.ball().map(|(centre, _)| centre),
-            TrackKind::Obstacle { .. } => self.obstacle().map(|matrix| matrix.translation.into()),
-        };
-        place.unwrap_or(Vec3::NAN)
+    /// Where it is: all particles of a body, the centre of a ball, the place of an obstacle; in metres.
+    pub fn places(&self, kind: &TrackKind) -> Vec<Vec3> {
+        match kind {
+            TrackKind::Body { .. } => self.positions().collect(),
+            TrackKind::Ball { .. } => self.ball().map(|(centre, _)| centre).into_iter().collect(),
+            TrackKind::Obstacle { .. } => {
+                self.obstacle().map(|matrix| matrix.translation.into()).into_iter().collect()
+            }
+        }
     }
 
     /// The matrix of an obstacle.

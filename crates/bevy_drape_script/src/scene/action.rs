@@ -2,9 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use super::{Aim, NonNegative, Point, Seconds, Vector};
+use super::{Aim, Literal, NonNegative, Point, Seconds, Vector};
 
 /// What an event does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -64,16 +63,16 @@ pub enum Action {
     },
     /// A value of the scene is changed by its path, as from a command line: `Set("ground.friction", 0)`. A body whose form is
     /// changed by this is built anew.
-    Set(String, Value),
+    Set(String, Literal),
     /// Something that was not present, or was despawned, appears.
     Spawn(String),
     /// Something vanishes.
     Despawn(String),
     /// The simulation stands still for a while, in seconds.
     Pause(Seconds),
-    /// A picture is taken by the camera of this name, where there is a renderer.
+    /// A picture is taken by the camera of this name, where there is something to draw it with.
     Picture(String),
-    /// The state is saved under this name, where the runner saves states.
+    /// The state is saved under this name, as it is before all that happens at this time.
     Checkpoint(String),
     /// The scene ends.
     Stop,

@@ -5,6 +5,7 @@ use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::number::bracketed;
 use super::{Fraction, Layers, NonNegative, Positive, Solver, Turn, Vector, Whole};
 
 /// A rectangular cloth. Untouched by `turn` it hangs in the XY plane, centred at `at`, facing +Z.
@@ -12,8 +13,10 @@ use super::{Fraction, Layers, NonNegative, Positive, Solver, Turn, Vector, Whole
 #[serde(deny_unknown_fields, default)]
 pub struct Cloth {
     /// Width and height in metres; (1, 1) by default.
+    #[serde(deserialize_with = "bracketed")]
     pub size: (Positive, Positive),
     /// Particles in a row and in a column, 2 to 4096 each; (32, 32) by default.
+    #[serde(deserialize_with = "bracketed")]
     pub particles: (Whole<2, 4096>, Whole<2, 4096>),
     /// Mass per area in kg/m^2; 0.25 by default.
     pub areal_density: Positive,

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::number::bracketed;
 use super::{NonNegative, Vector, Whole};
 
 /// How many there are of something, in a block around its place.
@@ -11,6 +12,7 @@ use super::{NonNegative, Vector, Whole};
 #[serde(deny_unknown_fields, default)]
 pub struct Copies {
     /// How many along X, Y and Z, 1 to 100 each; (1, 1, 1) by default.
+    #[serde(deserialize_with = "bracketed")]
     pub count: (Whole<1, 100>, Whole<1, 100>, Whole<1, 100>),
     /// How far they are apart along each axis, in metres; (0.5, 0.5, 0.5) by default.
     pub spacing: Vector,

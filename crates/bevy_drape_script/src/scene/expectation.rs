@@ -106,7 +106,7 @@ impl fmt::Display for Expected {
             Self::AtMost(greatest) => write!(f, "at most {greatest}"),
             Self::AtLeast(least) => write!(f, "at least {least}"),
             Self::Is(word) => f.write_str(word),
-            Self::Reported => f.write_str("nothing"),
+            Self::Reported => f.write_str("no value, only a report"),
         }
     }
 }

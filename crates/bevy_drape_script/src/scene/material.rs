@@ -4,12 +4,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Fraction;
+use super::number::bracketed;
 
 /// What something looks like. The simulation does not look at it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Material {
     /// Red, green and blue as sRGB, 0 to 1 each; (0.8, 0.8, 0.8), light grey, by default.
+    #[serde(deserialize_with = "bracketed")]
     pub colour: (Fraction, Fraction, Fraction),
     /// How rough the surface is, 0 (a mirror) to 1 (chalk, the default).
     pub roughness: Fraction,

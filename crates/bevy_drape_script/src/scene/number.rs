@@ -1,11 +1,15 @@
 //! Numbers that know their range: what is outside of it is refused where it stands in the file.
 
+use core::fmt;
+use core::marker::PhantomData;
 use std::borrow::Cow;
 
 use bevy::prelude::*;
 use bevy_drape::drape_solver::constants::MAX_MAGNITUDE;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Serialize};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// A number that is not in its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -122,7 +126,7 @@ number! {
 }
 
 /// A number in double precision that prints as the shortest decimal number which is the same in its own.
-fn shortest<T: core::fmt::Display>(value: T) -> f64 {
+fn shortest<T: fmt::Display>(value: T) -> f64 {
     value.to_string().parse().unwrap_or(f64::NAN)
 }
 
@@ -185,9 +189,15 @@ impl<const LEAST: u32, const GREATEST: u32> JsonSchema for Whole<LEAST, GREATEST
 }
 
 /// A vector `(x, y, z)` of finite numbers, from -10^6 to 10^6.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deref, Serialize, Deserialize)]
-#[serde(try_from = "(Number, Number, Number)", into = "(Number, Number, Number)")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deref, Serialize)]
+#[serde(into = "(Number, Number, Number)")]
 pub struct Vector(Vec3);
+
+impl<'de> Deserialize<'de> for Vector {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        bracketed::<(Number, Number, Number), D>(deserializer).map(Self::from)
+    }
+}
 
 impl Vector {
     /// This vector, if it is in the range.
@@ -237,4 +247,25 @@ impl JsonSchema for Vector {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         <(Number, Number, Number)>::json_schema(generator)
     }
+}
+
+/// Some values in brackets: round ones, as in `(2, 1.5)`, or square ones, as in `[2, 1.5]`.
+pub(crate) fn bracketed<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
+    struct Bracketed<T>(PhantomData<T>);
+
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Bracketed<T> {
+        type Value = T;
+
+        fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+            formatter.write_str("values in brackets")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, items: A) -> Result<T, A::Error> {
+            T::deserialize(SeqAccessDeserializer::new(items))
+        }
+    }
+
+    deserializer.deserialize_any(Bracketed(PhantomData))
 }

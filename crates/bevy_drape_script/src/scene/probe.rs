@@ -140,6 +140,16 @@ pub enum Probe {
         #[serde(default)]
         on: Names,
     },
+    /// How many pairs touch now, of what has `contacts: true` or touches something that has. They go on touching for a tenth of a
+    /// second after they parted.
+    Touching {
+        /// One of the two; anything if left out.
+        #[serde(default)]
+        of: Names,
+        /// The other; anything if left out.
+        #[serde(default)]
+        on: Names,
+    },
     /// A word of 16 hexadecimal digits that tells two states apart, to be expected with `Is`.
     StateHash {
         /// Whose; of everything that moves by itself, if left out.
@@ -253,12 +263,20 @@ impl Probe {
             | Self::AngularMomentum { of, .. }
             | Self::Activity { of }
             | Self::StateHash { of } => of.iter().map(String::as_str).collect(),
-            Self::Hits { of, on } | Self::Contacts { of, on } => {
+            Self::Hits { of, on } | Self::Contacts { of, on } | Self::Touching { of, on } => {
                 of.iter().chain(on.iter()).map(String::as_str).collect()
             }
             Self::Distance { from, to } => vec![&from.of, &to.of],
             Self::StepTimeRatio { of, against } => vec![of, against],
             Self::Count(_) => Vec::new(),
+        }
+    }
+
+    /// The time from which on it counts, if it counts from one.
+    pub fn since(&self) -> Option<Seconds> {
+        match self {
+            Self::Position { since, .. } | Self::Velocity { since, .. } => *since,
+            _ => None,
         }
     }
 
@@ -280,6 +298,7 @@ impl Probe {
             | Self::Count(_)
             | Self::Hits { .. }
             | Self::Contacts { .. }
+            | Self::Touching { .. }
             | Self::StateHash { .. }
             | Self::StepTimeRatio { .. } => "",
         }
@@ -314,6 +333,7 @@ impl fmt::Display for Probe {
             Self::Count(counted) => write!(f, "count of {counted:?}"),
             Self::Hits { of, on } => write!(f, "hits of {of} on {on}"),
             Self::Contacts { of, on } => write!(f, "contacts of {of} and {on}"),
+            Self::Touching { of, on } => write!(f, "pairs of {of} and {on} that touch"),
             Self::StateHash { of } => write!(f, "state hash of {of}"),
             Self::StepTimeRatio { of, against } => write!(f, "step time of {of} against {against}"),
         }

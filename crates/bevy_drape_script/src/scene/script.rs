@@ -111,8 +111,15 @@ impl SceneScript {
     /// together any more.
     pub fn with(self, overrides: &[Override]) -> Result<Self, SceneError> {
         let script = overriding::apply(self, overrides)?;
-        check(&script)?;
+        check(&script).map_err(|error| overriding::blame(&script, overrides, error))?;
         Ok(script)
+    }
+
+    /// The names of everything in it: bodies, obstacles, cannons, cameras, materials and parameters.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let things = self.bodies.keys().chain(self.obstacles.keys()).chain(self.cannons.keys());
+        let others = self.cameras.keys().chain(self.materials.keys()).chain(self.parameters.keys());
+        things.chain(others).map(String::as_str)
     }
 
     /// The scene as the text of a file.

@@ -8,6 +8,7 @@ use bevy_drape::drape_solver::{self, BuildError};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::number::bracketed;
 use super::{Positive, Turn, Vector};
 
 /// The form of an obstacle, about its own origin.
@@ -36,11 +37,13 @@ pub enum Shape {
     /// A box.
     Cuboid {
         /// Its sides in metres.
+        #[serde(deserialize_with = "bracketed")]
         size: (Positive, Positive, Positive),
     },
     /// The inside of a box, which nothing leaves.
     Container {
         /// Its sides in metres.
+        #[serde(deserialize_with = "bracketed")]
         size: (Positive, Positive, Positive),
     },
     /// A cylinder along the Y axis.
@@ -60,6 +63,7 @@ pub enum Shape {
     /// A box with round edges.
     RoundCuboid {
         /// Its sides in metres, edges included.
+        #[serde(deserialize_with = "bracketed")]
         size: (Positive, Positive, Positive),
         /// Radius of its edges in metres.
         radius: Positive,
@@ -79,6 +83,7 @@ pub enum Shape {
     /// Land with heights on a grid, solid below, centred.
     HeightField {
         /// Size along X and Z in metres.
+        #[serde(deserialize_with = "bracketed")]
         size: (Positive, Positive),
         /// Rows of heights in metres, the first at least Z; each row from least to greatest X. All rows are equally long.
         heights: Vec<Vec<f32>>,

@@ -39,6 +39,7 @@ mod rest_shape;
 mod restitution;
 mod self_contact;
 mod self_contact_triangles;
+mod soft;
 mod stability;
 mod stiffness;
 mod symmetry;

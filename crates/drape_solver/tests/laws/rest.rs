@@ -52,3 +52,20 @@ fn a_ball_that_has_rolled_out_is_still() {
     run(&mut island, &environment, 4.0);
     assert!(island.balls[0].still_for() > 1.0);
 }
+
+/// The greatest speed of a body is that of one of its particles. Lanes of a grid's cells that hold no particle fell for
+/// ever, and counted: a cloth whose rows do not fill the lanes reached ever farther, and was not the same after it had been saved
+/// and restored.
+#[test]
+fn the_greatest_speed_is_that_of_a_particle() {
+    for (columns, rows) in [(13, 11), (40, 33), (16, 16), (5, 5)] {
+        let cloth = ClothBuilder::new(1.0, 1.0, columns, rows).pin_edge(Edge::Top);
+        let mut island = Island::of_body(cloth.build(SolverSettings::default()).expect("valid"));
+        run(&mut island, &gravity(FRAME), 2.0);
+        let (found, expected) = (particles(&island).greatest_speed(), greatest_speed(&island));
+        assert!(
+            (found - expected).abs() <= 1e-5 * expected,
+            "{columns} x {rows}: {found}, and {expected} m/s"
+        );
+    }
+}

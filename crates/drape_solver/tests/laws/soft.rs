@@ -1,0 +1,271 @@
+//! Soft balls, soft solids and balloons (S26; pressure): they keep their volume, and come back to their shape.
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+use drape_solver::glam::Vec3;
+use drape_solver::{
+    Body, Environment, Island, Obstacle, SoftBallBuilder, SoftBodyBuilder, SolverSettings, StickKind,
+    StickMaterial, TopologyBuilder, measure, volume,
+};
+
+use crate::common::*;
+
+/// Vertices and faces of a sphere around `centre`, counter-clockwise seen from outside.
+fn sphere(centre: Vec3, radius: f32, around: u32, down: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut places = vec![centre + Vec3::Y * radius];
+    for row in 1..down {
+        for column in 0..around {
+            let (polar, azimuth) = (PI * row as f32 / down as f32, TAU * column as f32 / around as f32);
+            let way = Vec3::new(polar.sin() * azimuth.sin(), polar.cos(), polar.sin() * azimuth.cos());
+            places.push(centre + way * radius);
+        }
+    }
+    places.push(centre - Vec3::Y * radius);
+    let last = places.len() as u32 - 1;
+    let at = |row: u32, column: u32| 1 + (row - 1) * around + column % around;
+    let mut faces = Vec::new();
+    for column in 0..around {
+        faces.push([0, at(1, column), at(1, column + 1)]);
+        faces.push([last, at(down - 1, column + 1), at(down - 1, column)]);
+        for row in 1..down - 1 {
+            let [a, b, c, d] =
+                [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
+            faces.extend([[a, d, b], [a, c, d]]);
+        }
+    }
+    (places, faces)
+}
+
+/// A balloon of 0.3 m: a skin of 0.2 kg/m^2 with some air in it.
+fn balloon(height: f32, pressure: f32) -> Body {
+    let (places, faces) = sphere(Vec3::Y * height, 0.3, 20, 12);
+    let edges =
+        faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[p, q]| [p.min(q), p.max(q)]);
+    let mut edges: Vec<[u32; 2]> = edges.collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let mass = 0.2 * 4.0 * PI * 0.09 / places.len() as f32;
+    let settings = SolverSettings { drag: 0.2, ..SolverSettings::default() };
+    let mut body = joined(&places, &vec![1.0 / mass; places.len()], &[], settings);
+    let mut builder = TopologyBuilder::new(&places);
+    let material = StickMaterial { kind: StickKind::Structural, stiffness: 0.8, damping: 2.0 };
+    builder.family(material, edges).expect("valid").faces(faces).expect("valid");
+    body.topology = Arc::new(builder.build().expect("valid"));
+    body.pressure = pressure;
+    body
+}
+
+/// A solid ball of 0.3 m in radius.
+fn solid(height: f32) -> Body {
+    let (places, faces) = sphere(Vec3::Y * height, 0.3, 24, 16);
+    let builder = SoftBodyBuilder::new(&places, &faces, 0.1).stiffness(0.95).damping(3.0);
+    builder.build(SolverSettings { drag: 0.2, substeps: 16, ..SolverSettings::default() }).expect("valid").0
+}
+
+fn ground() -> Environment {
+    Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) }
+}
+
+fn own_volume(body: &Body) -> f64 {
+    volume(&body.particles, &body.topology)
+}
+
+/// How far particles are from where they were at rest, moved and turned as a whole: root mean square of the differences of
+/// all distances, in parts of the size.
+fn deformation(body: &Body, size: f32) -> f32 {
+    let at_rest = SolidRest::of(body);
+    let particles = &body.particles;
+    let (mut sum, mut count) = (0.0_f64, 0.0_f64);
+    for i in 0..particles.len() {
+        for j in 0..i {
+            let now = particles.local_position(i).distance(particles.local_position(j));
+            let off = f64::from(now - at_rest.0[i].distance(at_rest.0[j]));
+            sum += off * off;
+            count += 1.0;
+        }
+    }
+    (sum / count).sqrt() as f32 / size
+}
+
+/// Places at rest, as they were when the body was built.
+struct SolidRest(Vec<Vec3>);
+
+impl SolidRest {
+    fn of(body: &Body) -> Self {
+        Self((0..body.particles.len()).map(|i| body.topology.rest_position(i)).collect())
+    }
+}
+
+/// The volume of a mesh of a sphere, and that of what is not closed.
+#[test]
+fn the_volume_of_a_closed_mesh_is_that_inside() {
+    let body = balloon(1.0, 0.0);
+    let exact = 4.0 / 3.0 * std::f64::consts::PI * 0.027;
+    let found = own_volume(&body);
+    println!("law: volume of a sphere's mesh {found} m^3, of the sphere {exact} m^3");
+    assert!(found < exact && found > 0.9 * exact);
+    assert!((body.topology.rest_volume().expect("closed") - found).abs() < 1e-6);
+    let sheet = drape_solver::ClothBuilder::new(1.0, 1.0, 9, 9).build(bare()).expect("valid");
+    assert_eq!(sheet.topology.rest_volume(), None);
+}
+
+/// Balloon and solid keep their volume within 5 % in a drop from 2 m.
+#[test]
+fn what_is_dropped_keeps_its_volume_and_comes_back_to_its_shape() {
+    for (name, body) in [("balloon", balloon(2.3, 1.0)), ("solid", solid(2.3))] {
+        let rest = body.topology.rest_volume().expect("closed");
+        let mut island = Island::of_body(body);
+        let (mut least, mut most, mut squeezed) = (f64::INFINITY, 0.0_f64, 0.0_f32);
+        run_with(&mut island, &ground(), 6.0, |island, _| {
+            let part = own_volume(&island.bodies[0]) / rest;
+            (least, most) = (least.min(part), most.max(part));
+            squeezed = squeezed.max(deformation(&island.bodies[0], 0.6));
+        });
+        // Lying there, a balloon is flat below; let go, it is a ball again.
+        run(&mut island, &weightless(FRAME), 3.0);
+        let left = deformation(&island.bodies[0], 0.6);
+        println!(
+            "law: {name}: volume from {least:.4} to {most:.4}, deformed by {squeezed} at most and {left} in the end"
+        );
+        assert!(least > 0.95 && most < 1.05, "{name}: {least} to {most}");
+        assert!(left < 0.01, "{name}: {left}");
+        assert!(squeezed > 2.0 * left, "it was squeezed");
+    }
+}
+
+/// Without air, a balloon that is dropped does not keep its volume.
+#[test]
+fn a_balloon_without_air_collapses() {
+    let mut island = Island::of_body(balloon(0.35, 0.0));
+    run(&mut island, &ground(), 3.0);
+    let part = own_volume(&island.bodies[0]) / island.bodies[0].topology.rest_volume().expect("closed");
+    assert!(part < 0.8, "{part} of the volume");
+}
+
+/// Pressure moves nothing as a whole: momentum and angular momentum stay, as the volume grows by half. (Spin fades with the
+/// substep in any case: `tetrahedron_spin.rs`.)
+#[test]
+fn pressure_keeps_momentum() {
+    let mut body = balloon(0.0, 1.0);
+    body.settings = SolverSettings { substeps: 32, ..bare() };
+    for i in 0..body.particles.len() {
+        let place = body.particles.position(i);
+        body.particles.set_velocity(i, Vec3::X * 2.0 + Vec3::new(0.0, 3.0, 1.0).cross(place));
+    }
+    let mut island = Island::of_body(body);
+    let before = (momentum(&island), angular_momentum(&island));
+    for step in 1..=60 {
+        island.bodies[0].pressure = 1.0 + step as f32 / 120.0;
+        run(&mut island, &weightless(FRAME), FRAME);
+    }
+    let after = (momentum(&island), angular_momentum(&island));
+    let grown = own_volume(&island.bodies[0]) / island.bodies[0].topology.rest_volume().expect("closed");
+    println!("law: blown up to {grown} of its volume, momentum {} and was {}", after.0, before.0);
+    assert!(grown > 1.1, "{grown}");
+    assert!((after.0 - before.0).length() < 1e-5 * before.0.length());
+    assert!((after.1 - before.1).length() < 3e-2 * before.1.length(), "{} and was {}", after.1, before.1);
+}
+
+/// S26: ring k of n has radius R (k + 1) / n and 10 (k + 1) particles; the area is filled with triangles once.
+#[test]
+fn a_soft_ball_has_its_rings_and_its_area() {
+    for rings in [1, 2, 5] {
+        let body = SoftBallBuilder::new(Vec3::ZERO, 0.5, rings).build(bare()).expect("valid");
+        assert_eq!(body.particles.len() as u32, 5 * rings * (rings + 1));
+        let mut next = 0;
+        for ring in 0..rings {
+            let radius = 0.5 * (ring + 1) as f32 / rings as f32;
+            for _ in 0..10 * (ring + 1) {
+                assert!((body.particles.position(next).length() - radius).abs() < 1e-6);
+                next += 1;
+            }
+        }
+        let corners = 10.0 * rings as f32;
+        let polygon = 0.5 * corners * 0.25 * (TAU / corners).sin();
+        assert!((area(&body) - polygon).abs() < 1e-5, "{}, expected {polygon}", area(&body));
+        let mass = measure::mass(&body.particles);
+        assert!((mass - 10.0 * 0.25 * std::f64::consts::PI).abs() < 1e-4, "{mass} kg");
+        let pinned = SoftBallBuilder::new(Vec3::ZERO, 0.5, rings).pin_rim().build(bare()).expect("valid");
+        let pins = (0..pinned.particles.len()).filter(|&i| pinned.particles.is_pinned(i)).count();
+        assert_eq!(pins as u32, 10 * rings);
+    }
+}
+
+/// Sum of the faces' areas in the XY plane, each counted with its sense.
+fn area(body: &Body) -> f32 {
+    let of_face = |face: &[u32; 3]| {
+        let [p, q, r] = face.map(|corner| body.particles.local_position(corner as usize));
+        0.5 * (q - p).cross(r - p).z
+    };
+    body.topology.faces().iter().map(of_face).sum()
+}
+
+/// A soft ball that is dropped from 2 m keeps its area within 5 %, and is round again when it lies.
+#[test]
+fn a_soft_ball_that_is_dropped_is_round_again() {
+    let builder = SoftBallBuilder::new(Vec3::Y * 2.3, 0.3, 4).stiffness(0.9999).damping(3.0);
+    let settings = SolverSettings { substeps: 16, drag: 0.2, ..SolverSettings::default() };
+    let mut island = Island::of_body(builder.build(settings).expect("valid"));
+    let rest = area(&island.bodies[0]);
+    let (mut least, mut most) = (f32::INFINITY, 0.0_f32);
+    run_with(&mut island, &ground(), 6.0, |island, _| {
+        let part = area(&island.bodies[0]) / rest;
+        (least, most) = (least.min(part), most.max(part));
+    });
+    let left = deformation(&island.bodies[0], 0.6);
+    println!("law: soft ball: area from {least} to {most}, deformed by {left} in the end");
+    assert!(particles(&island).positions().all(|place| place.z.abs() < 1e-4), "it stays in its plane");
+    assert!(least > 0.95 && most < 1.05, "{least} to {most}");
+    assert!(left < 0.01, "{left}");
+}
+
+/// The mesh that a solid carries is where it was built, and goes where the solid goes and turns.
+#[test]
+fn the_mesh_of_a_solid_follows_it() {
+    let (places, faces) = sphere(Vec3::new(5.0, 1.0, -2.0), 0.3, 24, 16);
+    let (mut body, embedding) =
+        SoftBodyBuilder::new(&places, &faces, 0.1).build(SolverSettings::default()).expect("valid");
+    let shown = |body: &Body| -> Vec<Vec3> {
+        embedding.local_positions(&body.particles).map(|local| local + body.particles.origin()).collect()
+    };
+    for (place, expected) in shown(&body).into_iter().zip(&places) {
+        assert!(place.distance(*expected) < 1e-5, "{place}, expected {expected}");
+    }
+    let turn = |place: Vec3| Vec3::new(-place.y, place.x, place.z) * 1.1 + Vec3::ONE;
+    for i in 0..body.particles.len() {
+        let place = body.particles.position(i);
+        body.particles.set_position(i, turn(place));
+    }
+    for (place, before) in shown(&body).into_iter().zip(&places) {
+        assert!(place.distance(turn(*before)) < 1e-4);
+    }
+    let mass = measure::mass(&body.particles);
+    let cells = 4.0 / 3.0 * std::f64::consts::PI * 0.027 * 100.0;
+    assert!((mass - cells).abs() < 0.15 * cells, "{mass} kg of {cells} kg");
+}
+
+/// What cannot be a solid is refused with the reason.
+#[test]
+fn a_solid_that_cannot_be_is_refused() {
+    let (places, faces) = sphere(Vec3::ZERO, 0.3, 24, 16);
+    let build = |places: &[Vec3], faces: &[[u32; 3]], spacing| {
+        let outcome = SoftBodyBuilder::new(places, faces, spacing).build(SolverSettings::default());
+        outcome.map(|_| ()).map_err(|error| error.to_string())
+    };
+    let half: Vec<[u32; 3]> = faces[..faces.len() / 2].to_vec();
+    let mut far = places.clone();
+    far[3] = Vec3::NAN;
+    for (outcome, needle) in [
+        (build(&places, &faces, 0.0), "spacing"),
+        (build(&places, &faces, f32::NAN), "spacing"),
+        (build(&places, &faces, 1e-4), "too many"),
+        (build(&places, &half, 0.1), "inside the mesh"),
+        (build(&places, &[], 0.1), "four faces"),
+        (build(&places, &[[0, 1, 9999]; 4], 0.1), "9999"),
+        (build(&far, &faces, 0.1), "vertex"),
+    ] {
+        let message = outcome.expect_err(needle);
+        assert!(message.contains(needle), "{message}, not {needle}");
+    }
+}

@@ -1,0 +1,52 @@
+//! What has no surface, as ropes and rigs, drawn as cords.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+
+/// Sides of a cord.
+const SIDES: u32 = 6;
+/// Thickness of a cord: radius in metres.
+const RADIUS: f32 = 0.012;
+/// Colour of cords.
+pub const COLOUR: Color = Color::srgb(0.36, 0.24, 0.14);
+
+/// A mesh without anything, for [`write`].
+pub fn empty() -> Mesh {
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, Vec::<Vec3>::new())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, Vec::<Vec3>::new())
+        .with_inserted_indices(Indices::U32(Vec::new()))
+}
+
+/// Makes `mesh` that of cords from end to end, a prism each.
+pub fn write(mesh: &mut Mesh, cords: impl IntoIterator<Item = [Vec3; 2]>) {
+    let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for [from, to] in cords {
+        let Some(along) = (to - from).try_normalize() else { continue };
+        let (side, up) = along.any_orthonormal_pair();
+        let first = positions.len() as u32;
+        for corner in 0..SIDES {
+            let angle = core::f32::consts::TAU * corner as f32 / SIDES as f32;
+            let normal = side * angle.cos() + up * angle.sin();
+            positions.extend([from + normal * RADIUS, to + normal * RADIUS]);
+            normals.extend([normal, normal]);
+            let (here, next) = (first + 2 * corner, first + 2 * ((corner + 1) % SIDES));
+            indices.extend([here, here + 1, next, next, here + 1, next + 1]);
+        }
+    }
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
+    mesh.insert_indices(Indices::U32(indices));
+}
+
+/// What cords are made of.
+pub fn material() -> StandardMaterial {
+    StandardMaterial {
+        base_color: COLOUR,
+        perceptual_roughness: 0.9,
+        double_sided: true,
+        cull_mode: None,
+        ..default()
+    }
+}
