@@ -1,6 +1,6 @@
 //! Cutting: a blade severs what it passes through (S25).
 //!
-//! A cut runs along the edges of faces: where the blade crosses an edge, the end nearer to it is [split](crate::split), and
+//! A cut runs along the edges of faces: where the blade crosses an edge, the end nearer to it is split, and
 //! the cloth opens between one such end and the next. So no face is cut in two and their number stays; the cut is off the
 //! blade by half an edge at most.
 //!

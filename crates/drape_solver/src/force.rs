@@ -28,10 +28,13 @@ pub(crate) fn accumulate(body: &mut Body, environment: &Environment) {
     }
     let Some(air) = air else { return };
     let accelerations = &mut context.acceleration;
-    blow(particles, topology, settings.thickness, &air, &wind, dt, |corners, force| {
+    blow(particles, topology, settings.thickness, &air, &wind, dt, |corners, Push { normal, size, lift }| {
         let share = 1.0 / corners.len() as f32;
         for &i in corners {
-            accelerations.add(i, force * (share * particles.inverse_mass[i]));
+            accelerations.add(i, normal * (size * share * particles.inverse_mass[i]));
+        }
+        if lift != Vec3::ZERO {
+            corners.iter().for_each(|&i| accelerations.add(i, lift * (share * particles.inverse_mass[i])));
         }
     });
 }
@@ -45,12 +48,21 @@ pub fn wind_force(body: &Body, environment: &Environment) -> Vec3 {
     particles.arrange(&topology.layout);
     let (low, high) = particles.bounds();
     if let Some(air) = Air::new(&wind, wind_zones, obstacles, time, [low, high]) {
-        blow(&particles, topology, settings.thickness, &air, &wind, dt, |_, force| sum += force);
+        blow(&particles, topology, settings.thickness, &air, &wind, dt, |_, push| {
+            sum += push.normal * push.size + push.lift;
+        });
     }
     sum
 }
 
-/// Hands the force of the air on each face and link, in newtons, to `push`, with the slots of its corners.
+/// What the air does to a face or link: a force of `size` along `normal`, and lift, in newtons.
+struct Push {
+    normal: Vec3,
+    size: f32,
+    lift: Vec3,
+}
+
+/// Hands what the air does to each face and link to `push`, with the slots of its corners.
 fn blow(
     particles: &Particles,
     topology: &Topology,
@@ -58,9 +70,8 @@ fn blow(
     air: &Air,
     wind: &Wind,
     dt: f32,
-    mut push: impl FnMut(&[usize], Vec3),
+    mut push: impl FnMut(&[usize], Push),
 ) {
-    let strength = 0.5 * wind.air_density;
     for &face in topology.faces() {
         let corners = face.map(|i| particles.layout.slot(i as usize));
         let [p, q, r] = corners.map(|i| particles.position.get(i));
@@ -69,7 +80,7 @@ fn blow(
         if area > 0.0 {
             let normal = double_area / (2.0 * area);
             let velocity = air.velocity_at(particles.origin + (p + q + r) / 3.0);
-            push(&corners, element_force(particles, &corners, velocity, normal, strength * area, wind, dt));
+            push(&corners, push_on(particles, &corners, velocity, normal, area, wind, dt));
         }
     }
     for &segment in topology.segments() {
@@ -81,7 +92,7 @@ fn blow(
         let velocity = air.velocity_at(particles.origin + p.midpoint(q));
         let across = velocity - along * project_factor(velocity, along);
         if let Some(normal) = across.try_normalize() {
-            push(&ends, element_force(particles, &ends, velocity, normal, strength * area, wind, dt));
+            push(&ends, push_on(particles, &ends, velocity, normal, area, wind, dt));
         }
     }
 }
@@ -91,37 +102,38 @@ fn project_factor(v: Vec3, along: Vec3) -> f32 {
     if length_squared > 0.0 { v.dot(along) / length_squared } else { 0.0 }
 }
 
-/// The force of a wind of this `velocity` on an element with these `corners`, this unit `normal` and
-/// `strength = rho A / 2`, in newtons.
-fn element_force(
+/// What a wind of this `velocity` does to an element with these `corners`, this unit `normal` and `area`.
+fn push_on(
     particles: &Particles,
     corners: &[usize],
     velocity: Vec3,
     normal: Vec3,
-    strength: f32,
+    area: f32,
     wind: &Wind,
     dt: f32,
-) -> Vec3 {
+) -> Push {
     let share = 1.0 / corners.len() as f32;
     let own: Vec3 = corners.iter().map(|&slot| particles.displacement.get(slot)).sum::<Vec3>()
         * (share / particles.substep);
     let inverse_mass: f32 = corners.iter().map(|&i| particles.inverse_mass[i]).sum::<f32>() * share;
     let relative = velocity - own;
     let speed = relative.dot(normal);
-    let force = strength * wind.drag_coefficient * speed * speed.abs();
+    let strength = 0.5 * wind.air_density * wind.drag_coefficient * area;
+    let force = strength * speed * speed.abs();
     // A gust may bring a particle to the speed of the air within the step, but never past it: the explicit force
     // cannot make light cloth explode. Six faces of a grid, or two links, meet at a particle and share that limit.
     let meeting = if corners.len() == 3 { 6.0 } else { 2.0 };
     let by_force = dt * inverse_mass.max(f32::MIN_POSITIVE) * share * meeting;
     let most = speed.abs() / by_force;
     // Not `clamp`, which panics if the limit is no number: where cloth has been put out of all numbers, the step refuses it.
-    let held = if force.abs() > most { most.copysign(force) } else { force };
-    let mut force = normal * held;
-    if wind.lift_coefficient != 0.0 && corners.len() == 3 {
-        force += lift(relative, normal, strength * wind.lift_coefficient)
-            .clamp_length_max(relative.length() / by_force);
-    }
-    force
+    let size = if force.abs() > most { most.copysign(force) } else { force };
+    let lift = if wind.lift_coefficient != 0.0 && corners.len() == 3 {
+        let strength = 0.5 * wind.air_density * wind.lift_coefficient * area;
+        lift(relative, normal, strength).clamp_length_max(relative.length() / by_force)
+    } else {
+        Vec3::ZERO
+    };
+    Push { normal, size, lift }
 }
 
 /// The lift on a face in newtons: at right angles to the wind, so that it does no work in the air's own frame.

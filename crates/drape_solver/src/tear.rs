@@ -1,7 +1,7 @@
 //! Tearing: cloth and ropes part where they are stretched too far.
 //!
 //! A stick that is stretched beyond a limit pulls its weaker end apart, at right angles to itself (S24). All sticks that
-//! are too long are marked first, then their particles are [split](crate::split) together, so that what tears does not
+//! are too long are marked first, then their particles are split together, so that what tears does not
 //! depend on the order in which it is looked at. No face is lost: the cloth opens along the edges of its faces.
 //!
 //! ```text

@@ -27,7 +27,8 @@ fn both_pieces_of_a_cut_cloth_are_shown_as_they_were() {
     let mut faces = 0;
     for &entity in &bodies {
         let shown = world_vertices(&app, entity);
-        assert!(farthest(&shown, &particles(&app, entity)) < 1e-5);
+        // The step before is shown, when hardly anything had moved.
+        assert!(farthest(&shown, &particles(&app, entity)) < 5e-3);
         let rest = texture_coordinates(&app, entity);
         // Hardly moved yet: a vertex still lies where its texture coordinates say.
         for ([u, v], place) in rest.into_iter().zip(shown) {
@@ -45,8 +46,10 @@ fn both_pieces_of_a_cut_cloth_are_shown_as_they_were() {
     assert_ne!(first, second, "each has a mesh of its own");
     // They are kept up from now on.
     (0..10).for_each(|_| frame(&mut app, 1.0));
-    for &entity in &bodies {
-        assert!(farthest(&world_vertices(&app, entity), &particles(&app, entity)) < 1e-5);
+    let before: Vec<Vec<Vec3>> = bodies.iter().map(|&entity| particles(&app, entity)).collect();
+    frame(&mut app, 1.0);
+    for (&entity, before) in bodies.iter().zip(&before) {
+        assert!(farthest(&world_vertices(&app, entity), before) < 1e-5);
     }
 }
 
@@ -72,6 +75,6 @@ fn a_piece_has_what_its_cloth_had() {
     assert_eq!(bodies.len(), 2);
     for (entity, material, of) in bodies {
         assert_eq!((material, of), (Material("silk"), parent));
-        assert!(farthest(&world_vertices(&app, entity), &particles(&app, entity)) < 1e-5);
+        assert!(farthest(&world_vertices(&app, entity), &particles(&app, entity)) < 5e-3);
     }
 }
