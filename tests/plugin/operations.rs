@@ -11,7 +11,7 @@ const PER_STEP: usize = 4;
 /// Things that are there at once.
 const MOST: usize = 12;
 
-/// Numbers that look random and are the same each time (SplitMix64).
+/// Numbers that look random and are the same each time (`SplitMix64`).
 struct Dice(u64);
 
 impl Dice {
@@ -148,7 +148,7 @@ fn operate(world: &mut World, dice: &mut Dice, things: &mut Vec<Entity>) {
             world.entity_mut(entity).insert(DrapeLayers { memberships: 1 << dice.below(3), filters: 3 });
         }
         10 => {
-            world.entity_mut(entity).insert(ContactEvents::default());
+            world.entity_mut(entity).insert(ContactEvents);
         }
         11 => {
             let grab = world.get::<Particles>(entity).map(|particles| {

