@@ -84,6 +84,8 @@ pub(crate) fn resume(
     (empty.bodies, empty.obstacles) = (Named::default(), Named::default());
     begin_scene(world, empty);
     world.resource_mut::<ScenePlay>().script = state.script.clone();
+    // A scene without bodies and obstacles too: a world takes no snapshot before its first step.
+    take_step(world);
     for (name, number) in numbered(&state) {
         number_from(world, number - 1);
         world.resource_scope(|world, mut play: Mut<ScenePlay>| play.spawn(world, name));
