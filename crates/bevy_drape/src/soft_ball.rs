@@ -11,8 +11,8 @@ use crate::description::Description;
 /// and `10 (k + 1)` particles (S26). A jelly, a tyre, a wheel.
 ///
 /// It is built into [`Particles`](crate::particles::Particles) and [`Sticks`](crate::particles::Sticks) in the first step after
-/// it was inserted or changed, and gets a mesh of filled triangles. In its plane it stays but for
-/// rounding, which makes it buckle by millimetres where it is pressed for long.
+/// it was inserted or changed, and gets a mesh of filled triangles. It stays in the plane of the
+/// world's X and Y as long as nothing pushes it out; in others, rounding makes it buckle where it is pressed for long.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform)]
