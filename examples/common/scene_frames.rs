@@ -92,7 +92,7 @@ impl Gallery {
         let broken: Vec<usize> = play.broken().filter(|index| !self.broken.contains(index)).collect();
         let cameras = self.cameras(play);
         for &index in &broken {
-            eprintln!("{name}: {} {}", verdicts[index], "(picture)");
+            eprintln!("{name}: {} (picture)", verdicts[index]);
             titles.push((cameras[0].0.clone(), format!("failed_{}", index + 1)));
         }
         let moment = match steps {
