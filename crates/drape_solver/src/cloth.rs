@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::error::{BuildError, finite_vector, in_range, positive};
+use crate::error::{BuildError, finite_vector, in_range, positive, right_angled};
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
 use crate::topology::{StickKind, StickMaterial, Topology};
@@ -185,11 +185,7 @@ impl ClothBuilder {
             let found = self.particle_count();
             return Err(BuildError::TooManyParticles { found, limit: MAX_PARTICLES });
         }
-        let unit = |v: Vec3| (v.length_squared() - 1.0).abs() < 1e-3;
-        if !(unit(self.right) && unit(self.down) && self.right.dot(self.down).abs() < 1e-3) {
-            return Err(BuildError::BadAxes);
-        }
-        Ok(())
+        right_angled(self.right, self.down)
     }
 
     /// Sticks family by family: the order in which relaxation does not gain energy.

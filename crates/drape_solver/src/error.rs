@@ -147,6 +147,12 @@ pub(crate) fn in_range(field: &'static str, value: f32, min: f32, max: f32) -> R
     }
 }
 
+/// Checks that two axes are of unit length and at right angles to each other.
+pub(crate) fn right_angled(p: glam::Vec3, q: glam::Vec3) -> Result<(), BuildError> {
+    let unit = |v: glam::Vec3| (v.length_squared() - 1.0).abs() < 1e-3;
+    if unit(p) && unit(q) && p.dot(q).abs() < 1e-3 { Ok(()) } else { Err(BuildError::BadAxes) }
+}
+
 /// Returns `value` if all its components are finite.
 pub(crate) fn finite_vector(field: &'static str, value: glam::Vec3) -> Result<glam::Vec3, BuildError> {
     for component in value.to_array() {

@@ -32,6 +32,7 @@ mod fabric;
 pub mod force;
 mod friction;
 mod grid;
+mod groups;
 pub mod hash;
 mod impact_zone;
 mod integrate;

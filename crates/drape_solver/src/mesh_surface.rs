@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use glam::Vec3;
 
+use crate::groups::Groups;
 use crate::mesh_error::MeshRepairs;
 
 /// A triangle whose height is this part of its longest edge, or less, is a line.
@@ -126,23 +127,23 @@ impl MeshSurface {
     /// The number of vertices whose triangles are not all joined by edges at that vertex.
     fn bow_ties(&self, joints: &[EdgeFaces]) -> usize {
         // Corner `k` of triangle `f` is number `3 f + k`; those joined are in one group.
-        let mut group: Vec<usize> = (0..3 * self.faces.len()).collect();
+        let mut groups = Groups::new(3 * self.faces.len());
         let corner = |face: usize, vertex: u32| {
-            3 * face + self.faces[face].iter().position(|&corner| corner == vertex).unwrap_or_default()
+            (3 * face + self.faces[face].iter().position(|&corner| corner == vertex).unwrap_or_default())
+                as u32
         };
         for (edge, joint) in self.edges.iter().zip(joints) {
             for pair in joint.windows(2) {
                 for &end in edge {
-                    let [a, b] = [pair[0].0, pair[1].0].map(|face| root(&mut group, corner(face, end)));
-                    group[a.max(b)] = a.min(b);
+                    groups.join(corner(pair[0].0, end), corner(pair[1].0, end));
                 }
             }
         }
-        let mut fans: HashMap<u32, usize> = HashMap::new();
+        let mut fans: HashMap<u32, u32> = HashMap::new();
         let mut torn = HashSet::new();
         for (face, corners) in self.faces.iter().enumerate() {
             for (k, &vertex) in corners.iter().enumerate() {
-                let fan = root(&mut group, 3 * face + k);
+                let fan = groups.root((3 * face + k) as u32);
                 if *fans.entry(vertex).or_insert(fan) != fan {
                     torn.insert(vertex);
                 }
@@ -192,13 +193,4 @@ fn unordered([a, b]: [u32; 2]) -> [u32; 2] {
 /// The corner of a triangle that is not on `edge`.
 fn opposite(face: [u32; 3], edge: [u32; 2]) -> u32 {
     face.into_iter().find(|corner| !edge.contains(corner)).unwrap_or(face[0])
-}
-
-/// The first of the group that `i` is in; the way there is shortened.
-fn root(group: &mut [usize], mut i: usize) -> usize {
-    while group[i] != i {
-        group[i] = group[group[i]];
-        i = group[i];
-    }
-    i
 }

@@ -6,6 +6,7 @@ use crate::body::{Body, BodyContext};
 use crate::columns::LANES;
 use crate::error::BuildError;
 use crate::fabric::Fabric;
+use crate::groups::Groups;
 use crate::layout::Layout;
 use crate::particles::Particles;
 use crate::piece_topology::PieceTopology;
@@ -121,19 +122,18 @@ fn near(split: &Split, batch: &StickBatch) -> Vec<usize> {
 
 /// The particles of each piece, in order; the piece with the most comes first.
 fn members(split: &Split, batches: &[Rejoined]) -> Vec<Vec<u32>> {
-    let mut group: Vec<u32> = (0..split.origins.len() as u32).collect();
+    let mut groups = Groups::new(split.origins.len());
     let sides = split.corners().iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
     // The sticks of a grid join nothing that its faces do not.
     let others = batches.iter().filter(|batch| !matches!(batch.batch.sticks, BatchSticks::Grid { .. }));
     let sticks = others.flat_map(Rejoined::sticks).map(|(ends, _)| ends);
     for [a, b] in sides.chain(sticks) {
-        let (p, q) = (root(&mut group, a), root(&mut group, b));
-        group[p.max(q) as usize] = p.min(q);
+        groups.join(a, b);
     }
     let mut pieces: Vec<Vec<u32>> = Vec::new();
-    let mut piece_of = vec![usize::MAX; group.len()];
-    for particle in 0..group.len() as u32 {
-        let root = root(&mut group, particle) as usize;
+    let mut piece_of = vec![usize::MAX; split.origins.len()];
+    for particle in 0..split.origins.len() as u32 {
+        let root = groups.root(particle) as usize;
         if piece_of[root] == usize::MAX {
             piece_of[root] = pieces.len();
             pieces.push(Vec::new());
@@ -143,16 +143,6 @@ fn members(split: &Split, batches: &[Rejoined]) -> Vec<Vec<u32>> {
     // Stable: of equal ones, the piece with the first particle comes first.
     pieces.sort_by_key(|piece| core::cmp::Reverse(piece.len()));
     pieces
-}
-
-/// The first of the group that `i` is in.
-fn root(group: &mut [u32], mut i: u32) -> u32 {
-    while group[i as usize] != i {
-        let above = group[group[i as usize] as usize];
-        group[i as usize] = above;
-        i = above;
-    }
-    i
 }
 
 /// The particles of a piece, each with its part of the mass.

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::error::{BuildError, finite_vector, in_range, positive};
+use crate::error::{BuildError, finite_vector, in_range, positive, right_angled};
 use crate::particles::Particles;
 use crate::settings::SolverSettings;
 use crate::topology::{StickKind, StickMaterial, Topology};
@@ -95,10 +95,7 @@ impl SoftBallBuilder {
         let [right, up] = self.axes;
         finite_vector("right", right)?;
         finite_vector("up", up)?;
-        let unit = |v: Vec3| (v.length_squared() - 1.0).abs() < 1e-3;
-        if !(unit(right) && unit(up) && right.dot(up).abs() < 1e-3) {
-            return Err(BuildError::BadAxes);
-        }
+        right_angled(right, up)?;
         positive("areal_density", self.areal_density)?;
         in_range("rings", self.rings as f32, 1.0, 256.0)?;
         let (last_count, last_first) = Self::ring(self.rings - 1);

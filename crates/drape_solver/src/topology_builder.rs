@@ -9,6 +9,7 @@ use crate::cloth::MAX_PARTICLES;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
 use crate::error::BuildError;
 use crate::grid::GridBatch;
+use crate::groups::Groups;
 use crate::layout::{Grid, Layout};
 use crate::listed::ListedBatch;
 use crate::renumbering::Renumbering;
@@ -223,14 +224,13 @@ impl TopologyBuilder {
         for &pin in pins {
             self.check_index("a pin", pin)?;
         }
-        let mut group: Vec<u32> = (0..self.rest.len() as u32).collect();
+        let mut groups = Groups::new(self.rest.len());
         let mut is_pin = vec![false; self.rest.len()];
         pins.iter().for_each(|&pin| is_pin[pin as usize] = true);
         for (a, b, _) in self.edges().filter(|&(a, b, _)| is_pin[a as usize] && is_pin[b as usize]) {
-            let (p, q) = (root(&group, a), root(&group, b));
-            group[p.max(q) as usize] = p.min(q);
+            groups.join(a, b);
         }
-        let mut grouped: Vec<(u32, u32)> = pins.iter().map(|&pin| (pin, root(&group, pin))).collect();
+        let mut grouped: Vec<(u32, u32)> = pins.iter().map(|&pin| (pin, groups.root(pin))).collect();
         grouped.sort_unstable();
         grouped.dedup();
         let tethers = Tethers::straight_by_groups(&self.rest, &grouped);
@@ -307,14 +307,6 @@ impl TopologyBuilder {
             Err(BuildError::NoSuchParticle { what, index, count: self.rest.len() as u32 })
         }
     }
-}
-
-/// The first of the group that `i` is in.
-fn root(group: &[u32], mut i: u32) -> u32 {
-    while group[i as usize] != i {
-        i = group[i as usize];
-    }
-    i
 }
 
 #[cfg(test)]

@@ -214,6 +214,44 @@ impl Dice {
     }
 }
 
+/// Vertices and faces of a sphere around `centre`, counter-clockwise seen from outside.
+pub fn sphere(centre: Vec3, radius: f32, around: u32, down: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut places = vec![centre + Vec3::Y * radius];
+    for row in 1..down {
+        for column in 0..around {
+            let (polar, azimuth) = (
+                std::f32::consts::PI * row as f32 / down as f32,
+                std::f32::consts::TAU * column as f32 / around as f32,
+            );
+            let way = Vec3::new(polar.sin() * azimuth.sin(), polar.cos(), polar.sin() * azimuth.cos());
+            places.push(centre + way * radius);
+        }
+    }
+    places.push(centre - Vec3::Y * radius);
+    let last = places.len() as u32 - 1;
+    let at = |row: u32, column: u32| 1 + (row - 1) * around + column % around;
+    let mut faces = Vec::new();
+    for column in 0..around {
+        faces.push([0, at(1, column), at(1, column + 1)]);
+        faces.push([last, at(down - 1, column + 1), at(down - 1, column)]);
+        for row in 1..down - 1 {
+            let [a, b, c, d] =
+                [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
+            faces.extend([[a, d, b], [a, c, d]]);
+        }
+    }
+    (places, faces)
+}
+
+/// The edges of some faces, each once, lower index first.
+pub fn edges(faces: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let sides = faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let mut edges: Vec<[u32; 2]> = sides.map(|[p, q]| [p.min(q), p.max(q)]).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
 /// A step stage by stage, as a schedule runs it.
 pub fn step_staged(island: &mut Island, environment: &Environment) {
     step::begin(island, environment).expect("valid");

@@ -11,46 +11,15 @@ use drape_solver::{
 
 use crate::common::*;
 
-/// Vertices and faces of a sphere around `centre`, counter-clockwise seen from outside.
-fn sphere(centre: Vec3, radius: f32, around: u32, down: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let mut places = vec![centre + Vec3::Y * radius];
-    for row in 1..down {
-        for column in 0..around {
-            let (polar, azimuth) = (PI * row as f32 / down as f32, TAU * column as f32 / around as f32);
-            let way = Vec3::new(polar.sin() * azimuth.sin(), polar.cos(), polar.sin() * azimuth.cos());
-            places.push(centre + way * radius);
-        }
-    }
-    places.push(centre - Vec3::Y * radius);
-    let last = places.len() as u32 - 1;
-    let at = |row: u32, column: u32| 1 + (row - 1) * around + column % around;
-    let mut faces = Vec::new();
-    for column in 0..around {
-        faces.push([0, at(1, column), at(1, column + 1)]);
-        faces.push([last, at(down - 1, column + 1), at(down - 1, column)]);
-        for row in 1..down - 1 {
-            let [a, b, c, d] =
-                [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
-            faces.extend([[a, d, b], [a, c, d]]);
-        }
-    }
-    (places, faces)
-}
-
 /// A balloon of 0.3 m: a skin of 0.2 kg/m^2 with some air in it.
 fn balloon(height: f32, pressure: f32) -> Body {
     let (places, faces) = sphere(Vec3::Y * height, 0.3, 20, 12);
-    let edges =
-        faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[p, q]| [p.min(q), p.max(q)]);
-    let mut edges: Vec<[u32; 2]> = edges.collect();
-    edges.sort_unstable();
-    edges.dedup();
     let mass = 0.2 * 4.0 * PI * 0.09 / places.len() as f32;
     let settings = SolverSettings { drag: 0.2, ..SolverSettings::default() };
     let mut body = joined(&places, &vec![1.0 / mass; places.len()], &[], settings);
     let mut builder = TopologyBuilder::new(&places);
     let material = StickMaterial { kind: StickKind::Structural, stiffness: 0.8, damping: 2.0 };
-    builder.family(material, edges).expect("valid").faces(faces).expect("valid");
+    builder.family(material, edges(&faces)).expect("valid").faces(faces).expect("valid");
     body.topology = Arc::new(builder.build().expect("valid"));
     body.pressure = pressure;
     body

@@ -165,46 +165,11 @@ fn put_back(body: &mut Body, origins: Option<&Vec<u32>>, i: usize, place: Vec3) 
 
 /// A closed mesh: a sphere of longitudes and latitudes.
 fn ball_of_cloth() -> Body {
-    let (around, down) = (24_u32, 16_u32);
-    let mut places = vec![Vec3::Y * 0.5];
-    for row in 1..down {
-        for column in 0..around {
-            let [polar, azimuth] = [
-                std::f32::consts::PI * row as f32 / down as f32,
-                std::f32::consts::TAU * column as f32 / around as f32,
-            ];
-            places
-                .push(0.5 * Vec3::new(polar.sin() * azimuth.cos(), polar.cos(), polar.sin() * azimuth.sin()));
-        }
-    }
-    places.push(Vec3::NEG_Y * 0.5);
-    let last = places.len() as u32 - 1;
-    let at = |row: u32, column: u32| 1 + (row - 1) * around + column % around;
-    let mut faces = Vec::new();
-    for column in 0..around {
-        faces.push([0, at(1, column + 1), at(1, column)]);
-        faces.push([last, at(down - 1, column), at(down - 1, column + 1)]);
-        for row in 1..down - 1 {
-            let [a, b, c, d] =
-                [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
-            faces.extend([[a, b, d], [a, d, c]]);
-        }
-    }
-    mesh_body(&places, &faces)
-}
-
-fn mesh_body(places: &[Vec3], faces: &[[u32; 3]]) -> Body {
-    let mut edges: Vec<[u32; 2]> = faces
-        .iter()
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[p, q]| [p.min(q), p.max(q)])
-        .collect();
-    edges.sort_unstable();
-    edges.dedup();
-    let mut body = joined(places, &vec![100.0; places.len()], &[], SolverSettings::default());
-    let mut builder = drape_solver::TopologyBuilder::new(places);
+    let (places, faces) = sphere(Vec3::ZERO, 0.5, 24, 16);
+    let mut body = joined(&places, &vec![100.0; places.len()], &[], SolverSettings::default());
+    let mut builder = drape_solver::TopologyBuilder::new(&places);
     let structural = drape_solver::StickMaterial::rigid(drape_solver::StickKind::Structural);
-    builder.family(structural, edges).expect("valid").faces(faces.iter().copied()).expect("valid");
+    builder.family(structural, edges(&faces)).expect("valid").faces(faces).expect("valid");
     body.topology = std::sync::Arc::new(builder.build().expect("valid"));
     body
 }
