@@ -15,7 +15,6 @@
 //! | Esc | quit |
 //!
 //! `--headless` runs all of them without a window and tells what came of each.
-#![expect(dead_code, reason = "the examples' own `main`")]
 
 use std::process::ExitCode;
 

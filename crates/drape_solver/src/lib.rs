@@ -2,6 +2,7 @@
 // Same input, same bits, on every machine: `clippy.toml` lists what rounds differently.
 #![warn(clippy::disallowed_methods)]
 
+mod angular_momentum;
 pub mod ball;
 mod ball_cloth_query;
 mod ball_search;

@@ -27,7 +27,8 @@ use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
 use crate::wind::WindZone;
 use crate::{
-    contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self, dynamic_obstacle,
+    angular_momentum, contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self,
+    dynamic_obstacle,
 };
 use crate::{
     contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle,
@@ -229,6 +230,7 @@ pub fn relax(island: &mut Island, environment: &Environment) {
             volume::project(body);
         }
     }
+    island.bodies.iter_mut().for_each(angular_momentum::restore);
 }
 
 /// Whether the sticks of all bodies are as near to their rest lengths as they were asked to be.
