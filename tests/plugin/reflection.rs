@@ -24,11 +24,13 @@ fn assert_resource<R: Resource + TypePath>(app: &App) {
 fn components_and_resources_are_registered() {
     let app = app();
     assert_component::<Activity>(&app);
+    assert_component::<Attachment>(&app);
     assert_component::<Cannon>(&app);
     assert_component::<Cloth>(&app);
     assert_component::<ContactEvents>(&app);
     assert_component::<DrapeLayers>(&app);
     assert_component::<DynamicObstacle>(&app);
+    assert_component::<FollowParticle>(&app);
     assert_component::<InRig>(&app);
     assert_component::<Interpolated>(&app);
     assert_component::<Obstacle>(&app);
@@ -100,12 +102,12 @@ mod both {
     /// Every name of the prelude, and the full one that it stands for.
     pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
         full_names! {
-            Activity ActivityCounts BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
+            Activity ActivityCounts Attachment BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
             CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
-            DrapeSystems DynamicObstacle FireCannon Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
+            DrapeSystems DynamicObstacle FireCannon FollowParticle FollowedParticle Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
             ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
-            SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
+            SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle Tie TiedParticles
             Viewer Wind WindFlow WindRegion WindZone
         }
         .into_iter()

@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
 pub mod activity;
+pub mod attachment;
+mod attachment_state;
 mod attention;
 pub mod cannon;
 pub mod clock;
@@ -13,6 +15,7 @@ pub mod contact_events;
 mod description;
 pub mod dynamic_obstacle;
 pub mod environment;
+pub mod follow_particle;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
@@ -77,6 +80,7 @@ pub mod prelude {
     #[doc(inline)]
     pub use crate::{
         activity::{Activity, ActivityCounts},
+        attachment::{Attachment, Tie, TiedParticles},
         cannon::{Cannon, CannonFired, FireCannon},
         clock::DrapeClock,
         cloth::{Cloth, ClothPins},
@@ -86,6 +90,7 @@ pub mod prelude {
         },
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},
+        follow_particle::{FollowParticle, FollowedParticle},
         grab::Grab,
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,

@@ -11,6 +11,8 @@ use bevy::transform::systems::{
 };
 
 use crate::activity::{Activity, ActivityCounts, count_activity};
+use crate::attachment::{Attachment, Tie, TiedParticles};
+use crate::attachment_state::{move_attached, release_attached};
 use crate::attention::{Attention, note_lost, pay_attention};
 use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
 use crate::clock::DrapeClock;
@@ -22,6 +24,7 @@ use crate::contact_events::{
 use crate::description::{build_described, remove_described_body};
 use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
 use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
+use crate::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
 use crate::grab::{Grab, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
@@ -114,6 +117,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
             .register_type::<(SoftBall, Pressure)>()
+            .register_type::<(Attachment, Tie, TiedParticles, FollowParticle, FollowedParticle)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
             .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
@@ -165,6 +169,8 @@ impl Plugin for SolverPlugin {
             .add_observer(look_again::<Remove, DrapeLayers>)
             .add_observer(note_lost::<DrapeLayers>)
             .add_observer(forget_removed::<Cannon>)
+            .add_observer(release_attached)
+            .add_observer(forget_removed::<Attachment>)
             .add_observer(forget_removed::<Cloth>)
             .add_observer(forget_removed::<Obstacle>)
             .add_observer(forget_despawned_body)
@@ -195,7 +201,7 @@ impl Plugin for SolverPlugin {
                         .chain(),
                     (compile_rigs, cut_bodies).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
-                    (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
+                    (move_pins, move_attached, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
                     (wake_pressed, pay_attention, wake, cull).chain(),
                 )
                     .chain()
@@ -209,6 +215,7 @@ impl Plugin for SolverPlugin {
                     send_contacts,
                     write_projectile_transforms,
                     write_rig_transforms,
+                    follow_particles,
                     tear_bodies,
                     count_activity,
                 )

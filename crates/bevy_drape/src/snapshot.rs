@@ -27,6 +27,7 @@
 //!
 //! With the feature `serde` a snapshot can be written in any format.
 
+mod attachments;
 mod bodies;
 mod contacts;
 mod obstacles;

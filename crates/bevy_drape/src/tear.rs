@@ -25,6 +25,8 @@ use bevy::prelude::*;
 use drape_solver::{Body, Piece, TearLimits, Torn, TornStick};
 
 use crate::activity::Activity;
+use crate::attachment::Attachment;
+use crate::attachment_state::AttachmentState;
 use crate::clock::DrapeClock;
 use crate::cloth::Cloth;
 use crate::grab::Grab;
@@ -162,6 +164,7 @@ pub(crate) struct Tearing<'w, 's> {
     refusals: ResMut<'w, Refusals>,
     torn_meshes: Query<'w, 's, &'static TornMesh>,
     grabs: Query<'w, 's, &'static mut Grab>,
+    attached: Query<'w, 's, (&'static mut Attachment, &'static mut AttachmentState)>,
     torn: MessageWriter<'w, StickTorn>,
     split: MessageWriter<'w, BodySplit>,
 }
@@ -274,6 +277,10 @@ impl Tearing<'_, '_> {
         if let Ok(mut grab) = self.grabs.get_mut(entity) {
             grab.follow(&origins);
         }
+        if let Ok((mut attachment, mut held)) = self.attached.get_mut(entity) {
+            *held = held.torn(state.order, &origins);
+            attachment.clone_from(&held.made_of);
+        }
         let mesh = self.torn_mesh(entity, &origins);
         self.commands.entity(entity).insert(mesh);
         state.context = body.context;
@@ -295,6 +302,7 @@ impl Tearing<'_, '_> {
             layers: state.layers,
             ..BodyState::default()
         };
+        let held = self.attached.get(from).ok().map(|(_, held)| held.torn(state.order, origins));
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
         let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
@@ -310,6 +318,9 @@ impl Tearing<'_, '_> {
             )>();
         });
         spawned.insert(own);
+        if let Some(held) = held {
+            spawned.insert((held.made_of.clone(), held));
+        }
         spawned.id()
     }
 
