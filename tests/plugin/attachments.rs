@@ -35,13 +35,14 @@ fn both_ends_of_a_rope_go_where_two_entities_go() {
             transform.translation.z = 0.3 * sign * libm::sinf(angle);
             transform.translation.y = 2.0 + 0.1 * sign * libm::sinf(angle);
         }
+        get_mut::<Transform>(&mut app, hooks[1]).translation.x -= 0.005;
         step(&mut app, 1);
         let [first, last] = hooks.map(|hook| get::<Transform>(&app, hook).translation);
         assert!(place(&app, rope, 0).distance(first) < 1e-5);
         // It was tied a tenth of a metre beside the second hook.
         assert!(place(&app, rope, 20).distance(last + Vec3::X * 0.1) < 1e-5);
     }
-    assert!(place(&app, rope, 10).y < 1.9, "the middle sags");
+    assert!(place(&app, rope, 10).y < 1.8, "the middle sags");
 }
 
 #[test]
@@ -49,10 +50,8 @@ fn a_tied_particle_keeps_its_place_as_the_entity_turns_and_its_parent_moves() {
     let mut app = app();
     let ship = hook(&mut app, 0.0, 0.0, 0.0);
     let mast = app.world_mut().spawn((Transform::from_xyz(0.0, 3.0, 0.0), ChildOf(ship))).id();
-    let sail = app
-        .world_mut()
-        .spawn((curtain(), Transform::from_xyz(0.0, 3.0, 0.0), Attachment::pinned(mast)))
-        .id();
+    let sail =
+        app.world_mut().spawn((curtain(), Transform::from_xyz(0.0, 3.0, 0.0), Attachment::pinned(mast))).id();
     step(&mut app, 1);
     let before = place(&app, sail, 0) - Vec3::Y * 3.0;
     for _ in 0..60 {
@@ -80,12 +79,13 @@ fn a_fast_hook_pulls_without_a_jerk() {
             get_mut::<Transform>(&mut app, hook).translation.z += 20.0 * STEP;
         }
         step(&mut app, 1);
-        fastest = fastest.max(get::<Particles>(&app, rope).greatest_speed());
+        let particles = get::<Particles>(&app, rope);
+        // Evenly through the step, and not in its first substep.
+        assert!(particles.velocity(0).distance(Vec3::Z * 20.0) < 0.1, "{}", particles.velocity(0));
+        fastest = fastest.max(particles.greatest_speed());
     }
     // The middle swings after the ends and past them; a jerk would throw it off at a multiple.
     assert!(fastest < 60.0, "{fastest} m/s");
-    let stretch = drape_solver::measure::stretch(get::<Particles>(&app, rope), get::<Sticks>(&app, rope));
-    assert!(stretch.rms < 0.05, "{}", stretch.rms);
 }
 
 #[test]
@@ -164,10 +164,8 @@ fn the_pieces_of_a_torn_body_hang_on_what_it_hung_on() {
     assert!(pieces.contains(&cloth));
     for piece in pieces {
         let particles = get::<Particles>(&app, piece);
-        let held: Vec<Vec3> = (0..particles.len())
-            .filter(|&i| particles.is_pinned(i))
-            .map(|i| particles.position(i))
-            .collect();
+        let held: Vec<Vec3> =
+            (0..particles.len()).filter(|&i| particles.is_pinned(i)).map(|i| particles.position(i)).collect();
         assert_eq!(held.len(), 1);
         assert!((held[0].y - 0.8).abs() < 1e-4 && (held[0].x.abs() - 0.5).abs() < 1e-4, "{held:?}");
     }

@@ -78,10 +78,8 @@ impl AttachmentState {
                     && before.made_of.ties.get(held.tie as usize).is_some_and(|tie| tie.entity == entity)
             });
             let i = particle as usize;
-            let local = known.map_or_else(
-                || pose.inverse().transform_point3(particles.position(i)),
-                |held| held.local,
-            );
+            let local = known
+                .map_or_else(|| pose.inverse().transform_point3(particles.position(i)), |held| held.local);
             let inverse_mass = particles.inverse_mass(i);
             if inverse_mass != 0.0 {
                 particles.set_inverse_mass(i, 0.0);
@@ -126,14 +124,7 @@ impl AttachmentState {
 
 /// Takes tied particles to where the entities that they are tied to have gone.
 pub(crate) fn move_attached(
-    mut bodies: Query<(
-        Entity,
-        &Attachment,
-        &mut AttachmentState,
-        &mut Particles,
-        &BodyState,
-        &Activity,
-    )>,
+    mut bodies: Query<(Entity, &Attachment, &mut AttachmentState, &mut Particles, &BodyState, &Activity)>,
     targets: Query<&GlobalTransform>,
     clock: Res<DrapeClock>,
     mut refusals: ResMut<Refusals>,
@@ -161,7 +152,9 @@ pub(crate) fn move_attached(
         for (place, Tie { entity: target, .. }) in attachment.ties.iter().enumerate() {
             let Some(before) = state.poses.get(place).copied().flatten() else { continue };
             let Some(now) = pose(*target) else {
-                info!("Attachment of entity {entity}: {target}, which it is tied to, is gone, and the tie with it");
+                info!(
+                    "Attachment of entity {entity}: {target}, which it is tied to, is gone, and the tie with it"
+                );
                 state.release(&mut particles, |tie| tie as usize == place);
                 state.held.retain(|held| held.tie as usize != place);
                 state.poses[place] = None;

@@ -11,6 +11,8 @@ pub mod cloth;
 pub mod cloth_mesh;
 #[cfg(feature = "mesh")]
 mod cloth_mesh_build;
+#[cfg(feature = "mesh")]
+mod cloth_mesh_skin;
 pub mod contact_events;
 mod description;
 pub mod dynamic_obstacle;
@@ -29,11 +31,14 @@ pub mod layers;
 pub mod mesh;
 #[cfg(feature = "mesh")]
 pub mod mesh_reading;
+pub mod motion_limits;
+pub mod moved_by_frame;
 #[cfg(feature = "mesh")]
 mod normals;
 pub mod obstacle;
 pub mod particles;
 pub mod plugin;
+mod posed;
 pub mod pressure;
 pub mod projectile;
 pub mod refusal;
@@ -61,6 +66,7 @@ mod vertex_map;
 mod visibility;
 mod waking;
 pub mod wind_zone;
+pub mod world_motion;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -95,6 +101,8 @@ pub mod prelude {
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
         layers::DrapeLayers,
+        motion_limits::MotionLimitCounts,
+        moved_by_frame::MovedByFrame,
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
@@ -111,5 +119,6 @@ pub mod prelude {
         soft_ball::SoftBall,
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
         wind_zone::{WindFlow, WindRegion, WindZone},
+        world_motion::{TeleportCloth, WorldMotion},
     };
 }

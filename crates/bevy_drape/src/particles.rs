@@ -111,7 +111,9 @@ pub(crate) fn move_pins(
     let longest_pull = TELEPORT_SPEED * clock.delta();
     collect_changed(&anchors, &mut moved);
     for entity in moved.drain(..) {
-        let Ok((transform, activity, mut particles, mut state, tied)) = bodies.get_mut(entity) else { continue };
+        let Ok((transform, activity, mut particles, mut state, tied)) = bodies.get_mut(entity) else {
+            continue;
+        };
         let anchor = transform.affine();
         if anchor == state.anchor || state.pins.is_empty() {
             continue;

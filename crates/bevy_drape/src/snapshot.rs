@@ -30,6 +30,7 @@
 mod attachments;
 mod bodies;
 mod contacts;
+mod motions;
 mod obstacles;
 mod projectiles;
 mod rigs;

@@ -31,6 +31,7 @@ use crate::clock::DrapeClock;
 use crate::cloth::Cloth;
 use crate::grab::Grab;
 use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
+use crate::posed::AnimatedPose;
 use crate::refusal::Refusals;
 use crate::rig::Rig;
 use crate::rope::Rope;
@@ -165,6 +166,7 @@ pub(crate) struct Tearing<'w, 's> {
     torn_meshes: Query<'w, 's, &'static TornMesh>,
     grabs: Query<'w, 's, &'static mut Grab>,
     attached: Query<'w, 's, (&'static mut Attachment, &'static mut AttachmentState)>,
+    posed: Query<'w, 's, &'static mut AnimatedPose>,
     torn: MessageWriter<'w, StickTorn>,
     split: MessageWriter<'w, BodySplit>,
 }
@@ -281,6 +283,9 @@ impl Tearing<'_, '_> {
             *held = held.torn(state.order, &origins);
             attachment.clone_from(&held.made_of);
         }
+        if let Ok(mut posed) = self.posed.get_mut(entity) {
+            *posed = posed.torn(&origins);
+        }
         let mesh = self.torn_mesh(entity, &origins);
         self.commands.entity(entity).insert(mesh);
         state.context = body.context;
@@ -303,6 +308,7 @@ impl Tearing<'_, '_> {
             ..BodyState::default()
         };
         let held = self.attached.get(from).ok().map(|(_, held)| held.torn(state.order, origins));
+        let posed = self.posed.get(from).ok().map(|posed| posed.torn(origins));
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
         let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
@@ -318,6 +324,9 @@ impl Tearing<'_, '_> {
             )>();
         });
         spawned.insert(own);
+        if let Some(posed) = posed {
+            spawned.insert(posed);
+        }
         if let Some(held) = held {
             spawned.insert((held.made_of.clone(), held));
         }

@@ -11,6 +11,7 @@ use crate::particles::{BodyState, Extent, Particles, Sticks};
 use crate::rig::Rig;
 use crate::settings::SolverSettings;
 use crate::snapshot::attachments::{self, AttachmentSnapshot};
+use crate::snapshot::motions::{self, MotionSnapshot};
 use crate::snapshot::world::{Placed, put_component};
 use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
 
@@ -35,6 +36,7 @@ pub(super) struct BodySnapshot {
     own_layers: Option<DrapeLayers>,
     grab: Option<Grab>,
     attachment: Option<AttachmentSnapshot>,
+    motion: MotionSnapshot,
 }
 
 impl BodySnapshot {
@@ -70,6 +72,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             own_layers: entity.get().copied(),
             grab: entity.get().cloned(),
             attachment: attachments::take(entity),
+            motion: motions::take(entity),
         });
     }
     bodies
@@ -131,6 +134,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         }
         put_component(&mut entity, body.own_layers.as_ref());
         put_component(&mut entity, body.grab.as_ref());
+        motions::restore(&body.motion, &mut entity);
         attachments::restore(body.attachment.as_ref(), body.order, &mut entity);
     }
     Ok(())
