@@ -28,3 +28,4 @@ mod soft;
 mod tearing;
 mod threads;
 mod waking;
+mod world_motion;

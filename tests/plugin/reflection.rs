@@ -50,12 +50,16 @@ fn components_and_resources_are_registered() {
     assert_component::<TeleportObstacle>(&app);
     assert_component::<Viewer>(&app);
     assert_component::<WindZone>(&app);
+    assert_component::<MovedByFrame>(&app);
+    assert_component::<TeleportCloth>(&app);
+    assert_component::<WorldMotion>(&app);
     assert_resource::<ActivityCounts>(&app);
     assert_resource::<DefaultSolverSettings>(&app);
     assert_resource::<DrapeClock>(&app);
     assert_resource::<DrapeContactCounts>(&app);
     assert_resource::<DrapeContactSettings>(&app);
     assert_resource::<DrapeGravity>(&app);
+    assert_resource::<MotionLimitCounts>(&app);
     assert_resource::<Refusals>(&app);
     assert_resource::<SceneManager>(&app);
     assert_resource::<Wind>(&app);
@@ -105,10 +109,10 @@ mod both {
             Activity ActivityCounts Attachment BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
             CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
-            DrapeSystems DynamicObstacle FireCannon FollowParticle FollowedParticle Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
+            DrapeSystems DynamicObstacle FireCannon FollowParticle FollowedParticle Grab Gusts HitTarget InRig Interpolated MotionLimitCounts MovedByFrame Obstacle ObstacleReaction
             ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
-            SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle Tie TiedParticles
-            Viewer Wind WindFlow WindRegion WindZone
+            SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportCloth TeleportObstacle Tie TiedParticles
+            Viewer Wind WindFlow WindRegion WindZone WorldMotion
         }
         .into_iter()
     }

@@ -7,7 +7,8 @@ use drape_solver::constants::TELEPORT_SPEED;
 use crate::activity::Activity;
 use crate::attachment::{Attachment, Tie, TiedParticles};
 use crate::clock::DrapeClock;
-use crate::particles::{BodyState, Particles, carry};
+use crate::particles::{BodyState, Particles};
+use crate::posed::{placement, teleport};
 use crate::refusal::Refusals;
 
 /// The particles that are tied, as of the last step.
@@ -124,13 +125,13 @@ impl AttachmentState {
 
 /// Takes tied particles to where the entities that they are tied to have gone.
 pub(crate) fn move_attached(
-    mut bodies: Query<(Entity, &Attachment, &mut AttachmentState, &mut Particles, &BodyState, &Activity)>,
+    mut bodies: Query<(Entity, &Attachment, &mut AttachmentState, &mut Particles, &mut BodyState, &Activity)>,
     targets: Query<&GlobalTransform>,
     clock: Res<DrapeClock>,
     mut refusals: ResMut<Refusals>,
 ) {
     let longest_pull = TELEPORT_SPEED * clock.delta();
-    for (entity, attachment, mut state, mut particles, body, activity) in &mut bodies {
+    for (entity, attachment, mut state, mut particles, mut body, activity) in &mut bodies {
         let state = &mut *state;
         let pose = |target: Entity| targets.get(target).ok().map(GlobalTransform::affine);
         let finite_pose = |target: Entity| pose(target).filter(Affine3A::is_finite);
@@ -168,18 +169,18 @@ pub(crate) fn move_attached(
                 refusals.entity(*target, "the new Transform", reason);
                 continue;
             }
-            state.poses[place] = Some(now);
             let held = || state.held.iter().filter(|held| held.tie as usize == place);
             let is_pull = |held: &HeldParticle| {
                 let [from, to] = [before, now].map(|pose| pose.transform_point3(held.local));
                 from.distance(to) <= longest_pull
             };
-            let is_carried = before.is_finite() && (*activity == Activity::Culled || !held().all(is_pull));
-            let way = now * before.inverse();
-            if is_carried && way.is_finite() {
-                carry(&mut particles, way);
+            let is_jump = *activity == Activity::Culled || !held().all(is_pull);
+            if is_jump && let (Some(from), Some(to)) = (placement(&before), placement(&now)) {
+                teleport(&mut particles, &mut body, Some(&mut *state), None, (&from, &to));
             }
-            for held in held() {
+            state.poses[place] = Some(now);
+            let held = state.held.iter().filter(|held| held.tie as usize == place);
+            for held in held {
                 let i = held.particle as usize;
                 if i < particles.len() {
                     particles.set_pin_target(i, now.transform_point3(held.local));

@@ -17,12 +17,14 @@ use bevy::prelude::*;
 use bevy::time::Virtual;
 
 use crate::interpolation::Interpolated;
+use crate::world_motion::TeleportCloth;
 
 /// Marks an entity whose [`Transform`] is set once a frame, by an animation or in `Update`: the fixed steps of a frame see it on its way
 /// from where it was in the frame before last to where it was in the last one, and not in one jump. After them it is again as it was.
 ///
 /// The joints of a skinned [`ClothMesh`](crate::prelude::ClothMesh) get it by themselves. Give it to the character's root, too, if that is
-/// moved in `Update`. A transform that is set in the fixed loop is left alone; so is one that is [`Interpolated`].
+/// moved in `Update`. What moves faster than 100 m/s is seen where it is at once, and so is all while a
+/// [`TeleportCloth`] waits. A transform that is set in the fixed loop is left alone; so is one that is [`Interpolated`].
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, FramePoses)]
@@ -35,6 +37,9 @@ pub(crate) struct FramePoses {
     /// What was written for the last step, as long as nobody else wrote.
     written: Option<Transform>,
 }
+
+/// What moves faster, in m/s, has been put somewhere else, and is there at once.
+const JUMP_SPEED: f32 = 100.0;
 
 type Moved<'w, 's> = Query<
     'w,
@@ -59,11 +64,18 @@ impl Plugin for MovedByFramePlugin {
     }
 }
 
-/// Before the steps of a frame.
-fn note_poses(mut moved: Moved) {
+/// Before the steps of a frame. While a cloth waits to be teleported, nothing is shown on its way: its character is where it is.
+fn note_poses(
+    mut moved: Moved,
+    teleports: Query<(), With<TeleportCloth>>,
+    frame: Option<Res<Time<Virtual>>>,
+) {
+    let farthest = JUMP_SPEED * frame.map_or(f32::INFINITY, |frame| frame.delta_secs());
     for (transform, mut poses) in &mut moved {
         let [_, last] = poses.ends.unwrap_or([*transform; 2]);
-        poses.ends = Some([last, *transform]);
+        let is_jump = last.translation.distance(transform.translation) > farthest;
+        let start = if is_jump || !teleports.is_empty() { *transform } else { last };
+        poses.ends = Some([start, *transform]);
         poses.written = Some(*transform);
     }
 }
