@@ -8,6 +8,8 @@ use drape_solver::constants::TELEPORT_SPEED;
 use crate::activity::Activity;
 use crate::attachment_state::AttachmentState;
 use crate::clock::DrapeClock;
+#[cfg(feature = "mesh")]
+use crate::moved_by_frame::between;
 use crate::particles::{BodyState, Particles};
 use crate::refusal::Refusals;
 
@@ -22,6 +24,8 @@ pub(crate) struct AnimatedPose {
     pub particles: Vec<PosedParticle>,
     /// What took the mesh's coordinates to the world in the last step, joint by joint.
     pub last: Vec<Affine3A>,
+    /// The same of the main joint, after the last two steps; none before the first.
+    pub shown: [Option<Affine3A>; 2],
 }
 
 /// A particle with a place in an animation.
@@ -58,6 +62,31 @@ impl AnimatedPose {
             matrices.push(matrix.filter(Affine3A::is_finite).ok_or(joint)?);
         }
         Ok(())
+    }
+
+    /// Notes where a step has left the main joint.
+    #[cfg(feature = "mesh")]
+    pub fn record(&mut self) {
+        let [_, before] = self.shown;
+        let now = self.last.get(self.main).copied();
+        self.shown = [before.or(now), now];
+    }
+
+    /// How far the main joint is ahead of what is shown at `fraction` of the last step: steps see it as it was, and the rest of the
+    /// character is drawn as it is. None if it is there.
+    #[cfg(feature = "mesh")]
+    pub fn ahead<'a>(
+        &self,
+        fraction: f32,
+        place: impl Fn(Entity) -> Option<&'a GlobalTransform>,
+    ) -> Option<Affine3A> {
+        let [Some(before), Some(after)] = self.shown else { return None };
+        let place = place(*self.joints.get(self.main)?)?;
+        let now = place.affine() * *self.inverse_bind_poses.get(self.main)?;
+        let [from, to] = [before, after].map(|pose| GlobalTransform::from(pose).compute_transform());
+        let shown = if before == after { after } else { between(&from, &to, fraction).compute_affine() };
+        let ahead = now * shown.inverse();
+        (now != shown && ahead.is_finite()).then_some(ahead)
     }
 
     /// Where the main joint was in the last step.
