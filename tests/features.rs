@@ -7,7 +7,7 @@ use drape_examples::feature::{Feature, FeatureReport};
 const TOO_FAST: f32 = 100.0;
 
 /// Examples that are no [`Feature`]s: they have tests of their own.
-const OTHERS: [&str; 2] = ["cannon", "scene"];
+const OTHERS: [&str; 3] = ["cannon", "cape_model", "scene"];
 
 macro_rules! features {
     ($($name:ident: $path:literal),* $(,)?) => {
@@ -24,6 +24,7 @@ macro_rules! features {
 features! {
     balloon: "../examples/balloon.rs",
     bridge: "../examples/bridge.rs",
+    cape: "../examples/cape.rs",
     cloth_mesh: "../examples/cloth_mesh.rs",
     cut: "../examples/cut.rs",
     drape: "../examples/drape.rs",

@@ -3,10 +3,10 @@
 use bevy::math::Affine3A;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use bevy_drape::drape_solver::measure::stretch;
 use bevy_drape::prelude::*;
+use drape_solver::measure::stretch;
 
-use crate::character::{Character, FULL_DISTANCE, cape_mesh, capsule, inverse_bind_poses};
+use drape_examples::character::{Character, FULL_DISTANCE, cape_mesh, capsule, inverse_bind_poses};
 
 /// The worst of all steps so far.
 #[derive(Resource, Clone, Copy, Debug, Default)]

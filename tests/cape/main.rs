@@ -1,6 +1,6 @@
 //! Clothes on skinned characters: pins and limits that follow joints, motion that is inherited or not, teleports.
 
-mod character;
+mod asset;
 mod measure;
 mod skinned;
 mod walk;

@@ -1,16 +1,15 @@
-//! A character made in code: ten joints, capsules on its bones, a cape, and a procedural animation. It faces -Z.
+//! A character made in code: ten joints, capsules on its bones, a cape, and a procedural animation of half a minute. It faces -Z.
 
 use core::f32::consts::{PI, TAU};
 
 use bevy::asset::RenderAssetUsages;
-use bevy::math::ops;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
-use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
+use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 /// Name, parent, place in the parent's coordinates, and the capsule: radius, length, middle.
-const BONES: [(&str, Option<usize>, [f32; 3], [f32; 2], [f32; 3]); 10] = [
+pub const BONES: [(&str, Option<usize>, [f32; 3], [f32; 2], [f32; 3]); 10] = [
     ("hips", None, [0.0, 1.0, 0.0], [0.13, 0.1], [0.0, 0.0, 0.0]),
     ("spine", Some(0), [0.0, 0.15, 0.0], [0.12, 0.1], [0.0, 0.05, 0.0]),
     ("chest", Some(1), [0.0, 0.15, 0.0], [0.13, 0.14], [0.0, 0.06, 0.0]),
@@ -33,31 +32,40 @@ const SHINS: [usize; 2] = [8, 9];
 /// Columns and rows of the cape.
 pub const CAPE: [usize; 2] = [13, 23];
 
+/// Length of the animation in seconds.
+pub const WALK: f32 = 30.0;
+
 /// How far the hem may be from where the animation has it, in metres.
 pub const FULL_DISTANCE: f32 = 0.7;
 
 /// A character in a world.
-#[derive(Resource, Clone)]
+#[derive(Resource, Clone, Debug)]
 pub struct Character {
+    /// What the joints and the cape are children of.
     pub root: Entity,
+    /// Its joints, in the order of [`BONES`].
     pub joints: Vec<Entity>,
+    /// The capsule of each.
     pub capsules: Vec<Entity>,
+    /// The cape.
     pub cape: Entity,
-    /// Where it is, which way it looks, and at what time.
+    /// Where it is, in metres.
     pub place: Vec3,
+    /// Which way it looks, in radians about Y; 0 is along -Z.
     pub heading: f32,
+    /// Seconds since it began.
     pub time: f32,
     /// Of its step.
     phase: f32,
 }
 
 /// Where the joints are in the mesh's coordinates.
-fn bind_place(joint: usize) -> Vec3 {
+pub fn bind_place(joint: usize) -> Vec3 {
     let (_, parent, place, ..) = BONES[joint];
     Vec3::from(place) + parent.map_or(Vec3::ZERO, bind_place)
 }
 
-/// The capsule of a bone in its joint's coordinates: radius, and half the length.
+/// The capsule of a bone along Y: radius, half the length, and its middle in the joint's coordinates.
 pub fn capsule(joint: usize) -> (f32, f32, Vec3) {
     let (.., [radius, length], middle) = BONES[joint];
     (radius, length * 0.5, middle.into())
@@ -120,12 +128,31 @@ pub fn inverse_bind_poses() -> Vec<Mat4> {
     (0..BONES.len()).map(|joint| Mat4::from_translation(-bind_place(joint))).collect()
 }
 
+/// The same mesh with its paint in attributes of its own instead of colours, which would be seen; and where they are.
+pub fn cape_in_attributes() -> (Mesh, ClothPaint) {
+    const PINNED: MeshVertexAttribute = MeshVertexAttribute::new("Pinned", 7601, VertexFormat::Float32);
+    const REACH: MeshVertexAttribute = MeshVertexAttribute::new("Reach", 7602, VertexFormat::Float32);
+    let mut mesh = cape_mesh();
+    if let Some(VertexAttributeValues::Float32x4(colours)) = mesh.remove_attribute(Mesh::ATTRIBUTE_COLOR) {
+        let channel = |k: usize| colours.iter().map(|colour| colour[k]).collect::<Vec<_>>();
+        mesh.insert_attribute(PINNED, channel(0));
+        mesh.insert_attribute(REACH, channel(1));
+    }
+    let named = |attribute: MeshVertexAttribute| Some(PaintChannel::Attribute(attribute.name.into()));
+    let paint = ClothPaint {
+        pins: named(PINNED),
+        max_distance: named(REACH),
+        full_distance: FULL_DISTANCE,
+        ..default()
+    };
+    (mesh, paint)
+}
+
 /// Spawns a character with a cape, which has `bundle` besides; its root is seen on its way between frames.
-pub fn spawn(app: &mut App, bundle: impl Bundle) -> Character {
-    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(cape_mesh());
+pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(cape_mesh());
     let poses: SkinnedMeshInverseBindposes = inverse_bind_poses().into();
-    let inverse_bindposes = app.world_mut().resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
-    let world = app.world_mut();
+    let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
     let root = world.spawn((Transform::default(), MovedByFrame)).id();
     let mut joints = Vec::new();
     let mut capsules = Vec::new();
@@ -140,8 +167,23 @@ pub fn spawn(app: &mut App, bundle: impl Bundle) -> Character {
     }
     let skin = SkinnedMesh { inverse_bindposes, joints: joints.clone() };
     let cape = world.spawn((Mesh3d(mesh), skin, cape(), ChildOf(root), bundle)).id();
-    let (place, heading, time, phase) = (Vec3::ZERO, 0.0, 0.0, 0.0);
-    Character { root, joints, capsules, cape, place, heading, time, phase }
+    Character { root, joints, capsules, cape, ..Character::default() }
+}
+
+impl Default for Character {
+    /// One that is in no world, at the beginning.
+    fn default() -> Self {
+        Self {
+            root: Entity::PLACEHOLDER,
+            joints: Vec::new(),
+            capsules: Vec::new(),
+            cape: Entity::PLACEHOLDER,
+            place: Vec3::ZERO,
+            heading: 0.0,
+            time: 0.0,
+            phase: 0.0,
+        }
+    }
 }
 
 /// What the character does at a time: speed, its turning in rad/s, and height above the ground.
@@ -176,7 +218,8 @@ impl Character {
         while self.time + STRIDE <= time + 1e-5 {
             let (speed, turning, _) = gait(self.time);
             self.heading += turning * STRIDE;
-            self.place += Vec3::new(-ops::sin(self.heading), 0.0, -ops::cos(self.heading)) * (speed * STRIDE);
+            self.place +=
+                Vec3::new(-libm::sinf(self.heading), 0.0, -libm::cosf(self.heading)) * (speed * STRIDE);
             self.phase += STRIDE * (0.7 + 0.3 * speed).min(1.6) * f32::from(speed > 0.0);
             self.time += STRIDE;
         }
@@ -187,18 +230,18 @@ impl Character {
         let (speed, _, height) = gait(self.time);
         let place = self.place + Vec3::Y * height;
         let root = Transform::from_translation(place).with_rotation(Quat::from_rotation_y(self.heading));
-        let swing = ops::sin(TAU * self.phase);
+        let swing = libm::sinf(TAU * self.phase);
         let reach = (0.3 + 0.09 * speed).min(0.75) * (speed / 1.5).min(1.0);
         let bent = (0.03 * speed).min(0.15);
         let mut joints: Vec<Transform> =
             BONES.iter().map(|(_, _, place, ..)| Transform::from_translation((*place).into())).collect();
-        joints[HIPS].translation.y += 0.03 * ops::cos(2.0 * TAU * self.phase) * reach;
+        joints[HIPS].translation.y += 0.03 * libm::cosf(2.0 * TAU * self.phase) * reach;
         joints[SPINE].rotation = Quat::from_rotation_x(-bent);
         joints[CHEST].rotation = Quat::from_rotation_y(0.15 * swing * reach);
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let tucked = if height > 0.0 { 0.4 } else { 0.0 };
             joints[THIGHS[side]].rotation = Quat::from_rotation_x(sign * swing * reach + tucked);
-            let knee = (0.2 + 0.5 * sign * ops::cos(TAU * self.phase)).max(0.0) * reach + 2.0 * tucked;
+            let knee = (0.2 + 0.5 * sign * libm::cosf(TAU * self.phase)).max(0.0) * reach + 2.0 * tucked;
             joints[SHINS[side]].rotation = Quat::from_rotation_x(-knee);
             joints[ARMS[side]].rotation =
                 Quat::from_rotation_z(-0.15 * sign) * Quat::from_rotation_x(-sign * swing * reach * 0.8);
@@ -206,11 +249,19 @@ impl Character {
         (root, joints)
     }
 
+    /// Goes back to the beginning.
+    pub fn rewind(&mut self) {
+        let Self { root, joints, capsules, cape, .. } = core::mem::take(self);
+        *self = Self { root, joints, capsules, cape, ..Self::default() };
+    }
+
     /// Shows the pose.
     pub fn write(&self, world: &mut World) {
         let (root, joints) = self.pose();
         for (entity, pose) in self.joints.iter().zip(joints).chain([(&self.root, root)]) {
-            *world.get_mut::<Transform>(*entity).expect("a joint") = pose;
+            if let Some(mut transform) = world.get_mut::<Transform>(*entity) {
+                *transform = pose;
+            }
         }
     }
 }
