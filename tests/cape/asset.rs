@@ -79,7 +79,7 @@ fn everything_in_the_file_is_where_it_says() {
         };
         let width = if accessor["componentType"] == 5123 { 2 } else { 4 };
         assert_eq!(size(&view["byteLength"]), size(&accessor["count"]) * lanes * width);
-        assert!(size(&view["byteOffset"]) % 4 == 0);
+        assert!(size(&view["byteOffset"]).is_multiple_of(4));
         assert!(size(&view["byteOffset"]) + size(&view["byteLength"]) <= numbers.len());
     }
     for animation in text["animations"].as_array().expect("animations") {

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use drape_solver::MeshCloth;
 
 use crate::cloth_mesh::{ClothMesh, WeldedVertices};
-use crate::cloth_mesh_skin::{ClothSkin, SkinState};
+use crate::cloth_mesh_skin::ClothSkin;
 use crate::description::{insert_body, remove_body};
 use crate::mesh_reading::{MeshFault, faces, positions};
 use crate::moved_by_frame::MovedByFrame;
@@ -80,12 +80,12 @@ pub(crate) fn build_cloth_meshes(
         let mut is_skinned = false;
         let built = if transform.affine().is_finite() {
             match ClothSkin::read(entity, asset, skinned, bind_poses.as_deref(), place) {
-                SkinState::Waits => {
+                Ok(None) => {
                     later.push(entity);
                     continue;
                 }
-                SkinState::Fault(wrong) => Err(fault(wrong)),
-                SkinState::Ready(skin) => {
+                Err(wrong) => Err(fault(wrong)),
+                Ok(Some(skin)) => {
                     is_skinned = skin.is_skinned();
                     build(cloth, asset, transform, skin).map_err(fault)
                 }

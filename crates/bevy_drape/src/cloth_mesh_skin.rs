@@ -17,39 +17,32 @@ pub(crate) struct ClothSkin {
     matrices: Vec<Affine3A>,
 }
 
-/// Whether all that a skin needs has loaded, and what is wrong with it.
-pub(crate) enum SkinState {
-    Ready(ClothSkin),
-    Waits,
-    Fault(MeshFault),
-}
-
 impl ClothSkin {
-    /// Reads the skin of `mesh`; that of a mesh without one is its entity.
+    /// Reads the skin of `mesh`; that of a mesh without one is its entity. None while something has not loaded yet.
+    ///
+    /// # Errors
+    /// [`MeshFault`] naming what is wrong with it.
     pub fn read<'a>(
         entity: Entity,
         mesh: &Mesh,
         skinned: Option<&SkinnedMesh>,
         bind_poses: Option<&Assets<SkinnedMeshInverseBindposes>>,
         place: impl Fn(Entity) -> Option<&'a GlobalTransform>,
-    ) -> SkinState {
-        let vertices = match skin(mesh) {
-            Ok(vertices) => vertices,
-            Err(fault) => return SkinState::Fault(fault),
-        };
+    ) -> Result<Option<Self>, MeshFault> {
+        let vertices = skin(mesh)?;
         let (Some(skinned), Some(vertices)) = (skinned, vertices) else {
             let mut pose = AnimatedPose { joints: vec![entity], ..AnimatedPose::default() };
             pose.inverse_bind_poses.push(Affine3A::IDENTITY);
             let matrices = place(entity).map(GlobalTransform::affine).into_iter().collect();
-            return SkinState::Ready(Self { vertices: Vec::new(), is_skinned: false, pose, matrices });
+            return Ok(Some(Self { vertices: Vec::new(), is_skinned: false, pose, matrices }));
         };
         let Some(bind_poses) = bind_poses.and_then(|poses| poses.get(&skinned.inverse_bindposes)) else {
-            return SkinState::Waits;
+            return Ok(None);
         };
         let count = skinned.joints.len().min(bind_poses.len());
         let used = vertices.iter().flat_map(VertexSkin::used).map(|(joint, _)| usize::from(joint));
         if let Some(joint) = used.max().filter(|&joint| joint >= count) {
-            return SkinState::Fault(MeshFault::NoSuchJoint { joint, count });
+            return Err(MeshFault::NoSuchJoint { joint, count });
         }
         let mut pose = AnimatedPose {
             joints: skinned.joints[..count].to_vec(),
@@ -58,7 +51,7 @@ impl ClothSkin {
         };
         let mut matrices = Vec::new();
         if pose.matrices(place, &mut matrices).is_err() {
-            return SkinState::Waits;
+            return Ok(None);
         }
         let mut shares = vec![0.0_f32; count];
         for (joint, weight) in vertices.iter().flat_map(VertexSkin::used) {
@@ -67,7 +60,7 @@ impl ClothSkin {
         // The first of equal ones.
         let most = shares.iter().copied().fold(0.0, f32::max);
         pose.main = shares.iter().position(|&share| share == most).unwrap_or_default();
-        SkinState::Ready(Self { vertices, is_skinned: true, pose, matrices })
+        Ok(Some(Self { vertices, is_skinned: true, pose, matrices }))
     }
 
     /// Whether joints move it.

@@ -15,7 +15,7 @@ use crate::refusal::Refusals;
 /// How much a body feels of the motion of an entity, usually the root of the character that wears it.
 ///
 /// A cape on somebody who runs, jumps and turns flies like a flag, as it would; games want it calmer. What a body is not to feel, it
-/// is carried along by, as if it were in a carriage that moves so. Unity's cloth calls these numbers `worldVelocityScale`, NvCloth has them
+/// is carried along by, as if it were in a carriage that moves so. Unity's cloth calls these numbers `worldVelocityScale`, `NvCloth` has them
 /// as inertia.
 ///
 /// A reference that goes farther than [`teleport_distance`](Self::teleport_distance) in one step has been put somewhere else: the body

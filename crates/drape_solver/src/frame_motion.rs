@@ -117,7 +117,7 @@ impl SubstepMotion {
         let way = Way::new(simd, self, substep);
         for (place, cell) in places.zip(cells) {
             let position = Lanes3::load(simd, &moving.position[place]);
-            let moved = way.of(simd, position).or(way.is_free(simd, rest, cell), way.none);
+            let moved = way.of(position).or(way.is_free(simd, rest, cell), way.none);
             let position = position.plus(moved);
             position.store(&mut moving.position[place]);
             position.store(&mut moving.integrated[place]);
@@ -142,7 +142,7 @@ impl SubstepMotion {
         for (place, cell) in places.zip(cells) {
             let displacement = Lanes3::load(simd, &moving.displacement[place]);
             let before = Lanes3::load(simd, &moving.position[place]).minus(displacement);
-            let moved = way.of(simd, before).or(way.is_free(simd, rest, cell), way.none);
+            let moved = way.of(before).or(way.is_free(simd, rest, cell), way.none);
             displacement.minus(moved).store(&mut moving.displacement[place]);
         }
     }
@@ -169,7 +169,7 @@ impl<S: Simd> Way<S> {
     }
 
     #[inline(always)]
-    fn of(&self, _: S, position: Lanes3<S>) -> Lanes3<S> {
+    fn of(&self, position: Lanes3<S>) -> Lanes3<S> {
         let offset = position.minus(self.pivot);
         let [x, y, z] = self.axes;
         let turned = x.times(offset.x).plus(y.times(offset.y)).plus(z.times(offset.z));
