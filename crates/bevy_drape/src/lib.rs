@@ -15,6 +15,7 @@ mod cloth_mesh_build;
 mod cloth_mesh_skin;
 pub mod contact_events;
 mod description;
+pub mod diagnostics;
 pub mod dynamic_obstacle;
 pub mod environment;
 pub mod follow_particle;
@@ -94,6 +95,7 @@ pub mod prelude {
             ContactEvents, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded,
             DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
         },
+        diagnostics::DrapeDiagnosticsPlugin,
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},
         follow_particle::{FollowParticle, FollowedParticle},
