@@ -32,6 +32,7 @@ macro_rules! features {
 features! {
     balloon: "balloon.rs",
     bridge: "bridge.rs",
+    cape: "cape.rs",
     cloth_mesh: "cloth_mesh.rs",
     cut: "cut.rs",
     drape: "drape.rs",
