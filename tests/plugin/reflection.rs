@@ -105,7 +105,7 @@ mod both {
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
             DrapeSystems DynamicObstacle FireCannon Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
             ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
-            SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
+            SoftBall SolverSettings Stick StickBound StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
             Viewer Wind WindFlow WindRegion WindZone
         }
         .into_iter()

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod edits;
+mod joints;
 mod physics;
 mod support;
 mod transforms;

@@ -96,7 +96,7 @@ pub mod prelude {
         pressure::Pressure,
         projectile::{Projectile, ProjectileState},
         refusal::Refusals,
-        rig::{InRig, Particle, Rig, Stick, StickKind},
+        rig::{InRig, Particle, Rig, Stick, StickBound, StickKind},
         rope::Rope,
         scene_manager::{SceneManager, Viewer},
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},

@@ -7,14 +7,16 @@ use glam::Vec3;
 use crate::ball_search::are_by_square;
 use crate::cloth::MAX_PARTICLES;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
-use crate::error::BuildError;
+use crate::error::{BuildError, in_range};
 use crate::grid::GridBatch;
 use crate::groups::Groups;
 use crate::layout::{Grid, Layout};
 use crate::listed::ListedBatch;
 use crate::renumbering::Renumbering;
 use crate::tether::{TetherPlan, Tethers};
-use crate::topology::{BatchSticks, StickBatch, StickKind, StickMaterial, Topology};
+use crate::topology::{
+    BatchSticks, EmbeddedPoint, StickBatch, StickBound, StickKind, StickMaterial, Topology,
+};
 
 /// Puts a [`Topology`] together, one family of sticks after another.
 ///
@@ -78,8 +80,9 @@ impl TopologyBuilder {
             let to = column.checked_add_signed(right).filter(|&to| to < columns)?;
             Some([row * columns + column, (row + down.unsigned_abs()) * columns + to])
         });
-        let Layout::Grid(grid) = self.topology.layout else {
-            return self.family(material, ends);
+        let grid = match self.topology.layout {
+            Layout::Grid(grid) if material.bound == StickBound::Exact => grid,
+            _ => return self.family(material, ends),
         };
         material.validate()?;
         let Some([a, b]) = ends.clone().next() else {
@@ -203,6 +206,32 @@ impl TopologyBuilder {
         Ok(self)
     }
 
+    /// Adds points that four particles each carry, to touch obstacles with.
+    ///
+    /// # Errors
+    /// [`BuildError::NoSuchParticle`] if a carrier does not exist, [`BuildError::OutOfRange`] if weights do not sum to 1.
+    pub fn embedded(
+        &mut self,
+        points: impl IntoIterator<Item = EmbeddedPoint>,
+    ) -> Result<&mut Self, BuildError> {
+        for point in points {
+            for carrier in point.particles {
+                self.check_index("an embedded point", carrier)?;
+            }
+            let sum: f32 = point.weights.iter().sum();
+            in_range("the sum of an embedded point's weights", sum, 1.0 - 1e-3, 1.0 + 1e-3)?;
+            let places = point.particles.map(|i| self.rest[i as usize]);
+            let place = point.position(places);
+            let nearest = places.map(|carrier| carrier.distance(place)).into_iter().fold(f32::MAX, f32::min);
+            let spread: f32 = point.weights.iter().map(|weight| weight.abs()).sum();
+            let reach = &mut self.topology.embedding_reach;
+            reach.overhang = reach.overhang.max(nearest);
+            reach.spread = reach.spread.max(spread);
+            self.topology.embedded.push(point);
+        }
+        Ok(self)
+    }
+
     /// Adds the tethers.
     ///
     /// # Errors
@@ -237,10 +266,11 @@ impl TopologyBuilder {
         self.tethers(tethers)
     }
 
-    /// The sticks so far, with their lengths: what geodesic tethers run along.
+    /// The sticks so far that hold their ends together, with their lengths: what geodesic tethers run along.
     pub fn edges(&self) -> impl Iterator<Item = (u32, u32, f32)> + '_ {
         let t = &self.topology;
-        (0..t.stick_count()).map(|i| {
+        let batches = t.batches.iter().filter(|batch| batch.material.bound != StickBound::AtLeast);
+        batches.flat_map(StickBatch::range).map(|i| {
             let [a, b] = t.stick(i);
             (a, b, t.rest_length(i))
         })

@@ -18,7 +18,8 @@ fn balloon(height: f32, pressure: f32) -> Body {
     let settings = SolverSettings { drag: 0.2, ..SolverSettings::default() };
     let mut body = joined(&places, &vec![1.0 / mass; places.len()], &[], settings);
     let mut builder = TopologyBuilder::new(&places);
-    let material = StickMaterial { kind: StickKind::Structural, stiffness: 0.8, damping: 2.0 };
+    let material =
+        StickMaterial { stiffness: 0.8, damping: 2.0, ..StickMaterial::rigid(StickKind::Structural) };
     builder.family(material, edges(&faces)).expect("valid").faces(faces).expect("valid");
     body.topology = Arc::new(builder.build().expect("valid"));
     body.pressure = pressure;
