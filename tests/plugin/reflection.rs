@@ -39,6 +39,7 @@ fn components_and_resources_are_registered() {
     assert_component::<Projectile>(&app);
     assert_component::<ProjectileState>(&app);
     assert_component::<Rig>(&app);
+    assert_component::<RigidTetrahedron>(&app);
     assert_component::<Rope>(&app);
     assert_component::<SoftBall>(&app);
     assert_component::<SolverSettings>(&app);
@@ -104,7 +105,7 @@ mod both {
             CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
             DrapeSystems DynamicObstacle FireCannon Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
-            ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
+            ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope SceneManager SelfContact
             SoftBall SolverSettings Stick StickBound StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
             Viewer Wind WindFlow WindRegion WindZone
         }

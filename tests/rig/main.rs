@@ -4,5 +4,7 @@ mod bad_input;
 mod edits;
 mod joints;
 mod physics;
+mod ragdoll;
+mod rigid_tetrahedron;
 mod support;
 mod transforms;

@@ -147,7 +147,8 @@ impl Island {
                 Ok(if self.taken < solver.substeps() { Stage::Integrate } else { Stage::Finish })
             }
             Stage::Finish => step::finish(solver).map(|()| {
-                self.extents.extend(solver.bodies.iter().map(|body| Extent::of(&body.particles)));
+                self.extents
+                    .extend(solver.bodies.iter().map(|body| Extent::of(&body.particles, &body.topology)));
                 let bodies = solver.bodies.iter().map(Body::still_for);
                 self.still_for =
                     bodies.chain(solver.balls.iter().map(Ball::still_for)).fold(f32::INFINITY, f32::min);

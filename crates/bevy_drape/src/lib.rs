@@ -33,11 +33,13 @@ pub mod particles;
 pub mod plugin;
 pub mod pressure;
 pub mod projectile;
+pub mod ragdoll;
 pub mod refusal;
 pub mod rig;
 mod rig_body;
 mod rig_compile;
 mod rig_transforms;
+pub mod rigid_tetrahedron;
 pub mod rope;
 mod scan;
 pub mod scene_manager;
@@ -95,8 +97,10 @@ pub mod prelude {
         plugin::DrapePlugins,
         pressure::Pressure,
         projectile::{Projectile, ProjectileState},
+        ragdoll::{Ragdoll, RagdollEntities},
         refusal::Refusals,
         rig::{InRig, Particle, Rig, Stick, StickBound, StickKind},
+        rigid_tetrahedron::RigidTetrahedron,
         rope::Rope,
         scene_manager::{SceneManager, Viewer},
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},

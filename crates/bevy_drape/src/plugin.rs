@@ -42,6 +42,7 @@ use crate::refusal::{Refusals, forget_despawned_body, forget_removed};
 use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
 use crate::rig_compile::compile_rigs;
 use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
+use crate::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedra, write_rigid_tetrahedra};
 use crate::rope::Rope;
 use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
@@ -113,7 +114,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
-            .register_type::<(SoftBall, Pressure)>()
+            .register_type::<(SoftBall, Pressure, RigidTetrahedron)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
             .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
@@ -149,6 +150,7 @@ impl Plugin for SolverPlugin {
             .add_message::<StickTorn>();
         app.add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
+            .add_observer(remove_described_body::<RigidTetrahedron>)
             .add_observer(remove_described_body::<SoftBall>)
             .add_observer(remove_ball)
             .add_observer(note_lost::<SolverSettings>)
@@ -170,6 +172,7 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_despawned_body)
             .add_observer(forget_removed::<Projectile>)
             .add_observer(forget_removed::<Rope>)
+            .add_observer(forget_removed::<RigidTetrahedron>)
             .add_observer(forget_removed::<SoftBall>)
             .add_observer(forget_removed::<Tearable>)
             .add_observer(forget_removed::<WindZone>);
@@ -189,13 +192,21 @@ impl Plugin for SolverPlugin {
                     (
                         build_described::<Cloth>,
                         build_described::<Rope>,
+                        build_described::<RigidTetrahedron>,
                         build_described::<SoftBall>,
                         build_projectiles,
                     )
                         .chain(),
                     (compile_rigs, cut_bodies).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
-                    (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
+                    (
+                        move_pins,
+                        teleport_projectiles,
+                        follow_rig_transforms,
+                        teleport_rigid_tetrahedra,
+                        pull_grabbed,
+                    )
+                        .chain(),
                     (wake_pressed, pay_attention, wake, cull).chain(),
                 )
                     .chain()
@@ -209,6 +220,7 @@ impl Plugin for SolverPlugin {
                     send_contacts,
                     write_projectile_transforms,
                     write_rig_transforms,
+                    write_rigid_tetrahedra,
                     tear_bodies,
                     count_activity,
                 )

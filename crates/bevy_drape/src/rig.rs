@@ -54,6 +54,14 @@ impl Particle {
         Self { mass, ..Self::default() }
     }
 
+    /// The same, as it goes on from two frames of an animation that lie `dt` seconds apart, in which it was at `previous` and
+    /// at `current` (world, metres). Frames with no time between them give no velocity.
+    #[must_use]
+    pub fn moved(self, previous: Vec3, current: Vec3, dt: f32) -> Self {
+        let velocity = (current - previous) / dt;
+        if velocity.is_finite() { Self { velocity, ..self } } else { self }
+    }
+
     /// A particle that is held where its [`Transform`] is.
     pub fn pinned() -> Self {
         Self { pinned: true, ..Self::default() }
@@ -99,7 +107,7 @@ impl From<StickKind> for drape_solver::StickKind {
 }
 
 /// Which lengths a [`Stick`] allows.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum StickBound {
     /// The rest length alone: a rod.

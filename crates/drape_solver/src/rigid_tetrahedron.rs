@@ -73,6 +73,16 @@ impl RigidTetrahedronBuilder {
         self
     }
 
+    /// Principal moments of inertia in kg m^2.
+    pub fn inertia(&self) -> Vec3 {
+        self.moments
+    }
+
+    /// The corners of its collision mesh, from its centre of mass, in metres.
+    pub fn collision_mesh(&self) -> &[Vec3] {
+        &self.corners
+    }
+
     /// Where its centre of mass is in the world, and how it is turned.
     pub fn placed(mut self, placement: Placement) -> Self {
         self.placement = placement;

@@ -25,7 +25,7 @@ pub enum StickKind {
 }
 
 /// Which lengths a stick allows: all three act at the rest length.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum StickBound {
     /// The rest length alone: a rod.
     #[default]

@@ -26,8 +26,8 @@ use crate::topology::{
 pub struct TopologyBuilder {
     rest: Vec<Vec3>,
     topology: Topology,
-    /// The ends of the listed sticks, lower index first.
-    joined: Vec<(u32, u32)>,
+    /// The ends of the listed sticks, lower index first, and their bounds.
+    joined: Vec<(u32, u32, StickBound)>,
     tethers: Tethers,
     /// Columns and rows, where the particles form a grid.
     size: [u32; 2],
@@ -153,7 +153,7 @@ impl TopologyBuilder {
                 colours.resize_with(colour + 1, Vec::new);
             }
             colours[colour].push(([a, b], length));
-            self.joined.push((a.min(b), a.max(b)));
+            self.joined.push((a.min(b), a.max(b), material.bound));
         }
         for (colour, sticks) in colours.iter().enumerate() {
             let listed = ListedBatch::new(self.topology.listed.begin_batch(), colour < MAX_COLOURS - 1);
@@ -279,7 +279,7 @@ impl TopologyBuilder {
     /// Finishes the topology.
     ///
     /// # Errors
-    /// [`BuildError::DuplicateStick`] if two sticks join the same two particles.
+    /// [`BuildError::DuplicateStick`] if two sticks join the same two particles; a least and a greatest length may.
     pub fn build(mut self) -> Result<Topology, BuildError> {
         if !self.topology.segments.is_empty() {
             // Sticks that were given their length may be longer at rest than their ends are apart now.
@@ -288,7 +288,7 @@ impl TopologyBuilder {
         }
         self.joined.sort_unstable();
         if let Some(pair) = self.joined.windows(2).find(|pair| pair[0] == pair[1]) {
-            let (a, b) = pair[0];
+            let (a, b, _) = pair[0];
             return Err(BuildError::DuplicateStick { a, b });
         }
         self.arrange();
@@ -305,7 +305,7 @@ impl TopologyBuilder {
         let structural = t.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural);
         let ends = |i: usize| t.stick(i).into();
         let sticks: Vec<(u32, u32)> = structural.flat_map(StickBatch::range).map(ends).collect();
-        if sticks.is_empty() { self.joined.clone() } else { sticks }
+        if sticks.is_empty() { self.joined.iter().map(|&(a, b, _)| (a, b)).collect() } else { sticks }
     }
 
     /// Settles which particle is in which slot, and brings the listed sticks into the order of slots.

@@ -30,6 +30,7 @@ mod momentum;
 mod obstacles;
 mod pendulum;
 mod property;
+mod ragdoll;
 mod reactions;
 mod reference;
 mod relaxation;
