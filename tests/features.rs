@@ -32,6 +32,7 @@ features! {
     flag: "../examples/flag.rs",
     folds: "../examples/folds.rs",
     layers: "../examples/layers.rs",
+    presets: "../examples/presets.rs",
     ragdoll: "../examples/ragdoll.rs",
     soft_ball: "../examples/soft_ball.rs",
     tear: "../examples/tear.rs",

@@ -105,7 +105,7 @@ mod both {
             CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
             DrapeSystems DynamicObstacle FireCannon Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
-            ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope SceneManager SelfContact
+            ObstacleShape Particle Particles Preset Pressure Projectile ProjectileState Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope SceneManager SelfContact
             SoftBall SolverSettings Stick StickBound StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
             Viewer Wind WindFlow WindRegion WindZone
         }

@@ -31,6 +31,7 @@ mod normals;
 pub mod obstacle;
 pub mod particles;
 pub mod plugin;
+pub mod preset;
 pub mod pressure;
 pub mod projectile;
 pub mod ragdoll;
@@ -95,6 +96,7 @@ pub mod prelude {
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
+        preset::Preset,
         pressure::Pressure,
         projectile::{Projectile, ProjectileState},
         ragdoll::{Ragdoll, RagdollEntities},

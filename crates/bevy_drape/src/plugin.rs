@@ -33,6 +33,7 @@ use crate::obstacle::{
     note_gone_obstacle, sync_obstacles,
 };
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::preset::Preset;
 use crate::pressure::{Pressure, wake_pressed};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
@@ -114,7 +115,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
-            .register_type::<(SoftBall, Pressure, RigidTetrahedron)>()
+            .register_type::<(SoftBall, Pressure, RigidTetrahedron, Preset)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
             .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();

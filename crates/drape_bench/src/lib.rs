@@ -30,6 +30,7 @@ pub mod outcome;
 pub mod plot;
 #[cfg(feature = "plugin")]
 pub mod plugin;
+pub mod presets;
 pub mod random;
 pub mod remarks;
 pub mod rope;
@@ -79,6 +80,7 @@ fn work(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Broad(field) => broad::report(field)?,
         Task::Contacts(trials) => contact_cost::report(trials)?,
         Task::Torn(cuts) => torn::report(cuts)?,
+        Task::Presets => presets::report()?,
         Task::Hashes { golden, threads } => {
             let hashes = golden::hashes(Isa::detected(), *threads)?;
             print!("{hashes}");
