@@ -6,7 +6,7 @@
 //!
 //! `stability` looks whether any choice of settings gains energy; `hashes` prints what must be the same on every machine;
 //! `shots` counts the balls that pass through a curtain; `broad` measures many cloths among many obstacles, `contacts` what
-//! each kind of contact costs per particle.
+//! each kind of contact costs per particle; `presets` measures the materials that have names.
 //!
 //! A library too, so that the peers that bring an old Bevy can be compiled apart, in `peers`: they hand their own
 //! [`Solver`]s to [`main_with`].

@@ -15,7 +15,6 @@
 use glam::{DVec3, Vec3};
 
 use crate::body::Body;
-use crate::constants::FACE_MARGIN;
 use crate::contact_face_obstacle::{Met, Poses, kept};
 use crate::dynamic_obstacle::{Mover, mover_mut};
 use crate::friction::Friction;
@@ -120,9 +119,6 @@ impl EmbeddedContacts {
         }
     }
 }
-
-/// How far what is outside the reach of a body's particles may be from an obstacle to touch it, on top of its own way.
-pub(crate) const MARGIN: f32 = FACE_MARGIN;
 
 fn weighted(weights: [f32; 4], [a, b, c, d]: [Vec3; 4]) -> Vec3 {
     a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]

@@ -8,7 +8,6 @@ use glam::Vec3;
 use crate::body::{Body, BodyContext};
 use crate::columns::{Cell, LANES};
 use crate::constants::{FACE_MARGIN, LEAST_SHARED_CELLS};
-use crate::contact_embedded_obstacle::MARGIN;
 use crate::contact_face_obstacle::Met;
 use crate::contact_particle_obstacle::{Candidate, Group, ObstacleContacts};
 use crate::crew::Crew;
@@ -112,7 +111,7 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 obstacle: index,
                 friction,
                 pose,
-                reach: obstacle.travel() + MARGIN,
+                reach: obstacle.travel() + FACE_MARGIN,
                 is_swift: (embedding.spread * fastest + obstacle.travel()) / flight.substeps > thinnest,
             };
             let way = |place, moved, local| sight.way_of(place, moved, local);
