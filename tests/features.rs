@@ -1,42 +1,32 @@
 //! Every example of a feature runs without a window: nothing is refused, nothing leaves, nothing flies apart.
-#![expect(dead_code, reason = "the examples' own `main`")]
 
 use drape_examples::feature::{Feature, FeatureReport};
+
+#[path = "../examples/showcase.rs"]
+mod showcase;
+
+use showcase::FEATURES;
 
 /// Faster than the hem of a cloth that a ball of 10 m/s drags through the air like a whip, in m/s.
 const TOO_FAST: f32 = 100.0;
 
-/// Examples that are no [`Feature`]s: they have tests of their own.
-const OTHERS: [&str; 2] = ["cannon", "scene"];
+/// Examples that are no features of their own: they have other tests.
+const OTHERS: [&str; 3] = ["cannon", "scene", "showcase"];
 
-macro_rules! features {
-    ($($name:ident: $path:literal),* $(,)?) => {
-        $(#[path = $path] mod $name;)*
-
-        const NAMES: &[&str] = &[$(stringify!($name)),*];
+macro_rules! runs {
+    ($($name:ident),* $(,)?) => {
+        /// The examples that are run here.
+        const RUN: &[&str] = &[$(stringify!($name)),*];
 
         mod runs {
-            $(#[test] fn $name() { super::run(&super::$name::FEATURE); })*
+            $(#[test] fn $name() { super::run(&super::showcase::$name::FEATURE); })*
         }
     };
 }
 
-features! {
-    balloon: "../examples/balloon.rs",
-    bridge: "../examples/bridge.rs",
-    cloth_mesh: "../examples/cloth_mesh.rs",
-    crates: "../examples/crates.rs",
-    cut: "../examples/cut.rs",
-    drape: "../examples/drape.rs",
-    fan: "../examples/fan.rs",
-    flag: "../examples/flag.rs",
-    folds: "../examples/folds.rs",
-    layers: "../examples/layers.rs",
-    presets: "../examples/presets.rs",
-    ragdoll: "../examples/ragdoll.rs",
-    soft_ball: "../examples/soft_ball.rs",
-    tear: "../examples/tear.rs",
-    trampoline: "../examples/trampoline.rs",
+runs! {
+    balloon, bridge, cloth_mesh, crates, cut, drape, fan, flag, folds, layers, presets, ragdoll, soft_ball, tear,
+    trampoline,
 }
 
 fn run(feature: &Feature) -> FeatureReport {
@@ -47,6 +37,11 @@ fn run(feature: &Feature) -> FeatureReport {
 }
 
 #[test]
+fn the_showcase_shows_every_example_that_is_run_here() {
+    assert!(FEATURES.iter().map(|(name, _)| *name).eq(RUN.iter().copied()));
+}
+
+#[test]
 fn every_example_is_run_here_or_elsewhere() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
     let files = std::fs::read_dir(folder).expect("the examples");
@@ -54,18 +49,18 @@ fn every_example_is_run_here_or_elsewhere() {
     let names = paths.filter(|path| path.extension().is_some_and(|extension| extension == "rs"));
     for path in names {
         let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
-        assert!(NAMES.contains(&name) || OTHERS.contains(&name), "{name} is not tried");
+        assert!(RUN.contains(&name) || OTHERS.contains(&name), "{name} is not tried");
     }
 }
 
 #[test]
 fn a_cut_curtain_is_in_pieces() {
-    assert!(run(&cut::FEATURE).bodies >= 2, "what is cut off is a body of its own");
+    assert!(run(&showcase::cut::FEATURE).bodies >= 2, "what is cut off is a body of its own");
 }
 
 #[test]
 fn weak_cloth_tears_and_strong_cloth_holds() {
-    let report = run(&tear::FEATURE);
+    let report = run(&showcase::tear::FEATURE);
     assert_eq!(report.balls, 3);
     assert!(report.particles > 3 * 40 * 40, "no particle was split: {report:?}");
 }

@@ -58,6 +58,12 @@ pub mod scene_suite;
 mod scene_view;
 #[cfg(feature = "window")]
 pub mod scene_window;
+#[cfg(feature = "window")]
+mod showcase_panel;
+#[cfg(feature = "window")]
+pub mod showcase_window;
+#[cfg(feature = "window")]
+pub mod slider;
 pub mod soak;
 #[cfg(feature = "render")]
 pub mod studio;
