@@ -147,10 +147,9 @@ impl RigidTetrahedronBuilder {
 /// to what has become of it (the polar decomposition, after Higham 1986), about the middle of the four. None where they lie
 /// in a plane. Rounding may depend on the machine: for what is shown, not for what is simulated.
 pub fn placement_of(rest: [Vec3; 4], now: [Vec3; 4]) -> Option<Placement> {
-    let middle =
-        |places: [Vec3; 4]| places.into_iter().map(|place| place.as_dvec3()).sum::<glam::DVec3>() * 0.25;
+    let middle = |places: [Vec3; 4]| places.into_iter().map(Vec3::as_dvec3).sum::<glam::DVec3>() * 0.25;
     let edges = |places: [Vec3; 4]| {
-        let [origin, a, b, c] = places.map(|place| place.as_dvec3());
+        let [origin, a, b, c] = places.map(Vec3::as_dvec3);
         DMat3::from_cols(a - origin, b - origin, c - origin)
     };
     let mut turn = edges(now) * edges(rest).inverse();

@@ -134,7 +134,7 @@ impl EmbeddedPoint {
     /// The `point` that these `particles` carry when they are at `places`: its barycentric coordinates there. None where
     /// the four lie in a plane.
     pub fn new(particles: [u32; 4], places: [Vec3; 4], point: Vec3) -> Option<Self> {
-        let [origin, a, b, c] = places.map(|place| place.as_dvec3());
+        let [origin, a, b, c] = places.map(Vec3::as_dvec3);
         let axes = DMat3::from_cols(a - origin, b - origin, c - origin);
         let longest = axes.x_axis.length().max(axes.y_axis.length()).max(axes.z_axis.length());
         if axes.determinant().abs() <= FLAT * longest * longest * longest {
