@@ -25,7 +25,8 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cape, cloth_mesh, cut, drape, fan, flag, folds, layers, soft_ball, tear, trampoline,
+    balloon, bridge, cape, cloth_mesh, crates, cut, drape, fan, flag, folds, layers, presets, ragdoll,
+    soft_ball, tear, trampoline,
 }
 
 fn run(feature: &Feature) -> FeatureReport {

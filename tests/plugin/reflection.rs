@@ -41,6 +41,7 @@ fn components_and_resources_are_registered() {
     assert_component::<Projectile>(&app);
     assert_component::<ProjectileState>(&app);
     assert_component::<Rig>(&app);
+    assert_component::<RigidTetrahedron>(&app);
     assert_component::<Rope>(&app);
     assert_component::<SoftBall>(&app);
     assert_component::<SolverSettings>(&app);
@@ -106,13 +107,15 @@ mod both {
     /// Every name of the prelude, and the full one that it stands for.
     pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
         full_names! {
-            Activity ActivityCounts Attachment BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
-            CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
-            DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
-            DrapeSystems DynamicObstacle FireCannon FollowParticle FollowedParticle Grab Gusts HitTarget InRig Interpolated MotionLimitCounts MovedByFrame Obstacle ObstacleReaction
-            ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
-            SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportCloth TeleportObstacle Tie TiedParticles
-            Viewer Wind WindFlow WindRegion WindZone WorldMotion
+            Activity ActivityCounts Attachment BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents
+            ContactFeature CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts
+            DrapeContactEnded DrapeContactHit DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers
+            DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems DynamicObstacle FireCannon FollowParticle
+            FollowedParticle Grab Gusts HitTarget InRig Interpolated MotionLimitCounts MovedByFrame Obstacle
+            ObstacleReaction ObstacleShape Particle Particles Preset Pressure Projectile ProjectileState Quality
+            Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope SceneManager SelfContact SoftBall
+            SolverSettings Stick StickBound StickKind StickProjection StickTorn Sticks StructuralSolve Tearable
+            TeleportCloth TeleportObstacle Tie TiedParticles Viewer Wind WindFlow WindRegion WindZone WorldMotion
         }
         .into_iter()
     }

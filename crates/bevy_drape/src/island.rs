@@ -150,7 +150,8 @@ impl Island {
                 Ok(if self.taken < solver.substeps() { Stage::Integrate } else { Stage::Finish })
             }
             Stage::Finish => step::finish(solver).map(|()| {
-                self.extents.extend(solver.bodies.iter().map(|body| Extent::of(&body.particles)));
+                self.extents
+                    .extend(solver.bodies.iter().map(|body| Extent::of(&body.particles, &body.topology)));
                 let conflicts = solver.bodies.iter().map(|body| body.context.limit_conflicts());
                 self.limit_conflicts = conflicts.sum();
                 let bodies = solver.bodies.iter().map(Body::still_for);

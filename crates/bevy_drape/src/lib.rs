@@ -40,13 +40,16 @@ pub mod obstacle;
 pub mod particles;
 pub mod plugin;
 mod posed;
+pub mod preset;
 pub mod pressure;
 pub mod projectile;
+pub mod ragdoll;
 pub mod refusal;
 pub mod rig;
 mod rig_body;
 mod rig_compile;
 mod rig_transforms;
+pub mod rigid_tetrahedron;
 pub mod rope;
 mod scan;
 pub mod scene_manager;
@@ -108,10 +111,13 @@ pub mod prelude {
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
+        preset::Preset,
         pressure::Pressure,
         projectile::{Projectile, ProjectileState},
+        ragdoll::{Ragdoll, RagdollEntities},
         refusal::Refusals,
-        rig::{InRig, Particle, Rig, Stick, StickKind},
+        rig::{InRig, Particle, Rig, Stick, StickBound, StickKind},
+        rigid_tetrahedron::RigidTetrahedron,
         rope::Rope,
         scene_manager::{SceneManager, Viewer},
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},

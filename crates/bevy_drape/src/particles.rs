@@ -53,15 +53,17 @@ pub(crate) struct BodyState {
 /// Where the particles of a body are, and how fast.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Extent {
-    /// Least and greatest corner of their box.
+    /// Least and greatest corner of their box, and of what they carry.
     pub bounds: (Vec3, Vec3),
     /// Greatest speed of one of them in m/s.
     pub greatest_speed: f32,
 }
 
 impl Extent {
-    pub fn of(particles: &drape_solver::Particles) -> Self {
-        Self { bounds: particles.bounds(), greatest_speed: particles.greatest_speed() }
+    pub fn of(particles: &drape_solver::Particles, topology: &Topology) -> Self {
+        let (low, high) = particles.bounds();
+        let overhang = topology.overhang();
+        Self { bounds: (low - overhang, high + overhang), greatest_speed: particles.greatest_speed() }
     }
 }
 

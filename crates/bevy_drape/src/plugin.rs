@@ -39,6 +39,7 @@ use crate::obstacle::{
 };
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
 use crate::posed::move_posed;
+use crate::preset::Preset;
 use crate::pressure::{Pressure, wake_pressed};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
@@ -48,6 +49,7 @@ use crate::refusal::{Refusals, forget_despawned_body, forget_removed};
 use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
 use crate::rig_compile::compile_rigs;
 use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
+use crate::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedra, write_rigid_tetrahedra};
 use crate::rope::Rope;
 use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
@@ -121,7 +123,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
-            .register_type::<(SoftBall, Pressure)>()
+            .register_type::<(SoftBall, Pressure, RigidTetrahedron, Preset)>()
             .register_type::<(WorldMotion, TeleportCloth, MotionLimitCounts)>()
             .register_type::<(Attachment, Tie, TiedParticles, FollowParticle, FollowedParticle)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
@@ -160,6 +162,7 @@ impl Plugin for SolverPlugin {
             .add_message::<StickTorn>();
         app.add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
+            .add_observer(remove_described_body::<RigidTetrahedron>)
             .add_observer(remove_described_body::<SoftBall>)
             .add_observer(remove_ball)
             .add_observer(note_lost::<SolverSettings>)
@@ -183,6 +186,7 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_despawned_body)
             .add_observer(forget_removed::<Projectile>)
             .add_observer(forget_removed::<Rope>)
+            .add_observer(forget_removed::<RigidTetrahedron>)
             .add_observer(forget_removed::<SoftBall>)
             .add_observer(forget_removed::<Tearable>)
             .add_observer(forget_removed::<WindZone>)
@@ -203,6 +207,7 @@ impl Plugin for SolverPlugin {
                     (
                         build_described::<Cloth>,
                         build_described::<Rope>,
+                        build_described::<RigidTetrahedron>,
                         build_described::<SoftBall>,
                         build_projectiles,
                     )
@@ -215,6 +220,7 @@ impl Plugin for SolverPlugin {
                         move_attached,
                         teleport_projectiles,
                         follow_rig_transforms,
+                        teleport_rigid_tetrahedra,
                         pull_grabbed,
                     )
                         .chain(),
@@ -232,6 +238,7 @@ impl Plugin for SolverPlugin {
                     write_projectile_transforms,
                     write_rig_transforms,
                     follow_particles,
+                    write_rigid_tetrahedra,
                     tear_bodies,
                     count_activity,
                 )

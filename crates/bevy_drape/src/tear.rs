@@ -290,7 +290,7 @@ impl Tearing<'_, '_> {
         self.commands.entity(entity).insert(mesh);
         state.context = body.context;
         state.pins = pins_after(&state, &origins);
-        state.extent = Extent::of(&body.particles);
+        state.extent = Extent::of(&body.particles, &body.topology);
         particles.0 = body.particles;
         sticks.0 = body.topology;
     }
@@ -302,7 +302,7 @@ impl Tearing<'_, '_> {
             order: self.order.next(),
             anchor: state.anchor,
             pins: pins_after(state, origins),
-            extent: Extent::of(&piece.particles),
+            extent: Extent::of(&piece.particles, &piece.topology),
             settings: state.settings,
             layers: state.layers,
             ..BodyState::default()

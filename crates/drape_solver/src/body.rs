@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use crate::columns::Columns;
+use crate::contact_embedded_obstacle::EmbeddedContacts;
 use crate::contact_face_obstacle::FaceContacts;
 use crate::contact_particle_obstacle::ObstacleContacts;
 use crate::frame_motion::SubstepMotion;
@@ -63,6 +64,7 @@ pub struct BodyContext {
     pub(crate) integrated: Columns,
     pub(crate) contacts: ObstacleContacts,
     pub(crate) faces: FaceContacts,
+    pub(crate) embedded: EmbeddedContacts,
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,

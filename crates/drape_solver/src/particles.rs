@@ -234,6 +234,17 @@ impl Particles {
         self.disturb();
     }
 
+    /// Puts particle `i` at `position`, as it goes on from where it was `dt` seconds before, at `previous` (world, metres): with
+    /// the velocity of an animation that it was part of, from two of its frames. A pinned particle gets no velocity. This is
+    /// Jakobsen's `x*` taken from a pose.
+    pub fn set_motion(&mut self, i: usize, previous: Vec3, position: Vec3, dt: f32) {
+        self.set_position(i, position);
+        let velocity = (position - previous) / dt;
+        if !self.is_pinned(i) && velocity.is_finite() {
+            self.set_velocity(i, velocity);
+        }
+    }
+
     /// Changes the momentum of particle `i` by `impulse` (newton seconds). This is Jakobsen's impulse by moving
     /// `x*`: the position stays, the velocity changes by `impulse / mass`. A pinned particle does not react.
     pub fn apply_impulse(&mut self, i: usize, impulse: Vec3) {

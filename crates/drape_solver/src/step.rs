@@ -31,9 +31,9 @@ use crate::{
     dynamic_obstacle,
 };
 use crate::{
-    contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle,
-    contact_particle_dynamic as particle_dynamic, contact_report, force, impact_zone, integrate as verlet,
-    motion_limit, obstacle_search, reaction, rest, stick, volume,
+    contact_ball_obstacle as ball_obstacle, contact_embedded_obstacle as embedded_obstacle,
+    contact_face_obstacle as face_obstacle, contact_particle_dynamic as particle_dynamic, contact_report,
+    force, impact_zone, integrate as verlet, motion_limit, obstacle_search, reaction, rest, stick, volume,
 };
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -198,6 +198,7 @@ pub fn integrate(island: &mut Island, environment: &Environment) {
     for body in &mut island.bodies {
         sweep::integrate(body, around);
         face_obstacle::begin_substep(body, around, &island.context.movers);
+        embedded_obstacle::begin_substep(body);
     }
     for ball in &mut island.balls {
         let acceleration = environment.gravity + ball.force * ball.inverse_mass;
@@ -252,6 +253,7 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
         stick::damp(&mut body.particles, &body.topology, &body.context.damping);
         sweep::apply_friction(body, around);
         face_obstacle::apply_friction(body, around, &mut island.context.movers);
+        embedded_obstacle::apply_friction(body, around, &mut island.context.movers);
         particle_dynamic::apply_friction(body, around, &mut island.context.movers);
     }
     for ball in &mut island.balls {
@@ -333,6 +335,7 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
     let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
         face_obstacle::project(body, around, &mut island.context.movers);
+        embedded_obstacle::project(body, around, &mut island.context.movers);
         sweep::project_contacts(body, around, index);
         particle_dynamic::project(body, around, &mut island.context.movers, index == 0);
     }

@@ -116,7 +116,8 @@ pub(crate) fn is_all_stages(body: &Body) -> bool {
     // Damping is no stage, and how many iterations a tolerance takes is not known beforehand.
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     // Self-contact meets all of the body at once, and faces more than a strip of it.
-    let is_in_strips = !contact_self::is_on(body) && body.context.faces.is_empty();
+    let is_in_strips =
+        !contact_self::is_on(body) && body.context.faces.is_empty() && body.context.embedded.is_empty();
     // Pressure is felt by the whole body.
     let has_pressure = body.pressure > 0.0;
     is_fixed && is_in_strips && !has_pressure && body.context.damping.iter().all(|&d| d == 0.0)

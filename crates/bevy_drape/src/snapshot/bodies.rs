@@ -9,6 +9,7 @@ use crate::grab::Grab;
 use crate::layers::DrapeLayers;
 use crate::particles::{BodyState, Extent, Particles, Sticks};
 use crate::rig::Rig;
+use crate::rigid_tetrahedron::RigidPlace;
 use crate::settings::SolverSettings;
 use crate::snapshot::attachments::{self, AttachmentSnapshot};
 use crate::snapshot::motions::{self, MotionSnapshot};
@@ -128,6 +129,9 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
             activity.set_if_neq(body.activity);
         }
         body.placed.restore(&mut entity);
+        if let Some(mut place) = entity.get_mut::<RigidPlace>() {
+            place.set(body.placed.transform());
+        }
         // A rig has the settings of one of its particles.
         if !entity.contains::<Rig>() {
             put_component(&mut entity, body.own_settings.as_ref());

@@ -18,7 +18,8 @@ fn balloon(height: f32, pressure: f32) -> Body {
     let settings = SolverSettings { drag: 0.2, ..SolverSettings::default() };
     let mut body = joined(&places, &vec![1.0 / mass; places.len()], &[], settings);
     let mut builder = TopologyBuilder::new(&places);
-    let material = StickMaterial { kind: StickKind::Structural, stiffness: 0.8, damping: 2.0 };
+    let material =
+        StickMaterial { stiffness: 0.8, damping: 2.0, ..StickMaterial::rigid(StickKind::Structural) };
     builder.family(material, edges(&faces)).expect("valid").faces(faces).expect("valid");
     body.topology = Arc::new(builder.build().expect("valid"));
     body.pressure = pressure;
@@ -247,7 +248,7 @@ fn a_balloon_that_is_blown_up_too_far_does_not_spin() {
     let faces = body.topology.faces().to_vec();
     let places: Vec<Vec3> = (0..body.particles.len()).map(|i| body.particles.position(i)).collect();
     let mut builder = TopologyBuilder::new(&places);
-    let rigid = StickMaterial { kind: StickKind::Structural, stiffness: 1.0, damping: 0.0 };
+    let rigid = StickMaterial::rigid(StickKind::Structural);
     builder.family(rigid, edges(&faces)).expect("valid").faces(faces).expect("valid");
     body.topology = Arc::new(builder.build().expect("valid"));
     let mut island = Island::of_body(body);
