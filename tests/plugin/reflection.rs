@@ -103,10 +103,10 @@ mod both {
             Activity ActivityCounts BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
             CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
             DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
-            DrapeSystems DynamicObstacle FireCannon Grab Gusts HitTarget InRig Interpolated Obstacle ObstacleReaction
-            ObstacleShape Particle Particles Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
+            DrapeSystems DynamicObstacle FireCannon Grab Gusts Hand HitTarget InRig Interpolated Obstacle ObstacleReaction
+            ObstacleShape Particle Particles PlaneLock Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
             SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
-            Viewer Wind WindFlow WindRegion WindZone
+            Viewer Winch Wind WindFlow WindRegion WindZone
         }
         .into_iter()
     }
@@ -134,9 +134,13 @@ fn names_in_source() -> Vec<&'static str> {
 #[test]
 fn the_test_above_knows_every_name() {
     /// Those that exist only with some feature.
-    const OPTIONAL: [&str; 5] = ["ClothMesh", "ClothPaint", "DrapeGizmos", "PaintChannel", "WeldedVertices"];
+    const OPTIONAL: [&str; 7] =
+        ["ClothMesh", "ClothPaint", "Draggable", "DrapeGizmos", "PaintChannel", "RopeMesh", "WeldedVertices"];
+    const TRAITS: [&str; 1] = ["Gestures"];
     for name in names_in_source() {
-        let is_known = OPTIONAL.contains(&name) || both::names().any(|(known, _)| known == name);
+        let is_known = OPTIONAL.contains(&name)
+            || TRAITS.contains(&name)
+            || both::names().any(|(known, _)| known == name);
         assert!(is_known, "add {name} to the list of `both`");
     }
 }

@@ -13,6 +13,7 @@ pub mod contact_events;
 mod description;
 pub mod dynamic_obstacle;
 pub mod environment;
+pub mod gestures;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
@@ -30,15 +31,21 @@ pub mod mesh_reading;
 mod normals;
 pub mod obstacle;
 pub mod particles;
+#[cfg(feature = "picking")]
+pub mod picking;
+pub mod plane_lock;
 pub mod plugin;
 pub mod pressure;
 pub mod projectile;
+pub mod ray_cast;
 pub mod refusal;
 pub mod rig;
 mod rig_body;
 mod rig_compile;
 mod rig_transforms;
 pub mod rope;
+#[cfg(feature = "mesh")]
+pub mod rope_mesh;
 mod scan;
 pub mod scene_manager;
 pub mod schedule;
@@ -53,10 +60,13 @@ pub mod tear;
 mod torn_mesh;
 mod transforms;
 #[cfg(feature = "mesh")]
+mod tube;
+#[cfg(feature = "mesh")]
 mod vertex_map;
 #[cfg(feature = "mesh")]
 mod visibility;
 mod waking;
+pub mod winch;
 pub mod wind_zone;
 
 pub use drape_solver;
@@ -74,6 +84,12 @@ pub mod prelude {
     #[cfg(feature = "gizmos")]
     #[doc(inline)]
     pub use crate::gizmos::DrapeGizmos;
+    #[cfg(feature = "picking")]
+    #[doc(inline)]
+    pub use crate::picking::Draggable;
+    #[cfg(feature = "mesh")]
+    #[doc(inline)]
+    pub use crate::rope_mesh::RopeMesh;
     #[doc(inline)]
     pub use crate::{
         activity::{Activity, ActivityCounts},
@@ -86,12 +102,14 @@ pub mod prelude {
         },
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},
-        grab::Grab,
+        gestures::Gestures,
+        grab::{Grab, Hand},
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
         layers::DrapeLayers,
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
+        plane_lock::PlaneLock,
         plugin::DrapePlugins,
         pressure::Pressure,
         projectile::{Projectile, ProjectileState},
@@ -105,6 +123,7 @@ pub mod prelude {
         },
         soft_ball::SoftBall,
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
+        winch::Winch,
         wind_zone::{WindFlow, WindRegion, WindZone},
     };
 }

@@ -22,7 +22,7 @@ use crate::contact_events::{
 use crate::description::{build_described, remove_described_body};
 use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
 use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
-use crate::grab::{Grab, pull_grabbed};
+use crate::grab::{Grab, Hand, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
 use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
@@ -33,6 +33,7 @@ use crate::obstacle::{
     note_gone_obstacle, sync_obstacles,
 };
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::plane_lock::{PlaneLock, lock_planes};
 use crate::pressure::{Pressure, wake_pressed};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
@@ -50,6 +51,7 @@ use crate::soft_ball::SoftBall;
 use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
+use crate::winch::{Winch, turn_winches};
 use crate::wind_zone::{WindFlow, WindRegion, WindZone};
 
 /// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
@@ -91,6 +93,8 @@ impl PluginGroup for DrapePlugins {
             .add(InterpolationPlugin);
         #[cfg(feature = "mesh")]
         let plugins = plugins.add(crate::mesh::MeshPlugin::new(self.schedule));
+        #[cfg(feature = "picking")]
+        let plugins = plugins.add(crate::picking::DrapePickingPlugin);
         #[cfg(feature = "gizmos")]
         let plugins = plugins.add(crate::gizmos::GizmosPlugin);
         plugins
@@ -109,11 +113,11 @@ impl Plugin for SolverPlugin {
             .register_type::<(Projectile, ProjectileState, Cannon, Viewer, Quality)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
             .register_type::<(DynamicObstacle, ObstacleReaction, TeleportObstacle)>()
-            .register_type::<(Particle, Stick, Rig, InRig, Grab)>()
+            .register_type::<(Particle, Stick, Rig, InRig, Grab, Hand)>()
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
-            .register_type::<(SoftBall, Pressure)>()
+            .register_type::<(SoftBall, Pressure, Winch, PlaneLock)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
             .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
@@ -172,6 +176,7 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_removed::<Rope>)
             .add_observer(forget_removed::<SoftBall>)
             .add_observer(forget_removed::<Tearable>)
+            .add_observer(forget_removed::<Winch>)
             .add_observer(forget_removed::<WindZone>);
         configure(app);
         app.add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate));
@@ -195,7 +200,8 @@ impl Plugin for SolverPlugin {
                         .chain(),
                     (compile_rigs, cut_bodies).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
-                    (move_pins, teleport_projectiles, follow_rig_transforms, pull_grabbed).chain(),
+                    (move_pins, teleport_projectiles, follow_rig_transforms, turn_winches, pull_grabbed)
+                        .chain(),
                     (wake_pressed, pay_attention, wake, cull).chain(),
                 )
                     .chain()
@@ -205,6 +211,7 @@ impl Plugin for SolverPlugin {
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
                 (
                     finish_islands,
+                    lock_planes,
                     give_reactions,
                     send_contacts,
                     write_projectile_transforms,

@@ -72,6 +72,20 @@ impl CutCloth {
         Self { blade: vec![[hilt, tip, new_tip], [hilt, new_tip, new_hilt]], only: None }
     }
 
+    /// What a blade cuts whose middle moves along `path`, and which reaches `depth` to both sides of it: both in the world, in metres.
+    pub fn along(path: impl IntoIterator<Item = Vec3>, depth: Vec3) -> Self {
+        let mut blade = Vec::new();
+        let mut path = path.into_iter();
+        let mut from = path.next();
+        for to in path {
+            if let Some(from) = from {
+                blade.extend(Self::sweep([from - depth, from + depth], [to - depth, to + depth]).blade);
+            }
+            from = Some(to);
+        }
+        Self { blade, only: None }
+    }
+
     /// What lies between two rays, up to `length` metres away: a stroke of the pointer across the screen.
     pub fn between(from: Ray3d, to: Ray3d, length: f32) -> Self {
         Self::sweep([from.origin, from.get_point(length)], [to.origin, to.get_point(length)])
@@ -161,7 +175,7 @@ pub(crate) struct Tearing<'w, 's> {
     order: ResMut<'w, CreationOrder>,
     refusals: ResMut<'w, Refusals>,
     torn_meshes: Query<'w, 's, &'static TornMesh>,
-    grabs: Query<'w, 's, &'static mut Grab>,
+    grabs: Query<'w, 's, &'static Grab>,
     torn: MessageWriter<'w, StickTorn>,
     split: MessageWriter<'w, BodySplit>,
 }
@@ -271,8 +285,12 @@ impl Tearing<'_, '_> {
             self.split.write(split.clone());
             self.commands.trigger(split);
         }
-        if let Ok(mut grab) = self.grabs.get_mut(entity) {
-            grab.follow(&origins);
+        if let Ok(grab) = self.grabs.get(entity) {
+            let held = grab.on(&origins);
+            match held {
+                Some(held) => drop(self.commands.entity(entity).insert(held)),
+                None => drop(self.commands.entity(entity).remove::<Grab>()),
+            }
         }
         let mesh = self.torn_mesh(entity, &origins);
         self.commands.entity(entity).insert(mesh);
@@ -295,6 +313,7 @@ impl Tearing<'_, '_> {
             layers: state.layers,
             ..BodyState::default()
         };
+        let grab = self.grabs.get(from).ok().and_then(|grab| grab.on(origins));
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
         let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
@@ -305,11 +324,16 @@ impl Tearing<'_, '_> {
                 crate::cloth_mesh_build::MeshOfCloth,
                 crate::cloth_mesh::WeldedVertices,
                 crate::surface::Surface,
+                crate::rope_mesh::RopeSurface,
                 Mesh3d,
+                Mesh2d,
                 bevy::camera::primitives::Aabb,
             )>();
         });
         spawned.insert(own);
+        if let Some(grab) = grab {
+            spawned.insert(grab);
+        }
         spawned.id()
     }
 
