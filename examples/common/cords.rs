@@ -1,8 +1,11 @@
 //! What has no surface, as ropes and rigs, drawn as cords.
 
 use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::NoFrustumCulling;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_solver::StickKind;
 
 /// Sides of a cord.
 const SIDES: u32 = 6;
@@ -10,6 +13,15 @@ const SIDES: u32 = 6;
 const RADIUS: f32 = 0.012;
 /// Colour of cords.
 pub const COLOUR: Color = Color::srgb(0.36, 0.24, 0.14);
+
+/// Draws every body without a surface.
+pub struct CordsPlugin;
+
+impl Plugin for CordsPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Update, dress_cords).add_systems(PostUpdate, (write_cords, drop_cords));
+    }
+}
 
 /// A mesh without anything, for [`write`].
 pub fn empty() -> Mesh {
@@ -48,5 +60,58 @@ pub fn material() -> StandardMaterial {
         double_sided: true,
         cull_mode: None,
         ..default()
+    }
+}
+
+/// Shows the cords of a body: of its structural sticks, as it has no surface.
+#[derive(Component)]
+struct CordsOf(Entity);
+
+/// Marks a body whose cords are shown.
+#[derive(Component)]
+struct HasCords;
+
+fn dress_cords(
+    bodies: Query<(Entity, &Sticks), Without<HasCords>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, sticks) in &bodies {
+        commands.entity(entity).insert(HasCords);
+        if sticks.faces().is_empty() {
+            commands.spawn((
+                CordsOf(entity),
+                Mesh3d(meshes.add(empty())),
+                MeshMaterial3d(materials.add(material())),
+                // Its bounds change with every step.
+                NoFrustumCulling,
+            ));
+        }
+    }
+}
+
+fn write_cords(
+    cords: Query<(&CordsOf, &Mesh3d)>,
+    bodies: Query<(&Particles, &Sticks)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+) {
+    for (&CordsOf(body), mesh) in &cords {
+        let (Ok((particles, sticks)), Some(mut mesh)) = (bodies.get(body), meshes.get_mut(mesh)) else {
+            continue;
+        };
+        let structural = sticks.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
+        let ends = structural
+            .flat_map(drape_solver::StickBatch::range)
+            .map(|stick| sticks.stick(stick).map(|end| particles.position(end as usize)));
+        write(&mut mesh, ends);
+    }
+}
+
+fn drop_cords(cords: Query<(Entity, &CordsOf)>, bodies: Query<(), With<Particles>>, mut commands: Commands) {
+    for (entity, &CordsOf(body)) in &cords {
+        if !bodies.contains(body) {
+            commands.entity(entity).despawn();
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! What the examples are made of.
 //!
-//! Modules that begin with `scene_` are the runner of scripted scenes; the others are the cannon demo: scene, recorder,
-//! report, and the ways to watch it.
+//! Modules that begin with `scene_` are the runner of scripted scenes, those that begin with `feature` what the examples of
+//! single features share; the others are the cannon demo: scene, recorder, report, and the ways to watch it.
 //!
 //! The demo is the founding experiment of the method (Liu Yuan 2019): a cannon bombards a curtain; the ball flies,
 //! hits, and the curtain finds its rest again.
@@ -17,6 +17,13 @@ mod clock_keys;
 pub mod controls;
 #[cfg(feature = "render")]
 mod cords;
+pub mod feature;
+#[cfg(feature = "render")]
+mod feature_dress;
+#[cfg(feature = "render")]
+mod feature_picture;
+#[cfg(feature = "window")]
+mod feature_window;
 #[cfg(feature = "render")]
 pub mod frames;
 pub mod headless;
@@ -51,6 +58,12 @@ pub mod scene_suite;
 mod scene_view;
 #[cfg(feature = "window")]
 pub mod scene_window;
+#[cfg(feature = "window")]
+mod showcase_panel;
+#[cfg(feature = "window")]
+pub mod showcase_window;
+#[cfg(feature = "window")]
+pub mod slider;
 pub mod soak;
 #[cfg(feature = "render")]
 pub mod studio;
@@ -66,3 +79,8 @@ pub mod window;
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
+
+/// Compiles the examples of the guide.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/guide.md")]
+pub struct Guide;

@@ -1,13 +1,11 @@
 //! What the bodies and obstacles of a running scene look like: the materials that the scene gives them.
 
-use bevy::camera::visibility::NoFrustumCulling;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use bevy_drape_script::scene;
-use drape_solver::StickKind;
 
-use crate::cords;
+use crate::cords::CordsPlugin;
 use crate::scene_forms::{meshes_of, solid};
 use crate::visuals::{EARTH, OutdoorsPlugin, Wardrobe};
 
@@ -19,9 +17,7 @@ pub struct DressPlugin;
 
 impl Plugin for DressPlugin {
     fn build(&self, app: &mut App) {
-        app.add_plugins(OutdoorsPlugin)
-            .add_systems(Update, (dress_cloths, dress_obstacles, dress_cords))
-            .add_systems(PostUpdate, (write_cords, drop_cords));
+        app.add_plugins((OutdoorsPlugin, CordsPlugin)).add_systems(Update, (dress_cloths, dress_obstacles));
     }
 }
 
@@ -84,59 +80,6 @@ fn dress_obstacles(
         let material = materials.add(solid(own.as_ref().map_or(usual, colour)));
         for (mesh, place) in meshes_of(&told.shape) {
             dressed.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()), place));
-        }
-    }
-}
-
-/// Shows the cords of a body: of its structural sticks, as it has no surface.
-#[derive(Component)]
-struct CordsOf(Entity);
-
-/// Marks a body whose cords are shown.
-#[derive(Component)]
-struct HasCords;
-
-fn dress_cords(
-    bodies: Query<(Entity, &Sticks), Without<HasCords>>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-    mut commands: Commands,
-) {
-    for (entity, sticks) in &bodies {
-        commands.entity(entity).insert(HasCords);
-        if sticks.faces().is_empty() {
-            commands.spawn((
-                CordsOf(entity),
-                Mesh3d(meshes.add(cords::empty())),
-                MeshMaterial3d(materials.add(cords::material())),
-                // Its bounds change with every step.
-                NoFrustumCulling,
-            ));
-        }
-    }
-}
-
-fn write_cords(
-    cords: Query<(&CordsOf, &Mesh3d)>,
-    bodies: Query<(&Particles, &Sticks)>,
-    mut meshes: ResMut<Assets<Mesh>>,
-) {
-    for (&CordsOf(body), mesh) in &cords {
-        let (Ok((particles, sticks)), Some(mut mesh)) = (bodies.get(body), meshes.get_mut(mesh)) else {
-            continue;
-        };
-        let structural = sticks.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
-        let ends = structural
-            .flat_map(drape_solver::StickBatch::range)
-            .map(|stick| sticks.stick(stick).map(|end| particles.position(end as usize)));
-        cords::write(&mut mesh, ends);
-    }
-}
-
-fn drop_cords(cords: Query<(Entity, &CordsOf)>, bodies: Query<(), With<Particles>>, mut commands: Commands) {
-    for (entity, &CordsOf(body)) in &cords {
-        if !bodies.contains(body) {
-            commands.entity(entity).despawn();
         }
     }
 }

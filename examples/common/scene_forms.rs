@@ -11,7 +11,7 @@ use drape_solver::parry3d::transformation::try_convex_hull;
 const PLANE: f32 = 600.0;
 
 /// A mesh, and where it is in the obstacle's coordinates.
-type Placed = (Mesh, Transform);
+pub type Placed = (Mesh, Transform);
 
 /// What an obstacle of a recording looks like. None for the inside of a box.
 pub fn mesh_of(form: Form) -> Option<Placed> {
@@ -80,7 +80,7 @@ fn plane(normal: Vec3) -> Placed {
 }
 
 /// Triangles with edges that are seen.
-fn flat(corners: &[Vec3], triangles: &[[u32; 3]]) -> Mesh {
+pub fn flat(corners: &[Vec3], triangles: &[[u32; 3]]) -> Mesh {
     let corner = |index: &u32| corners.get(*index as usize).copied().unwrap_or_default();
     let positions: Vec<Vec3> = triangles.iter().flatten().map(corner).collect();
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())

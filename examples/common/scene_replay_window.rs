@@ -13,6 +13,7 @@ use crate::scene_forms::{material_of, mesh_of};
 use crate::scene_panel::Panel;
 use crate::scene_replay::{ReplayError, load};
 use crate::scene_window::app;
+use crate::slider::{Slider, SliderPlugin};
 use crate::visuals::{EARTH, Wardrobe};
 use crate::window::WindowError;
 
@@ -39,6 +40,7 @@ pub fn run(path: &Path) -> Result<bool, ReplayWindowError> {
     let recording = load(path)?;
     let mut app = app(&format!("{}: {}", path.display(), recording.header().scene))?;
     let exit = app
+        .add_plugins(SliderPlugin)
         .insert_resource(Replay::new(recording))
         .add_systems(Startup, (spawn_bar, spawn_actors))
         .add_systems(Update, (control, scrub, play, show, tell).chain())
@@ -87,14 +89,11 @@ impl Replay {
 #[derive(Component)]
 struct Actor(usize);
 
-/// The bar at the bottom, and the part of it that is over.
+/// The bar at the bottom.
 #[derive(Component)]
 struct Bar;
 
-#[derive(Component)]
-struct Done;
-
-fn spawn_bar(mut commands: Commands) {
+fn spawn_bar(mut commands: Commands, replay: Res<Replay>) {
     let bar = Node {
         position_type: PositionType::Absolute,
         bottom: px(10),
@@ -103,10 +102,7 @@ fn spawn_bar(mut commands: Commands) {
         height: px(24),
         ..default()
     };
-    let done = Node { width: percent(0), height: percent(100), ..default() };
-    commands
-        .spawn((Bar, Interaction::default(), bar, BackgroundColor(Color::srgba(0.05, 0.05, 0.07, 0.6))))
-        .with_child((Done, done, BackgroundColor(Color::srgb(0.85, 0.55, 0.2))));
+    commands.spawn((Bar, Slider::new(0.0, replay.last().max(1) as f32), bar));
 }
 
 fn spawn_actors(
@@ -188,20 +184,14 @@ fn control(keys: Res<ButtonInput<KeyCode>>, mut replay: ResMut<Replay>) {
     }
 }
 
-/// Goes to where the bar is held.
-fn scrub(
-    bars: Query<(&Interaction, &ComputedNode, &UiGlobalTransform), With<Bar>>,
-    windows: Query<&Window>,
-    mut replay: ResMut<Replay>,
-) {
-    for (interaction, node, transform) in &bars {
-        let Some(pointer) = windows.iter().find_map(Window::physical_cursor_position) else { continue };
-        if *interaction == Interaction::Pressed
-            && let Some(place) = node.normalize_point(*transform, pointer)
-        {
-            let part = (place.x + 0.5).clamp(0.0, 1.0);
-            replay.frame = (part * replay.last() as f32).round() as usize;
+/// Goes to where the bar is held; where it is not, the bar goes along.
+fn scrub(mut bars: Query<&mut Slider, With<Bar>>, mut replay: ResMut<Replay>) {
+    for mut bar in &mut bars {
+        if bar.is_held {
+            replay.frame = bar.value.round() as usize;
             replay.is_playing = false;
+        } else if bar.value != replay.frame as f32 {
+            bar.value = replay.frame as f32;
         }
     }
 }
@@ -257,7 +247,7 @@ fn show(
     }
 }
 
-fn tell(replay: Res<Replay>, mut panel: ResMut<Panel>, mut done: Query<&mut Node, With<Done>>) {
+fn tell(replay: Res<Replay>, mut panel: ResMut<Panel>) {
     let (frame, last) = (replay.frame, replay.last());
     let header = replay.cursor.recording().header();
     let state = if replay.is_playing { "" } else { ", paused" };
@@ -266,7 +256,4 @@ fn tell(replay: Res<Replay>, mut panel: ResMut<Panel>, mut done: Query<&mut Node
         text += &fault.to_string();
     }
     panel.show(&text, HELP);
-    for mut node in &mut done {
-        node.width = percent(100.0 * frame as f32 / last.max(1) as f32);
-    }
 }

@@ -5,6 +5,9 @@ use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use bevy_drape_script::scene::Camera as SceneCamera;
 
+#[cfg(feature = "window")]
+use crate::orbit::Orbit;
+
 /// Vertical angle of view where no camera says another, in degrees.
 const FIELD_OF_VIEW: f32 = 45.0;
 /// From where it is looked at: angle to the right, and above the horizon, in radians.
@@ -31,6 +34,15 @@ impl View {
             target: camera.look_at.get(),
             field_of_view: camera.field_of_view.get().to_radians(),
         }
+    }
+
+    /// The same as a camera that circles about what it looks at.
+    #[cfg(feature = "window")]
+    pub fn orbit(&self) -> Orbit {
+        let offset = self.eye - self.target;
+        let distance = offset.length().max(0.1);
+        let pitch = (offset.y / distance).clamp(-1.0, 1.0).asin();
+        Orbit { target: self.target, yaw: offset.x.atan2(offset.z), pitch, distance }
     }
 
     /// Puts a camera there.

@@ -54,6 +54,16 @@ pub fn run(arguments: &SceneArguments) -> Result<bool, SceneWindowError> {
 /// # Errors
 /// [`WindowError`] if there is no display, or nothing to draw with.
 pub(crate) fn app(title: &str) -> Result<App, WindowError> {
+    let mut app = bare_app(title)?;
+    app.add_plugins(DressPlugin);
+    Ok(app)
+}
+
+/// The same with bodies and obstacles that nothing dresses.
+///
+/// # Errors
+/// [`WindowError`] if there is no display, or nothing to draw with.
+pub(crate) fn bare_app(title: &str) -> Result<App, WindowError> {
     if !has_display() {
         return Err(WindowError::NoDisplay);
     }
@@ -61,7 +71,7 @@ pub(crate) fn app(title: &str) -> Result<App, WindowError> {
     let window = Window { title: title.to_string(), resolution: UVec2::new(1280, 720).into(), ..default() };
     let plugins = DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() });
     let mut app = App::new();
-    app.add_plugins((plugins, DrapePlugins::default(), OrbitPlugin, DressPlugin))
+    app.add_plugins((plugins, DrapePlugins::default(), OrbitPlugin))
         .add_systems(Startup, (spawn_camera, spawn_panel))
         .add_systems(Update, quit)
         .add_systems(PostUpdate, write_panel);
@@ -164,14 +174,7 @@ fn look(
             continue;
         };
         show.framed = None;
-        let offset = view.eye - view.target;
-        let distance = offset.length().max(0.1);
-        *orbit = Orbit {
-            target: view.target,
-            yaw: offset.x.atan2(offset.z),
-            pitch: (offset.y / distance).clamp(-1.0, 1.0).asin(),
-            distance,
-        };
+        *orbit = view.orbit();
         view.apply(&mut transform, &mut projection);
     }
 }

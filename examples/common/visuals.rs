@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 use crate::cannon_model::{aim_model, build_cannon};
+use crate::feature::Paint;
 use crate::scene::{Curtain, Ground, curtain_clearance, curtain_size};
 use crate::textures;
 
@@ -203,15 +204,19 @@ fn dress_ground(
 fn dress_ball(
     added: On<Add, Projectile>,
     mut commands: Commands,
-    balls: Query<&Projectile>,
+    balls: Query<(&Projectile, Option<&Paint>)>,
     wardrobe: Res<Wardrobe>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let Ok(ball) = balls.get(added.entity) else {
+    let Ok((ball, paint)) = balls.get(added.entity) else {
         return;
     };
+    let painted = paint.map(|&Paint(colour)| {
+        materials.add(StandardMaterial { base_color: colour, perceptual_roughness: 0.4, ..default() })
+    });
     commands.entity(added.entity).insert((Interpolated, Visibility::default())).with_child((
         Mesh3d(wardrobe.sphere.clone()),
-        MeshMaterial3d(wardrobe.ball.clone()),
+        MeshMaterial3d(painted.unwrap_or(wardrobe.ball.clone())),
         Transform::from_scale(Vec3::splat(ball.radius)),
     ));
 }

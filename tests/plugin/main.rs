@@ -10,6 +10,7 @@ mod components;
 mod contact_events;
 mod culling;
 mod despawning;
+mod diagnostics;
 mod drape;
 mod dynamic_obstacles;
 mod gestures;

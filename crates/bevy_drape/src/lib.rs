@@ -11,6 +11,7 @@ pub mod cloth_mesh;
 mod cloth_mesh_build;
 pub mod contact_events;
 mod description;
+pub mod diagnostics;
 pub mod dynamic_obstacle;
 pub mod environment;
 pub mod gestures;
@@ -100,6 +101,7 @@ pub mod prelude {
             ContactEvents, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded,
             DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
         },
+        diagnostics::DrapeDiagnosticsPlugin,
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},
         gestures::Gestures,

@@ -110,6 +110,10 @@ pub(crate) fn rebound(island: &mut Island) {
         };
         let weight = a.inverse_mass + b.inverse_mass;
         let change = rebound.displacement - (a.displacement - b.displacement).dot(pair.normal);
+        if change <= 0.0 {
+            // Other contacts have parted them already, and faster: none pulls.
+            continue;
+        }
         pair.depth += change;
         for (ball, other, sign) in [(pair.a, pair.b, 1.0), (pair.b, pair.a, -1.0)] {
             add_impulse(touches, ball, Other::Ball(other), change / (weight * context.substep));

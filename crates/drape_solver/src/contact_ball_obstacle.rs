@@ -201,6 +201,10 @@ pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
         let carried = point - pair.before.point_to_world(pair.now.to_local(point));
         let share = own_share(ball, mover.as_deref(), point, pair.normal);
         let change = share * (rebound.displacement - (ball.displacement - carried).dot(pair.normal));
+        if change <= 0.0 {
+            // Another contact has thrown it back already, and faster: none pulls.
+            continue;
+        }
         pair.depth += change;
         let impulse = change * ball.material.mass / context.substep;
         add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);

@@ -101,3 +101,23 @@ fn a_bouncing_ball_comes_to_rest() {
     assert!(island.balls[0].velocity().length() < 0.05, "at rest: {}", island.balls[0].velocity());
     assert!((island.balls[0].position().y - 0.1).abs() < 1e-3);
 }
+
+/// Two floors in the same place throw a ball back as one does. The second used to pull where the first had thrown it
+/// faster, its friction then had a push below zero, and the ball was no number any more.
+#[test]
+fn a_second_floor_in_the_same_place_does_not_pull() {
+    for speed in [20.0, 40_000.0] {
+        let fall = |floors: usize| {
+            let mut island =
+                Island::of_ball(ball(bouncy(1e-3, 1e-3, 0.0), Vec3::Y * 0.1, Vec3::NEG_Y * speed));
+            let floor = obstacle(Shape::HalfSpace { normal: Vec3::Y }, Vec3::ZERO, 5.0);
+            let floor = floor.with_restitution(0.5).expect("valid");
+            let environment = Environment { obstacles: vec![floor; floors].into(), ..weightless(FRAME) };
+            run(&mut island, &environment, 0.1);
+            island.balls[0].velocity().y
+        };
+        let (one, two) = (fall(1), fall(2));
+        assert!((two - one).abs() < 1e-3 * one, "{one} m/s from one floor, {two} m/s from two");
+        assert!((one - 0.25 * speed).abs() < 0.02 * one, "{one} m/s after {speed} m/s");
+    }
+}

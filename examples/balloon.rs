@@ -1,0 +1,41 @@
+//! Air in closed cloth: the same ball with little, enough and much air in it.
+//!
+//! `cargo run --release --example balloon --features window`; `--headless` runs without a window, and `--picture FILE` draws
+//! a picture with `--features render`.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_examples::feature::{Feature, Paint};
+
+/// The example.
+pub const FEATURE: Feature = Feature {
+    title: "Balls with little and with much air",
+    controls: "",
+    eye: Vec3::new(0.0, 1.5, 4.2),
+    target: Vec3::new(0.0, 0.55, 0.0),
+    moment: 2.2,
+    build: |app| {
+        app.add_systems(Startup, setup);
+    },
+};
+
+/// Runs it.
+pub fn main() -> std::process::ExitCode {
+    FEATURE.run()
+}
+
+fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+    commands.spawn(Obstacle::ground());
+    let ball = meshes.add(Sphere::new(0.4).mesh().uv(32, 20));
+    for (x, pressure, paint) in [
+        (-1.1, 0.35, Paint::rgb(0.75, 0.30, 0.25)),
+        (0.0, 1.0, Paint::rgb(0.90, 0.70, 0.30)),
+        (1.1, 1.5, Paint::rgb(0.35, 0.55, 0.45)),
+    ] {
+        let skin = ClothMesh { bend_stiffness: 0.05, ..default() };
+        let turned = Transform::from_xyz(x, 1.2, 0.0).with_rotation(Quat::from_rotation_x(0.4));
+        commands.spawn((Mesh3d(ball.clone()), skin, Pressure(pressure), paint, turned));
+    }
+    let stone = Projectile { radius: 0.12, mass: 1.0, velocity: Vec3::ZERO, ..default() };
+    commands.spawn((stone, Transform::from_xyz(1.05, 2.6, 0.0)));
+}

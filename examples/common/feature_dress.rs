@@ -1,0 +1,97 @@
+//! What the bodies and obstacles of a feature's example look like: as their [`Paint`] says.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape_script::recording::Form;
+use drape_solver::Shape;
+use drape_solver::parry3d::shape::TypedShape;
+
+use crate::cords::CordsPlugin;
+use crate::feature::Paint;
+use crate::scene_forms::{Placed, flat, material_of, mesh_of};
+use crate::visuals::{EARTH, OutdoorsPlugin, Wardrobe};
+
+/// Colour of obstacles that have no paint, but for the ground.
+const SOLID: Color = Color::srgb(0.45, 0.52, 0.58);
+/// Pieces that a round shape is made of, all the way round.
+const ROUNDNESS: u32 = 48;
+
+/// Dresses whatever a feature's example spawns.
+pub struct FeatureDressPlugin;
+
+impl Plugin for FeatureDressPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins((OutdoorsPlugin, CordsPlugin)).add_systems(Update, (dress_bodies, dress_obstacles));
+    }
+}
+
+type Bare = (Without<MeshMaterial3d<StandardMaterial>>, Or<(With<Cloth>, With<ClothMesh>, With<SoftBall>)>);
+
+fn dress_bodies(
+    bodies: Query<(Entity, Option<&Paint>), Bare>,
+    wardrobe: Res<Wardrobe>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, paint) in &bodies {
+        let painted = paint.map(|&Paint(colour)| {
+            materials.add(StandardMaterial {
+                base_color: colour,
+                perceptual_roughness: 0.8,
+                reflectance: 0.25,
+                diffuse_transmission: 0.2,
+                double_sided: true,
+                cull_mode: None,
+                ..default()
+            })
+        });
+        let fabric = painted.unwrap_or(wardrobe.fabric.clone());
+        commands.entity(entity).insert(MeshMaterial3d(fabric));
+    }
+}
+
+/// Marks an obstacle that has been given its looks.
+#[derive(Component)]
+struct Dressed;
+
+fn dress_obstacles(
+    obstacles: Query<(Entity, &Obstacle, Option<&Paint>), Without<Dressed>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, obstacle, paint) in &obstacles {
+        let mut dressed = commands.entity(entity);
+        dressed.insert((Dressed, Interpolated)).insert_if_new(Visibility::default());
+        // What only senses is air.
+        if obstacle.is_sensor {
+            continue;
+        }
+        let shape = &obstacle.shape.0;
+        let usual = if matches!(shape, Shape::HalfSpace { .. }) { EARTH } else { SOLID };
+        let colour = paint.map_or(usual, |&Paint(colour)| colour);
+        let form = Form::of(shape);
+        let (looks, form) = match round(shape) {
+            Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),
+            None => (mesh_of(form), form),
+        };
+        let looks: Option<Placed> = looks;
+        if let Some((mesh, place)) = looks {
+            let material = materials.add(material_of(form, colour));
+            dressed.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material), place));
+        }
+    }
+}
+
+/// The mesh of a shape of parry's that is not only known by its box.
+fn round(shape: &Shape) -> Option<Mesh> {
+    let Shape::Parry(shape) = shape else { return None };
+    let (corners, triangles) = match shape.as_typed_shape() {
+        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(ROUNDNESS),
+        TypedShape::Cone(cone) => cone.to_trimesh(ROUNDNESS),
+        TypedShape::ConvexPolyhedron(hull) => hull.to_trimesh(),
+        _ => return None,
+    };
+    let corners: Vec<Vec3> = corners.iter().map(|corner| Vec3::new(corner.x, corner.y, corner.z)).collect();
+    Some(flat(&corners, &triangles))
+}

@@ -1,0 +1,41 @@
+//! The picture of a feature's example, without a window.
+
+use core::time::Duration;
+use std::path::Path;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_drape::prelude::*;
+
+use crate::feature::Feature;
+use crate::feature_dress::FeatureDressPlugin;
+use crate::scene_view::View;
+use crate::studio::{self, PictureError};
+
+/// Size of what is drawn, in pixels: twice that of the picture, whose edges are smooth then.
+const DRAWN: UVec2 = UVec2::new(960, 540);
+/// Vertical angle of view in radians.
+pub const FIELD_OF_VIEW: f32 = 0.7;
+
+/// Runs `feature` until its moment and draws it into a PNG file.
+///
+/// # Errors
+/// [`PictureError`].
+pub fn draw(feature: &Feature, path: &Path) -> Result<(), PictureError> {
+    let build = feature.build;
+    let (mut app, studio) = studio::app((DrapePlugins::default(), FeatureDressPlugin, build), DRAWN)?;
+    let view = View { eye: feature.eye, target: feature.target, field_of_view: FIELD_OF_VIEW };
+    let world = app.world_mut();
+    let mut cameras = world.query::<(&mut Transform, &mut Projection)>();
+    if let Ok((mut transform, mut projection)) = cameras.get_mut(world, studio.camera()) {
+        view.apply(&mut transform, &mut projection);
+    }
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    let dt = app.world().resource::<Time<Fixed>>().timestep();
+    let steps = Duration::from_secs_f32(feature.moment).div_duration_f64(dt).round() as u64;
+    for _ in 0..=steps {
+        app.update();
+    }
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    studio.draw_half(&mut app, path)
+}

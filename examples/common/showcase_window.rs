@@ -1,0 +1,174 @@
+//! All examples of features in one window.
+//!
+//! An example adds its systems to an app. Here that is an app without anything else, of which only the schedules are
+//! kept: they run in the showcase's world as long as the example is shown.
+
+use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, save_to_disk};
+use bevy_drape::prelude::*;
+
+use crate::clock_keys::control_clock;
+use crate::feature::Feature;
+use crate::feature_dress::FeatureDressPlugin;
+use crate::feature_picture::FIELD_OF_VIEW;
+use crate::orbit::Orbit;
+use crate::pointer::PointerPlugin;
+use crate::scene_view::View;
+use crate::scene_window::bare_app;
+use crate::showcase_panel::ShowcasePanelPlugin;
+use crate::window::WindowError;
+
+/// Where recorded frames go.
+const FRAMES: &str = "target/showcase";
+/// One frame of so many is recorded.
+const STRIDE: u32 = 4;
+
+/// The examples, and which of them is shown.
+#[derive(Resource)]
+pub struct Showcase {
+    /// With their names.
+    pub features: &'static [(&'static str, Feature)],
+    /// Index of the one that is shown.
+    pub current: usize,
+}
+
+impl Showcase {
+    /// The one that is shown.
+    pub fn feature(&self) -> &Feature {
+        &self.features[self.current].1
+    }
+}
+
+/// The systems of the example that is shown.
+#[derive(Resource, Default)]
+struct Playing(Vec<Schedule>);
+
+/// What was there before the first example: all that an example spawns goes when the next one comes.
+#[derive(Component)]
+struct Stays;
+
+/// Frames that are recorded.
+#[derive(Resource, Default)]
+pub struct FrameRecorder {
+    /// Whether frames are recorded now.
+    pub is_on: bool,
+    frame: u32,
+}
+
+/// Opens the window and stays until it is closed.
+///
+/// # Errors
+/// [`WindowError`] if there is no display, or nothing to draw with.
+pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowError> {
+    let mut app = bare_app("bevy_drape: showcase")?;
+    app.add_plugins((FeatureDressPlugin, PointerPlugin, ShowcasePanelPlugin))
+        .insert_resource(Showcase { features, current: 0 })
+        .init_resource::<Playing>()
+        .init_resource::<FrameRecorder>()
+        .add_systems(PostStartup, (keep, show).chain())
+        .add_systems(FixedUpdate, |world: &mut World| play(world, FixedUpdate.intern()))
+        .add_systems(Update, |world: &mut World| play(world, Update.intern()))
+        .add_systems(Update, (control_clock, control, record));
+    app.run();
+    Ok(())
+}
+
+/// Marks all that is no part of an example.
+fn keep(world: &mut World) {
+    let all: Vec<Entity> = world.query::<Entity>().iter(world).collect();
+    for entity in all {
+        world.entity_mut(entity).insert(Stays);
+    }
+}
+
+/// Clears the stage and begins the example that is chosen.
+pub fn show(world: &mut World) {
+    let actors: Vec<Entity> = world
+        .query_filtered::<Entity, (Without<Stays>, Without<ChildOf>, Or<(With<Transform>, With<Stick>)>)>()
+        .iter(world)
+        .collect();
+    for actor in actors {
+        if let Ok(actor) = world.get_entity_mut(actor) {
+            actor.despawn();
+        }
+    }
+    world.insert_resource(Wind::default());
+    world.insert_resource(DrapeGravity::default());
+    world.insert_resource(DefaultSolverSettings::default());
+    world.insert_resource(Time::<Fixed>::default());
+    let feature = *world.resource::<Showcase>().feature();
+    let mut script = App::empty();
+    script.init_resource::<Schedules>();
+    (feature.build)(&mut script);
+    let mut schedules = script.world_mut().remove_resource::<Schedules>().unwrap_or_default();
+    if let Some(mut setup) = schedules.remove(Startup) {
+        setup.run(world);
+    }
+    let rest = [FixedUpdate.intern(), Update.intern()];
+    world.resource_mut::<Playing>().0 =
+        rest.into_iter().filter_map(|label| schedules.remove(label)).collect();
+    look(world, &feature);
+}
+
+/// Runs what the example does in this schedule.
+fn play(world: &mut World, label: InternedScheduleLabel) {
+    let mut playing = core::mem::take(&mut world.resource_mut::<Playing>().0);
+    for schedule in playing.iter_mut().filter(|schedule| schedule.label() == label) {
+        schedule.run(world);
+    }
+    world.resource_mut::<Playing>().0 = playing;
+}
+
+fn look(world: &mut World, feature: &Feature) {
+    let view = View { eye: feature.eye, target: feature.target, field_of_view: FIELD_OF_VIEW };
+    let mut cameras = world.query::<(&mut Orbit, &mut Transform, &mut Projection)>();
+    for (mut orbit, mut transform, mut projection) in cameras.iter_mut(world) {
+        *orbit = view.orbit();
+        view.apply(&mut transform, &mut projection);
+    }
+}
+
+fn control(
+    keys: Res<ButtonInput<KeyCode>>,
+    mut showcase: ResMut<Showcase>,
+    mut gizmos: ResMut<GizmoConfigStore>,
+    mut recorder: ResMut<FrameRecorder>,
+    mut commands: Commands,
+) {
+    let count = showcase.features.len();
+    let step = match () {
+        () if keys.just_pressed(KeyCode::ArrowRight) => 1,
+        () if keys.just_pressed(KeyCode::ArrowLeft) => count - 1,
+        () => 0,
+    };
+    if step > 0 {
+        showcase.current = (showcase.current + step) % count;
+    }
+    if step > 0 || keys.just_pressed(KeyCode::KeyR) {
+        commands.queue(show);
+    }
+    if keys.just_pressed(KeyCode::KeyG) {
+        let drape = gizmos.config_mut::<DrapeGizmos>().0;
+        drape.enabled = !drape.enabled;
+    }
+    if keys.just_pressed(KeyCode::KeyF) {
+        recorder.is_on = !recorder.is_on;
+    }
+}
+
+fn record(mut recorder: ResMut<FrameRecorder>, mut commands: Commands) {
+    if !recorder.is_on {
+        return;
+    }
+    if recorder.frame.is_multiple_of(STRIDE) {
+        let path = format!("{FRAMES}/frame_{:05}.png", recorder.frame / STRIDE);
+        if let Err(error) = std::fs::create_dir_all(FRAMES) {
+            error!("cannot make {FRAMES}: {error}");
+            recorder.is_on = false;
+            return;
+        }
+        commands.spawn(Screenshot::primary_window()).observe(save_to_disk(path));
+    }
+    recorder.frame += 1;
+}

@@ -1,0 +1,74 @@
+//! All examples of features in one window: pick one, and change how it is solved while it runs.
+//!
+//! `cargo run --release --example showcase --features window`
+//!
+//! | keys | |
+//! |---|---|
+//! | left and right, or the list | the example before, the next |
+//! | R | from the beginning |
+//! | sliders | substeps, iterations, gravity, wind, pace |
+//! | G | strain of the sticks |
+//! | F | record a picture of every fourth frame into `target/showcase` |
+//! | P, O, T | pause, one step, slow motion |
+//! | left mouse button, right mouse button, wheel | drag, turn, zoom |
+//! | H | help on the screen |
+//! | Esc | quit |
+//!
+//! `--headless` runs all of them without a window and tells what came of each.
+#![expect(dead_code, reason = "the examples' own `main`")]
+
+use std::process::ExitCode;
+
+use drape_examples::feature::Feature;
+
+macro_rules! features {
+    ($($name:ident: $path:literal),* $(,)?) => {
+        $(#[path = $path] pub mod $name;)*
+
+        /// The examples and their names.
+        pub const FEATURES: &[(&str, Feature)] = &[$((stringify!($name), $name::FEATURE)),*];
+    };
+}
+
+features! {
+    balloon: "balloon.rs",
+    bridge: "bridge.rs",
+    cloth_mesh: "cloth_mesh.rs",
+    cut: "cut.rs",
+    drape: "drape.rs",
+    fan: "fan.rs",
+    flag: "flag.rs",
+    folds: "folds.rs",
+    layers: "layers.rs",
+    soft_ball: "soft_ball.rs",
+    tear: "tear.rs",
+    trampoline: "trampoline.rs",
+}
+
+/// Runs it.
+pub fn main() -> ExitCode {
+    #[cfg(feature = "window")]
+    if !std::env::args().any(|argument| argument == "--headless") {
+        return match drape_examples::showcase_window::open(FEATURES) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("error: {error}");
+                ExitCode::FAILURE
+            }
+        };
+    }
+    let mut verdict = ExitCode::SUCCESS;
+    for (name, feature) in FEATURES {
+        match feature.run_headless(feature.moment) {
+            Ok(report) => println!(
+                "{name}: {} bodies, {} particles, {} balls",
+                report.bodies, report.particles, report.balls
+            ),
+            Err(error) => {
+                eprintln!("{name}: {error}");
+                verdict = ExitCode::FAILURE;
+            }
+        }
+    }
+    verdict
+}
