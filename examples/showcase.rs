@@ -34,6 +34,7 @@ features! {
     balloon: "balloon.rs",
     bridge: "bridge.rs",
     cloth_mesh: "cloth_mesh.rs",
+    curtain_2d: "curtain_2d.rs",
     cut: "cut.rs",
     drape: "drape.rs",
     fan: "fan.rs",
@@ -43,6 +44,7 @@ features! {
     soft_ball: "soft_ball.rs",
     tear: "tear.rs",
     trampoline: "trampoline.rs",
+    winch: "winch.rs",
 }
 
 /// Runs it.

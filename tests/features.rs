@@ -25,7 +25,7 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cloth_mesh, cut, drape, fan, flag, folds, layers, soft_ball, tear, trampoline,
+    balloon, bridge, cloth_mesh, curtain_2d, cut, drape, fan, flag, folds, layers, soft_ball, tear, trampoline, winch,
 }
 
 fn run(feature: &Feature) -> FeatureReport {
