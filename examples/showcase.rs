@@ -15,7 +15,6 @@
 //! | Esc | quit |
 //!
 //! `--headless` runs all of them without a window and tells what came of each.
-#![expect(dead_code, reason = "the examples' own `main`")]
 
 use std::process::ExitCode;
 
@@ -33,6 +32,7 @@ macro_rules! features {
 features! {
     balloon: "balloon.rs",
     bridge: "bridge.rs",
+    cape: "cape.rs",
     cloth_mesh: "cloth_mesh.rs",
     crates: "crates.rs",
     cut: "cut.rs",

@@ -11,7 +11,7 @@ use showcase::FEATURES;
 const TOO_FAST: f32 = 100.0;
 
 /// Examples that are no features of their own: they have other tests.
-const OTHERS: [&str; 3] = ["cannon", "scene", "showcase"];
+const OTHERS: [&str; 4] = ["cannon", "cape_model", "scene", "showcase"];
 
 macro_rules! runs {
     ($($name:ident),* $(,)?) => {
@@ -25,8 +25,8 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cloth_mesh, crates, cut, drape, fan, flag, folds, layers, presets, ragdoll, soft_ball, tear,
-    trampoline,
+    balloon, bridge, cape, cloth_mesh, crates, cut, drape, fan, flag, folds, layers, presets, ragdoll,
+    soft_ball, tear, trampoline,
 }
 
 fn run(feature: &Feature) -> FeatureReport {

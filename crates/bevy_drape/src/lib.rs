@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
 pub mod activity;
+pub mod attachment;
+mod attachment_state;
 mod attention;
 pub mod cannon;
 pub mod clock;
@@ -9,11 +11,14 @@ pub mod cloth;
 pub mod cloth_mesh;
 #[cfg(feature = "mesh")]
 mod cloth_mesh_build;
+#[cfg(feature = "mesh")]
+mod cloth_mesh_skin;
 pub mod contact_events;
 mod description;
 pub mod diagnostics;
 pub mod dynamic_obstacle;
 pub mod environment;
+pub mod follow_particle;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
@@ -27,11 +32,14 @@ pub mod layers;
 pub mod mesh;
 #[cfg(feature = "mesh")]
 pub mod mesh_reading;
+pub mod motion_limits;
+pub mod moved_by_frame;
 #[cfg(feature = "mesh")]
 mod normals;
 pub mod obstacle;
 pub mod particles;
 pub mod plugin;
+mod posed;
 pub mod preset;
 pub mod pressure;
 pub mod projectile;
@@ -62,6 +70,7 @@ mod vertex_map;
 mod visibility;
 mod waking;
 pub mod wind_zone;
+pub mod world_motion;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -81,6 +90,7 @@ pub mod prelude {
     #[doc(inline)]
     pub use crate::{
         activity::{Activity, ActivityCounts},
+        attachment::{Attachment, Tie, TiedParticles},
         cannon::{Cannon, CannonFired, FireCannon},
         clock::DrapeClock,
         cloth::{Cloth, ClothPins},
@@ -91,10 +101,13 @@ pub mod prelude {
         diagnostics::DrapeDiagnosticsPlugin,
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},
+        follow_particle::{FollowParticle, FollowedParticle},
         grab::Grab,
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
         layers::DrapeLayers,
+        motion_limits::MotionLimitCounts,
+        moved_by_frame::MovedByFrame,
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
         plugin::DrapePlugins,
@@ -114,5 +127,6 @@ pub mod prelude {
         soft_ball::SoftBall,
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
         wind_zone::{WindFlow, WindRegion, WindZone},
+        world_motion::{TeleportCloth, WorldMotion},
     };
 }

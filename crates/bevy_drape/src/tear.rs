@@ -25,10 +25,13 @@ use bevy::prelude::*;
 use drape_solver::{Body, Piece, TearLimits, Torn, TornStick};
 
 use crate::activity::Activity;
+use crate::attachment::Attachment;
+use crate::attachment_state::AttachmentState;
 use crate::clock::DrapeClock;
 use crate::cloth::Cloth;
 use crate::grab::Grab;
 use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
+use crate::posed::AnimatedPose;
 use crate::refusal::Refusals;
 use crate::rig::Rig;
 use crate::rope::Rope;
@@ -162,6 +165,8 @@ pub(crate) struct Tearing<'w, 's> {
     refusals: ResMut<'w, Refusals>,
     torn_meshes: Query<'w, 's, &'static TornMesh>,
     grabs: Query<'w, 's, &'static mut Grab>,
+    attached: Query<'w, 's, (&'static mut Attachment, &'static mut AttachmentState)>,
+    posed: Query<'w, 's, &'static mut AnimatedPose>,
     torn: MessageWriter<'w, StickTorn>,
     split: MessageWriter<'w, BodySplit>,
 }
@@ -274,6 +279,13 @@ impl Tearing<'_, '_> {
         if let Ok(mut grab) = self.grabs.get_mut(entity) {
             grab.follow(&origins);
         }
+        if let Ok((mut attachment, mut held)) = self.attached.get_mut(entity) {
+            *held = held.torn(state.order, &origins);
+            attachment.clone_from(&held.made_of);
+        }
+        if let Ok(mut posed) = self.posed.get_mut(entity) {
+            *posed = posed.torn(&origins);
+        }
         let mesh = self.torn_mesh(entity, &origins);
         self.commands.entity(entity).insert(mesh);
         state.context = body.context;
@@ -295,6 +307,8 @@ impl Tearing<'_, '_> {
             layers: state.layers,
             ..BodyState::default()
         };
+        let held = self.attached.get(from).ok().map(|(_, held)| held.torn(state.order, origins));
+        let posed = self.posed.get(from).ok().map(|posed| posed.torn(origins));
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
         let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
@@ -310,6 +324,12 @@ impl Tearing<'_, '_> {
             )>();
         });
         spawned.insert(own);
+        if let Some(posed) = posed {
+            spawned.insert(posed);
+        }
+        if let Some(held) = held {
+            spawned.insert((held.made_of.clone(), held));
+        }
         spawned.id()
     }
 

@@ -2,6 +2,7 @@
 // Same input, same bits, on every machine: `clippy.toml` lists what rounds differently.
 #![warn(clippy::disallowed_methods)]
 
+mod angular_momentum;
 pub mod ball;
 mod ball_cloth_query;
 mod ball_search;
@@ -32,6 +33,7 @@ mod dynamic_obstacle;
 pub mod error;
 mod fabric;
 pub mod force;
+pub mod frame_motion;
 mod friction;
 mod grid;
 mod groups;
@@ -52,6 +54,7 @@ pub mod mesh_error;
 mod mesh_surface;
 #[cfg(test)]
 mod miri;
+pub mod motion_limit;
 mod nearest;
 mod nearest_segments;
 pub mod obstacle;
@@ -113,6 +116,7 @@ pub use body::{Body, BodyContext};
 pub use cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use dynamic_obstacle::MovedObstacle;
 pub use error::{BuildError, StepError};
+pub use frame_motion::FrameMotion;
 pub use hash::StateHasher;
 pub use isa::Isa;
 pub use island::{Environment, Island};

@@ -36,7 +36,9 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
     let (low, high) = body.particles.bounds();
     let Body { particles, topology, settings, layers, context, .. } = body;
     let BodyContext { contacts, faces, embedded, uniform_acceleration, .. } = context;
-    let flight = Flight { substeps: span.substeps as f32, fall: *uniform_acceleration * (span.dt * span.dt) };
+    let carried = particles.frame.map_or(Vec3::ZERO, |motion| motion.translation);
+    let fall = *uniform_acceleration * (span.dt * span.dt) + carried;
+    let flight = Flight { substeps: span.substeps as f32, fall };
     let fastest = particles.greatest_speed() * span.dt + flight.fall.length();
     let embedding = topology.embedding_reach;
     faces.clear();
@@ -139,7 +141,7 @@ fn candidate(cell: usize, group: u16, lanes: u16, planes: Option<u32>) -> Candid
 #[derive(Clone, Copy)]
 struct Flight {
     substeps: f32,
-    /// What acceleration adds to the way of all, in metres.
+    /// What acceleration and the frame add to the way of all, in metres.
     fall: Vec3,
 }
 

@@ -8,8 +8,10 @@ use glam::Vec3;
 use crate::columns::{Cell, LANES};
 use crate::constants::WORK_OF_CONTACTS;
 use crate::contact_particle_obstacle::{Meeting, ObstacleRows};
+use crate::frame_motion::SubstepMotion;
 use crate::integrate::{Flight, update_displacements};
 use crate::listed::{Descent, RelaxedBatch};
+use crate::motion_limit::MotionLimits;
 use crate::plan::Stage;
 use crate::rows::Rows;
 use crate::stick::{Alike, Joined, OneSided, Projection, project_loose, project_runs};
@@ -53,6 +55,8 @@ pub(crate) struct Common<'a> {
     /// Metres.
     pub thickness: f32,
     pub drift: Vec3,
+    pub limits: &'a MotionLimits,
+    pub frame: Option<&'a SubstepMotion>,
     /// How far a tether may pull in one substep, in metres.
     pub tether_reach: f32,
 }
@@ -185,6 +189,28 @@ impl Work<'_> {
                 simd.vectorize(
                     #[inline(always)]
                     || tethers.project(simd, cells, places, &mut joined, rest.anchors, most, projection),
+                );
+            }
+            Stage::Carry | Stage::Leave => {
+                if let Some(frame) = rest.frame {
+                    let is_start = stage == Stage::Carry;
+                    simd.vectorize(
+                        #[inline(always)]
+                        || {
+                            if is_start {
+                                frame.carry(simd, moving, places, &rest, cells, substep);
+                            } else {
+                                frame.leave(simd, moving, places, &rest, cells, substep);
+                            }
+                        },
+                    );
+                }
+            }
+            Stage::Limits => {
+                let fraction = (substep + 1) as f32 / rest.around.substeps as f32;
+                simd.vectorize(
+                    #[inline(always)]
+                    || rest.limits.enforce(simd, moving, places, &rest, cells, fraction),
                 );
             }
             Stage::Update => simd.vectorize(
