@@ -35,6 +35,7 @@ features! {
     cape: "cape.rs",
     cloth_mesh: "cloth_mesh.rs",
     crates: "crates.rs",
+    curtain_2d: "curtain_2d.rs",
     cut: "cut.rs",
     drape: "drape.rs",
     fan: "fan.rs",
@@ -46,6 +47,7 @@ features! {
     soft_ball: "soft_ball.rs",
     tear: "tear.rs",
     trampoline: "trampoline.rs",
+    winch: "winch.rs",
 }
 
 /// Runs it.

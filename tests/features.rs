@@ -3,6 +3,7 @@
 use drape_examples::feature::{Feature, FeatureReport};
 
 #[path = "../examples/showcase.rs"]
+#[expect(dead_code, reason = "the examples' own `main`")]
 mod showcase;
 
 use showcase::FEATURES;
@@ -25,8 +26,8 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cape, cloth_mesh, crates, cut, drape, fan, flag, folds, layers, presets, ragdoll,
-    soft_ball, tear, trampoline,
+    balloon, bridge, cape, cloth_mesh, crates, curtain_2d, cut, drape, fan, flag, folds, layers,
+    presets, ragdoll, soft_ball, tear, trampoline, winch,
 }
 
 fn run(feature: &Feature) -> FeatureReport {

@@ -81,7 +81,7 @@ fn drag(hand: Res<Hand>, windows: Windows, cameras: Cameras, mut grabs: Query<&m
     };
     let plane = InfinitePlane3d::new(camera.forward());
     if let Some(point) = ray.plane_intersection_point(held.point, plane) {
-        grab.target = point.with_y(point.y.max(FLOOR));
+        grab.pull_to(point.with_y(point.y.max(FLOOR)));
     }
 }
 

@@ -12,7 +12,7 @@ const PER_STEP: usize = 4;
 const MOST: usize = 12;
 
 /// Numbers that look random and are the same each time (`SplitMix64`).
-struct Dice(u64);
+pub struct Dice(pub u64);
 
 impl Dice {
     fn number(&mut self) -> u64 {
@@ -22,29 +22,29 @@ impl Dice {
         mixed ^ (mixed >> 31)
     }
 
-    fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         (self.number() % count as u64) as usize
     }
 
     /// From -reach to reach.
-    fn about(&mut self, reach: f32) -> f32 {
+    pub fn about(&mut self, reach: f32) -> f32 {
         ((self.number() >> 40) as f32 / (1 << 23) as f32 - 1.0) * reach
     }
 
-    fn vector(&mut self, reach: f32) -> Vec3 {
+    pub fn vector(&mut self, reach: f32) -> Vec3 {
         Vec3::new(self.about(reach), self.about(reach), self.about(reach))
     }
 
-    fn of<T: Clone>(&mut self, all: &[T]) -> T {
+    pub fn of<T: Clone>(&mut self, all: &[T]) -> T {
         all[self.below(all.len())].clone()
     }
 
-    fn place(&mut self) -> Transform {
+    pub fn place(&mut self) -> Transform {
         Transform::from_translation(self.vector(1.5)).with_rotation(Quat::from_scaled_axis(self.vector(3.0)))
     }
 }
 
-fn settings(dice: &mut Dice) -> SolverSettings {
+pub fn settings(dice: &mut Dice) -> SolverSettings {
     SolverSettings {
         substeps: 1 + dice.below(16) as u32,
         iterations: 1 + dice.below(4) as u32,
@@ -58,7 +58,7 @@ fn settings(dice: &mut Dice) -> SolverSettings {
     }
 }
 
-fn cloth(dice: &mut Dice) -> Cloth {
+pub fn cloth(dice: &mut Dice) -> Cloth {
     let pins = [
         ClothPins::None,
         ClothPins::Top,
@@ -153,7 +153,7 @@ fn operate(world: &mut World, dice: &mut Dice, things: &mut Vec<Entity>) {
         11 => {
             let grab = world.get::<Particles>(entity).map(|particles| {
                 let mut grab = Grab::new(particles, dice.below(particles.len()), 0.3);
-                grab.target = dice.vector(2.0);
+                grab.pull_to(dice.vector(2.0));
                 grab
             });
             match grab {

@@ -111,11 +111,12 @@ mod both {
             ContactFeature CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts
             DrapeContactEnded DrapeContactHit DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers
             DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems DynamicObstacle FireCannon FollowParticle
-            FollowedParticle Grab Gusts HitTarget InRig Interpolated MotionLimitCounts MovedByFrame Obstacle
-            ObstacleReaction ObstacleShape Particle Particles Preset Pressure Projectile ProjectileState Quality
-            Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope SceneManager SelfContact SoftBall
+            FollowedParticle Grab Gusts Hand HitTarget InRig Interpolated MotionLimitCounts MovedByFrame Obstacle
+            ObstacleReaction ObstacleShape Particle Particles PlaneLock Preset Pressure Projectile ProjectileState
+            Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope SceneManager SelfContact SoftBall
             SolverSettings Stick StickBound StickKind StickProjection StickTorn Sticks StructuralSolve Tearable
-            TeleportCloth TeleportObstacle Tie TiedParticles Viewer Wind WindFlow WindRegion WindZone WorldMotion
+            TeleportCloth TeleportObstacle Tie TiedParticles Viewer Winch Wind WindFlow WindRegion WindZone
+            WorldMotion
         }
         .into_iter()
     }
@@ -143,9 +144,13 @@ fn names_in_source() -> Vec<&'static str> {
 #[test]
 fn the_test_above_knows_every_name() {
     /// Those that exist only with some feature.
-    const OPTIONAL: [&str; 5] = ["ClothMesh", "ClothPaint", "DrapeGizmos", "PaintChannel", "WeldedVertices"];
+    const OPTIONAL: [&str; 7] =
+        ["ClothMesh", "ClothPaint", "Draggable", "DrapeGizmos", "PaintChannel", "RopeMesh", "WeldedVertices"];
+    const TRAITS: [&str; 1] = ["Gestures"];
     for name in names_in_source() {
-        let is_known = OPTIONAL.contains(&name) || both::names().any(|(known, _)| known == name);
+        let is_known = OPTIONAL.contains(&name)
+            || TRAITS.contains(&name)
+            || both::names().any(|(known, _)| known == name);
         assert!(is_known, "add {name} to the list of `both`");
     }
 }

@@ -65,8 +65,8 @@ pub fn pick<'a>(
     best
 }
 
-/// Pulls a part of the body that it is on: the particle that was grabbed goes to [`target`](Self::target), and
-/// those around it keep their place beside it, the less so the farther away they are. Remove it to let go.
+/// Hands on the body that it is on. Each pulls the particle that it grabbed to its target, and those around it keep their
+/// place beside it, the less so the farther away they are. Remove it to let go.
 ///
 /// Works by velocities, so that sticks and contacts have the last word: the body may be dragged against an
 /// obstacle, or farther than it reaches. Pinned particles stay where they are.
@@ -74,11 +74,31 @@ pub fn pick<'a>(
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Grab {
+    /// The hands: one for a pointer, several for fingers. They pull one after another.
+    pub hands: Vec<Hand>,
+}
+
+/// A hand that holds a part of a body.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Hand {
+    /// What tells it from others, also when a piece comes off with it; 0 by default.
+    pub id: u64,
     /// Where the grabbed particle is pulled to, in the world, in metres. Not pulled while it is not finite.
     #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub target: Vec3,
+    /// The greatest force in newtons, over a step; infinite by default. With less than the weight of what hangs on it, a hand
+    /// lifts nothing. At or below 0, or not a number, it does not pull at all.
+    pub greatest_force: f32,
     /// Particles that are held.
     held: Vec<Held>,
+}
+
+impl Default for Hand {
+    fn default() -> Self {
+        Self { id: 0, target: Vec3::ZERO, greatest_force: f32::INFINITY, held: Vec::new() }
+    }
 }
 
 /// A particle that is held.
@@ -94,7 +114,7 @@ struct Held {
     firmness: f32,
 }
 
-impl Grab {
+impl Hand {
     /// Takes hold of particle `particle` and of all within `radius` metres of it, where they are now. Holds
     /// nothing if there is no such particle.
     pub fn new(particles: &drape_solver::Particles, particle: usize, radius: f32) -> Self {
@@ -109,42 +129,107 @@ impl Grab {
             let firmness = (1.0 - part * part) * (1.0 - part * part);
             (part < 1.0).then_some(Held { particle: i as u32, offset, firmness })
         };
-        Self { target, held: particles.positions().enumerate().filter_map(hold).collect() }
-    }
-
-    /// Holds what it held after a tear, in which particles got these `origins`.
-    pub(crate) fn follow(&mut self, origins: &[u32]) {
-        let of = |held: &Held| origins.iter().position(|&origin| origin == held.particle).map(|i| (i, *held));
-        let held = self.held.iter().filter_map(of);
-        self.held = held.map(|(particle, held)| Held { particle: particle as u32, ..held }).collect();
+        let held = particles.positions().enumerate().filter_map(hold).collect();
+        Self { target, held, ..Self::default() }
     }
 
     /// Indices of the particles that are held.
     pub fn particles(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         self.held.iter().map(|held| held.particle as usize)
     }
-}
 
-/// Gives held particles the velocity that takes them to their places.
-pub(crate) fn pull_grabbed(mut bodies: Query<(&Grab, &mut Particles)>, clock: Res<DrapeClock>) {
-    // A step does not go beyond the target, however long it is.
-    let rate = PULL_RATE.min(1.0 / clock.delta());
-    for (grab, mut particles) in &mut bodies {
-        if !grab.target.is_finite() {
-            continue;
+    /// What of it holds particles that have these `origins`; none if it holds none of them.
+    fn on(&self, origins: &[u32]) -> Option<Self> {
+        let of = |held: &Held| origins.iter().position(|&origin| origin == held.particle).map(|i| (i, *held));
+        let held = self.held.iter().filter_map(of);
+        let held: Vec<Held> =
+            held.map(|(particle, held)| Held { particle: particle as u32, ..held }).collect();
+        (!held.is_empty()).then(|| Self { held, ..self.clone() })
+    }
+
+    /// Gives what it holds the velocity that takes it to its places, as far as its force reaches in a step of `dt` seconds.
+    fn pull(&self, particles: &mut drape_solver::Particles, dt: f32) {
+        if !self.target.is_finite() {
+            return;
         }
-        for &Held { particle, offset, firmness } in &grab.held {
+        // A step does not go beyond the target, however long it is.
+        let rate = PULL_RATE.min(1.0 / dt);
+        let change = |particles: &drape_solver::Particles, &Held { particle, offset, firmness }: &Held| {
             let i = particle as usize;
             // The body may have been built anew, with fewer particles.
             if i >= particles.len() || particles.is_pinned(i) {
-                continue;
+                return Vec3::ZERO;
             }
-            let way = grab.target + offset - particles.position(i);
+            let way = self.target + offset - particles.position(i);
             let wanted = (way * rate).clamp_length_max(MAX_PULL_SPEED);
-            let velocity = particles.velocity(i).lerp(wanted, firmness);
-            if velocity.is_finite() {
-                particles.set_velocity(i, velocity);
+            let change = (wanted - particles.velocity(i)) * firmness;
+            if change.is_finite() { change } else { Vec3::ZERO }
+        };
+        let impulse = |held: &Held| {
+            let change = change(particles, held).length();
+            if change > 0.0 { change / particles.inverse_mass(held.particle as usize) } else { 0.0 }
+        };
+        let total: f32 = self.held.iter().map(impulse).sum();
+        let reach = self.greatest_force * dt;
+        if reach.is_nan() || reach <= 0.0 || total == 0.0 {
+            return;
+        }
+        let part = (reach / total).min(1.0);
+        for held in &self.held {
+            let change = change(particles, held) * part;
+            if change != Vec3::ZERO {
+                let i = held.particle as usize;
+                particles.set_velocity(i, particles.velocity(i) + change);
             }
+        }
+    }
+}
+
+impl Grab {
+    /// A hand on particle `particle` and on all within `radius` metres of it, where they are now. Holds
+    /// nothing if there is no such particle.
+    pub fn new(particles: &drape_solver::Particles, particle: usize, radius: f32) -> Self {
+        Self { hands: vec![Hand::new(particles, particle, radius)] }
+    }
+
+    /// Limits the force of its hands, in newtons each.
+    pub fn with_greatest_force(mut self, newtons: f32) -> Self {
+        self.hands.iter_mut().for_each(|hand| hand.greatest_force = newtons);
+        self
+    }
+
+    /// Has its hands pull to `target`, in the world, in metres.
+    pub fn pull_to(&mut self, target: Vec3) {
+        self.hands.iter_mut().for_each(|hand| hand.target = target);
+    }
+
+    /// Where the first hand pulls to; none if there is none.
+    pub fn target(&self) -> Option<Vec3> {
+        self.hands.first().map(|hand| hand.target)
+    }
+
+    /// The hand of this id.
+    pub fn hand_mut(&mut self, id: u64) -> Option<&mut Hand> {
+        self.hands.iter_mut().find(|hand| hand.id == id)
+    }
+
+    /// What of it holds a body, or a piece of it, whose particles got these `origins` in a tear; none if nothing does.
+    pub(crate) fn on(&self, origins: &[u32]) -> Option<Self> {
+        let hands: Vec<Hand> = self.hands.iter().filter_map(|hand| hand.on(origins)).collect();
+        (!hands.is_empty()).then_some(Self { hands })
+    }
+
+    /// Indices of the particles that are held, by one hand after another.
+    pub fn particles(&self) -> impl Iterator<Item = usize> + '_ {
+        self.hands.iter().flat_map(Hand::particles)
+    }
+}
+
+/// Has all hands pull.
+pub(crate) fn pull_grabbed(mut bodies: Query<(&Grab, &mut Particles)>, clock: Res<DrapeClock>) {
+    for (grab, mut particles) in &mut bodies {
+        for hand in &grab.hands {
+            hand.pull(&mut particles, clock.delta());
         }
     }
 }
@@ -187,9 +272,9 @@ mod tests {
     fn hold_is_firm_in_the_middle_and_ends_at_the_radius() {
         let grab = Grab::new(&row(0.0), 2, 0.15);
         assert_eq!(grab.particles().collect::<Vec<_>>(), [1, 2, 3]);
-        assert_eq!(grab.held[1].firmness, 1.0);
-        assert!(grab.held[0].firmness < 0.5 && grab.held[0].firmness > 0.0);
-        assert_eq!(Grab::new(&row(0.0), 9, 0.15).particles().len(), 0, "no such particle");
+        assert_eq!(grab.hands[0].held[1].firmness, 1.0);
+        assert!(grab.hands[0].held[0].firmness < 0.5 && grab.hands[0].held[0].firmness > 0.0);
+        assert_eq!(Grab::new(&row(0.0), 9, 0.15).particles().count(), 0, "no such particle");
     }
 
     /// A curtain of 1 m x 1 m asleep, and an app to wake it in.
@@ -219,8 +304,8 @@ mod tests {
         let middle = 60;
         let hanging = particle(&app, cloth, middle);
         let mut grab = Grab::new(app.world().get::<Particles>(cloth).expect("built"), middle, 0.2);
-        grab.target += Vec3::new(0.0, 0.2, 0.3);
-        let target = grab.target;
+        let target = hanging + Vec3::new(0.0, 0.2, 0.3);
+        grab.pull_to(target);
         app.world_mut().entity_mut(cloth).insert(grab);
         for _ in 0..120 {
             app.update();
@@ -247,11 +332,11 @@ mod tests {
         let (mut app, cloth) = sleeping_curtain();
         let pin = particle(&app, cloth, 5);
         let mut grab = Grab::new(app.world().get::<Particles>(cloth).expect("built"), 16, 0.25);
-        grab.target = Vec3::new(0.0, 100.0, 0.0);
+        grab.pull_to(Vec3::new(0.0, 100.0, 0.0));
         app.world_mut().entity_mut(cloth).insert(grab);
         for step in 0..120 {
             if step == 60 {
-                app.world_mut().get_mut::<Grab>(cloth).expect("inserted").target = Vec3::NAN;
+                app.world_mut().get_mut::<Grab>(cloth).expect("inserted").pull_to(Vec3::NAN);
             }
             app.update();
         }
@@ -261,5 +346,23 @@ mod tests {
         // One row below the pins: it cannot be farther from them than the cloth is long.
         let away = particles.position(16).distance(pin);
         assert!(away < 0.12, "torn off by {away} m");
+    }
+
+    #[test]
+    fn a_hand_lifts_what_its_force_carries_and_no_more() {
+        for (part_of_weight, lifts) in [(0.7, false), (1.5, true)] {
+            let (mut app, cloth) = sleeping_curtain();
+            let particles = app.world().get::<Particles>(cloth).expect("built");
+            let free = Cloth::new(1.0, 1.0).with_particles(11, 11).with_pins(ClothPins::None);
+            // 0.25 kg.
+            let weight = 0.25 * 9.81;
+            let grab = Grab::new(particles, 60, 10.0).with_greatest_force(part_of_weight * weight);
+            app.world_mut().entity_mut(cloth).insert((free, grab));
+            for _ in 0..60 {
+                app.update();
+            }
+            let height = particle(&app, cloth, 60).y;
+            assert_eq!(height > -0.2, lifts, "{part_of_weight} of its weight: at {height} m");
+        }
     }
 }

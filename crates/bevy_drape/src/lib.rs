@@ -19,6 +19,7 @@ pub mod diagnostics;
 pub mod dynamic_obstacle;
 pub mod environment;
 pub mod follow_particle;
+pub mod gestures;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
@@ -38,12 +39,16 @@ pub mod moved_by_frame;
 mod normals;
 pub mod obstacle;
 pub mod particles;
+#[cfg(feature = "picking")]
+pub mod picking;
+pub mod plane_lock;
 pub mod plugin;
 mod posed;
 pub mod preset;
 pub mod pressure;
 pub mod projectile;
 pub mod ragdoll;
+pub mod ray_cast;
 pub mod refusal;
 pub mod rig;
 mod rig_body;
@@ -51,6 +56,8 @@ mod rig_compile;
 mod rig_transforms;
 pub mod rigid_tetrahedron;
 pub mod rope;
+#[cfg(feature = "mesh")]
+pub mod rope_mesh;
 mod scan;
 pub mod scene_manager;
 pub mod schedule;
@@ -65,10 +72,13 @@ pub mod tear;
 mod torn_mesh;
 mod transforms;
 #[cfg(feature = "mesh")]
+mod tube;
+#[cfg(feature = "mesh")]
 mod vertex_map;
 #[cfg(feature = "mesh")]
 mod visibility;
 mod waking;
+pub mod winch;
 pub mod wind_zone;
 pub mod world_motion;
 
@@ -87,6 +97,12 @@ pub mod prelude {
     #[cfg(feature = "gizmos")]
     #[doc(inline)]
     pub use crate::gizmos::DrapeGizmos;
+    #[cfg(feature = "picking")]
+    #[doc(inline)]
+    pub use crate::picking::Draggable;
+    #[cfg(feature = "mesh")]
+    #[doc(inline)]
+    pub use crate::rope_mesh::RopeMesh;
     #[doc(inline)]
     pub use crate::{
         activity::{Activity, ActivityCounts},
@@ -102,7 +118,8 @@ pub mod prelude {
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},
         follow_particle::{FollowParticle, FollowedParticle},
-        grab::Grab,
+        gestures::Gestures,
+        grab::{Grab, Hand},
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
         layers::DrapeLayers,
@@ -110,6 +127,7 @@ pub mod prelude {
         moved_by_frame::MovedByFrame,
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
+        plane_lock::PlaneLock,
         plugin::DrapePlugins,
         preset::Preset,
         pressure::Pressure,
@@ -126,6 +144,7 @@ pub mod prelude {
         },
         soft_ball::SoftBall,
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
+        winch::Winch,
         wind_zone::{WindFlow, WindRegion, WindZone},
         world_motion::{TeleportCloth, WorldMotion},
     };

@@ -29,6 +29,7 @@ use crate::posed::AnimatedPose;
 use crate::projectile::build_projectiles;
 use crate::refusal::forget_removed;
 use crate::rig_compile::compile_rigs;
+use crate::rope_mesh::{RopeMesh, RopeSurface, build_rope_meshes, record_ropes, write_ropes};
 use crate::schedule::{DrapeSchedule, DrapeSystems, run_drape_schedule};
 use crate::soft_ball::SoftBall;
 use crate::surface::{EntitySpace, Shown, Surface, can_be_written, complete};
@@ -36,6 +37,8 @@ use crate::torn_mesh::tear_meshes;
 use crate::visibility::hide_culled;
 
 /// Gives each [`Cloth`] and [`SoftBall`] a [`Mesh3d`] and keeps it up with the simulation. To see it, add a `MeshMaterial3d`.
+/// One that has a [`Mesh2d`] keeps that up instead, for a camera of two dimensions: spawn it with `Mesh2d::default()` and a
+/// `MeshMaterial2d`.
 ///
 /// Does nothing in an app without `Assets<Mesh>`.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +63,7 @@ impl Plugin for MeshPlugin {
             FixedPostUpdate.intern(),
             FixedLast.intern(),
         ];
-        app.register_type::<(ClothMesh, WeldedVertices)>()
+        app.register_type::<(ClothMesh, WeldedVertices, RopeMesh)>()
             .add_observer(remove_described_body::<ClothMesh>)
             .add_observer(remove_mesh_of_cloth)
             .add_observer(forget_removed::<ClothMesh>);
@@ -76,10 +79,10 @@ impl Plugin for MeshPlugin {
         app.add_systems(
             self.schedule,
             (
-                (tear_meshes, build_surfaces::<Cloth>, build_surfaces::<SoftBall>)
+                (tear_meshes, build_surfaces::<Cloth>, build_surfaces::<SoftBall>, build_rope_meshes)
                     .chain()
                     .run_if(resource_exists::<Assets<Mesh>>),
-                record_surfaces,
+                (record_surfaces, record_ropes),
             )
                 .chain()
                 .after(run_drape_schedule)
@@ -103,14 +106,24 @@ impl Plugin for MeshPlugin {
 #[derive(Resource, Clone, Copy, Debug)]
 struct InterpolateSurfaces(bool);
 
+/// The mesh of an entity, in three dimensions or in two.
+type AnyMesh = (Option<&'static Mesh3d>, Option<&'static Mesh2d>);
+
+/// Its handle. One of two dimensions goes before.
+fn handle_of<'a>((solid, flat): (Option<&'a Mesh3d>, Option<&'a Mesh2d>)) -> Option<&'a Handle<Mesh>> {
+    flat.map(|mesh| &mesh.0).or(solid.map(|mesh| &mesh.0))
+}
+
 /// Gives new and rebuilt cloths their surface, and a mesh where there is none that fits.
 fn build_surfaces<D: Shown>(
     mut commands: Commands,
-    cloths: Query<(Entity, &D, &Particles, &Sticks, &GlobalTransform, Option<&Mesh3d>, Option<&Surface>)>,
-    users: Query<(Entity, &Mesh3d)>,
+    cloths: Query<(Entity, &D, &Particles, &Sticks, &GlobalTransform, AnyMesh, Option<&Surface>)>,
+    users: Query<(Entity, AnyMesh)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     for (entity, cloth, particles, sticks, transform, mesh, surface) in &cloths {
+        let is_flat = mesh.1.is_some();
+        let mesh = handle_of(mesh);
         let asset = mesh.and_then(|mesh| meshes.get(mesh));
         let is_known = surface.is_some_and(|surface| Arc::ptr_eq(&surface.topology, &sticks.0));
         match (mesh, asset) {
@@ -121,7 +134,7 @@ fn build_surfaces<D: Shown>(
                 }
             }
             // Not loaded yet.
-            (Some(Mesh3d(Handle::Strong(_))), None) => continue,
+            (Some(Handle::Strong(_)), None) => continue,
             // Somebody took the mesh away, and so it shall be.
             (None, _) if is_known => continue,
             _ => {}
@@ -139,8 +152,8 @@ fn build_surfaces<D: Shown>(
             warn!("the mesh of cloth {entity} has not one vertex for each particle: it is replaced");
         }
         let is_shared =
-            users.iter().any(|(user, other)| user != entity && mesh.is_some_and(|mesh| mesh == other));
-        let handle = mesh.filter(|_| kept.is_some() && !is_shared).map(|mesh| mesh.0.clone());
+            users.iter().any(|(user, other)| user != entity && mesh.is_some() && mesh == handle_of(other));
+        let handle = mesh.filter(|_| kept.is_some() && !is_shared).cloned();
 
         let mut asset = kept.unwrap_or_else(|| {
             let mut new = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
@@ -162,7 +175,13 @@ fn build_surfaces<D: Shown>(
             None => meshes.add(asset),
         };
         surface.mesh = handle.id();
-        commands.entity(entity).insert((Mesh3d(handle), surface, NoAutoAabb, bounds.unwrap_or_default()));
+        let mut entity = commands.entity(entity);
+        entity.insert((surface, NoAutoAabb, bounds.unwrap_or_default()));
+        if is_flat {
+            entity.insert(Mesh2d(handle));
+        } else {
+            entity.insert(Mesh3d(handle));
+        }
     }
 }
 
@@ -183,16 +202,19 @@ fn record_surfaces(mut surfaces: Query<(Ref<Particles>, &mut Surface, Option<&mu
 /// Writes what is to be shown now into the meshes of the cloths that have moved.
 fn write_surfaces(
     mut surfaces: Query<
-        (&mut Surface, &Mesh3d, &GlobalTransform, Option<&mut Aabb>, Option<&AnimatedPose>),
-        With<Particles>,
+        (&mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>, Option<&AnimatedPose>),
+        (With<Particles>, Without<RopeSurface>),
     >,
+    mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
     places: Query<&GlobalTransform>,
     mut meshes: ResMut<Assets<Mesh>>,
     interpolate: Res<InterpolateSurfaces>,
     time: Option<Res<Time<Fixed>>>,
 ) {
     let fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
+    write_ropes(&mut ropes, &mut meshes, fraction);
     for (mut surface, mesh, transform, aabb, posed) in &mut surfaces {
+        let Some(mesh) = handle_of(mesh) else { continue };
         let ahead = posed.and_then(|posed| posed.ahead(fraction, |joint| places.get(joint).ok()));
         // Shown from where the character was in the steps that are shown, a cloth is where the character is now.
         let from = ahead.map(|ahead| GlobalTransform::from(ahead.inverse() * transform.affine()));

@@ -25,7 +25,7 @@ use crate::description::{build_described, remove_described_body};
 use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
 use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
 use crate::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
-use crate::grab::{Grab, pull_grabbed};
+use crate::grab::{Grab, Hand, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
 use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
@@ -38,6 +38,7 @@ use crate::obstacle::{
     note_gone_obstacle, sync_obstacles,
 };
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::plane_lock::{PlaneLock, lock_planes};
 use crate::posed::move_posed;
 use crate::preset::Preset;
 use crate::pressure::{Pressure, wake_pressed};
@@ -58,6 +59,7 @@ use crate::soft_ball::SoftBall;
 use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
+use crate::winch::{Winch, turn_winches};
 use crate::wind_zone::{WindFlow, WindRegion, WindZone};
 use crate::world_motion::{TeleportCloth, WorldMotion, inherit_motion};
 
@@ -101,6 +103,8 @@ impl PluginGroup for DrapePlugins {
             .add(MovedByFramePlugin);
         #[cfg(feature = "mesh")]
         let plugins = plugins.add(crate::mesh::MeshPlugin::new(self.schedule));
+        #[cfg(feature = "picking")]
+        let plugins = plugins.add(crate::picking::DrapePickingPlugin);
         #[cfg(feature = "gizmos")]
         let plugins = plugins.add(crate::gizmos::GizmosPlugin);
         plugins
@@ -119,11 +123,11 @@ impl Plugin for SolverPlugin {
             .register_type::<(Projectile, ProjectileState, Cannon, Viewer, Quality)>()
             .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
             .register_type::<(DynamicObstacle, ObstacleReaction, TeleportObstacle)>()
-            .register_type::<(Particle, Stick, Rig, InRig, Grab)>()
+            .register_type::<(Particle, Stick, Rig, InRig, Grab, Hand)>()
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
-            .register_type::<(SoftBall, Pressure, RigidTetrahedron, Preset)>()
+            .register_type::<(SoftBall, Pressure, RigidTetrahedron, Preset, Winch, PlaneLock)>()
             .register_type::<(WorldMotion, TeleportCloth, MotionLimitCounts)>()
             .register_type::<(Attachment, Tie, TiedParticles, FollowParticle, FollowedParticle)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
@@ -189,6 +193,7 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_removed::<RigidTetrahedron>)
             .add_observer(forget_removed::<SoftBall>)
             .add_observer(forget_removed::<Tearable>)
+            .add_observer(forget_removed::<Winch>)
             .add_observer(forget_removed::<WindZone>)
             .add_observer(forget_removed::<WorldMotion>);
         configure(app);
@@ -221,6 +226,7 @@ impl Plugin for SolverPlugin {
                         teleport_projectiles,
                         follow_rig_transforms,
                         teleport_rigid_tetrahedra,
+                        turn_winches,
                         pull_grabbed,
                     )
                         .chain(),
@@ -233,6 +239,7 @@ impl Plugin for SolverPlugin {
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
                 (
                     finish_islands,
+                    lock_planes,
                     give_reactions,
                     send_contacts,
                     write_projectile_transforms,

@@ -75,6 +75,20 @@ impl CutCloth {
         Self { blade: vec![[hilt, tip, new_tip], [hilt, new_tip, new_hilt]], only: None }
     }
 
+    /// What a blade cuts whose middle moves along `path`, and which reaches `depth` to both sides of it: both in the world, in metres.
+    pub fn along(path: impl IntoIterator<Item = Vec3>, depth: Vec3) -> Self {
+        let mut blade = Vec::new();
+        let mut path = path.into_iter();
+        let mut from = path.next();
+        for to in path {
+            if let Some(from) = from {
+                blade.extend(Self::sweep([from - depth, from + depth], [to - depth, to + depth]).blade);
+            }
+            from = Some(to);
+        }
+        Self { blade, only: None }
+    }
+
     /// What lies between two rays, up to `length` metres away: a stroke of the pointer across the screen.
     pub fn between(from: Ray3d, to: Ray3d, length: f32) -> Self {
         Self::sweep([from.origin, from.get_point(length)], [to.origin, to.get_point(length)])
@@ -164,7 +178,7 @@ pub(crate) struct Tearing<'w, 's> {
     order: ResMut<'w, CreationOrder>,
     refusals: ResMut<'w, Refusals>,
     torn_meshes: Query<'w, 's, &'static TornMesh>,
-    grabs: Query<'w, 's, &'static mut Grab>,
+    grabs: Query<'w, 's, &'static Grab>,
     attached: Query<'w, 's, (&'static mut Attachment, &'static mut AttachmentState)>,
     posed: Query<'w, 's, &'static mut AnimatedPose>,
     torn: MessageWriter<'w, StickTorn>,
@@ -276,8 +290,12 @@ impl Tearing<'_, '_> {
             self.split.write(split.clone());
             self.commands.trigger(split);
         }
-        if let Ok(mut grab) = self.grabs.get_mut(entity) {
-            grab.follow(&origins);
+        if let Ok(grab) = self.grabs.get(entity) {
+            let held = grab.on(&origins);
+            match held {
+                Some(held) => drop(self.commands.entity(entity).insert(held)),
+                None => drop(self.commands.entity(entity).remove::<Grab>()),
+            }
         }
         if let Ok((mut attachment, mut held)) = self.attached.get_mut(entity) {
             *held = held.torn(state.order, &origins);
@@ -309,6 +327,7 @@ impl Tearing<'_, '_> {
         };
         let held = self.attached.get(from).ok().map(|(_, held)| held.torn(state.order, origins));
         let posed = self.posed.get(from).ok().map(|posed| posed.torn(origins));
+        let grab = self.grabs.get(from).ok().and_then(|grab| grab.on(origins));
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
         let mut spawned = commands.clone_and_spawn_with_opt_out(|cloner| {
@@ -319,7 +338,9 @@ impl Tearing<'_, '_> {
                 crate::cloth_mesh_build::MeshOfCloth,
                 crate::cloth_mesh::WeldedVertices,
                 crate::surface::Surface,
+                crate::rope_mesh::RopeSurface,
                 Mesh3d,
+                Mesh2d,
                 bevy::camera::primitives::Aabb,
             )>();
         });
@@ -329,6 +350,9 @@ impl Tearing<'_, '_> {
         }
         if let Some(held) = held {
             spawned.insert((held.made_of.clone(), held));
+        }
+        if let Some(grab) = grab {
+            spawned.insert(grab);
         }
         spawned.id()
     }

@@ -13,14 +13,15 @@ use crate::tear::TornMesh;
 pub(crate) fn tear_meshes(
     mut commands: Commands,
     torn: Query<(Entity, &TornMesh, &Particles, &Sticks, &GlobalTransform)>,
-    whole: Query<(&Mesh3d, &Surface)>,
+    whole: Query<(Option<&Mesh3d>, Option<&Mesh2d>, &Surface)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     // All are made before the first is replaced that others are made from.
     let mut made = Vec::new();
     for (entity, TornMesh { source, origins }, particles, sticks, transform) in &torn {
         commands.entity(entity).remove::<TornMesh>();
-        let Ok((handle, surface)) = whole.get(*source) else { continue };
+        let Ok((solid, flat, surface)) = whole.get(*source) else { continue };
+        let Some(handle) = flat.map(|mesh| &mesh.0).or(solid.map(|mesh| &mesh.0)) else { continue };
         if origins.len() != particles.len() {
             continue;
         }
@@ -33,10 +34,10 @@ pub(crate) fn tear_meshes(
         let surface = surface.torn(origins, &sticks.0, vertices.map(|vertices| vertices.map));
         let (Some(mut mesh), Some(mut own)) = (mesh, surface) else { continue };
         let bounds = EntitySpace::new(transform).and_then(|space| own.write(&mut mesh, &space, 1.0));
-        let handle = (*source == entity).then(|| handle.0.clone());
-        made.push((entity, handle, mesh, own, bounds.unwrap_or_default()));
+        let handle = (*source == entity).then(|| handle.clone());
+        made.push((entity, flat.is_some(), handle, mesh, own, bounds.unwrap_or_default()));
     }
-    for (entity, handle, mesh, mut surface, bounds) in made {
+    for (entity, is_flat, handle, mesh, mut surface, bounds) in made {
         let handle = match handle {
             Some(handle) => {
                 if let Some(mut known) = meshes.get_mut(&handle) {
@@ -50,7 +51,13 @@ pub(crate) fn tear_meshes(
         if let Some(vertices) = surface.vertices() {
             commands.entity(entity).insert(WeldedVertices::torn(vertices.particles.clone()));
         }
-        commands.entity(entity).insert((Mesh3d(handle), surface, NoAutoAabb, bounds));
+        let mut entity = commands.entity(entity);
+        entity.insert((surface, NoAutoAabb, bounds));
+        if is_flat {
+            entity.insert(Mesh2d(handle));
+        } else {
+            entity.insert(Mesh3d(handle));
+        }
     }
 }
 

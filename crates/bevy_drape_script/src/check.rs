@@ -17,6 +17,9 @@ pub(crate) fn check(script: &SceneScript) -> Result<(), SceneError> {
     checker.names()?;
     checker.bodies()?;
     checker.obstacles()?;
+    for (name, zone) in script.winds.iter() {
+        turn(&format!("winds.{name}.turn"), &zone.turn)?;
+    }
     for (name, cannon) in script.cannons.iter() {
         turn(&format!("cannons.{name}.turn"), &cannon.turn)?;
     }
@@ -40,6 +43,7 @@ enum Kind {
     Balls,
     Obstacle,
     DynamicObstacle,
+    Wind,
     Cannon,
 }
 
@@ -65,6 +69,7 @@ impl Checker<'_> {
             return Some(match body {
                 Body::Cloth(cloth) => Kind::Particles(cloth.particles.0.get() * cloth.particles.1.get()),
                 Body::Rope(rope) => Kind::Particles(rope.particles.get()),
+                Body::SoftBall(ball) => Kind::Particles(ball.particle_count()),
                 Body::Rig(rig) => Kind::Particles(rig.particles.len() as u32),
                 Body::Balls(_) => Kind::Balls,
             });
@@ -73,6 +78,9 @@ impl Checker<'_> {
             let is_dynamic = matches!(obstacle.motion, Motion::Dynamic(_));
             return Some(if is_dynamic { Kind::DynamicObstacle } else { Kind::Obstacle });
         }
+        if self.script.winds.contains_key(name) {
+            return Some(Kind::Wind);
+        }
         if self.script.cannons.contains_key(name) {
             return Some(Kind::Cannon);
         }
@@ -80,8 +88,15 @@ impl Checker<'_> {
         let is_numbered = number.parse().is_ok_and(|number: u32| number > 0);
         match self.kind(group)? {
             Kind::Cannon | Kind::Balls if is_numbered => Some(Kind::Balls),
+            // A piece has no more particles than the whole had, but for those that were split.
+            whole @ Kind::Particles(_) if is_numbered && self.can_be_cut(group) => Some(whole),
             _ => None,
         }
+    }
+
+    fn can_be_cut(&self, name: &str) -> bool {
+        let whole = name.split('#').next().unwrap_or(name);
+        self.script.bodies.get(whole).is_some_and(Body::can_be_cut)
     }
 
     fn known(&self, field: &str, name: &str) -> Result<Kind, SceneError> {
@@ -90,6 +105,7 @@ impl Checker<'_> {
                 let known = [
                     self.keys(&self.script.bodies),
                     self.keys(&self.script.obstacles),
+                    self.keys(&self.script.winds),
                     self.keys(&self.script.cannons),
                 ];
                 fail(field, unknown(&format!("nothing is called `{name}`"), name, &known.concat()))
@@ -108,7 +124,12 @@ impl Checker<'_> {
         if let Some(name) = obstacles.keys().find(|name| bodies.contains_key(*name)) {
             return fail(&format!("obstacles.{name}"), format!("a body is called `{name}` already"));
         }
+        let winds = &self.script.winds;
         let is_taken = |name: &&String| bodies.contains_key(*name) || obstacles.contains_key(*name);
+        if let Some(name) = winds.keys().find(is_taken) {
+            return fail(&format!("winds.{name}"), format!("something else is called `{name}` already"));
+        }
+        let is_taken = |name: &&String| is_taken(name) || winds.contains_key(*name);
         if let Some(name) = self.script.cannons.keys().find(is_taken) {
             return fail(&format!("cannons.{name}"), format!("something else is called `{name}` already"));
         }
@@ -145,6 +166,7 @@ impl Checker<'_> {
                         return fail(&format!("{field}.end"), "expected another place than that of `start`");
                     }
                 }
+                Body::SoftBall(ball) => turn(&format!("{field}.turn"), &ball.turn)?,
                 Body::Rig(rig) => self.rig(&field, rig)?,
                 Body::Balls(_) => {}
             }
@@ -246,6 +268,7 @@ impl Checker<'_> {
                 Kind::Particles(count) => selection(field, particles, count),
                 Kind::Balls | Kind::Cannon | Kind::DynamicObstacle => Ok(()),
                 Kind::Obstacle => fail(field, format!("`{of}` is an obstacle that nothing pushes")),
+                Kind::Wind => fail(field, format!("`{of}` is a wind, which nothing pushes")),
             },
             Action::Drag { of, point: dragged, path, .. } => {
                 let Kind::Particles(count) = kind else {
@@ -266,10 +289,16 @@ impl Checker<'_> {
                     None => Ok(()),
                 }
             }
-            Action::Spawn(name) | Action::Despawn(name) if name.contains('#') => fail(
-                field,
-                format!("expected the name of something whole, and `{name}` is one ball of several"),
-            ),
+            Action::Cut { of, .. } => match of.iter().find(|name| !self.can_be_cut(name)) {
+                Some(name) => fail(
+                    &format!("{field}.of"),
+                    format!("expected a cloth, rope or soft ball, and `{name}` is none"),
+                ),
+                None => Ok(()),
+            },
+            Action::Spawn(name) | Action::Despawn(name) if name.contains('#') => {
+                fail(field, format!("expected the name of something whole, and `{name}` is a part of it"))
+            }
             Action::Set(path, value) => overriding::replaced(self.script, path, value)
                 .map(|_| ())
                 .map_err(|error| SceneError::of_field(field, format!("{}: {}", error.field, error.problem))),
@@ -341,6 +370,12 @@ impl Checker<'_> {
         for name in probe.names() {
             kinds.push(self.known(&on_probe, name)?);
         }
+        if kinds.contains(&Kind::Wind) {
+            return fail(
+                &on_probe,
+                "expected something that moves, and a wind is felt only by what it moves",
+            );
+        }
         let is_word = matches!(probe, Probe::Activity { .. } | Probe::StateHash { .. });
         match (is_word, expect) {
             (true, Expected::Is(_)) | (_, Expected::Reported) => {}
@@ -382,6 +417,9 @@ impl Checker<'_> {
             }
             Probe::Contacts { of, on } | Probe::Touching { of, on } if !self.is_told_of_contacts(of, on) => {
                 fail(&on_probe, "nothing here tells its contacts: give one of the two `contacts: true`")
+            }
+            Probe::Pieces { of } | Probe::Torn { of } if of.iter().any(|name| !self.can_be_cut(name)) => {
+                fail(&format!("{on_probe}.of"), "expected a cloth, rope or soft ball, as nothing else tears")
             }
             Probe::Stretch { .. } if kinds.iter().any(|kind| !matches!(kind, Kind::Particles(_))) => {
                 fail(&format!("{on_probe}.of"), "expected a cloth, rope or rig, as nothing else has sticks")

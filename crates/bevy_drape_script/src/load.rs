@@ -111,6 +111,7 @@ fn with_fragments(path: &Path, texts: &Texts, within: &mut Vec<PathBuf>) -> Resu
             merge(&mut script.materials, fragment.materials),
             merge(&mut script.bodies, fragment.bodies),
             merge(&mut script.obstacles, fragment.obstacles),
+            merge(&mut script.winds, fragment.winds),
             merge(&mut script.cannons, fragment.cannons),
             merge(&mut script.cameras, fragment.cameras),
         ];

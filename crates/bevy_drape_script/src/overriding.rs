@@ -124,16 +124,17 @@ pub(crate) fn replaced(script: &SceneScript, path: &str, value: &Literal) -> Res
 }
 
 /// The maps that a path may leave out.
-const NAMED: [&str; 5] = ["bodies", "obstacles", "cannons", "cameras", "materials"];
+const NAMED: [&str; 6] = ["bodies", "obstacles", "winds", "cannons", "cameras", "materials"];
 
 /// The steps of `path`, from the scene as a whole.
 fn whole_path(script: &SceneScript, path: &str) -> Vec<Step> {
     let mut steps = steps(path);
-    let SceneScript { bodies, obstacles, cannons, cameras, materials, .. } = script;
+    let SceneScript { bodies, obstacles, winds, cannons, cameras, materials, .. } = script;
     if let Some(Step::Key(first)) = steps.first() {
         let holds = [
             bodies.contains_key(first),
             obstacles.contains_key(first),
+            winds.contains_key(first),
             cannons.contains_key(first),
             cameras.contains_key(first),
             materials.contains_key(first),

@@ -180,6 +180,9 @@ pub fn begin_scene(world: &mut World, script: SceneScript) {
     for (name, obstacle) in present.obstacles.iter().filter(|(_, obstacle)| obstacle.present) {
         play.spawn_obstacle(world, name, obstacle);
     }
+    for (name, zone) in present.winds.iter().filter(|(_, zone)| zone.present) {
+        play.spawn_wind(world, name, zone);
+    }
     for (name, body) in present.bodies.iter().filter(|(_, body)| body.is_present()) {
         play.spawn_body(world, name, body);
     }

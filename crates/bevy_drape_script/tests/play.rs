@@ -349,3 +349,72 @@ fn a_step_time_ratio_is_reported_and_never_fails() {
     report.assert_passed();
     assert!(number(&report, 0) > 0.0);
 }
+
+#[test]
+fn a_cut_body_goes_by_its_name_and_its_pieces_by_theirs() {
+    let mut runner = SceneRunner::headless(script(
+        r#"(version: 1,
+        settings: (duration: 2),
+        bodies: { "sheet": Cloth(size: (1, 1), particles: (11, 11), at: (0, 3, 0)) },
+        timeline: [
+            (at: 0.5, do: Cut(of: "sheet", from: ((-1, 3.03, -1), (-1, 3.03, 1)), to: ((1, 3.03, -1), (1, 3.03, 1)))),
+            (when: Measured(probe: Pieces(of: "sheet"), expect: AtLeast(2)), do: Push(of: "sheet#2", impulse: (0.1, 0, 0))),
+            (at: 1.5, do: Set("sheet.particles", (5, 5))),
+        ],
+        expectations: [
+            (when: At(0.4), probe: Pieces(of: "sheet"), expect: Near(value: 1, tolerance: 0)),
+            (when: At(0.4), probe: Torn(), expect: Near(value: 0, tolerance: 0)),
+            (when: At(1), probe: Pieces(of: "sheet"), expect: Near(value: 2, tolerance: 0)),
+            // One stick of each column.
+            (when: At(1), probe: Torn(of: "sheet"), expect: Near(value: 11, tolerance: 0)),
+            (when: At(1), probe: Velocity(of: "sheet#2", axis: X), expect: AtLeast(0.5)),
+            (when: At(1), probe: Velocity(of: "sheet#1", axis: X), expect: Near(value: 0, tolerance: 0.01)),
+            (when: At(1), probe: Extent(of: "sheet", axis: Y), expect: AtLeast(1.5)),
+            (probe: Pieces(of: "sheet"), expect: Near(value: 1, tolerance: 0)),
+        ])"#,
+    ));
+    for _ in 0..60 {
+        runner.step();
+    }
+    let world = runner.world();
+    let play = world.resource::<ScenePlay>();
+    let names: Vec<String> = play.bodies(world).into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["sheet#1", "sheet#2"]);
+    runner.run().assert_passed();
+}
+
+#[test]
+fn winds_blow_where_and_while_they_are_there() {
+    run(r#"
+        settings: (duration: 3, gravity: (0, 0, 0)),
+        bodies: {
+            "near": Cloth(size: (0.4, 0.4), particles: (5, 5), pins: None, solver: (drag: 0)),
+            "far": Cloth(size: (0.4, 0.4), particles: (5, 5), pins: None, at: (5, 0, 0), solver: (drag: 0)),
+        },
+        winds: { "fan": (region: Sphere(radius: 1), flow: Along(0, 0, 2), present: false) },
+        timeline: [(at: 1, do: Spawn("fan")), (at: 1.3, do: Set("fan.flow", Along(0, 0, 4))), (at: 1.6, do: Despawn("fan"))],
+        expectations: [
+            (when: At(0.9), probe: Speed(of: "near"), expect: Near(value: 0, tolerance: 0)),
+            (when: At(1.6), probe: Velocity(of: "near", axis: Z), expect: AtLeast(0.2)),
+            (when: During(0, 3), probe: Speed(of: "far"), expect: Near(value: 0, tolerance: 0)),
+        ]"#)
+    .assert_passed();
+}
+
+#[test]
+fn what_cannot_be_cut_or_blown_is_refused() {
+    for (line, words) in [
+        (
+            r#"timeline: [(at: 0, do: Cut(of: "ball", from: ((0, 0, 0), (1, 0, 0)), to: ((0, 1, 0), (1, 1, 0))))]"#,
+            "`ball` is none",
+        ),
+        (r#"timeline: [(at: 0, do: Push(of: "fan", impulse: (0, 0, 1)))]"#, "nothing pushes"),
+        (r#"expectations: [(probe: Speed(of: "fan"), expect: Reported)]"#, "a wind is felt"),
+        (r#"expectations: [(probe: Pieces(of: "ball"), expect: Reported)]"#, "nothing else tears"),
+        (r#"cannons: { "fan": () }"#, "called `fan` already"),
+    ] {
+        let text = format!(r#"(version: 1, bodies: {{ "ball": Balls() }}, winds: {{ "fan": () }}, {line})"#);
+        let error = SceneScript::parse(&text).expect_err(line).to_string();
+        assert!(error.contains(words), "{error} does not say {words}");
+    }
+}

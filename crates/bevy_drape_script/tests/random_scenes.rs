@@ -37,11 +37,15 @@ fn solver() -> impl Strategy<Value = String> {
 
 fn body() -> impl Strategy<Value = String> {
     let pins = prop_oneof![Just("None"), Just("Top"), Just("TopCorners"), Just("Left"), Just("Corners")];
-    let cloth = (vector(2.0), turn(), 2..12_u32, 2..12_u32, number(0.2..2.0), pins, solver(), vector(5.0)).prop_map(
-        |(at, turn, columns, rows, size, pins, solver, velocity)| {
+    let tears = prop_oneof![
+        Just("None".to_string()),
+        number(0.01..1.0).prop_map(|strain| format!("(strain: {strain})"))
+    ];
+    let cloth = (vector(2.0), turn(), 2..12_u32, 2..12_u32, number(0.2..2.0), pins, solver(), vector(5.0), tears).prop_map(
+        |(at, turn, columns, rows, size, pins, solver, velocity, tears)| {
             format!(
                 "Cloth(at: {at}, turn: {turn}, particles: ({columns}, {rows}), size: ({size}, 1), pins: {pins}, \
-                 solver: {solver}, velocity: {velocity})"
+                 solver: {solver}, velocity: {velocity}, tearable: {tears})"
             )
         },
     );
@@ -53,6 +57,9 @@ fn body() -> impl Strategy<Value = String> {
             )
         },
     );
+    let soft = (vector(2.0), turn(), 1..4_u32, any::<bool>(), solver()).prop_map(|(at, turn, rings, pin_rim, solver)| {
+        format!("SoftBall(at: {at}, turn: {turn}, rings: {rings}, pin_rim: {pin_rim}, solver: {solver}, tearable: (strain: 0.3))")
+    });
     let rig = (vector(2.0), number(0.01..10.0), any::<bool>(), solver()).prop_map(|(at, mass, pinned, solver)| {
         format!(
             "Rig(at: {at}, particles: {{ \"a\": (pinned: {pinned}), \"b\": (at: (1, 0, 0), mass: {mass}), \"c\": (at: (0, 1, 0)) }}, \
@@ -67,7 +74,7 @@ fn body() -> impl Strategy<Value = String> {
             )
         },
     );
-    prop_oneof![3 => cloth, 1 => rope, 1 => rig, 2 => balls]
+    prop_oneof![3 => cloth, 1 => rope, 1 => soft, 1 => rig, 2 => balls]
 }
 
 fn obstacle() -> impl Strategy<Value = String> {
@@ -121,6 +128,15 @@ fn event() -> impl Strategy<Value = String> {
         number(0.0..2.0).prop_map(|friction| format!("Set(\"solid.friction\", {friction})")),
         vector(20.0).prop_map(|gravity| format!("Set(\"settings.gravity\", {gravity})")),
         (1..20_u32).prop_map(|substeps| format!("Set(\"settings.solver.substeps\", {substeps})")),
+        (vector(2.0), vector(2.0))
+            .prop_map(|(tip, way)| format!("Cut(from: ({tip}, (0, 2, 0)), to: ({way}, {tip}))")),
+        vector(2.0).prop_map(|tip| format!(
+            "Cut(of: \"sheet\", from: ((-2, 1, -1), (-2, 1, 1)), to: ({tip}, (2, 1, 1)))"
+        )),
+        Just("Unpin(of: \"sheet#2\")".to_string()),
+        Just("Despawn(\"fan\")".to_string()),
+        Just("Spawn(\"fan\")".to_string()),
+        number(0.0..5.0).prop_map(|speed| format!("Set(\"settings.wind.gusts.speed\", {speed})")),
         Just("Pin(of: \"sheet\")".to_string()),
         Just("Unpin(of: \"sheet\", particles: Pinned)".to_string()),
         vector(2.0).prop_map(|to| format!(
@@ -150,6 +166,7 @@ prop_compose! {
     settings: (duration: 3.3333333, seed: {seed}),
     bodies: {{ "a": {a}, "b": {b}, "sheet": Cloth(size: (1, 1), particles: (9, 9), at: (0, 1, 0)) }},
     obstacles: {{ "solid": {solid}, "other": {other} }},
+    winds: {{ "fan": (flow: Outwards(8), at: (0.5, 1, 0)) }},
     cannons: {{ "cannon": (at: (0, 1, 3)) }},
     timeline: [{events}],
     expectations: [(when: Always, probe: Energy(kind: Kinetic), expect: AtMost(1e12))],

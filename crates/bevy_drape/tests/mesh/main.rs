@@ -5,6 +5,7 @@ mod gizmos;
 mod interpolation;
 mod normals;
 mod ownership;
+mod ropes;
 mod schedules;
 mod torn;
 mod vertices;

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 use super::ScenePlay;
-use super::stage::{Actor, mark};
+use super::stage::{Actor, mark, place, set_tearable};
 use crate::scene::{self, Body, SceneScript, Settings};
 
 /// Gravity, wind, the length of a step and so on.
@@ -37,13 +37,15 @@ impl ScenePlay {
                 mark(world, entity, name, obstacle.layers.as_ref(), obstacle.contacts);
                 let was = old.obstacles.get(name);
                 if was.is_some_and(|was| (was.at, was.turn) != (obstacle.at, obstacle.turn)) {
-                    let place = Transform {
-                        translation: obstacle.at.get(),
-                        rotation: obstacle.turn.quaternion(),
-                        scale: Vec3::ONE,
-                    };
-                    world.entity_mut(entity).insert(place);
+                    world.entity_mut(entity).insert(place(obstacle.at, &obstacle.turn));
                 }
+            }
+        }
+        for (name, zone) in script.winds.iter() {
+            if old.winds.get(name) != Some(zone)
+                && let Some(&Actor::Wind(entity)) = self.stage.get(name)
+            {
+                world.entity_mut(entity).insert((WindZone::from(zone), zone.place()));
             }
         }
         for (name, cannon) in script.cannons.iter() {
@@ -70,41 +72,32 @@ impl ScenePlay {
     }
 
     fn change_body(&mut self, world: &mut World, name: &str, actor: &Actor, old: Option<&Body>, new: &Body) {
-        let solver = match new {
-            Body::Cloth(cloth) => &cloth.solver,
-            Body::Rope(rope) => &rope.solver,
-            Body::Rig(rig) => &rig.solver,
-            Body::Balls(_) => &scene::Solver::default(),
-        };
-        let settings = self.solver_settings(solver);
+        let settings = self.solver_settings(new.solver().unwrap_or(&scene::Solver::default()));
         let is_changed = old != Some(new);
         match (actor, new, old) {
-            (&Actor::Body(entity), Body::Cloth(cloth), Some(Body::Cloth(was))) => {
-                insert_if_other(world, entity, settings);
-                let plain = Cloth::from(cloth);
-                if plain != Cloth::from(was) {
-                    world.entity_mut(entity).insert(plain);
-                }
-                if (cloth.at, cloth.turn) != (was.at, was.turn) {
-                    let place = Transform {
-                        translation: cloth.at.get(),
-                        rotation: cloth.turn.quaternion(),
-                        scale: Vec3::ONE,
-                    };
-                    world.entity_mut(entity).insert(place);
-                }
+            (&Actor::Body { body, .. }, Body::Cloth(cloth), Some(Body::Cloth(was))) => {
+                insert_if_other(world, body, settings);
                 if is_changed {
-                    mark(world, entity, name, cloth.layers.as_ref(), cloth.contacts);
+                    let has_moved = (cloth.at, cloth.turn) != (was.at, was.turn);
+                    let place = has_moved.then(|| place(cloth.at, &cloth.turn));
+                    self.describe_anew(world, name, new, [was, cloth].map(Cloth::from), place);
+                    mark(world, body, name, cloth.layers.as_ref(), cloth.contacts);
                 }
             }
-            (&Actor::Body(entity), Body::Rope(rope), Some(Body::Rope(was))) => {
-                insert_if_other(world, entity, settings);
-                let plain = Rope::from(rope);
-                if plain != Rope::from(was) {
-                    world.entity_mut(entity).insert(plain);
-                }
+            (&Actor::Body { body, .. }, Body::Rope(rope), Some(Body::Rope(was))) => {
+                insert_if_other(world, body, settings);
                 if is_changed {
-                    mark(world, entity, name, rope.layers.as_ref(), rope.contacts);
+                    self.describe_anew(world, name, new, [was, rope].map(Rope::from), None);
+                    mark(world, body, name, rope.layers.as_ref(), rope.contacts);
+                }
+            }
+            (&Actor::Body { body, .. }, Body::SoftBall(ball), Some(Body::SoftBall(was))) => {
+                insert_if_other(world, body, settings);
+                if is_changed {
+                    let has_moved = (ball.at, ball.turn) != (was.at, was.turn);
+                    let place = has_moved.then(|| place(ball.at, &ball.turn));
+                    self.describe_anew(world, name, new, [was, ball].map(SoftBall::from), place);
+                    mark(world, body, name, ball.layers.as_ref(), ball.contacts);
                 }
             }
             (Actor::Rig { particles, .. }, Body::Rig(rig), Some(Body::Rig(was))) => {
@@ -123,6 +116,29 @@ impl ScenePlay {
                 self.spawn_body(world, name, new);
             }
             _ => {}
+        }
+    }
+
+    /// Brings what differs between two descriptions of a body to its entity. A body that is built anew has no pieces.
+    fn describe_anew<D: Component + PartialEq>(
+        &mut self,
+        world: &mut World,
+        name: &str,
+        body: &Body,
+        [was, is]: [D; 2],
+        place: Option<Transform>,
+    ) {
+        let entities = self.stage.entities(name);
+        for &entity in &entities {
+            set_tearable(world, entity, body);
+        }
+        let Some(&entity) = entities.first() else { return };
+        if is != was {
+            self.stage.drop_pieces(world, name);
+            world.entity_mut(entity).insert(is);
+        }
+        if let Some(place) = place {
+            world.entity_mut(entity).insert(place);
         }
     }
 }

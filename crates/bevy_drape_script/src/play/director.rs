@@ -106,6 +106,15 @@ impl ScenePlay {
             Action::Drag { of, point, radius, path } => {
                 self.drags.push(DragUnderWay::new(of, point, *radius, path, time));
             }
+            Action::Cut { of, from, to } => {
+                let sweep = CutCloth::sweep([from.0.get(), from.1.get()], [to.0.get(), to.1.get()]);
+                if of.is_empty() {
+                    world.write_message(sweep.clone());
+                }
+                for entity in of.iter().flat_map(|name| self.stage.entities(name)) {
+                    world.write_message(sweep.clone().only(entity));
+                }
+            }
             Action::Set(path, value) => match overriding::replaced(&self.script, path, value) {
                 Ok(script) => self.change(world, script),
                 Err(error) => self.problems.push(error.to_string()),
@@ -131,6 +140,8 @@ impl ScenePlay {
             self.spawn_body(world, name, &body);
         } else if let Some(obstacle) = script.obstacles.get(name).cloned() {
             self.spawn_obstacle(world, name, &obstacle);
+        } else if let Some(zone) = script.winds.get(name).cloned() {
+            self.spawn_wind(world, name, &zone);
         } else if let Some(cannon) = script.cannons.get(name).cloned() {
             self.spawn_cannon(world, name, &cannon);
         }

@@ -77,7 +77,7 @@ impl ScenePlay {
             if is_over {
                 body.remove::<Grab>();
             } else if let Some(mut grab) = body.get_mut::<Grab>() {
-                grab.target = target;
+                grab.pull_to(target);
             }
             !is_over
         });
@@ -92,6 +92,6 @@ impl ScenePlay {
             let grab = Grab::new(world.get::<Particles>(body)?, index, drag.radius.max(1e-3));
             world.entity_mut(body).insert(grab);
         }
-        Some((body, Vector::known(world.get::<Grab>(body)?.target)))
+        Some((body, Vector::known(world.get::<Grab>(body)?.target()?)))
     }
 }

@@ -66,6 +66,8 @@ impl ScenePlay {
             Probe::Hits { of, on } => number(self.tally.hits(of, on) as f64),
             Probe::Contacts { of, on } => number(self.tally.contacts(of, on) as f64),
             Probe::Touching { of, on } => number(self.tally.touching(of, on) as f64),
+            Probe::Pieces { of } => number(self.parts(world, of)?.bodies.len() as f64),
+            Probe::Torn { of } => number(self.tally.torn(of) as f64),
             Probe::StateHash { of } => {
                 Some(Measured::Word(format!("{:016x}", state_hash(world, &self.parts(world, of)?))))
             }

@@ -51,9 +51,16 @@ impl ScenePlay {
         match self.stage.get(&order.of) {
             // It is gone.
             None if !order.of.contains('#') => true,
-            Some(Actor::Body(_) | Actor::Rig { .. }) => self.order_particles(world, order).is_some(),
+            Some(Actor::Body { .. } | Actor::Rig { .. }) => self.order_particles(world, order).is_some(),
+            None if self.names_piece(&order.of) => self.order_particles(world, order).is_some(),
             _ => self.order_solids(world, order),
         }
+    }
+
+    /// Whether it is the piece of a body, be it there yet or not.
+    fn names_piece(&self, name: &str) -> bool {
+        name.split_once('#')
+            .is_some_and(|(whole, _)| matches!(self.stage.get(whole), Some(Actor::Body { .. })))
     }
 
     fn order_particles(&self, world: &mut World, order: &Order) -> Option<()> {
@@ -79,9 +86,19 @@ impl ScenePlay {
                     }
                 } else {
                     let free = if is_pin { Vec::new() } else { self.free_inverse_masses(&order.of)? };
+                    let body = all.first().and_then(|&(body, _)| world.get::<Particles>(body))?;
+                    // What has torn has other particles than were built: those that are let go weigh what others do.
+                    let usual = if is_pin || free.len() == body.len() {
+                        None
+                    } else {
+                        (0..body.len())
+                            .map(|i| body.inverse_mass(i))
+                            .find(|&inverse| inverse > 0.0)
+                            .or(free.first().copied())
+                    };
                     for &index in &indices {
                         let (body, index) = all[index];
-                        let inverse_mass = free.get(index).copied().unwrap_or(0.0);
+                        let inverse_mass = usual.or(free.get(index).copied()).unwrap_or(0.0);
                         world.get_mut::<Particles>(body)?.set_inverse_mass(index, inverse_mass);
                     }
                 }
@@ -116,15 +133,20 @@ impl ScenePlay {
         Some(())
     }
 
-    /// The inverse masses of a cloth or rope none of whose particles are pinned.
+    /// The inverse masses of a body as it was built, none of whose particles are pinned.
     fn free_inverse_masses(&self, name: &str) -> Option<Vec<f32>> {
-        let built = match self.script.bodies.get(name)? {
+        let whole = name.split('#').next().unwrap_or(name);
+        let built = match self.script.bodies.get(whole)? {
             Body::Cloth(cloth) => {
                 Cloth::from(cloth).with_pins(ClothPins::None).build(&GlobalTransform::IDENTITY)
             }
             Body::Rope(rope) => {
                 let rope = Rope { pin_start: false, pin_end: false, ..Rope::from(rope) };
                 rope.build(&GlobalTransform::IDENTITY)
+            }
+            Body::SoftBall(ball) => {
+                let ball = SoftBall { pin_rim: false, ..SoftBall::from(ball) };
+                ball.build(&GlobalTransform::IDENTITY)
             }
             Body::Rig(_) | Body::Balls(_) => return None,
         };

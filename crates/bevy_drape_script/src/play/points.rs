@@ -16,17 +16,22 @@ pub(super) struct State {
 
 /// The particles of a body: its entity and the index there. None if it has not been built yet.
 pub(super) fn particles(world: &World, stage: &Stage, name: &str) -> Option<Vec<(Entity, usize)>> {
-    match stage.get(name)? {
-        Actor::Body(body) => {
-            let count = world.get::<Particles>(*body)?.len();
-            Some((0..count).map(|index| (*body, index)).collect())
-        }
+    let Some(actor) = stage.get(name) else {
+        return of_body(world, stage.numbered(name)?);
+    };
+    match actor {
+        Actor::Body { body, .. } => of_body(world, *body),
         Actor::Rig { particles, .. } => particles
             .iter()
             .map(|&particle| world.get::<InRig>(particle).map(|rig| (rig.body, rig.index)))
             .collect(),
         _ => None,
     }
+}
+
+fn of_body(world: &World, body: Entity) -> Option<Vec<(Entity, usize)>> {
+    let count = world.get::<Particles>(body)?.len();
+    Some((0..count).map(|index| (body, index)).collect())
 }
 
 /// The number of a point among `count` particles; none for the centre.

@@ -12,8 +12,11 @@ use crate::scene::{self, Body, Motion, Selection, Solver};
 /// What a name stands for.
 #[derive(Clone, Debug)]
 pub(super) enum Actor {
-    /// A cloth or rope.
-    Body(Entity),
+    /// A cloth, rope or soft ball: what it is now, and the pieces that came off it.
+    Body {
+        body: Entity,
+        pieces: Vec<Entity>,
+    },
     /// A rig's particles, in the order of their names, and its sticks.
     Rig {
         particles: Vec<Entity>,
@@ -21,6 +24,7 @@ pub(super) enum Actor {
     },
     Balls(Vec<Entity>),
     Obstacle(Entity),
+    Wind(Entity),
     Cannon {
         cannon: Entity,
         balls: Vec<Entity>,
@@ -81,10 +85,29 @@ impl Stage {
         })
     }
 
+    /// Notes a piece that came off a body; its name.
+    pub fn note_piece(&mut self, from: Entity, piece: Entity) -> Option<String> {
+        self.actors.iter_mut().find_map(|(name, actor)| match actor {
+            Actor::Body { body, pieces } if *body == from || pieces.contains(&from) => {
+                pieces.push(piece);
+                Some(format!("{name}#{}", pieces.len() + 1))
+            }
+            _ => None,
+        })
+    }
+
+    /// Takes the pieces of a body off the stage, as it is built anew.
+    pub fn drop_pieces(&mut self, world: &mut World, name: &str) {
+        if let Some(Actor::Body { pieces, .. }) = self.actors.get_mut(name) {
+            pieces.drain(..).for_each(|piece| despawn(world, piece));
+        }
+    }
+
     /// All entities of a name.
     pub fn entities(&self, name: &str) -> Vec<Entity> {
         match self.actors.get(name) {
-            Some(Actor::Body(entity) | Actor::Obstacle(entity)) => vec![*entity],
+            Some(Actor::Body { body, pieces }) => [&[*body], &pieces[..]].concat(),
+            Some(Actor::Obstacle(entity) | Actor::Wind(entity)) => vec![*entity],
             Some(Actor::Rig { particles, .. }) => particles.clone(),
             Some(Actor::Balls(balls)) => balls.clone(),
             Some(Actor::Cannon { cannon, .. }) => vec![*cannon],
@@ -92,12 +115,14 @@ impl Stage {
         }
     }
 
-    /// The ball that `name#number` stands for.
-    fn numbered(&self, name: &str) -> Option<Entity> {
+    /// The ball or piece that `name#number` stands for.
+    pub fn numbered(&self, name: &str) -> Option<Entity> {
         let (group, number) = name.split_once('#')?;
         let index = number.parse::<usize>().ok()?.checked_sub(1)?;
         match self.actors.get(group)? {
             Actor::Balls(balls) | Actor::Cannon { balls, .. } => balls.get(index).copied(),
+            Actor::Body { body, .. } if index == 0 => Some(*body),
+            Actor::Body { pieces, .. } => pieces.get(index - 1).copied(),
             _ => None,
         }
     }
@@ -116,7 +141,11 @@ impl Stage {
         for name in names {
             match self.actors.get(name) {
                 Some(actor) => add(&mut parts, world, actor),
-                None => parts.balls.extend(self.numbered(name).filter(|&ball| is_ball(world, ball))),
+                None => {
+                    let numbered = self.numbered(name);
+                    parts.bodies.extend(numbered.filter(|&body| is_body(world, body)));
+                    parts.balls.extend(numbered.filter(|&ball| is_ball(world, ball)));
+                }
             }
         }
         parts
@@ -128,7 +157,12 @@ impl Stage {
         for (name, actor) in &self.actors {
             let mut parts = Parts::default();
             add(&mut parts, world, actor);
-            moving.extend(parts.bodies.into_iter().map(|body| (name.clone(), body)));
+            let is_whole = parts.bodies.len() == 1;
+            let bodies = parts.bodies.into_iter().enumerate();
+            moving.extend(bodies.map(|(index, body)| {
+                let name = if is_whole { name.clone() } else { format!("{name}#{}", index + 1) };
+                (name, body)
+            }));
             if let Actor::Balls(balls) | Actor::Cannon { balls, .. } = actor {
                 let numbered = balls.iter().enumerate().filter(|&(_, &ball)| is_ball(world, ball));
                 moving.extend(numbered.map(|(index, &ball)| (format!("{name}#{}", index + 1), ball)));
@@ -154,7 +188,12 @@ impl Stage {
             balls.iter().position(|&ball| ball == entity).map(|index| format!("{name}#{}", index + 1))
         };
         self.actors.iter().find_map(|(name, actor)| match actor {
-            Actor::Body(own) | Actor::Obstacle(own) => (*own == entity).then(|| name.clone()),
+            Actor::Body { body, pieces } if *body == entity && pieces.is_empty() => Some(name.clone()),
+            Actor::Body { body, .. } if *body == entity => Some(format!("{name}#1")),
+            Actor::Body { pieces, .. } => {
+                pieces.iter().position(|&piece| piece == entity).map(|index| format!("{name}#{}", index + 2))
+            }
+            Actor::Obstacle(own) | Actor::Wind(own) => (*own == entity).then(|| name.clone()),
             Actor::Rig { particles, .. } => particles.contains(&entity).then(|| name.clone()),
             Actor::Balls(balls) | Actor::Cannon { balls, .. } => numbered(name, balls),
         })
@@ -164,7 +203,11 @@ impl Stage {
     pub fn exit(&mut self, world: &mut World, name: &str) {
         if let Some(actor) = self.actors.remove(name) {
             let entities = match actor {
-                Actor::Body(entity) | Actor::Obstacle(entity) => vec![entity],
+                Actor::Body { body, mut pieces } => {
+                    pieces.push(body);
+                    pieces
+                }
+                Actor::Obstacle(entity) | Actor::Wind(entity) => vec![entity],
                 Actor::Rig { particles, sticks } => sticks.into_iter().chain(particles).collect(),
                 Actor::Balls(balls) => balls,
                 Actor::Cannon { cannon, mut balls } => {
@@ -172,12 +215,7 @@ impl Stage {
                     balls
                 }
             };
-            for entity in entities {
-                // A lost ball may be gone already.
-                if let Ok(entity) = world.get_entity_mut(entity) {
-                    entity.despawn();
-                }
-            }
+            entities.into_iter().for_each(|entity| despawn(world, entity));
         }
     }
 
@@ -188,13 +226,27 @@ impl Stage {
     }
 }
 
+/// Lost balls may be gone already.
+fn despawn(world: &mut World, entity: Entity) {
+    if let Ok(entity) = world.get_entity_mut(entity) {
+        entity.despawn();
+    }
+}
+
+fn is_body(world: &World, entity: Entity) -> bool {
+    world.get::<Particles>(entity).is_some()
+}
+
 fn is_ball(world: &World, entity: Entity) -> bool {
     world.get::<ProjectileState>(entity).is_some()
 }
 
 fn add(parts: &mut Parts, world: &World, actor: &Actor) {
     match actor {
-        Actor::Body(body) => parts.bodies.extend(world.get::<Particles>(*body).map(|_| *body)),
+        Actor::Body { body, pieces } => {
+            let all = core::iter::once(body).chain(pieces).copied();
+            parts.bodies.extend(all.filter(|&body| is_body(world, body)));
+        }
         Actor::Rig { particles, .. } => {
             for body in particles.iter().filter_map(|&particle| world.get::<InRig>(particle)) {
                 if !parts.bodies.contains(&body.body) {
@@ -206,6 +258,7 @@ fn add(parts: &mut Parts, world: &World, actor: &Actor) {
             parts.balls.extend(balls.iter().copied().filter(|&ball| is_ball(world, ball)));
         }
         Actor::Obstacle(obstacle) => parts.obstacles.push(*obstacle),
+        Actor::Wind(_) => {}
     }
 }
 
@@ -218,23 +271,19 @@ impl ScenePlay {
     pub(super) fn spawn_body(&mut self, world: &mut World, name: &str, body: &Body) {
         let actor = match body {
             Body::Cloth(cloth) => {
-                let transform = Transform {
-                    translation: cloth.at.get(),
-                    rotation: cloth.turn.quaternion(),
-                    scale: Vec3::ONE,
-                };
-                let settings = self.solver_settings(&cloth.solver);
-                let entity = world.spawn((Cloth::from(cloth), settings, transform)).id();
-                mark(world, entity, name, cloth.layers.as_ref(), cloth.contacts);
-                self.order_velocity(name, cloth.velocity);
-                Actor::Body(entity)
+                let described = (Cloth::from(cloth), place(cloth.at, &cloth.turn));
+                let layers = cloth.layers.as_ref();
+                self.spawn_described(world, name, body, described, layers, cloth.velocity)
             }
             Body::Rope(rope) => {
-                let settings = self.solver_settings(&rope.solver);
-                let entity = world.spawn((Rope::from(rope), settings)).id();
-                mark(world, entity, name, rope.layers.as_ref(), rope.contacts);
-                self.order_velocity(name, rope.velocity);
-                Actor::Body(entity)
+                let described = Rope::from(rope);
+                let layers = rope.layers.as_ref();
+                self.spawn_described(world, name, body, described, layers, rope.velocity)
+            }
+            Body::SoftBall(ball) => {
+                let described = (SoftBall::from(ball), place(ball.at, &ball.turn));
+                let layers = ball.layers.as_ref();
+                self.spawn_described(world, name, body, described, layers, ball.velocity)
             }
             Body::Rig(rig) => self.spawn_rig(world, name, rig),
             Body::Balls(balls) => {
@@ -256,6 +305,24 @@ impl ScenePlay {
             }
         };
         self.stage.enter(name, actor);
+    }
+
+    /// Spawns what the plugin builds of a description.
+    fn spawn_described(
+        &mut self,
+        world: &mut World,
+        name: &str,
+        body: &Body,
+        described: impl Bundle,
+        layers: Option<&scene::Layers>,
+        velocity: scene::Vector,
+    ) -> Actor {
+        let settings = body.solver().map(|solver| self.solver_settings(solver)).unwrap_or_default();
+        let entity = world.spawn((described, settings)).id();
+        mark(world, entity, name, layers, body.tells_contacts());
+        set_tearable(world, entity, body);
+        self.order_velocity(name, velocity);
+        Actor::Body { body: entity, pieces: Vec::new() }
     }
 
     fn spawn_rig(&self, world: &mut World, name: &str, rig: &scene::Rig) -> Actor {
@@ -328,12 +395,36 @@ impl ScenePlay {
         }
     }
 
+    pub(super) fn spawn_wind(&mut self, world: &mut World, name: &str, zone: &scene::WindZone) {
+        let entity = world.spawn((WindZone::from(zone), zone.place(), Name::new(name.to_string()))).id();
+        self.stage.enter(name, Actor::Wind(entity));
+    }
+
     pub(super) fn spawn_cannon(&mut self, world: &mut World, name: &str, cannon: &scene::Cannon) {
         let place =
             Transform { translation: cannon.at.get(), rotation: cannon.turn.quaternion(), scale: Vec3::ONE };
         let component = cannon.component(self.script.settings.gravity);
         let entity = world.spawn((component, place, Name::new(name.to_string()))).id();
         self.stage.enter(name, Actor::Cannon { cannon: entity, balls: Vec::new() });
+    }
+}
+
+/// Where something of the scene is.
+pub(super) fn place(at: scene::Vector, turn: &scene::Turn) -> Transform {
+    Transform { translation: at.get(), rotation: turn.quaternion(), scale: Vec3::ONE }
+}
+
+/// Lets a body tear as the scene says, or no more.
+pub(super) fn set_tearable(world: &mut World, entity: Entity, body: &Body) {
+    let mut entity = world.entity_mut(entity);
+    match body.tearable().map(Tearable::from) {
+        Some(tearable) if entity.get() != Some(&tearable) => {
+            entity.insert(tearable);
+        }
+        None if entity.contains::<Tearable>() => {
+            entity.remove::<Tearable>();
+        }
+        _ => {}
     }
 }
 

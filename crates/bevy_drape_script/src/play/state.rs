@@ -45,7 +45,9 @@ impl ScenePlay {
         let body_of = |particle: &Entity| world.get::<InRig>(*particle).and_then(|rig| key_of(rig.body));
         let actors = self.stage.actors().map(|(name, actor)| {
             let keys = match actor {
-                Actor::Body(entity) | Actor::Obstacle(entity) => vec![key_of(*entity)],
+                Actor::Body { body, .. } => vec![key_of(*body)],
+                Actor::Obstacle(entity) => vec![key_of(*entity)],
+                Actor::Wind(_) => Vec::new(),
                 Actor::Rig { particles, .. } => particles.iter().map(body_of).collect(),
                 Actor::Balls(balls) | Actor::Cannon { balls, .. } => {
                     balls.iter().copied().map(key_of).collect()
@@ -82,6 +84,8 @@ pub(crate) fn resume(
     // Bodies and obstacles are spawned one by one, each under the number that it had.
     let mut empty = SceneScript { timeline: Vec::new(), expectations: Vec::new(), ..state.script.clone() };
     (empty.bodies, empty.obstacles) = (Named::default(), Named::default());
+    empty.winds.retain(|name, _| state.actors.contains_key(name));
+    empty.winds.values_mut().for_each(|zone| zone.present = true);
     begin_scene(world, empty);
     world.resource_mut::<ScenePlay>().script = state.script.clone();
     // A scene without bodies and obstacles too: a world takes no snapshot before its first step.

@@ -1,4 +1,4 @@
-//! What touched what: hits of balls and contacts, counted by names.
+//! What touched what, and what tore: hits of balls, contacts and torn sticks, counted by names.
 
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
@@ -18,6 +18,7 @@ pub(super) struct Counted {
     hits: Vec<Pair>,
     contacts: Vec<Pair>,
     touching: Vec<(Key, Key, Pair)>,
+    torn: Vec<String>,
 }
 
 /// Pairs of names that began to touch.
@@ -26,10 +27,14 @@ pub(super) struct Tally {
     contacts: Vec<Pair>,
     /// What touches now, the names beside the entities: these may be gone when the contact ends.
     touching: Vec<(Entity, Entity, Pair)>,
+    /// The names of the bodies of sticks that were torn or cut.
+    torn: Vec<String>,
     hit_cursor: MessageCursor<BallHit>,
     contact_cursor: MessageCursor<DrapeContactStarted>,
     end_cursor: MessageCursor<DrapeContactEnded>,
     shot_cursor: MessageCursor<CannonFired>,
+    split_cursor: MessageCursor<BodySplit>,
+    torn_cursor: MessageCursor<StickTorn>,
 }
 
 impl Tally {
@@ -39,10 +44,13 @@ impl Tally {
             hits: Vec::new(),
             contacts: Vec::new(),
             touching: Vec::new(),
+            torn: Vec::new(),
             hit_cursor: world.resource::<Messages<BallHit>>().get_cursor_current(),
             contact_cursor: world.resource::<Messages<DrapeContactStarted>>().get_cursor_current(),
             end_cursor: world.resource::<Messages<DrapeContactEnded>>().get_cursor_current(),
             shot_cursor: world.resource::<Messages<CannonFired>>().get_cursor_current(),
+            split_cursor: world.resource::<Messages<BodySplit>>().get_cursor_current(),
+            torn_cursor: world.resource::<Messages<StickTorn>>().get_cursor_current(),
         }
     }
 
@@ -55,6 +63,7 @@ impl Tally {
             hits: self.hits.clone(),
             contacts: self.contacts.clone(),
             touching: self.touching.iter().filter_map(key).collect(),
+            torn: self.torn.clone(),
         }
     }
 
@@ -67,6 +76,7 @@ impl Tally {
             hits: counted.hits.clone(),
             contacts: counted.contacts.clone(),
             touching: counted.touching.iter().filter_map(entity).collect(),
+            torn: counted.torn.clone(),
             ..Self::new(world)
         }
     }
@@ -82,6 +92,16 @@ impl Tally {
                 ball.insert(Name::new(name));
             }
         }
+        for split in
+            self.split_cursor.read(world.resource::<Messages<BodySplit>>()).cloned().collect::<Vec<_>>()
+        {
+            if let Some(piece) = split.piece
+                && let Some(name) = stage.note_piece(split.body, piece)
+                && let Ok(mut piece) = world.get_entity_mut(piece)
+            {
+                piece.insert(Name::new(name));
+            }
+        }
         let name = |entity: Entity| stage.name_of(world, entity).unwrap_or_default();
         for hit in self.hit_cursor.read(world.resource::<Messages<BallHit>>()) {
             self.hits.push((name(hit.projectile), name(hit.target)));
@@ -90,6 +110,9 @@ impl Tally {
             let names = (name(contact.body), name(contact.other));
             self.contacts.push(names.clone());
             self.touching.push((contact.body, contact.other, names));
+        }
+        for torn in self.torn_cursor.read(world.resource::<Messages<StickTorn>>()) {
+            self.torn.push(name(torn.body));
         }
         for end in self.end_cursor.read(world.resource::<Messages<DrapeContactEnded>>()) {
             self.touching.retain(|&(body, other, _)| (body, other) != (end.body, end.other));
@@ -108,6 +131,11 @@ impl Tally {
         self.contacts.iter().filter(|pair| is_between(pair, of, on)).count()
     }
 
+    /// How many sticks of `of` were torn or cut.
+    pub fn torn(&self, of: &Names) -> usize {
+        self.torn.iter().filter(|body| matches(of, body)).count()
+    }
+
     /// How many pairs of `of` and `on` touch now.
     pub fn touching(&self, of: &Names, on: &Names) -> usize {
         self.touching.iter().filter(|(_, _, pair)| is_between(pair, of, on)).count()
@@ -119,7 +147,7 @@ fn is_between((a, b): &Pair, of: &Names, on: &Names) -> bool {
     matches(of, a) && matches(on, b) || matches(of, b) && matches(on, a)
 }
 
-/// Whether `name` is one of `names`, or a ball of one of them. No names are all names.
+/// Whether `name` is one of `names`, or a ball or piece of one of them. No names are all names.
 fn matches(names: &Names, name: &str) -> bool {
     let group = name.split_once('#').map_or(name, |(group, _)| group);
     names.is_empty() || names.iter().any(|given| given == name || given == group)

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Aim, Literal, NonNegative, Point, Seconds, Vector};
+use super::{Aim, Literal, Names, NonNegative, Point, Seconds, Vector};
 
 /// What an event does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -51,6 +51,16 @@ pub enum Action {
         /// Where to: seconds since the beginning of the drag, and metres from where the particle was then; evenly in between.
         path: Vec<(Seconds, Vector)>,
     },
+    /// A blade cuts what it passes through: a straight edge that moves from one place to another in no time.
+    Cut {
+        /// Of which bodies, with their pieces; of all if left out.
+        #[serde(default)]
+        of: Names,
+        /// Hilt and tip at the beginning of the stroke, in metres.
+        from: (Vector, Vector),
+        /// Hilt and tip at its end, in metres.
+        to: (Vector, Vector),
+    },
     /// Something gets an impulse in newton seconds, its particles each their part by mass.
     Push {
         /// What.
@@ -72,7 +82,8 @@ pub enum Action {
     Pause(Seconds),
     /// A picture is taken by the camera of this name, where there is something to draw it with.
     Picture(String),
-    /// The state is saved under this name, as it is before all that happens at this time.
+    /// The state is saved under this name, as it is before all that happens at this time. What has torn by then cannot be gone on
+    /// from.
     Checkpoint(String),
     /// The scene ends.
     Stop,
@@ -104,6 +115,7 @@ impl Action {
             Self::Pin { of, .. } | Self::Unpin { of, .. } | Self::Drag { of, .. } | Self::Push { of, .. } => {
                 vec![of]
             }
+            Self::Cut { of, .. } => of.iter().map(String::as_str).collect(),
             Self::SetWind(_) | Self::Set(..) | Self::Pause(_) | Self::Checkpoint(_) | Self::Stop => {
                 Vec::new()
             }

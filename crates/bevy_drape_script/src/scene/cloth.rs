@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::number::bracketed;
-use super::{Fraction, Layers, NonNegative, Positive, Solver, Turn, Vector, Whole};
+use super::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Turn, Vector, Whole};
 
 /// A rectangular cloth. Untouched by `turn` it hangs in the XY plane, centred at `at`, facing +Z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -36,6 +36,8 @@ pub struct Cloth {
     pub turn: Turn,
     /// Velocity of its free particles at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
+    /// When it tears; never by default.
+    pub tearable: Option<Tearable>,
     /// How it is solved; as the scene's settings have it by default.
     pub solver: Solver,
     /// Which layers it is in and which it touches; all by default.
@@ -80,6 +82,7 @@ impl Default for Cloth {
             at: Vector::default(),
             turn: Turn::default(),
             velocity: Vector::default(),
+            tearable: None,
             solver: Solver::default(),
             layers: None,
             contacts: false,

@@ -80,7 +80,8 @@ fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(is_part)
 }
 
-/// One name, or a list of names. What a cannon shot has its name and number: `cannon#1` is its first ball.
+/// One name, or a list of names. What a cannon shot has its name and number: `cannon#1` is its first ball. So have the pieces of a
+/// body: of a torn `curtain`, `curtain#1` is the piece that stayed, `curtain#2` the first that came off.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deref, DerefMut)]
 pub struct Names(pub Vec<String>);
 

@@ -150,6 +150,17 @@ pub enum Probe {
         #[serde(default)]
         on: Names,
     },
+    /// Of how many pieces a body is: 1 until something comes off it. Those that were too small to be kept do not count.
+    Pieces {
+        /// Whose.
+        of: Names,
+    },
+    /// How many sticks were torn or cut.
+    Torn {
+        /// Whose; of everything, if left out.
+        #[serde(default)]
+        of: Names,
+    },
     /// A word of 16 hexadecimal digits that tells two states apart, to be expected with `Is`.
     StateHash {
         /// Whose; of everything that moves by itself, if left out.
@@ -262,6 +273,8 @@ impl Probe {
             | Self::Momentum { of, .. }
             | Self::AngularMomentum { of, .. }
             | Self::Activity { of }
+            | Self::Pieces { of }
+            | Self::Torn { of }
             | Self::StateHash { of } => of.iter().map(String::as_str).collect(),
             Self::Hits { of, on } | Self::Contacts { of, on } | Self::Touching { of, on } => {
                 of.iter().chain(on.iter()).map(String::as_str).collect()
@@ -299,6 +312,8 @@ impl Probe {
             | Self::Hits { .. }
             | Self::Contacts { .. }
             | Self::Touching { .. }
+            | Self::Pieces { .. }
+            | Self::Torn { .. }
             | Self::StateHash { .. }
             | Self::StepTimeRatio { .. } => "",
         }
@@ -334,6 +349,8 @@ impl fmt::Display for Probe {
             Self::Hits { of, on } => write!(f, "hits of {of} on {on}"),
             Self::Contacts { of, on } => write!(f, "contacts of {of} and {on}"),
             Self::Touching { of, on } => write!(f, "pairs of {of} and {on} that touch"),
+            Self::Pieces { of } => write!(f, "pieces of {of}"),
+            Self::Torn { of } => write!(f, "torn sticks of {of}"),
             Self::StateHash { of } => write!(f, "state hash of {of}"),
             Self::StepTimeRatio { of, against } => write!(f, "step time of {of} against {against}"),
         }

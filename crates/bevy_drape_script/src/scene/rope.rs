@@ -4,7 +4,7 @@ use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Fraction, Layers, NonNegative, Positive, Solver, Vector, Whole};
+use super::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Vector, Whole};
 
 /// A rope, cable or chain, straight between two points at first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,6 +30,8 @@ pub struct Rope {
     pub pin_end: bool,
     /// Velocity of its free particles at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
+    /// When it tears; never by default.
+    pub tearable: Option<Tearable>,
     /// How it is solved; as the scene's settings have it by default.
     pub solver: Solver,
     /// Which layers it is in and which it touches; all by default.
@@ -56,6 +58,7 @@ impl Default for Rope {
             pin_start: plain.pin_start,
             pin_end: plain.pin_end,
             velocity: Vector::default(),
+            tearable: None,
             solver: Solver::default(),
             layers: None,
             contacts: false,

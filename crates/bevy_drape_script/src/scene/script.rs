@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Body, Camera, Cannon, Event, Expectation, Material, Named, Obstacle, Parameter, Settings, Whole,
+    Body, Camera, Cannon, Event, Expectation, Material, Named, Obstacle, Parameter, Settings, Whole, WindZone,
 };
 use crate::SceneError;
 use crate::check::check;
@@ -46,6 +46,9 @@ pub struct SceneScript {
     /// Obstacles by name.
     #[serde(default)]
     pub obstacles: Named<Obstacle>,
+    /// Winds in some places only, by name.
+    #[serde(default)]
+    pub winds: Named<WindZone>,
     /// Cannons by name.
     #[serde(default)]
     pub cannons: Named<Cannon>,
@@ -71,6 +74,7 @@ impl Default for SceneScript {
             materials: Named::default(),
             bodies: Named::default(),
             obstacles: Named::default(),
+            winds: Named::default(),
             cannons: Named::default(),
             cameras: Named::default(),
             timeline: Vec::new(),
@@ -115,10 +119,15 @@ impl SceneScript {
         Ok(script)
     }
 
-    /// The names of everything in it: bodies, obstacles, cannons, cameras, materials and parameters.
+    /// The names of everything in it: bodies, obstacles, winds, cannons, cameras, materials and parameters.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        let things = self.bodies.keys().chain(self.obstacles.keys()).chain(self.cannons.keys());
-        let others = self.cameras.keys().chain(self.materials.keys()).chain(self.parameters.keys());
+        let things = self.bodies.keys().chain(self.obstacles.keys()).chain(self.winds.keys());
+        let others = self
+            .cannons
+            .keys()
+            .chain(self.cameras.keys())
+            .chain(self.materials.keys())
+            .chain(self.parameters.keys());
         things.chain(others).map(String::as_str)
     }
 

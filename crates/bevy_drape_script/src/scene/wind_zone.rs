@@ -1,0 +1,90 @@
+//! Winds in some places only.
+
+use bevy::prelude::*;
+use bevy_drape::prelude as drape;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::number::bracketed;
+use super::{Fraction, Number, Positive, Turn, Vector};
+
+/// A wind in some place, on top of that of the settings: a fan, a draught, an explosion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct WindZone {
+    /// How far it reaches; `Sphere(radius: 2)` by default.
+    pub region: WindRegion,
+    /// Where the air goes; `Along(0, 0, -5)` by default.
+    pub flow: WindFlow,
+    /// The outer part of the region, from 0 to 1, in which it falls off to nothing; 0.5 by default.
+    pub falloff: Fraction,
+    /// Where its middle is, in metres; (0, 0, 0) by default.
+    pub at: Vector,
+    /// How it is turned, with its flow; not at all by default.
+    pub turn: Turn,
+    /// Whether it blows at the start, and not only once it is spawned; true by default.
+    pub present: bool,
+}
+
+/// The shape of a wind zone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum WindRegion {
+    /// A ball.
+    Sphere {
+        /// Radius in metres.
+        radius: Positive,
+    },
+    /// A box.
+    Cuboid {
+        /// Its sides in metres.
+        #[serde(deserialize_with = "bracketed")]
+        size: (Positive, Positive, Positive),
+    },
+}
+
+/// How the air of a wind zone moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum WindFlow {
+    /// With this velocity in m/s, turned as the zone is.
+    Along(Vector),
+    /// Away from the middle, or towards it if negative, at so many m/s.
+    Outwards(Number),
+}
+
+impl Default for WindZone {
+    fn default() -> Self {
+        Self {
+            region: WindRegion::Sphere { radius: Positive::known(2.0) },
+            flow: WindFlow::Along(Vector::known(Vec3::NEG_Z * 5.0)),
+            falloff: Fraction::known(0.5),
+            at: Vector::default(),
+            turn: Turn::default(),
+            present: true,
+        }
+    }
+}
+
+impl WindZone {
+    /// Where it is.
+    pub fn place(&self) -> Transform {
+        Transform { translation: self.at.get(), rotation: self.turn.quaternion(), scale: Vec3::ONE }
+    }
+}
+
+impl From<&WindZone> for drape::WindZone {
+    fn from(zone: &WindZone) -> Self {
+        let region = match zone.region {
+            WindRegion::Sphere { radius } => drape::WindRegion::Sphere(radius.get()),
+            WindRegion::Cuboid { size: (x, y, z) } => {
+                drape::WindRegion::Cuboid(Vec3::new(x.get(), y.get(), z.get()) * 0.5)
+            }
+        };
+        let flow = match zone.flow {
+            WindFlow::Along(velocity) => drape::WindFlow::Along(velocity.get()),
+            WindFlow::Outwards(speed) => drape::WindFlow::Outwards(speed.get()),
+        };
+        Self { region, flow, falloff: zone.falloff.get() }
+    }
+}

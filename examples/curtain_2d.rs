@@ -1,0 +1,47 @@
+//! A curtain in two dimensions: a grid of sticks in a plane, its top row pinned, relaxed five times a step, and a disc that
+//! swings through it. With a `Mesh2d` and a `Camera2d` the same is drawn flat.
+//!
+//! `cargo run --release --example curtain_2d --features window`; `--headless` runs without a window, and `--picture FILE` draws
+//! a picture with `--features render`.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_examples::feature::{Feature, Paint};
+
+/// The example.
+pub const FEATURE: Feature = Feature {
+    title: "A curtain in a plane, five passes a step",
+    controls: "",
+    eye: Vec3::new(0.0, 1.2, 4.0),
+    target: Vec3::new(0.0, 1.2, 0.0),
+    moment: 2.2,
+    build: |app| {
+        app.add_systems(Startup, setup).add_systems(FixedUpdate, swing);
+    },
+};
+
+/// Runs it.
+pub fn main() -> std::process::ExitCode {
+    FEATURE.run()
+}
+
+/// A disc that swings to and fro.
+#[derive(Component)]
+struct Disc;
+
+fn setup(mut commands: Commands) {
+    // Nothing but the sticks to the left and up.
+    let curtain =
+        Cloth { shear_stiffness: 0.0, bend_stiffness: 0.0, ..Cloth::new(1.6, 1.2).with_particles(33, 25) };
+    let passes = SolverSettings { substeps: 1, iterations: 5, ..default() };
+    let place = Transform::from_xyz(0.0, 1.4, 0.0);
+    commands.spawn((curtain, passes, PlaneLock::default(), Paint::rgb(0.25, 0.45, 0.70), place));
+    // Its middle is in the plane: what it pushes stays there.
+    commands.spawn((Disc, Obstacle::sphere(0.2), Transform::from_xyz(-1.4, 0.9, 0.0)));
+}
+
+fn swing(time: Res<Time>, mut discs: Query<&mut Transform, With<Disc>>) {
+    for mut disc in &mut discs {
+        disc.translation.x = -1.4 * (1.2 * time.elapsed_secs()).cos();
+    }
+}

@@ -1,0 +1,56 @@
+//! A winch lifts a load out of a pit and lets it down again; the rope is drawn as a tube.
+//!
+//! `cargo run --release --example winch --features window`; `--headless` runs without a window, and `--picture FILE` draws
+//! a picture with `--features render`.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_examples::feature::{Feature, Paint};
+
+/// The example.
+pub const FEATURE: Feature = Feature {
+    title: "A winch with ten kilograms on its rope",
+    controls: "",
+    eye: Vec3::new(2.2, 2.0, 3.4),
+    target: Vec3::new(0.0, 1.2, 0.0),
+    moment: 2.5,
+    build: |app| {
+        app.add_systems(Startup, setup).add_systems(FixedUpdate, (hang, turn));
+    },
+};
+
+/// Runs it.
+pub fn main() -> std::process::ExitCode {
+    FEATURE.run()
+}
+
+/// A rope on which its load has yet to be hung.
+#[derive(Component)]
+struct Unladen;
+
+fn setup(mut commands: Commands) {
+    commands.spawn(Obstacle::ground());
+    let rope = Rope::new(Vec3::ZERO, Vec3::NEG_Y * 1.8, 64);
+    let winch = Winch { speed: -0.6, least: 0.4, greatest: 1.8 };
+    let place = Transform::from_xyz(0.0, 2.4, 0.0);
+    commands.spawn((rope, winch, Unladen, RopeMesh::new(0.015), Paint::rgb(0.70, 0.55, 0.30), place));
+    commands.spawn((Obstacle::capsule(0.05, 2.4), Transform::from_xyz(-0.6, 1.2, 0.0)));
+}
+
+/// The last particle of the rope weighs ten kilograms once it has been built.
+fn hang(mut ropes: Query<(Entity, &mut Particles), With<Unladen>>, mut commands: Commands) {
+    for (rope, mut particles) in &mut ropes {
+        let last = particles.len() - 1;
+        particles.set_inverse_mass(last, 0.1);
+        commands.entity(rope).remove::<Unladen>();
+    }
+}
+
+/// Up for three seconds, down for three.
+fn turn(time: Res<Time>, mut winches: Query<&mut Winch>) {
+    let is_up = time.elapsed_secs() % 6.0 < 3.0;
+    for mut winch in &mut winches {
+        let speed = if is_up { -0.6 } else { 0.6 };
+        winch.set_if_neq(Winch { speed, ..*winch });
+    }
+}

@@ -1,0 +1,111 @@
+//! Ropes that carry a weight, and ropes that are paid out and reeled in.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape::winch::rest_length;
+use drape_solver::measure;
+
+use crate::common::*;
+
+/// Hangs so many kilograms on the last particle of a rope.
+fn hang(app: &mut App, rope: Entity, mass: f32) {
+    let mut particles = get_mut::<Particles>(app, rope);
+    let last = particles.len() - 1;
+    particles.set_inverse_mass(last, 1.0 / mass);
+}
+
+fn length(app: &App, rope: Entity) -> f32 {
+    let particles = get::<Particles>(app, rope);
+    (1..particles.len()).map(|i| particles.position(i).distance(particles.position(i - 1))).sum()
+}
+
+fn at_rest(app: &App, rope: Entity) -> f32 {
+    rest_length(get::<Rope>(app, rope), get::<Sticks>(app, rope)).expect("whole")
+}
+
+#[test]
+fn a_rope_of_64_with_ten_kilograms_at_its_end_stretches_by_less_than_a_hundredth() {
+    for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
+        let mut app = app();
+        let settings = SolverSettings { structural, ..default() };
+        let rope = Rope::new(Vec3::ZERO, Vec3::NEG_Y * 2.0, 64);
+        let rope = app.world_mut().spawn((rope, settings)).id();
+        step(&mut app, 1);
+        hang(&mut app, rope, 10.0);
+        let mut worst = 0.0_f32;
+        for _ in 0..300 {
+            step(&mut app, 1);
+            worst = worst.max(length(&app, rope) / 2.0 - 1.0);
+        }
+        let stretch = measure::stretch(get::<Particles>(&app, rope), get::<Sticks>(&app, rope));
+        println!(
+            "{structural:?}: {worst:.5} at most, at rest {:.5} rms, {:.5} max",
+            stretch.rms, stretch.max
+        );
+        assert!(worst < 0.01 && stretch.rms < 0.01, "{structural:?}: {worst}, {stretch:?}");
+    }
+}
+
+#[test]
+fn a_winch_pays_out_and_reels_in_at_its_speed_between_its_bounds() {
+    let mut app = app();
+    let winch = Winch { speed: -0.5, least: 0.5, greatest: 1.5 };
+    let rope = Rope { linear_density: 0.2, ..Rope::new(Vec3::ZERO, Vec3::NEG_Y, 33) };
+    let rope = app.world_mut().spawn((rope, winch, SolverSettings { drag: 4.0, ..default() })).id();
+    step(&mut app, 1);
+    hang(&mut app, rope, 2.0);
+    let load = |app: &App| get::<Particles>(app, rope).position(32);
+    run(&mut app, 0.5);
+    let half_way = at_rest(&app, rope);
+    assert!((half_way - 0.75).abs() < 0.02, "{half_way} m after half a second");
+    run(&mut app, 2.0);
+    assert!((at_rest(&app, rope) - 0.5).abs() < 1e-4, "it stops at its least length");
+    assert!((load(&app) - Vec3::NEG_Y * 0.5).length() < 0.01, "the load is lifted to {}", load(&app));
+    get_mut::<Winch>(&mut app, rope).speed = 1.0;
+    run(&mut app, 4.0);
+    assert!((at_rest(&app, rope) - 1.5).abs() < 1e-4, "and at its greatest");
+    assert!((load(&app) - Vec3::NEG_Y * 1.5).length() < 0.02, "the load is let down to {}", load(&app));
+    // Half a metre of rope more than there was, and of the end its half link; the first particle is pinned.
+    let particles = get::<Particles>(&app, rope);
+    let mass: f32 = (1..33).map(|i| 1.0 / particles.inverse_mass(i)).sum();
+    let expected = 2.0 + 0.2 * 1.5 * (31.0 / 32.0) + 0.2 * 0.5 * 0.5 / 32.0;
+    assert!((mass - expected).abs() < 2e-3, "{mass} kg, not {expected} kg");
+    let still = length(&app, rope) / 1.5 - 1.0;
+    assert!(still.abs() < 0.01, "stretched by {still}");
+}
+
+#[test]
+fn a_winch_that_is_none_is_told_and_a_sleeping_rope_wakes_for_one_that_turns() {
+    let mut app = app();
+    let rope = app.world_mut().spawn((Rope::default(), Winch { least: 0.0, ..Winch::new(1.0) })).id();
+    step(&mut app, 2);
+    let told = app.world().resource::<Refusals>().messages().any(|message| message.contains("Winch"));
+    assert!(told && (at_rest(&app, rope) - 1.0).abs() < 1e-6);
+    get_mut::<Winch>(&mut app, rope).set_if_neq(Winch::default());
+    run(&mut app, 10.0);
+    assert_eq!(get::<Activity>(&app, rope), &Activity::Resting);
+    assert_eq!(app.world().resource::<Refusals>().messages().len(), 0);
+    get_mut::<Winch>(&mut app, rope).speed = 0.2;
+    run(&mut app, 1.0);
+    assert_eq!(get::<Activity>(&app, rope), &Activity::Active);
+    assert!((at_rest(&app, rope) - 1.2).abs() < 0.01);
+}
+
+#[test]
+fn a_body_in_a_plane_stays_there_and_sleeps() {
+    let mut app = app();
+    app.world_mut().spawn((Obstacle::cuboid(4.0, 0.2, 4.0), Transform::from_xyz(0.0, -0.2, 0.0)));
+    // A disc beside the plane's middle would push the ball out of it.
+    app.world_mut().spawn((Obstacle::sphere(0.3), Transform::from_xyz(0.15, 0.2, 0.05)));
+    let turned = Transform::from_xyz(0.0, 1.2, 0.0).with_rotation(Quat::from_rotation_y(0.5));
+    let normal = turned.rotation * Vec3::Z;
+    let ball = (SoftBall { stiffness: 0.9999, damping: 3.0, ..SoftBall::new(0.25) }, turned);
+    let ball = app.world_mut().spawn((ball, PlaneLock { normal, distance: 0.0 })).id();
+    for _ in 0..300 {
+        step(&mut app, 1);
+        let farthest = get::<Particles>(&app, ball).positions().map(|place| place.dot(normal).abs());
+        let farthest = farthest.fold(0.0, f32::max);
+        assert!(farthest < 1.1e-5, "{farthest} m out of its plane");
+    }
+    settle(&mut app, ball);
+}
