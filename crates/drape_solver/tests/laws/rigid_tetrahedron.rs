@@ -74,7 +74,7 @@ fn a_free_box_keeps_its_momentum_and_its_spin() {
     let change = (measure::momentum(after) - measure::momentum(&before)).length();
     law_of_error("momentum of a free box, parts", change / measure::momentum(&before).length(), 1e-5);
     let spin_of = |p: &drape_solver::Particles| {
-        let centre = p.positions().map(|place| place.as_dvec3()).sum::<DVec3>() * 0.25;
+        let centre = p.positions().map(Vec3::as_dvec3).sum::<DVec3>() * 0.25;
         measure::angular_momentum(p) - centre.cross(measure::momentum(p))
     };
     let kept = spin_of(after).length() / spin_of(&before).length();
