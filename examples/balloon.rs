@@ -36,6 +36,4 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
         let turned = Transform::from_xyz(x, 1.2, 0.0).with_rotation(Quat::from_rotation_x(0.4));
         commands.spawn((Mesh3d(ball.clone()), skin, Pressure(pressure), paint, turned));
     }
-    let stone = Projectile { radius: 0.12, mass: 1.0, velocity: Vec3::ZERO, ..default() };
-    commands.spawn((stone, Transform::from_xyz(1.05, 2.6, 0.0)));
 }

@@ -1,4 +1,4 @@
-//! A rig: one entity for each particle, joined by entities that are sticks. A bridge of planks on ropes, and balls on it.
+//! A rig: one entity for each particle, joined by entities that are sticks. A bridge that sags.
 //!
 //! `cargo run --release --example bridge --features window`; `--headless` runs without a window, and `--picture FILE` draws
 //! a picture with `--features render`.
@@ -11,8 +11,8 @@ use drape_examples::feature::Feature;
 pub const FEATURE: Feature = Feature {
     title: "A bridge of particles and sticks that are entities",
     controls: "",
-    eye: Vec3::new(1.4, 1.9, 4.2),
-    target: Vec3::new(0.0, 0.85, 0.0),
+    eye: Vec3::new(1.4, 1.7, 3.4),
+    target: Vec3::new(0.0, 0.75, 0.0),
     moment: 2.5,
     build: |app| {
         app.add_systems(Startup, setup);
@@ -47,11 +47,12 @@ fn setup(mut commands: Commands) {
         commands.spawn(Stick::new(ends[0], ends[1]));
         if let Some(last) = last {
             for (from, to) in [(0, 0), (1, 1), (0, 1), (1, 0)] {
-                commands.spawn(Stick::new(last[from], ends[to]));
+                let straight = step.hypot(if from == to { 0.0 } else { 2.0 * HALF_WIDTH });
+                // A little too long, so that the bridge sags.
+                let rest_length = Some(straight + 0.03 * step);
+                commands.spawn(Stick { rest_length, ..Stick::new(last[from], ends[to]) });
             }
         }
         last = Some(ends);
     }
-    // A rope swings beside it.
-    commands.spawn(Rope::new(Vec3::new(0.6, 2.2, 0.9), Vec3::new(1.85, 2.2, 0.9), 30));
 }

@@ -11,8 +11,8 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A strip lays itself down in folds",
     controls: "",
-    eye: Vec3::new(1.3, 1.1, 2.2),
-    target: Vec3::new(0.0, 0.25, 0.0),
+    eye: Vec3::new(0.75, 0.6, 1.2),
+    target: Vec3::new(0.0, 0.12, 0.05),
     moment: 2.4,
     build: |app| {
         app.add_systems(Startup, setup);

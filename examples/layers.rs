@@ -11,9 +11,9 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "Balls that meet cloth of their own layer only",
     controls: "",
-    eye: Vec3::new(2.4, 1.8, 4.0),
+    eye: Vec3::new(3.2, 1.9, 2.6),
     target: Vec3::new(0.0, 0.9, -0.2),
-    moment: 0.75,
+    moment: 0.42,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -15,7 +15,6 @@
 //! | Esc | quit |
 //!
 //! `--headless` runs all of them without a window and tells what came of each.
-#![expect(dead_code, reason = "the examples' own `main`")]
 
 use std::process::ExitCode;
 
@@ -33,7 +32,9 @@ macro_rules! features {
 features! {
     balloon: "balloon.rs",
     bridge: "bridge.rs",
+    cape: "cape.rs",
     cloth_mesh: "cloth_mesh.rs",
+    crates: "crates.rs",
     curtain_2d: "curtain_2d.rs",
     cut: "cut.rs",
     drape: "drape.rs",
@@ -41,6 +42,8 @@ features! {
     flag: "flag.rs",
     folds: "folds.rs",
     layers: "layers.rs",
+    presets: "presets.rs",
+    ragdoll: "ragdoll.rs",
     soft_ball: "soft_ball.rs",
     tear: "tear.rs",
     trampoline: "trampoline.rs",

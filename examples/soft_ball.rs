@@ -32,7 +32,7 @@ fn setup(mut commands: Commands) {
         (1.1, 0.9999, Paint::rgb(0.28, 0.42, 0.75)),
     ] {
         let ball = SoftBall { stiffness, ..SoftBall::new(0.35) };
-        commands.spawn((ball, paint, Transform::from_xyz(x, 1.8, 0.0)));
+        commands.spawn((ball, PlaneLock::default(), paint, Transform::from_xyz(x, 1.8, 0.0)));
         commands.spawn((Obstacle::capsule(0.06, 1.0), along_z(x + 0.12, 0.75)));
     }
 }

@@ -3,6 +3,7 @@
 use drape_examples::feature::{Feature, FeatureReport};
 
 #[path = "../examples/showcase.rs"]
+#[expect(dead_code, reason = "the examples' own `main`")]
 mod showcase;
 
 use showcase::FEATURES;
@@ -11,7 +12,7 @@ use showcase::FEATURES;
 const TOO_FAST: f32 = 100.0;
 
 /// Examples that are no features of their own: they have other tests.
-const OTHERS: [&str; 3] = ["cannon", "scene", "showcase"];
+const OTHERS: [&str; 4] = ["cannon", "cape_model", "scene", "showcase"];
 
 macro_rules! runs {
     ($($name:ident),* $(,)?) => {
@@ -25,7 +26,8 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cloth_mesh, curtain_2d, cut, drape, fan, flag, folds, layers, soft_ball, tear, trampoline, winch,
+    balloon, bridge, cape, cloth_mesh, crates, curtain_2d, cut, drape, fan, flag, folds, layers,
+    presets, ragdoll, soft_ball, tear, trampoline, winch,
 }
 
 fn run(feature: &Feature) -> FeatureReport {

@@ -33,6 +33,11 @@ pub fn empty() -> Mesh {
 
 /// Makes `mesh` that of cords from end to end, a prism each.
 pub fn write(mesh: &mut Mesh, cords: impl IntoIterator<Item = [Vec3; 2]>) {
+    write_thick(mesh, cords, RADIUS);
+}
+
+/// The same with cords of this radius in metres.
+fn write_thick(mesh: &mut Mesh, cords: impl IntoIterator<Item = [Vec3; 2]>, radius: f32) {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for [from, to] in cords {
         let Some(along) = (to - from).try_normalize() else { continue };
@@ -41,7 +46,7 @@ pub fn write(mesh: &mut Mesh, cords: impl IntoIterator<Item = [Vec3; 2]>) {
         for corner in 0..SIDES {
             let angle = core::f32::consts::TAU * corner as f32 / SIDES as f32;
             let normal = side * angle.cos() + up * angle.sin();
-            positions.extend([from + normal * RADIUS, to + normal * RADIUS]);
+            positions.extend([from + normal * radius, to + normal * radius]);
             normals.extend([normal, normal]);
             let (here, next) = (first + 2 * corner, first + 2 * ((corner + 1) % SIDES));
             indices.extend([here, here + 1, next, next, here + 1, next + 1]);
@@ -72,7 +77,7 @@ struct CordsOf(Entity);
 struct HasCords;
 
 fn dress_cords(
-    bodies: Query<(Entity, &Sticks), Without<HasCords>>,
+    bodies: Query<(Entity, &Sticks), (Without<HasCords>, Without<RigidTetrahedron>)>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
@@ -93,18 +98,21 @@ fn dress_cords(
 
 fn write_cords(
     cords: Query<(&CordsOf, &Mesh3d)>,
-    bodies: Query<(&Particles, &Sticks)>,
+    bodies: Query<(&Particles, &Sticks, Option<&SolverSettings>)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     for (&CordsOf(body), mesh) in &cords {
-        let (Ok((particles, sticks)), Some(mut mesh)) = (bodies.get(body), meshes.get_mut(mesh)) else {
+        let (Ok((particles, sticks, settings)), Some(mut mesh)) = (bodies.get(body), meshes.get_mut(mesh))
+        else {
             continue;
         };
         let structural = sticks.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
         let ends = structural
             .flat_map(drape_solver::StickBatch::range)
             .map(|stick| sticks.stick(stick).map(|end| particles.position(end as usize)));
-        write(&mut mesh, ends);
+        // Limbs are as thick as they are simulated.
+        let thickness = settings.map_or(0.0, |settings| settings.thickness);
+        write_thick(&mut mesh, ends, thickness.max(RADIUS));
     }
 }
 

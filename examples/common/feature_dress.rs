@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape_script::recording::Form;
 use drape_solver::Shape;
-use drape_solver::parry3d::shape::TypedShape;
+use drape_solver::parry3d::shape::{SharedShape, TypedShape};
 
 use crate::cords::CordsPlugin;
 use crate::feature::Paint;
@@ -21,7 +21,8 @@ pub struct FeatureDressPlugin;
 
 impl Plugin for FeatureDressPlugin {
     fn build(&self, app: &mut App) {
-        app.add_plugins((OutdoorsPlugin, CordsPlugin)).add_systems(Update, (dress_bodies, dress_obstacles));
+        app.add_plugins((OutdoorsPlugin, CordsPlugin))
+            .add_systems(Update, (dress_bodies, dress_obstacles, dress_rigid));
     }
 }
 
@@ -50,7 +51,28 @@ fn dress_bodies(
     }
 }
 
-/// Marks an obstacle that has been given its looks.
+type BareRigid = (Without<Dressed>, With<Particles>);
+
+/// Rigid bodies look as the hull of their corners.
+fn dress_rigid(
+    bodies: Query<(Entity, &RigidTetrahedron, Option<&Paint>), BareRigid>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, body, paint) in &bodies {
+        let mut dressed = commands.entity(entity);
+        dressed.insert((Dressed, Interpolated)).insert_if_new(Visibility::default());
+        let hull = SharedShape::convex_hull(&body.corners).and_then(|hull| round(&Shape::Parry(hull)));
+        if let Some(mesh) = hull {
+            let colour = paint.map_or(SOLID, |&Paint(colour)| colour);
+            let material = StandardMaterial { base_color: colour, perceptual_roughness: 0.8, ..default() };
+            dressed.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material))));
+        }
+    }
+}
+
+/// Marks an obstacle, or a rigid body, that has been given its looks.
 #[derive(Component)]
 struct Dressed;
 

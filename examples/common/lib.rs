@@ -11,6 +11,8 @@ pub mod adapter;
 pub mod arguments;
 #[cfg(feature = "render")]
 mod cannon_model;
+pub mod character;
+pub mod character_model;
 #[cfg(feature = "window")]
 mod clock_keys;
 #[cfg(feature = "window")]

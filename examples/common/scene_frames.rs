@@ -8,7 +8,7 @@ use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
-use bevy_drape_script::play::{PictureDue, ScenePlay};
+use bevy_drape_script::play::{PictureDue, ScenePlay, ScenePlugin};
 use bevy_drape_script::{SceneRunner, SceneScript};
 
 use crate::scene_dress::DressPlugin;
@@ -42,7 +42,7 @@ impl Gallery {
     /// # Errors
     /// [`PictureError::NoAdapter`].
     pub fn open(folder: &Path) -> Result<Self, PictureError> {
-        let (app, studio) = studio::app((DrapePlugins::default(), DressPlugin), SIZE)?;
+        let (app, studio) = studio::app((DrapePlugins::default(), DressPlugin, ScenePlugin), SIZE)?;
         Ok(Self {
             app: Some(app),
             studio,

@@ -1,5 +1,6 @@
 //! The Bevy plugin, with exact time: sixty steps a second, one in each update.
 
+mod attachments;
 mod bad_components;
 mod bad_resources;
 mod bad_states;
@@ -30,3 +31,4 @@ mod soft;
 mod tearing;
 mod threads;
 mod waking;
+mod world_motion;

@@ -24,11 +24,13 @@ fn assert_resource<R: Resource + TypePath>(app: &App) {
 fn components_and_resources_are_registered() {
     let app = app();
     assert_component::<Activity>(&app);
+    assert_component::<Attachment>(&app);
     assert_component::<Cannon>(&app);
     assert_component::<Cloth>(&app);
     assert_component::<ContactEvents>(&app);
     assert_component::<DrapeLayers>(&app);
     assert_component::<DynamicObstacle>(&app);
+    assert_component::<FollowParticle>(&app);
     assert_component::<InRig>(&app);
     assert_component::<Interpolated>(&app);
     assert_component::<Obstacle>(&app);
@@ -39,6 +41,7 @@ fn components_and_resources_are_registered() {
     assert_component::<Projectile>(&app);
     assert_component::<ProjectileState>(&app);
     assert_component::<Rig>(&app);
+    assert_component::<RigidTetrahedron>(&app);
     assert_component::<Rope>(&app);
     assert_component::<SoftBall>(&app);
     assert_component::<SolverSettings>(&app);
@@ -48,12 +51,16 @@ fn components_and_resources_are_registered() {
     assert_component::<TeleportObstacle>(&app);
     assert_component::<Viewer>(&app);
     assert_component::<WindZone>(&app);
+    assert_component::<MovedByFrame>(&app);
+    assert_component::<TeleportCloth>(&app);
+    assert_component::<WorldMotion>(&app);
     assert_resource::<ActivityCounts>(&app);
     assert_resource::<DefaultSolverSettings>(&app);
     assert_resource::<DrapeClock>(&app);
     assert_resource::<DrapeContactCounts>(&app);
     assert_resource::<DrapeContactSettings>(&app);
     assert_resource::<DrapeGravity>(&app);
+    assert_resource::<MotionLimitCounts>(&app);
     assert_resource::<Refusals>(&app);
     assert_resource::<SceneManager>(&app);
     assert_resource::<Wind>(&app);
@@ -100,13 +107,16 @@ mod both {
     /// Every name of the prelude, and the full one that it stands for.
     pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
         full_names! {
-            Activity ActivityCounts BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents ContactFeature
-            CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts DrapeContactEnded DrapeContactHit
-            DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps
-            DrapeSystems DynamicObstacle FireCannon Grab Gusts Hand HitTarget InRig Interpolated Obstacle ObstacleReaction
-            ObstacleShape Particle Particles PlaneLock Pressure Projectile ProjectileState Quality Refusals Rig Rope SceneManager SelfContact
-            SoftBall SolverSettings Stick StickKind StickProjection StickTorn Sticks StructuralSolve Tearable TeleportObstacle
-            Viewer Winch Wind WindFlow WindRegion WindZone
+            Activity ActivityCounts Attachment BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents
+            ContactFeature CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts
+            DrapeContactEnded DrapeContactHit DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers
+            DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems DynamicObstacle FireCannon FollowParticle
+            FollowedParticle Grab Gusts Hand HitTarget InRig Interpolated MotionLimitCounts MovedByFrame Obstacle
+            ObstacleReaction ObstacleShape Particle Particles PlaneLock Preset Pressure Projectile ProjectileState
+            Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope SceneManager SelfContact SoftBall
+            SolverSettings Stick StickBound StickKind StickProjection StickTorn Sticks StructuralSolve Tearable
+            TeleportCloth TeleportObstacle Tie TiedParticles Viewer Winch Wind WindFlow WindRegion WindZone
+            WorldMotion
         }
         .into_iter()
     }

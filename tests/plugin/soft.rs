@@ -79,7 +79,7 @@ fn cube() -> (Particles, Sticks) {
         (0..8_u8).map(|i| Vec3::new(f32::from(i & 1), f32::from(i >> 1 & 1), f32::from(i >> 2))).collect();
     let particles = drape_solver::Particles::new(Vec3::ZERO, &corners, &[1.0; 8]).expect("valid");
     let mut builder = TopologyBuilder::new(&corners);
-    let soft = StickMaterial { kind: StickKind::Structural, stiffness: 0.1, damping: 5.0 };
+    let soft = StickMaterial { stiffness: 0.1, damping: 5.0, ..StickMaterial::rigid(StickKind::Structural) };
     let edges = (0..8_u32).flat_map(|i| [1, 2, 4].map(|bit| [i, i | bit])).filter(|[a, b]| a != b);
     builder.family(soft, edges).expect("valid");
     let square = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];

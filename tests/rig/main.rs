@@ -2,6 +2,9 @@
 
 mod bad_input;
 mod edits;
+mod joints;
 mod physics;
+mod ragdoll;
+mod rigid_tetrahedron;
 mod support;
 mod transforms;

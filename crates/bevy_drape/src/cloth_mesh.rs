@@ -17,7 +17,11 @@ use crate::mesh_reading::{MeshFault, faces, paint, positions};
 /// put right, with a warning.
 ///
 /// Particles that are painted are pinned: by default those with a vertex colour of more red than a half. Pins stay fixed to the
-/// entity.
+/// entity. How far the others may go can be painted as well: see [`ClothPaint::max_distance`].
+///
+/// Where the entity has a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), pins and limits follow its joints. The pose is worked out in each
+/// step, by the joints' transforms of that step, and the mesh that is shown is the simulated one: it has no skin any more.
+/// Joints get a [`MovedByFrame`](crate::moved_by_frame::MovedByFrame).
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -56,6 +60,11 @@ pub struct ClothPaint {
     pub pins: Option<PaintChannel>,
     /// The value above which a vertex is pinned; 0.5 by default.
     pub threshold: f32,
+    /// Where it is said how far a vertex may be from where the animation has it: from its skinned pose, or from its place on the
+    /// entity. Black is 0, which follows the animation; see [`full_distance`](Self::full_distance). None, the default: without limits.
+    pub max_distance: Option<PaintChannel>,
+    /// The distance, in metres, that a value of 1 stands for; 1 by default, 0 or more.
+    pub full_distance: f32,
 }
 
 /// A number that each vertex of a mesh has.
@@ -76,7 +85,7 @@ pub enum PaintChannel {
 
 impl Default for ClothPaint {
     fn default() -> Self {
-        Self { pins: Some(PaintChannel::Red), threshold: 0.5 }
+        Self { pins: Some(PaintChannel::Red), threshold: 0.5, max_distance: None, full_distance: 1.0 }
     }
 }
 
@@ -131,7 +140,28 @@ impl ClothMesh {
             builder = builder.weld_distance(distance);
         }
         let builder = painted.chain(self.pins.iter().copied()).fold(builder, MeshClothBuilder::pin);
-        Ok(builder.build_parts()?)
+        let mut cloth = builder.build_parts()?;
+        self.limit(&mut cloth, mesh)?;
+        Ok(cloth)
+    }
+
+    /// Gives free particles the limits that are painted: of several vertices in one place the least.
+    fn limit(&self, cloth: &mut MeshCloth, mesh: &Mesh) -> Result<(), MeshFault> {
+        let Some(channel) = &self.paint.max_distance else { return Ok(()) };
+        if !(self.paint.full_distance >= 0.0 && self.paint.full_distance.is_finite()) {
+            return Err(MeshFault::BadFullDistance(self.paint.full_distance));
+        }
+        let painted = paint(mesh, channel, cloth.particle_of_vertex.len())?;
+        for (value, particle) in painted.into_iter().zip(&cloth.particle_of_vertex) {
+            let Some(i) = particle.map(|particle| particle as usize) else { continue };
+            let distance = value.clamp(0.0, 1.0) * self.paint.full_distance;
+            let known = cloth.particles.motion_limit(i).map_or(f32::INFINITY, |(_, known)| known);
+            if !cloth.particles.is_pinned(i) && distance < known {
+                let place = cloth.particles.position(i);
+                cloth.particles.set_motion_limit(i, place, distance);
+            }
+        }
+        Ok(())
     }
 }
 

@@ -1,15 +1,19 @@
 //! Builds cloths from meshes, and hangs the meshes on them.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::camera::visibility::NoAutoAabb;
+use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use drape_solver::MeshCloth;
 
 use crate::cloth_mesh::{ClothMesh, WeldedVertices};
+use crate::cloth_mesh_skin::ClothSkin;
 use crate::description::{insert_body, remove_body};
 use crate::mesh_reading::{MeshFault, faces, positions};
-use crate::particles::{CreationOrder, Particles};
+use crate::moved_by_frame::MovedByFrame;
+use crate::particles::{BodyState, CreationOrder, Particles};
+use crate::posed::AnimatedPose;
 use crate::refusal::Refusals;
 use crate::scan::collect_changed;
 use crate::surface::{EntitySpace, Surface};
@@ -29,7 +33,9 @@ pub(crate) fn build_cloth_meshes(
     components: Query<(Entity, Ref<ClothMesh>)>,
     given: Query<(Entity, Ref<Mesh3d>), With<ClothMesh>>,
     not_built: Query<(Entity, Ref<GlobalTransform>), (With<ClothMesh>, Without<Particles>)>,
-    cloths: Query<(&ClothMesh, &Mesh3d, &GlobalTransform, Option<&MeshOfCloth>)>,
+    cloths: Query<(&ClothMesh, &Mesh3d, &GlobalTransform, Option<&MeshOfCloth>, Option<&SkinnedMesh>)>,
+    places: Query<&GlobalTransform>,
+    bind_poses: Option<Res<Assets<SkinnedMeshInverseBindposes>>>,
     made: Query<(Entity, &MeshOfCloth)>,
     mut changes: MessageReader<AssetEvent<Mesh>>,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -56,7 +62,7 @@ pub(crate) fn build_cloth_meshes(
     let mut later = Vec::new();
     let mut seen = Vec::new();
     for entity in to_build.drain(..) {
-        let Ok((cloth, mesh, transform, made)) = cloths.get(entity) else { continue };
+        let Ok((cloth, mesh, transform, made, skinned)) = cloths.get(entity) else { continue };
         if seen.contains(&entity) {
             continue;
         }
@@ -69,14 +75,26 @@ pub(crate) fn build_cloth_meshes(
             later.push(entity);
             continue;
         };
+        let fault = |fault| ("ClothMesh", format!("{}: {fault}", called(&source)));
+        let place = |joint| places.get(joint).ok();
+        let mut is_skinned = false;
         let built = if transform.affine().is_finite() {
-            let fault = |fault| ("ClothMesh", format!("{}: {fault}", called(&source)));
-            build(cloth, asset, transform).map_err(fault)
+            match ClothSkin::read(entity, asset, skinned, bind_poses.as_deref(), place) {
+                Ok(None) => {
+                    later.push(entity);
+                    continue;
+                }
+                Err(wrong) => Err(fault(wrong)),
+                Ok(Some(skin)) => {
+                    is_skinned = skin.is_skinned();
+                    build(cloth, asset, transform, skin).map_err(fault)
+                }
+            }
         } else {
             Err(("Transform", "it must be finite".into()))
         };
         match built {
-            Ok((cloth, mut surface, mut copy)) => {
+            Ok((cloth, pose, mut surface, mut copy)) => {
                 refusals.forget(entity);
                 if !cloth.repairs.is_empty() {
                     warn!("ClothMesh of entity {entity}, {}: {}", called(&source), cloth.repairs);
@@ -98,12 +116,13 @@ pub(crate) fn build_cloth_meshes(
                     (cloth.particles, surface.topology.clone()),
                 );
                 let bounds = bounds.unwrap_or_default();
+                hang_on_pose(&mut commands, entity, pose, is_skinned);
                 commands.entity(entity).insert((Mesh3d(shown), state, surface, welded, NoAutoAabb, bounds));
             }
             Err((component, reason)) => {
                 refusals.entity(entity, component, reason);
                 remove_body(&mut commands, entity);
-                commands.entity(entity).remove::<(Surface, WeldedVertices)>();
+                commands.entity(entity).remove::<(Surface, WeldedVertices, AnimatedPose)>();
                 commands.entity(entity).insert(MeshOfCloth { source, shown: None });
             }
         }
@@ -116,8 +135,9 @@ fn build(
     cloth: &ClothMesh,
     mesh: &Mesh,
     transform: &GlobalTransform,
-) -> Result<(MeshCloth, Surface, Mesh), MeshFault> {
-    let built = cloth.build(mesh, transform)?;
+    skin: ClothSkin,
+) -> Result<(MeshCloth, Option<AnimatedPose>, Surface, Mesh), MeshFault> {
+    let (built, pose) = skin.build(cloth, mesh, transform)?;
     let places = positions(mesh)?;
     let normals = mesh.try_attribute_option(Mesh::ATTRIBUTE_NORMAL).ok().flatten();
     let normals =
@@ -128,6 +148,9 @@ fn build(
     } else {
         list_of_triangles(mesh, &faces)
     };
+    // What is simulated is not to be skinned again.
+    copy.remove_attribute(Mesh::ATTRIBUTE_JOINT_INDEX);
+    copy.remove_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT);
     if normals.is_none() {
         copy.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; places.len()]);
     }
@@ -135,7 +158,28 @@ fn build(
     // Written here, read by the renderer.
     copy.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
     let surface = Surface::of_mesh(&built.particles, &built.topology.clone().into(), vertices);
-    Ok((built, surface, copy))
+    Ok((built, pose, surface, copy))
+}
+
+/// Has a new cloth follow its animation, if it has one.
+fn hang_on_pose(commands: &mut Commands, entity: Entity, pose: Option<AnimatedPose>, is_skinned: bool) {
+    let mut cloth = commands.entity(entity);
+    let Some(pose) = pose else {
+        cloth.remove::<AnimatedPose>();
+        return;
+    };
+    if is_skinned {
+        // Bounds are those of the simulated mesh, and pins follow the joints instead of the entity.
+        cloth.remove::<DynamicSkinnedMeshBounds>();
+        cloth.entry::<BodyState>().and_modify(|mut state| state.pins.clear());
+        let joints = pose.joints.clone();
+        cloth.insert(pose);
+        for joint in joints {
+            commands.entity(joint).insert_if_new(MovedByFrame);
+        }
+    } else {
+        cloth.insert(pose);
+    }
 }
 
 /// A strip as a list, which can be torn.
@@ -154,5 +198,5 @@ fn called(mesh: &Handle<Mesh>) -> String {
 
 /// Takes off an entity that loses its [`ClothMesh`] what was put there besides the body. The mesh stays as it is.
 pub(crate) fn remove_mesh_of_cloth(removed: On<Remove, ClothMesh>, mut commands: Commands) {
-    commands.entity(removed.entity).try_remove::<(Surface, WeldedVertices, MeshOfCloth)>();
+    commands.entity(removed.entity).try_remove::<(Surface, WeldedVertices, MeshOfCloth, AnimatedPose)>();
 }

@@ -12,6 +12,7 @@
 use bevy::app::RunFixedMainLoopSystems;
 use bevy::prelude::*;
 
+use crate::moved_by_frame::between;
 use crate::schedule::run_drape_schedule;
 
 /// Shows the entity between the places where the last two fixed steps left it, instead of where the last one did.
@@ -88,15 +89,7 @@ impl Path {
     }
 
     fn at(&self, fraction: f32) -> Transform {
-        let Self { start, end, .. } = self;
-        if start == end || fraction >= 1.0 {
-            return *end;
-        }
-        Transform {
-            translation: start.translation.lerp(end.translation, fraction),
-            rotation: start.rotation.slerp(end.rotation, fraction),
-            scale: start.scale.lerp(end.scale, fraction),
-        }
+        between(&self.start, &self.end, fraction)
     }
 }
 

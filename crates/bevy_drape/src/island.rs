@@ -60,6 +60,8 @@ pub(crate) struct Island {
     pub still_for: f32,
     /// Where the bodies were at the end of the step and how fast; empty before that.
     pub extents: Vec<Extent>,
+    /// Particles that limits on motion kept in obstacles; known at the end of the step.
+    pub limit_conflicts: usize,
     /// Why the next stage cannot be run. Nothing goes on while there is a reason.
     pub error: Option<StepError>,
     /// Time that the search for contacts took in this step.
@@ -82,6 +84,7 @@ impl Island {
         self.balls.clear();
         self.extents.clear();
         self.still_for = 0.0;
+        self.limit_conflicts = 0;
         self.error = None;
         self.detect_time = Duration::ZERO;
         self.substep_time = Duration::ZERO;
@@ -147,7 +150,10 @@ impl Island {
                 Ok(if self.taken < solver.substeps() { Stage::Integrate } else { Stage::Finish })
             }
             Stage::Finish => step::finish(solver).map(|()| {
-                self.extents.extend(solver.bodies.iter().map(|body| Extent::of(&body.particles)));
+                self.extents
+                    .extend(solver.bodies.iter().map(|body| Extent::of(&body.particles, &body.topology)));
+                let conflicts = solver.bodies.iter().map(|body| body.context.limit_conflicts());
+                self.limit_conflicts = conflicts.sum();
                 let bodies = solver.bodies.iter().map(Body::still_for);
                 self.still_for =
                     bodies.chain(solver.balls.iter().map(Ball::still_for)).fold(f32::INFINITY, f32::min);

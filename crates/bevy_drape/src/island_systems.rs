@@ -15,6 +15,7 @@ use crate::environment::SolverEnvironment;
 use crate::hit::{BallHit, HitTarget, Touching};
 use crate::island::{BallQuery, BodyQuery, Island, Stage, fits};
 use crate::islands::{Islands, Kind, Member};
+use crate::motion_limits::MotionLimitCounts;
 use crate::obstacle::{KnownObstacles, Obstacle};
 use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::{ProjectileRecord, ProjectileState};
@@ -210,6 +211,7 @@ pub(crate) fn finish_islands(
     mut touching: ResMut<Touching>,
     mut hits: MessageWriter<BallHit>,
     mut times: ResMut<StepTimes>,
+    mut limits: ResMut<MotionLimitCounts>,
 ) {
     members.advance(&mut islands, Stage::Done);
     let Members { activities, solver, .. } = &mut members;
@@ -218,6 +220,9 @@ pub(crate) fn finish_islands(
     });
     times.detect_collisions = islands.live().iter().map(|island| island.detect_time).sum();
     times.substeps = islands.live().iter().map(|island| island.substep_time).sum();
+    let conflicts = islands.live().iter().map(|island| island.limit_conflicts).sum::<usize>();
+    let total_conflicts = limits.total_conflicts + conflicts as u64;
+    limits.set_if_neq(MotionLimitCounts { conflicts, total_conflicts });
     for island in islands.live() {
         report_hits(island, &solver.obstacles, clock.elapsed(), &mut touching, &mut hits);
         if manager.sleeping && island.still_for >= manager.sleep_time {

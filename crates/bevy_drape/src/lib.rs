@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
 pub mod activity;
+pub mod attachment;
+mod attachment_state;
 mod attention;
 pub mod cannon;
 pub mod clock;
@@ -9,11 +11,14 @@ pub mod cloth;
 pub mod cloth_mesh;
 #[cfg(feature = "mesh")]
 mod cloth_mesh_build;
+#[cfg(feature = "mesh")]
+mod cloth_mesh_skin;
 pub mod contact_events;
 mod description;
 pub mod diagnostics;
 pub mod dynamic_obstacle;
 pub mod environment;
+pub mod follow_particle;
 pub mod gestures;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
@@ -28,6 +33,8 @@ pub mod layers;
 pub mod mesh;
 #[cfg(feature = "mesh")]
 pub mod mesh_reading;
+pub mod motion_limits;
+pub mod moved_by_frame;
 #[cfg(feature = "mesh")]
 mod normals;
 pub mod obstacle;
@@ -36,14 +43,18 @@ pub mod particles;
 pub mod picking;
 pub mod plane_lock;
 pub mod plugin;
+mod posed;
+pub mod preset;
 pub mod pressure;
 pub mod projectile;
+pub mod ragdoll;
 pub mod ray_cast;
 pub mod refusal;
 pub mod rig;
 mod rig_body;
 mod rig_compile;
 mod rig_transforms;
+pub mod rigid_tetrahedron;
 pub mod rope;
 #[cfg(feature = "mesh")]
 pub mod rope_mesh;
@@ -69,6 +80,7 @@ mod visibility;
 mod waking;
 pub mod winch;
 pub mod wind_zone;
+pub mod world_motion;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -94,6 +106,7 @@ pub mod prelude {
     #[doc(inline)]
     pub use crate::{
         activity::{Activity, ActivityCounts},
+        attachment::{Attachment, Tie, TiedParticles},
         cannon::{Cannon, CannonFired, FireCannon},
         clock::DrapeClock,
         cloth::{Cloth, ClothPins},
@@ -104,19 +117,25 @@ pub mod prelude {
         diagnostics::DrapeDiagnosticsPlugin,
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},
+        follow_particle::{FollowParticle, FollowedParticle},
         gestures::Gestures,
         grab::{Grab, Hand},
         hit::{BallHit, HitTarget},
         interpolation::Interpolated,
         layers::DrapeLayers,
+        motion_limits::MotionLimitCounts,
+        moved_by_frame::MovedByFrame,
         obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
         particles::{Particles, Sticks},
         plane_lock::PlaneLock,
         plugin::DrapePlugins,
+        preset::Preset,
         pressure::Pressure,
         projectile::{Projectile, ProjectileState},
+        ragdoll::{Ragdoll, RagdollEntities},
         refusal::Refusals,
-        rig::{InRig, Particle, Rig, Stick, StickKind},
+        rig::{InRig, Particle, Rig, Stick, StickBound, StickKind},
+        rigid_tetrahedron::RigidTetrahedron,
         rope::Rope,
         scene_manager::{SceneManager, Viewer},
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
@@ -127,5 +146,6 @@ pub mod prelude {
         tear::{BodySplit, CutCloth, StickTorn, Tearable},
         winch::Winch,
         wind_zone::{WindFlow, WindRegion, WindZone},
+        world_motion::{TeleportCloth, WorldMotion},
     };
 }

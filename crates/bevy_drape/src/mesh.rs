@@ -25,6 +25,7 @@ use crate::cloth_mesh_build::{build_cloth_meshes, remove_mesh_of_cloth};
 use crate::description::remove_described_body;
 use crate::interpolation::step_fraction;
 use crate::particles::{Particles, Sticks};
+use crate::posed::AnimatedPose;
 use crate::projectile::build_projectiles;
 use crate::refusal::forget_removed;
 use crate::rig_compile::compile_rigs;
@@ -185,8 +186,11 @@ fn build_surfaces<D: Shown>(
 }
 
 /// Notes where the step left each cloth. Those that were not stepped have nothing to be shown in between.
-fn record_surfaces(mut surfaces: Query<(Ref<Particles>, &mut Surface)>) {
-    for (particles, mut surface) in &mut surfaces {
+fn record_surfaces(mut surfaces: Query<(Ref<Particles>, &mut Surface, Option<&mut AnimatedPose>)>) {
+    for (particles, mut surface, posed) in &mut surfaces {
+        if let Some(mut posed) = posed {
+            posed.record();
+        }
         if particles.is_changed() {
             surface.record(&particles);
         } else {
@@ -198,19 +202,23 @@ fn record_surfaces(mut surfaces: Query<(Ref<Particles>, &mut Surface)>) {
 /// Writes what is to be shown now into the meshes of the cloths that have moved.
 fn write_surfaces(
     mut surfaces: Query<
-        (&mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>),
+        (&mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>, Option<&AnimatedPose>),
         (With<Particles>, Without<RopeSurface>),
     >,
     mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
+    places: Query<&GlobalTransform>,
     mut meshes: ResMut<Assets<Mesh>>,
     interpolate: Res<InterpolateSurfaces>,
     time: Option<Res<Time<Fixed>>>,
 ) {
     let fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
     write_ropes(&mut ropes, &mut meshes, fraction);
-    for (mut surface, mesh, transform, aabb) in &mut surfaces {
+    for (mut surface, mesh, transform, aabb, posed) in &mut surfaces {
         let Some(mesh) = handle_of(mesh) else { continue };
-        let Some(space) = EntitySpace::new(transform) else {
+        let ahead = posed.and_then(|posed| posed.ahead(fraction, |joint| places.get(joint).ok()));
+        // Shown from where the character was in the steps that are shown, a cloth is where the character is now.
+        let from = ahead.map(|ahead| GlobalTransform::from(ahead.inverse() * transform.affine()));
+        let Some(space) = EntitySpace::new(from.as_ref().unwrap_or(transform)) else {
             continue;
         };
         if !surface.must_be_written(&space, fraction) || surface.mesh != mesh.id() {

@@ -26,6 +26,20 @@ pub enum MeshFault {
     /// The attribute that says what is pinned is not there.
     #[error("it has no attribute “{0}”")]
     NoAttribute(String),
+    /// Joints and weights are not four of each for each vertex.
+    #[error("its joints and weights are not four of each, all finite, for each vertex")]
+    BrokenSkin,
+    /// A vertex names a joint that the skin does not have.
+    #[error("a vertex goes with joint {joint}, but its skin has {count}")]
+    NoSuchJoint {
+        /// The joint.
+        joint: usize,
+        /// Joints that there are, with an inverse bind pose.
+        count: usize,
+    },
+    /// `ClothPaint::full_distance` is out of range.
+    #[error("full_distance of its paint must be finite and 0 or more, but is {0}")]
+    BadFullDistance(f32),
     /// What is painted is no number between vertices, or there are too few.
     #[error("its attribute “{0}” is not a number, or some numbers, for each vertex")]
     NoNumbers(String),
@@ -59,6 +73,53 @@ pub(crate) fn faces(mesh: &Mesh, vertices: usize) -> Result<Vec<[u32; 3]>, MeshF
         }
         other => Err(MeshFault::NoTriangles(other)),
     }
+}
+
+/// The joints that a vertex goes with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct VertexSkin {
+    pub joints: [u16; 4],
+    /// They sum up to one.
+    pub weights: [f32; 4],
+}
+
+impl Default for VertexSkin {
+    fn default() -> Self {
+        Self { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] }
+    }
+}
+
+impl VertexSkin {
+    /// Joints and weights that count.
+    pub fn used(&self) -> impl Iterator<Item = (u16, f32)> + '_ {
+        self.joints.iter().copied().zip(self.weights).filter(|&(_, weight)| weight > 0.0)
+    }
+}
+
+/// The skin of the vertices; none if the mesh has none.
+pub(crate) fn skin(mesh: &Mesh) -> Result<Option<Vec<VertexSkin>>, MeshFault> {
+    let attribute = |id| mesh.try_attribute_option(id).map_err(|_| MeshFault::NotInMainWorld);
+    let joints = attribute(Mesh::ATTRIBUTE_JOINT_INDEX)?;
+    let weights = attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT)?;
+    let (Some(joints), Some(weights)) = (joints, weights) else { return Ok(None) };
+    let (VertexAttributeValues::Uint16x4(joints), VertexAttributeValues::Float32x4(weights)) =
+        (joints, weights)
+    else {
+        return Err(MeshFault::BrokenSkin);
+    };
+    if joints.len() != weights.len() || joints.len() != positions(mesh)?.len() {
+        return Err(MeshFault::BrokenSkin);
+    }
+    let vertex = |(&joints, &weights): (&[u16; 4], &[f32; 4])| {
+        let sum = weights.iter().sum::<f32>();
+        let is_good = sum.is_finite() && weights.iter().all(|&weight| weight >= 0.0);
+        match sum {
+            _ if !is_good => Err(MeshFault::BrokenSkin),
+            0.0 => Ok(VertexSkin { joints, ..VertexSkin::default() }),
+            _ => Ok(VertexSkin { joints, weights: weights.map(|weight| weight / sum) }),
+        }
+    };
+    joints.iter().zip(weights).map(vertex).collect::<Result<_, _>>().map(Some)
 }
 
 /// What is painted on the vertices; nothing on a mesh without colours.

@@ -8,7 +8,9 @@ use drape_solver::constants::TELEPORT_SPEED;
 use drape_solver::{BodyContext, Topology};
 
 use crate::activity::Activity;
+use crate::attachment_state::AttachmentState;
 use crate::clock::DrapeClock;
+use crate::posed::{AnimatedPose, placement, teleport};
 use crate::refusal::Refusals;
 use crate::scan::collect_changed;
 
@@ -51,15 +53,17 @@ pub(crate) struct BodyState {
 /// Where the particles of a body are, and how fast.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Extent {
-    /// Least and greatest corner of their box.
+    /// Least and greatest corner of their box, and of what they carry.
     pub bounds: (Vec3, Vec3),
     /// Greatest speed of one of them in m/s.
     pub greatest_speed: f32,
 }
 
 impl Extent {
-    pub fn of(particles: &drape_solver::Particles) -> Self {
-        Self { bounds: particles.bounds(), greatest_speed: particles.greatest_speed() }
+    pub fn of(particles: &drape_solver::Particles, topology: &Topology) -> Self {
+        let (low, high) = particles.bounds();
+        let overhang = topology.overhang();
+        Self { bounds: (low - overhang, high + overhang), greatest_speed: particles.greatest_speed() }
     }
 }
 
@@ -84,11 +88,14 @@ impl CreationOrder {
     }
 }
 
-/// Pins are fixed to their entity: where it goes, they go, and pull the cloth along. A jump faster than 300 m/s is a
+/// Pins are fixed to their entity: where it goes, they go, and pull the cloth along. A jump faster than anything moves is a
 /// teleport: it takes the whole body along, and so does every move of a culled body.
 pub(crate) fn move_pins(
     anchors: Query<(Entity, Ref<GlobalTransform>), With<BodyState>>,
-    mut bodies: Query<(&GlobalTransform, &Activity, &mut Particles, &mut BodyState)>,
+    mut bodies: Query<
+        (&GlobalTransform, &Activity, &mut Particles, &mut BodyState, Option<&mut AttachmentState>),
+        Without<AnimatedPose>,
+    >,
     clock: Res<DrapeClock>,
     mut refusals: ResMut<Refusals>,
     mut moved: Local<Vec<Entity>>,
@@ -96,7 +103,9 @@ pub(crate) fn move_pins(
     let longest_pull = TELEPORT_SPEED * clock.delta();
     collect_changed(&anchors, &mut moved);
     for entity in moved.drain(..) {
-        let Ok((transform, activity, mut particles, mut state)) = bodies.get_mut(entity) else { continue };
+        let Ok((transform, activity, mut particles, mut state, mut tied)) = bodies.get_mut(entity) else {
+            continue;
+        };
         let anchor = transform.affine();
         if anchor == state.anchor || state.pins.is_empty() {
             continue;
@@ -105,23 +114,21 @@ pub(crate) fn move_pins(
             refusals.entity(entity, "the new Transform", "it must be finite; the pins stay where they were");
             continue;
         }
-        let carry = anchor * state.anchor.inverse();
+        let is_own = |tied: Option<&AttachmentState>, pin: u32| tied.is_none_or(|tied| !tied.holds(pin));
         let is_pull = |&(_, local): &(u32, Vec3)| {
             let [from, to] = [state.anchor, anchor].map(|anchor| anchor.transform_point3(local));
             from.distance(to) <= longest_pull
         };
-        let is_pulled = *activity != Activity::Culled && state.pins.iter().all(is_pull);
-        if !is_pulled && carry.is_finite() {
-            for i in 0..particles.len() {
-                let carried = carry.transform_point3(particles.position(i));
-                particles.set_position(i, carried);
-            }
-        } else {
-            for &(i, local) in &state.pins {
-                let i = i as usize;
-                if i < particles.len() {
-                    particles.set_pin_target(i, anchor.transform_point3(local));
-                }
+        let mut own = state.pins.iter().filter(|&&(pin, _)| is_own(tied.as_deref(), pin)).peekable();
+        let has_own = own.peek().is_some();
+        let is_jump = has_own && (*activity == Activity::Culled || !own.all(is_pull));
+        if is_jump && let (Some(from), Some(to)) = (placement(&state.anchor), placement(&anchor)) {
+            teleport(&mut particles, &mut state, tied.as_deref_mut(), None, (&from, &to));
+        }
+        for &(pin, local) in &state.pins {
+            let i = pin as usize;
+            if i < particles.len() && is_own(tied.as_deref(), pin) {
+                particles.set_pin_target(i, anchor.transform_point3(local));
             }
         }
         state.anchor = anchor;

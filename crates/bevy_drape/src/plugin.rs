@@ -11,6 +11,8 @@ use bevy::transform::systems::{
 };
 
 use crate::activity::{Activity, ActivityCounts, count_activity};
+use crate::attachment::{Attachment, Tie, TiedParticles};
+use crate::attachment_state::{move_attached, release_attached};
 use crate::attention::{Attention, note_lost, pay_attention};
 use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
 use crate::clock::DrapeClock;
@@ -22,18 +24,23 @@ use crate::contact_events::{
 use crate::description::{build_described, remove_described_body};
 use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
 use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
+use crate::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
 use crate::grab::{Grab, Hand, pull_grabbed};
 use crate::hit::{BallHit, Touching};
 use crate::interpolation::InterpolationPlugin;
 use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
 use crate::islands::Islands;
 use crate::layers::DrapeLayers;
+use crate::motion_limits::MotionLimitCounts;
+use crate::moved_by_frame::MovedByFramePlugin;
 use crate::obstacle::{
     Obstacle, ObstacleNews, StirredSpace, TeleportObstacle, look_again, note_disabled_obstacle,
     note_gone_obstacle, sync_obstacles,
 };
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
 use crate::plane_lock::{PlaneLock, lock_planes};
+use crate::posed::move_posed;
+use crate::preset::Preset;
 use crate::pressure::{Pressure, wake_pressed};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
@@ -43,6 +50,7 @@ use crate::refusal::{Refusals, forget_despawned_body, forget_removed};
 use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
 use crate::rig_compile::compile_rigs;
 use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
+use crate::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedra, write_rigid_tetrahedra};
 use crate::rope::Rope;
 use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
@@ -53,6 +61,7 @@ use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
 use crate::winch::{Winch, turn_winches};
 use crate::wind_zone::{WindFlow, WindRegion, WindZone};
+use crate::world_motion::{TeleportCloth, WorldMotion, inherit_motion};
 
 /// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
 ///
@@ -90,7 +99,8 @@ impl PluginGroup for DrapePlugins {
     fn build(self) -> PluginGroupBuilder {
         let plugins = PluginGroupBuilder::start::<Self>()
             .add(SolverPlugin { schedule: self.schedule })
-            .add(InterpolationPlugin);
+            .add(InterpolationPlugin)
+            .add(MovedByFramePlugin);
         #[cfg(feature = "mesh")]
         let plugins = plugins.add(crate::mesh::MeshPlugin::new(self.schedule));
         #[cfg(feature = "picking")]
@@ -117,7 +127,9 @@ impl Plugin for SolverPlugin {
             .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
-            .register_type::<(SoftBall, Pressure, Winch, PlaneLock)>()
+            .register_type::<(SoftBall, Pressure, RigidTetrahedron, Preset, Winch, PlaneLock)>()
+            .register_type::<(WorldMotion, TeleportCloth, MotionLimitCounts)>()
+            .register_type::<(Attachment, Tie, TiedParticles, FollowParticle, FollowedParticle)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
             .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
@@ -131,6 +143,7 @@ impl Plugin for SolverPlugin {
             .init_resource::<DrapeContactSettings>()
             .init_resource::<DrapeGravity>()
             .init_resource::<Islands>()
+            .init_resource::<MotionLimitCounts>()
             .init_resource::<ObstacleNews>()
             .init_resource::<Refusals>()
             .init_resource::<RigEdits>()
@@ -153,6 +166,7 @@ impl Plugin for SolverPlugin {
             .add_message::<StickTorn>();
         app.add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
+            .add_observer(remove_described_body::<RigidTetrahedron>)
             .add_observer(remove_described_body::<SoftBall>)
             .add_observer(remove_ball)
             .add_observer(note_lost::<SolverSettings>)
@@ -169,15 +183,19 @@ impl Plugin for SolverPlugin {
             .add_observer(look_again::<Remove, DrapeLayers>)
             .add_observer(note_lost::<DrapeLayers>)
             .add_observer(forget_removed::<Cannon>)
+            .add_observer(release_attached)
+            .add_observer(forget_removed::<Attachment>)
             .add_observer(forget_removed::<Cloth>)
             .add_observer(forget_removed::<Obstacle>)
             .add_observer(forget_despawned_body)
             .add_observer(forget_removed::<Projectile>)
             .add_observer(forget_removed::<Rope>)
+            .add_observer(forget_removed::<RigidTetrahedron>)
             .add_observer(forget_removed::<SoftBall>)
             .add_observer(forget_removed::<Tearable>)
             .add_observer(forget_removed::<Winch>)
-            .add_observer(forget_removed::<WindZone>);
+            .add_observer(forget_removed::<WindZone>)
+            .add_observer(forget_removed::<WorldMotion>);
         configure(app);
         app.add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate));
         app.add_systems(
@@ -194,13 +212,23 @@ impl Plugin for SolverPlugin {
                     (
                         build_described::<Cloth>,
                         build_described::<Rope>,
+                        build_described::<RigidTetrahedron>,
                         build_described::<SoftBall>,
                         build_projectiles,
                     )
                         .chain(),
-                    (compile_rigs, cut_bodies).chain(),
+                    (compile_rigs, cut_bodies, inherit_motion).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
-                    (move_pins, teleport_projectiles, follow_rig_transforms, turn_winches, pull_grabbed)
+                    (
+                        move_pins,
+                        move_posed,
+                        move_attached,
+                        teleport_projectiles,
+                        follow_rig_transforms,
+                        teleport_rigid_tetrahedra,
+                        turn_winches,
+                        pull_grabbed,
+                    )
                         .chain(),
                     (wake_pressed, pay_attention, wake, cull).chain(),
                 )
@@ -216,6 +244,8 @@ impl Plugin for SolverPlugin {
                     send_contacts,
                     write_projectile_transforms,
                     write_rig_transforms,
+                    follow_particles,
+                    write_rigid_tetrahedra,
                     tear_bodies,
                     count_activity,
                 )

@@ -54,6 +54,14 @@ impl Particle {
         Self { mass, ..Self::default() }
     }
 
+    /// The same, as it goes on from two frames of an animation that lie `dt` seconds apart, in which it was at `previous` and
+    /// at `current` (world, metres). Frames with no time between them give no velocity.
+    #[must_use]
+    pub fn moved(self, previous: Vec3, current: Vec3, dt: f32) -> Self {
+        let velocity = (current - previous) / dt;
+        if velocity.is_finite() { Self { velocity, ..self } } else { self }
+    }
+
     /// A particle that is held where its [`Transform`] is.
     pub fn pinned() -> Self {
         Self { pinned: true, ..Self::default() }
@@ -98,7 +106,34 @@ impl From<StickKind> for drape_solver::StickKind {
     }
 }
 
-/// Keeps two [`Particle`]s of a hand-built rig at a distance.
+/// Which lengths a [`Stick`] allows.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum StickBound {
+    /// The rest length alone: a rod.
+    #[default]
+    Exact,
+    /// The rest length and more. Between two limbs it keeps a joint from closing further; it is no part of the surface.
+    AtLeast,
+    /// The rest length and less: a cord, or what keeps a joint from opening further. It is no part of the surface.
+    AtMost,
+}
+
+impl From<StickBound> for drape_solver::StickBound {
+    fn from(bound: StickBound) -> Self {
+        match bound {
+            StickBound::Exact => Self::Exact,
+            StickBound::AtLeast => Self::AtLeast,
+            StickBound::AtMost => Self::AtMost,
+        }
+    }
+}
+
+/// Keeps two [`Particle`]s of a hand-built rig at a distance, or from coming nearer or going farther.
+///
+/// Sticks that share a particle are joined there by a pin: each turns about it in all directions. Two bodies of sticks
+/// that share two particles are joined by a hinge, whose axis goes through both. A stick with a
+/// [`bound`](Self::bound) from one to the other limits how far the joint turns.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -129,6 +164,8 @@ pub struct Stick {
     pub damping: f32,
     /// What the stick is for. Structural sticks are relaxed first, bend sticks last.
     pub kind: StickKind,
+    /// Which lengths it allows: the rest length alone by default.
+    pub bound: StickBound,
 }
 
 impl Default for Stick {
@@ -140,6 +177,7 @@ impl Default for Stick {
             stiffness: 1.0,
             damping: 0.0,
             kind: StickKind::Structural,
+            bound: StickBound::Exact,
         }
     }
 }
@@ -150,8 +188,23 @@ impl Stick {
         Self { a, b, ..Self::default() }
     }
 
+    /// Keeps two particles at least `length` metres apart.
+    pub fn at_least(a: Entity, b: Entity, length: f32) -> Self {
+        Self { rest_length: Some(length), bound: StickBound::AtLeast, ..Self::new(a, b) }
+    }
+
+    /// Keeps two particles at most `length` metres apart.
+    pub fn at_most(a: Entity, b: Entity, length: f32) -> Self {
+        Self { rest_length: Some(length), bound: StickBound::AtMost, ..Self::new(a, b) }
+    }
+
     pub(crate) fn material(&self) -> StickMaterial {
-        StickMaterial { kind: self.kind.into(), stiffness: self.stiffness, damping: self.damping }
+        StickMaterial {
+            kind: self.kind.into(),
+            stiffness: self.stiffness,
+            damping: self.damping,
+            bound: self.bound.into(),
+        }
     }
 
     /// Checks everything but the ends.

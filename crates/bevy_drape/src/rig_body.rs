@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use drape_solver::{BuildError, StickKind, StickMaterial, Tethers, Topology, TopologyBuilder};
+use drape_solver::{BuildError, StickBound, StickKind, StickMaterial, Tethers, Topology, TopologyBuilder};
 
 use crate::rig::{InRig, Rig};
 use crate::settings::SolverSettings;
@@ -150,23 +150,27 @@ impl CompiledRig {
 
     fn topology(&self) -> Result<Topology, BuildError> {
         let mut families: Vec<(StickMaterial, Vec<([u32; 2], f32)>)> = Vec::new();
-        let mut family_of: BTreeMap<(u32, u32, u32), usize> = BTreeMap::new();
+        let mut family_of: BTreeMap<(u32, u32, u32, u32), usize> = BTreeMap::new();
         for &(ends, length, material) in &self.sticks {
-            let key = (stage(material.kind), material.stiffness.to_bits(), material.damping.to_bits());
+            let StickMaterial { kind, stiffness, damping, bound } = material;
+            let key = (stage(kind), side(bound), stiffness.to_bits(), damping.to_bits());
             let family = *family_of.entry(key).or_insert_with(|| {
                 families.push((material, Vec::new()));
                 families.len() - 1
             });
             families[family].1.push((ends, length));
         }
-        families.sort_by_key(|(material, _)| stage(material.kind));
+        families.sort_by_key(|(material, _)| (stage(material.kind), side(material.bound)));
 
         let mut builder = TopologyBuilder::new(&self.positions);
         for (material, sticks) in families {
             builder.family_with_lengths(material, sticks)?;
         }
-        // A brace is no surface: it spans what other sticks join.
-        let surface = self.sticks.iter().filter(|(.., material)| material.kind != StickKind::Bend);
+        // A brace is no surface: it spans what other sticks join; so does a limit.
+        let is_surface = |material: &StickMaterial| {
+            material.kind != StickKind::Bend && material.bound == StickBound::Exact
+        };
+        let surface = self.sticks.iter().filter(|(.., material)| is_surface(material));
         let mut segments: Vec<[u32; 2]> = surface.map(|&(ends, ..)| ends).collect();
         let mut is_bare = vec![true; self.positions.len()];
         segments.iter().flatten().for_each(|&end| is_bare[end as usize] = false);
@@ -176,7 +180,8 @@ impl CompiledRig {
         let rigid = self
             .sticks
             .iter()
-            .filter(|(.., material)| material.kind == StickKind::Structural && material.stiffness == 1.0);
+            .filter(|(.., material)| material.kind == StickKind::Structural && material.stiffness == 1.0)
+            .filter(|(.., material)| material.bound != StickBound::AtLeast);
         let pins: Vec<u32> =
             (0..).zip(&self.inverse_masses).filter(|&(_, &w)| w == 0.0).map(|(i, _)| i).collect();
         let ways = rigid.map(|&([a, b], length, _)| (a, b, length));
@@ -192,5 +197,14 @@ fn stage(kind: StickKind) -> u32 {
         StickKind::Structural => 0,
         StickKind::Shear => 1,
         StickKind::Bend => 2,
+    }
+}
+
+/// When sticks of a bound are relaxed among those of a kind: limits after what they limit.
+fn side(bound: StickBound) -> u32 {
+    match bound {
+        StickBound::Exact => 0,
+        StickBound::AtLeast => 1,
+        StickBound::AtMost => 2,
     }
 }

@@ -11,7 +11,7 @@ use drape_solver::constants::MAX_MAGNITUDE;
 
 use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
 use crate::refusal::Refusals;
-use crate::rig::{InRig, Particle, ParticleRecord, Rig, RigEdits, Stick, StickRecord};
+use crate::rig::{InRig, Particle, ParticleRecord, Rig, RigEdits, Stick, StickBound, StickRecord};
 use crate::rig_body::{CompiledRig, Link, Member, connected};
 use crate::settings::SolverSettings;
 
@@ -96,14 +96,14 @@ pub(crate) fn compile_rigs(
                 } else {
                     particles.0 = columns;
                 }
-                state.extent = Extent::of(&particles);
+                state.extent = Extent::of(&particles, &topology);
                 state.context = default();
                 sticks.0 = topology;
                 *rig = compiled.rig;
                 body
             }
             None => {
-                let extent = Extent::of(&columns);
+                let extent = Extent::of(&columns, &topology);
                 let state = BodyState { order: order.next(), extent, ..default() };
                 let name = Name::new("Rig");
                 commands.spawn((name, compiled.rig, Particles(columns), Sticks(topology), state)).id()
@@ -231,7 +231,7 @@ fn collect_links(
     by_age.sort_unstable();
     let index_of: EntityHashMap<usize> =
         members.iter().enumerate().map(|(i, member)| (member.entity, i)).collect();
-    let mut joined: BTreeMap<[usize; 2], Entity> = BTreeMap::new();
+    let mut joined: BTreeMap<([usize; 2], StickBound), Entity> = BTreeMap::new();
     let mut links = Vec::new();
     for (_, entity) in by_age {
         let Ok((_, stick, mut record)) = sticks.get_mut(entity) else { continue };
@@ -239,7 +239,8 @@ fn collect_links(
             stick.validate().map_err(|error| error.to_string())?;
             let rest_length =
                 rest_length(&stick, stick.is_changed(), &mut record, ends.map(|i| members[i].position))?;
-            let pair = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+            // A least and a greatest length may go together.
+            let pair = ([ends[0].min(ends[1]), ends[0].max(ends[1])], stick.bound);
             if let Some(other) = joined.get(&pair) {
                 return Err(format!(
                     "its ends `a` and `b` are joined by the stick of entity {other} already"

@@ -27,8 +27,10 @@
 //!
 //! With the feature `serde` a snapshot can be written in any format.
 
+mod attachments;
 mod bodies;
 mod contacts;
+mod motions;
 mod obstacles;
 mod projectiles;
 mod rigs;

@@ -25,10 +25,13 @@ use bevy::prelude::*;
 use drape_solver::{Body, Piece, TearLimits, Torn, TornStick};
 
 use crate::activity::Activity;
+use crate::attachment::Attachment;
+use crate::attachment_state::AttachmentState;
 use crate::clock::DrapeClock;
 use crate::cloth::Cloth;
 use crate::grab::Grab;
 use crate::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
+use crate::posed::AnimatedPose;
 use crate::refusal::Refusals;
 use crate::rig::Rig;
 use crate::rope::Rope;
@@ -176,6 +179,8 @@ pub(crate) struct Tearing<'w, 's> {
     refusals: ResMut<'w, Refusals>,
     torn_meshes: Query<'w, 's, &'static TornMesh>,
     grabs: Query<'w, 's, &'static Grab>,
+    attached: Query<'w, 's, (&'static mut Attachment, &'static mut AttachmentState)>,
+    posed: Query<'w, 's, &'static mut AnimatedPose>,
     torn: MessageWriter<'w, StickTorn>,
     split: MessageWriter<'w, BodySplit>,
 }
@@ -292,11 +297,18 @@ impl Tearing<'_, '_> {
                 None => drop(self.commands.entity(entity).remove::<Grab>()),
             }
         }
+        if let Ok((mut attachment, mut held)) = self.attached.get_mut(entity) {
+            *held = held.torn(state.order, &origins);
+            attachment.clone_from(&held.made_of);
+        }
+        if let Ok(mut posed) = self.posed.get_mut(entity) {
+            *posed = posed.torn(&origins);
+        }
         let mesh = self.torn_mesh(entity, &origins);
         self.commands.entity(entity).insert(mesh);
         state.context = body.context;
         state.pins = pins_after(&state, &origins);
-        state.extent = Extent::of(&body.particles);
+        state.extent = Extent::of(&body.particles, &body.topology);
         particles.0 = body.particles;
         sticks.0 = body.topology;
     }
@@ -308,11 +320,13 @@ impl Tearing<'_, '_> {
             order: self.order.next(),
             anchor: state.anchor,
             pins: pins_after(state, origins),
-            extent: Extent::of(&piece.particles),
+            extent: Extent::of(&piece.particles, &piece.topology),
             settings: state.settings,
             layers: state.layers,
             ..BodyState::default()
         };
+        let held = self.attached.get(from).ok().map(|(_, held)| held.torn(state.order, origins));
+        let posed = self.posed.get(from).ok().map(|posed| posed.torn(origins));
         let grab = self.grabs.get(from).ok().and_then(|grab| grab.on(origins));
         let own = (Particles(piece.particles), Sticks(piece.topology), Activity::Active, state, mesh);
         let mut commands = self.commands.entity(from);
@@ -331,6 +345,12 @@ impl Tearing<'_, '_> {
             )>();
         });
         spawned.insert(own);
+        if let Some(posed) = posed {
+            spawned.insert(posed);
+        }
+        if let Some(held) = held {
+            spawned.insert((held.made_of.clone(), held));
+        }
         if let Some(grab) = grab {
             spawned.insert(grab);
         }

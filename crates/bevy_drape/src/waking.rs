@@ -165,9 +165,9 @@ pub(crate) fn wake(
         if state.order == 0 {
             // A body that was not built by the plugin.
             state.order = order.next();
-            state.extent = Extent::of(&particles);
+            state.extent = Extent::of(&particles, &sticks);
         } else if edited && particles.is_changed() {
-            state.extent = Extent::of(&particles);
+            state.extent = Extent::of(&particles, &sticks);
         }
         let layers = DrapeLayers::of(layers);
         let rearranged = state.layers != layers

@@ -50,7 +50,7 @@ pub use number::{Fraction, NonNegative, Number, OutOfRange, Positive, Seconds, S
 pub use obstacle::Obstacle;
 pub use parameter::Parameter;
 pub use probe::{Axis, Counted, Energy, Measure, Place, Point, Probe};
-pub use rig::{Rig, RigParticle, RigStick, StickKind};
+pub use rig::{Rig, RigParticle, RigStick, StickBound, StickKind};
 pub use rope::Rope;
 pub use script::{FORMAT_VERSION, SceneScript};
 pub use settings::{Gusts, Settings, Wind};

@@ -49,6 +49,8 @@ pub enum Task {
     Contacts(Trials),
     /// Measures what torn cloth costs, and tearing it.
     Torn(Cuts),
+    /// Measures the materials that have names: how they drape, and how far they stretch.
+    Presets,
     /// Prints hashes of how scenes end, which are the same on every machine.
     Hashes {
         /// Also compare them with those in this file.

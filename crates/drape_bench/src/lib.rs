@@ -6,7 +6,7 @@
 //!
 //! `stability` looks whether any choice of settings gains energy; `hashes` prints what must be the same on every machine;
 //! `shots` counts the balls that pass through a curtain; `broad` measures many cloths among many obstacles, `contacts` what
-//! each kind of contact costs per particle.
+//! each kind of contact costs per particle; `presets` measures the materials that have names.
 //!
 //! A library too, so that the peers that bring an old Bevy can be compiled apart, in `peers`: they hand their own
 //! [`Solver`]s to [`main_with`].
@@ -30,6 +30,7 @@ pub mod outcome;
 pub mod plot;
 #[cfg(feature = "plugin")]
 pub mod plugin;
+pub mod presets;
 pub mod random;
 pub mod remarks;
 pub mod rope;
@@ -79,6 +80,7 @@ fn work(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Broad(field) => broad::report(field)?,
         Task::Contacts(trials) => contact_cost::report(trials)?,
         Task::Torn(cuts) => torn::report(cuts)?,
+        Task::Presets => presets::report()?,
         Task::Hashes { golden, threads } => {
             let hashes = golden::hashes(Isa::detected(), *threads)?;
             print!("{hashes}");

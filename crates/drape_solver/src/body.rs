@@ -5,13 +5,15 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use crate::columns::Columns;
+use crate::contact_embedded_obstacle::EmbeddedContacts;
 use crate::contact_face_obstacle::FaceContacts;
 use crate::contact_particle_obstacle::ObstacleContacts;
+use crate::frame_motion::SubstepMotion;
 use crate::integrate::Drag;
 use crate::layers::Layers;
 use crate::line::LineScratch;
 use crate::particles::Particles;
-use crate::plan::Plan;
+use crate::plan::{Extras, Plan};
 use crate::rows::Rows;
 use crate::settings::{SolverSettings, StructuralSolve};
 use crate::stick::{greatest_error, iteration_stiffness, substep_damping};
@@ -62,6 +64,7 @@ pub struct BodyContext {
     pub(crate) integrated: Columns,
     pub(crate) contacts: ObstacleContacts,
     pub(crate) faces: FaceContacts,
+    pub(crate) embedded: EmbeddedContacts,
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
@@ -70,6 +73,10 @@ pub struct BodyContext {
     pub(crate) anchors: Columns,
     /// How far each kinematic pin moves in a substep.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
+    /// How the frame moves in a substep, if it does.
+    pub(crate) frame: Option<SubstepMotion>,
+    /// Particles, by slot, that their limits kept in an obstacle at the end of the last step.
+    pub(crate) limit_conflicts: Vec<u32>,
     /// What listed sticks are relaxed in.
     pub(crate) rows: Rows,
     pub(crate) lines: LineScratch,
@@ -118,7 +125,10 @@ impl Body {
         if settings.structural == StructuralSolve::Lines {
             context.lines.reserve(&topology.layout);
         }
-        context.plan.make(topology, settings, &context.stiffness, projections);
+        let frame = particles.frame.as_ref();
+        context.frame = frame.map(|motion| SubstepMotion::new(motion, substeps, particles.origin));
+        let extras = Extras { has_frame: context.frame.is_some(), has_limits: !particles.limits.is_empty() };
+        context.plan.make(topology, settings, &context.stiffness, projections, extras);
         context.pin_shifts.clear();
         for &(i, target) in &particles.pin_targets {
             let way = target - particles.origin - particles.position.get(i as usize);
@@ -126,7 +136,7 @@ impl Body {
         }
     }
 
-    /// How far an edit can make sticks and pins pull a particle in the coming step, in metres. Zero where nothing was
+    /// How far an edit can make sticks, pins, limits and the frame pull a particle in the coming step, in metres. Zero where nothing was
     /// edited: what sticks did in the last step is in the velocities already.
     pub(crate) fn pull(&self) -> f32 {
         if !self.particles.disturbed {
@@ -136,7 +146,15 @@ impl Body {
         let ways = pins.map(|&(i, target)| {
             target.distance(self.particles.origin + self.particles.position.get(i as usize))
         });
-        ways.fold(greatest_error(&self.particles, &self.topology), f32::max)
+        let pull = ways.fold(greatest_error(&self.particles, &self.topology), f32::max);
+        let Particles { layout, limits, position, frame, .. } = &self.particles;
+        let limited = layout.slots().filter(|_| !limits.is_empty());
+        let held_back = limited.filter_map(|slot| {
+            let (_, target, reach) = limits.get(slot)?;
+            Some(target.distance(position.get(slot)) - reach)
+        });
+        let carried = frame.map_or(0.0, |motion| motion.reach(self.particles.bounds()));
+        held_back.fold(pull, f32::max) + carried
     }
 
     /// Displacement of the particle in `slot` in this substep so far: integration and projections.

@@ -191,7 +191,11 @@ impl ClothBuilder {
     /// Sticks family by family: the order in which relaxation does not gain energy.
     fn topology(&self, positions: &[Vec3]) -> Result<Topology, BuildError> {
         let (c, r) = (self.columns, self.rows);
-        let material = |kind, stiffness| StickMaterial { kind, stiffness, damping: self.material.damping };
+        let material = |kind, stiffness| StickMaterial {
+            stiffness,
+            damping: self.material.damping,
+            ..StickMaterial::rigid(kind)
+        };
         let structural = material(StickKind::Structural, self.material.structural);
         let shear = material(StickKind::Shear, self.material.shear);
         let bend = material(StickKind::Bend, self.material.bend);

@@ -54,6 +54,12 @@ pub const MAX_HIT_SUBSTEPS: f32 = 256.0;
 /// The part of the substeps of a hit that a ball near a cloth keeps from step to step while it needs fewer.
 pub const HIT_SUBSTEPS_KEPT: f32 = 0.9;
 
+/// A particle that is nearer than this to the end of its limit on motion is at it, in metres: what single precision leaves.
+pub const AT_LIMIT: f32 = 1e-5;
+
+/// How much deeper than its surface a particle may be in an obstacle before its limit on motion counts as the reason, in metres.
+pub const LIMIT_CONFLICT_DEPTH: f32 = 1e-3;
+
 /// Cells from which on a sweep runs down the strips of a grid: smaller bodies stay in the nearest cache anyway.
 pub const LEAST_SWEPT_CELLS: usize = 128;
 

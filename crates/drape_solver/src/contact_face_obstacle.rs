@@ -323,10 +323,10 @@ pub(crate) fn begin_substep(body: &mut Body, around: Surroundings, movers: &[Mov
 }
 
 /// The poses of the obstacle that was asked for last, at the start and the end of the substep.
-struct Poses {
+pub(crate) struct Poses {
     obstacle: usize,
-    before: Pose,
-    now: Pose,
+    pub before: Pose,
+    pub now: Pose,
 }
 
 impl Poses {
@@ -355,7 +355,7 @@ pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover
 }
 
 /// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
-fn kept<'a>(
+pub(crate) fn kept<'a>(
     poses: &'a mut Option<Poses>,
     obstacle: usize,
     mover: Option<&Mover>,

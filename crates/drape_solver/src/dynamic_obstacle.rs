@@ -145,6 +145,7 @@ pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles) {
     for body in bodies {
         body.context.contacts.obstacles().for_each(&mut meet);
         body.context.faces.obstacles().for_each(&mut meet);
+        body.context.embedded.obstacles().for_each(&mut meet);
     }
     context.ball_obstacle.iter().map(BallObstacle::obstacle).for_each(meet);
 }

@@ -10,7 +10,8 @@ use glam::Vec3;
 
 use crate::columns::{Cell, LANES};
 use crate::rows::{BLOCK, Rows, Window, block_count, columns_of_eight, rows_of_eight};
-use crate::stick::Projection;
+use crate::stick::{OneSided, Projection};
+use crate::topology::StickBound;
 
 /// Sticks that are relaxed at once.
 pub(crate) const GROUP: usize = 8;
@@ -159,6 +160,15 @@ fn reach(order: &[([u32; 2], f32)], cuts: &[usize]) -> usize {
     reaches.max().unwrap_or(0)
 }
 
+/// A batch on its way down a body.
+#[derive(Clone, Copy)]
+pub(crate) struct RelaxedBatch<'a> {
+    pub batch: &'a ListedBatch,
+    /// The part of the error that goes in one iteration.
+    pub stiffness: f32,
+    pub bound: StickBound,
+}
+
 /// The way of all batches down a body: the columns and lists that it reads and writes.
 pub(crate) struct Descent<'a> {
     pub rows: &'a mut Rows,
@@ -168,26 +178,29 @@ pub(crate) struct Descent<'a> {
 }
 
 impl Descent<'_> {
-    /// Relaxes these batches, each with its stiffness, in their order.
+    /// Relaxes these batches in their order.
     #[inline(always)]
     pub fn relax<'b, S: Simd>(
         self,
         simd: S,
-        batches: impl Iterator<Item = (&'b ListedBatch, f32)> + Clone,
+        batches: impl Iterator<Item = RelaxedBatch<'b>> + Clone,
         projection: impl Projection,
     ) {
         let Self { rows, position, inverse_mass, sticks } = self;
         let blocks = block_count(position.len());
-        let last_lag: usize = batches.clone().map(|(batch, _)| batch.reach).sum();
+        let last_lag: usize = batches.clone().map(|relaxed| relaxed.batch.reach).sum();
         for time in 0..blocks + last_lag {
             if time < blocks {
                 take(simd, rows, time, position, inverse_mass);
             }
             let mut lag = 0;
-            for (batch, stiffness) in batches.clone() {
+            for RelaxedBatch { batch, stiffness, bound } in batches.clone() {
                 lag += batch.reach;
                 if let Some(block) = time.checked_sub(lag).filter(|&block| block < blocks) {
-                    relax_block(simd, rows, sticks, batch, block, stiffness, projection);
+                    match OneSided::of(bound, projection) {
+                        None => relax_block(simd, rows, sticks, batch, block, stiffness, projection),
+                        Some(one) => relax_block(simd, rows, sticks, batch, block, stiffness, one),
+                    }
                 }
             }
             if let Some(block) = time.checked_sub(last_lag) {
@@ -351,7 +364,7 @@ mod tests {
 
     const COUNT: u32 = 3 * BLOCK as u32 + 77;
 
-    struct Relax<'a, 'b, P>(Descent<'a>, &'b [(&'b ListedBatch, f32)], P);
+    struct Relax<'a, 'b, P>(Descent<'a>, &'b [RelaxedBatch<'b>], P);
 
     impl<P: Projection> Kernel for Relax<'_, '_, P> {
         type Output = ();
@@ -392,18 +405,25 @@ mod tests {
             let masses: Vec<[f32; LANES]> =
                 (0..cells).map(|cell| core::array::from_fn(|lane| mass(cell * LANES + lane))).collect();
             for backwards in [false, true] {
-                let mut order: Vec<(&ListedBatch, f32)> =
-                    batches.iter().zip([0.9, 0.5, 1.0, 0.3, 0.8, 1.0]).collect();
+                let relaxed = |(batch, (stiffness, bound))| RelaxedBatch { batch, stiffness, bound };
+                let bounds = [StickBound::Exact, StickBound::AtLeast, StickBound::AtMost].into_iter().cycle();
+                let stiffness = [0.9, 0.5, 1.0, 0.3, 0.8, 1.0];
+                let mut order: Vec<RelaxedBatch> =
+                    batches.iter().zip(stiffness.into_iter().zip(bounds)).map(relaxed).collect();
                 if backwards {
                     order.reverse();
                 }
                 let mut expected = start.clone();
-                for &(batch, stiffness) in &order {
+                for &RelaxedBatch { batch, stiffness, bound } in &order {
                     let last = batch.first_of_block.last().map_or(0, |&last| last as usize);
                     for i in batch.first..last {
                         let ends = sticks.slots(i).map(|slot| (slot as usize / LANES, slot as usize % LANES));
                         let places = ends.map(|(cell, lane)| expected[cell].get(lane));
                         let weights = ends.map(|(cell, lane)| masses[cell][lane]);
+                        let strain = places[0].distance(places[1]) - sticks.rest_length(i);
+                        if bound.violation(strain.into()) == 0.0 {
+                            continue;
+                        }
                         let moved = project(places, weights, sticks.rest_length(i), stiffness, projection);
                         for ((cell, lane), place) in ends.into_iter().zip(moved) {
                             expected[cell].set(lane, place);
@@ -457,7 +477,8 @@ mod tests {
         let masses = vec![[1.0; LANES]; cells];
         let sweep =
             Descent { rows: &mut rows, position: &mut position, inverse_mass: &masses, sticks: &sticks };
-        Isa::detected().run(Relax(sweep, &[(&batch, 1.0)], Exact));
+        let relaxed = RelaxedBatch { batch: &batch, stiffness: 1.0, bound: StickBound::Exact };
+        Isa::detected().run(Relax(sweep, &[relaxed], Exact));
         for slot in (0..40 * BLOCK).step_by(2) {
             let [a, b] = [slot, slot + 1].map(|slot| position[slot / LANES].get(slot % LANES));
             assert!((a.distance(b) - 1.0).abs() < 0.01);

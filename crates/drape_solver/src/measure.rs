@@ -15,7 +15,7 @@ pub struct Stretch {
     pub max: f64,
 }
 
-/// Stretch of all structural sticks.
+/// Stretch of all structural sticks; of those with a bound, beyond it.
 pub fn stretch(particles: &Particles, topology: &Topology) -> Stretch {
     let mut sum = 0.0;
     let mut count = 0_u32;
@@ -24,6 +24,7 @@ pub fn stretch(particles: &Particles, topology: &Topology) -> Stretch {
         for i in batch.range() {
             let [a, b] = topology.stick(i).map(|end| particles.local_position(end as usize));
             let strain = f64::from(a.distance(b)) / f64::from(topology.rest_length(i)) - 1.0;
+            let strain = batch.material.bound.violation(strain);
             sum += strain * strain;
             max = max.max(strain.abs());
             count += 1;

@@ -203,7 +203,11 @@ impl MeshClothBuilder {
         surface: &MeshSurface,
         pins: &[u32],
     ) -> Result<Topology, BuildError> {
-        let material = |kind, stiffness| StickMaterial { kind, stiffness, damping: self.material.damping };
+        let material = |kind, stiffness| StickMaterial {
+            stiffness,
+            damping: self.material.damping,
+            ..StickMaterial::rigid(kind)
+        };
         let mut builder = TopologyBuilder::new(positions);
         builder
             .family(material(StickKind::Structural, self.material.structural), surface.edges.iter().copied())?

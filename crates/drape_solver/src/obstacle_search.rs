@@ -35,17 +35,22 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
     let reach = span.reach;
     let (low, high) = body.particles.bounds();
     let Body { particles, topology, settings, layers, context, .. } = body;
-    let BodyContext { contacts, faces, uniform_acceleration, .. } = context;
-    let flight = Flight { substeps: span.substeps as f32, fall: *uniform_acceleration * (span.dt * span.dt) };
+    let BodyContext { contacts, faces, embedded, uniform_acceleration, .. } = context;
+    let carried = particles.frame.map_or(Vec3::ZERO, |motion| motion.translation);
+    let fall = *uniform_acceleration * (span.dt * span.dt) + carried;
+    let flight = Flight { substeps: span.substeps as f32, fall };
     let fastest = particles.greatest_speed() * span.dt + flight.fall.length();
+    let embedding = topology.embedding_reach;
     faces.clear();
+    embedded.clear();
     contacts.layout = particles.layout.clone();
     contacts.groups.clear();
     contacts.candidates.clear();
     contacts.planes.clear();
     contacts.near.clear();
     let reach = reach + settings.thickness;
-    obstacles.near(low - reach, high + reach, &mut contacts.near);
+    let around = reach + embedding.overhang + (embedding.spread - 1.0) * fastest;
+    obstacles.near(low - around, high + around, &mut contacts.near);
     for place in 0..contacts.near.len() {
         let index = contacts.near[place] as usize;
         let obstacle = &obstacles[index];
@@ -102,6 +107,18 @@ pub(crate) fn detect(body: &mut Body, obstacles: &Obstacles, span: Span, isa: Is
                 is_swift: is_swift && obstacle.shape().middle_half_extent() < topology.longest_edge,
             },
         );
+        if !topology.embedded.is_empty() {
+            let met = Met {
+                shape: obstacle.shape(),
+                obstacle: index,
+                friction,
+                pose,
+                reach: obstacle.travel() + FACE_MARGIN,
+                is_swift: (embedding.spread * fastest + obstacle.travel()) / flight.substeps > thinnest,
+            };
+            let way = |place, moved, local| sight.way_of(place, moved, local);
+            embedded.search(particles, topology, settings.thickness, met, way);
+        }
         if contacts.candidates.len() > first {
             contacts.groups.push(Group {
                 obstacle: index,
@@ -124,7 +141,7 @@ fn candidate(cell: usize, group: u16, lanes: u16, planes: Option<u32>) -> Candid
 #[derive(Clone, Copy)]
 struct Flight {
     substeps: f32,
-    /// What acceleration adds to the way of all, in metres.
+    /// What acceleration and the frame add to the way of all, in metres.
     fall: Vec3,
 }
 
@@ -144,9 +161,13 @@ impl Flight {
 impl Sight {
     /// The way of the particle in `slot`, which starts at `local`, through the obstacle's coordinates.
     fn way(self, particles: &Particles, slot: usize, local: Vec3) -> Vec3 {
+        self.way_of(particles.position.get(slot), particles.displacement.get(slot), local)
+    }
+
+    /// The same of a point in `place` that has moved by `moved` in the last substep.
+    fn way_of(self, place: Vec3, moved: Vec3, local: Vec3) -> Vec3 {
         let Flight { substeps, fall } = self.flight;
-        let way = particles.displacement.get(slot) * substeps + fall;
-        self.end.to_local(particles.position.get(slot) + way) - local
+        self.end.to_local(place + (moved * substeps + fall)) - local
     }
 }
 

@@ -6,7 +6,9 @@ use crate::columns::{Cell, Columns, LANES};
 use crate::constants::INITIAL_SUBSTEP;
 use crate::crew::Crew;
 use crate::error::{BuildError, finite_vector};
+use crate::frame_motion::FrameMotion;
 use crate::layout::Layout;
+use crate::motion_limit::MotionLimits;
 use crate::survey::{MassSurvey, Survey};
 
 /// Positions, displacements and inverse masses of a body's particles, as columns.
@@ -34,6 +36,10 @@ pub struct Particles {
     pub(crate) force: Columns,
     /// Where pinned particles, by slot, are to be at the end of the next step (world coordinates).
     pub(crate) pin_targets: Vec<(u32, Vec3)>,
+    /// How far particles may be from where an animation has them.
+    pub(crate) limits: MotionLimits,
+    /// How the frame in which they move moves in the next step.
+    pub(crate) frame: Option<FrameMotion>,
     /// Set by whatever should rouse a sleeping body.
     pub(crate) disturbed: bool,
     /// What the last look at all particles showed; none if one has been moved since.
@@ -53,6 +59,8 @@ impl Default for Particles {
             inverse_mass: Vec::new(),
             force: Columns::default(),
             pin_targets: Vec::new(),
+            limits: MotionLimits::default(),
+            frame: None,
             disturbed: false,
             survey: None,
             masses: MassSurvey::default(),
@@ -124,6 +132,7 @@ impl Particles {
         };
         self.pin_targets = old.pin_targets.iter().filter_map(slot_of).collect();
         self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
+        self.limits = old.limits.arranged(&old.layout, layout);
         self.masses = MassSurvey::default();
     }
 
@@ -137,7 +146,7 @@ impl Particles {
     }
 
     /// Notes that a particle has been moved or pushed.
-    fn disturb(&mut self) {
+    pub(crate) fn disturb(&mut self) {
         self.disturbed = true;
         self.survey = None;
     }
@@ -225,6 +234,17 @@ impl Particles {
         self.disturb();
     }
 
+    /// Puts particle `i` at `position`, as it goes on from where it was `dt` seconds before, at `previous` (world, metres): with
+    /// the velocity of an animation that it was part of, from two of its frames. A pinned particle gets no velocity. This is
+    /// Jakobsen's `x*` taken from a pose.
+    pub fn set_motion(&mut self, i: usize, previous: Vec3, position: Vec3, dt: f32) {
+        self.set_position(i, position);
+        let velocity = (position - previous) / dt;
+        if !self.is_pinned(i) && velocity.is_finite() {
+            self.set_velocity(i, velocity);
+        }
+    }
+
     /// Changes the momentum of particle `i` by `impulse` (newton seconds). This is Jakobsen's impulse by moving
     /// `x*`: the position stays, the velocity changes by `impulse / mass`. A pinned particle does not react.
     pub fn apply_impulse(&mut self, i: usize, impulse: Vec3) {
@@ -258,10 +278,11 @@ impl Particles {
         }
     }
 
-    /// Drops the forces and pin targets that were given for the next step.
+    /// Drops the forces, pin targets and motion of the frame that were given for the next step.
     pub fn clear_requests(&mut self) {
         self.force.clear();
         self.pin_targets.clear();
+        self.frame = None;
     }
 
     /// Wakes the body: it counts as edited, and its time at rest starts anew.
@@ -287,6 +308,7 @@ impl Particles {
         self.surveyed().is_finite
             && forces.flatten().all(|value| value.is_finite())
             && self.origin.is_finite()
+            && self.limits.is_finite()
             && self.pin_targets.iter().all(|(_, target)| target.is_finite())
     }
 
@@ -345,7 +367,8 @@ impl Particles {
     /// Moves the origin to `origin`, keeping world positions.
     pub(crate) fn recentre(&mut self, origin: Vec3) {
         let shift = self.origin - origin;
-        for cell in &mut self.position.cells {
+        let Self { position, limits: MotionLimits { centre, target, .. }, .. } = self;
+        for cell in [position, centre, target].into_iter().flat_map(|columns| &mut columns.cells) {
             for (column, shift) in [&mut cell.x, &mut cell.y, &mut cell.z].into_iter().zip(shift.to_array()) {
                 column.iter_mut().for_each(|x| *x += shift);
             }

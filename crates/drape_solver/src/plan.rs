@@ -31,9 +31,15 @@ pub(crate) enum Stage {
         backwards: bool,
     },
     Tethers,
+    /// The frame in which the body moves takes it along.
+    Carry,
     /// Displacements follow positions.
     Update,
     Friction,
+    /// Limits on motion have the last word.
+    Limits,
+    /// The motion of the frame is taken off the displacements.
+    Leave,
 }
 
 impl Stage {
@@ -43,6 +49,15 @@ impl Stage {
             *backwards = true;
         }
     }
+}
+
+/// What few bodies need.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Extras {
+    /// Whether the frame in which the body moves moves.
+    pub has_frame: bool,
+    /// Whether it has limits on motion.
+    pub has_limits: bool,
 }
 
 /// The stages of a substep in their order.
@@ -72,6 +87,7 @@ impl Plan {
         settings: &SolverSettings,
         stiffness: &[f32],
         projections: u32,
+        extras: Extras,
     ) {
         (self.cells_of_strip, self.strips) = topology.layout.strips();
         let mut settings = *settings;
@@ -89,6 +105,9 @@ impl Plan {
         self.stages.clear();
         self.projections.clear();
         self.stages.push(Stage::Integrate);
+        if extras.has_frame {
+            self.stages.push(Stage::Carry);
+        }
         for projection in 0..projections {
             let first = self.stages.len();
             self.stages.push(Stage::Contacts { is_first: projection == 0 });
@@ -116,6 +135,8 @@ impl Plan {
         let last = self.stages.len();
         self.projections.push([last, last + 1, last + 1]);
         self.stages.extend([Stage::Contacts { is_first: false }, Stage::Update, Stage::Friction]);
+        self.stages.extend(extras.has_limits.then_some(Stage::Limits));
+        self.stages.extend(extras.has_frame.then_some(Stage::Leave));
         self.lag(topology);
     }
 
@@ -156,6 +177,11 @@ impl Plan {
     /// Where the contacts, sticks and tethers of a projection are in the stages.
     pub fn places(&self, projection: u32) -> [usize; 3] {
         self.projections.get(projection as usize).copied().unwrap_or_default()
+    }
+
+    /// The place of [`Stage::Update`], at which displacements follow positions; friction comes next.
+    pub fn update(&self) -> usize {
+        self.places(self.projections.len().saturating_sub(1) as u32)[1]
     }
 
     /// How far each stage must stay behind the one before, and whether that works for this body.

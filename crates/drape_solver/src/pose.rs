@@ -35,9 +35,12 @@ impl Pose {
     }
 
     pub fn to_local(self, point: Vec3) -> Vec3 {
-        let p = point - self.translation;
+        self.direction_to_local(point - self.translation)
+    }
+
+    pub fn direction_to_local(self, direction: Vec3) -> Vec3 {
         let r = &self.rotation;
-        Vec3::new(r.x_axis.dot(p), r.y_axis.dot(p), r.z_axis.dot(p))
+        Vec3::new(r.x_axis.dot(direction), r.y_axis.dot(direction), r.z_axis.dot(direction))
     }
 
     pub fn point_to_world(self, local: Vec3) -> Vec3 {

@@ -103,6 +103,7 @@ pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles) {
     for body in bodies {
         context.reactions.is_on |= body.context.contacts.keep_given(asks);
         context.reactions.is_on |= body.context.faces.obstacles().any(asks);
+        context.reactions.is_on |= body.context.embedded.obstacles().any(asks);
     }
     context.reactions.is_on |= context.ball_obstacle.iter().map(BallObstacle::obstacle).any(asks);
 }
@@ -127,6 +128,7 @@ pub(crate) fn gather(island: &mut Island, environment: &Environment) {
             add(Given::at(point, obstacle, moved / particles.inverse_mass[slot]));
         }
         body.context.faces.given(particles).for_each(&mut add);
+        body.context.embedded.given(particles).for_each(&mut add);
     }
     context.ball_obstacle.iter().filter_map(|pair| pair.given(balls)).for_each(add);
 }

@@ -101,7 +101,11 @@ impl RopeBuilder {
             let slot = inverse_masses.get_mut(index as usize);
             *slot.ok_or(BuildError::NoSuchParticle { what: "a pin", index, count })? = 0.0;
         }
-        let material = |kind, stiffness| StickMaterial { kind, stiffness, damping: self.damping };
+        let material = |kind, stiffness| StickMaterial {
+            stiffness,
+            damping: self.damping,
+            ..StickMaterial::rigid(kind)
+        };
         let structural = material(StickKind::Structural, self.stretch);
         let mut builder = TopologyBuilder::grid(&positions, count, 1)?;
         builder

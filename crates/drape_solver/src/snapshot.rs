@@ -9,6 +9,7 @@ use crate::ball::{Ball, BallMaterial};
 use crate::body::BodyContext;
 use crate::columns::LANES;
 use crate::error::{BuildError, in_range, positive};
+use crate::frame_motion::FrameMotion;
 use crate::layers::Layers;
 use crate::particles::Particles;
 use crate::survey::MassSurvey;
@@ -24,6 +25,10 @@ pub struct ParticlesSnapshot {
     inverse_masses: Vec<f32>,
     forces: Vec<[f32; 3]>,
     pin_targets: Vec<(u32, [f32; 3])>,
+    /// Index, centre, target and distance of each limit on motion.
+    limits: Vec<(u32, [f32; 3], [f32; 3], f32)>,
+    /// Pivot, turn and translation of the frame in the next step.
+    frame: Option<[[f32; 3]; 3]>,
     is_disturbed: bool,
 }
 
@@ -55,7 +60,8 @@ impl ParticlesSnapshot {
         for &inverse_mass in inverse_masses {
             in_range("inverse mass", inverse_mass, 0.0, f32::MAX)?;
         }
-        for &(index, _) in pin_targets {
+        let limited = self.limits.iter().map(|&(index, ..)| index);
+        for index in pin_targets.iter().map(|&(index, _)| index).chain(limited) {
             if index as usize >= count {
                 return Err(no_such_particle(index as usize, count));
             }
@@ -80,6 +86,10 @@ impl Particles {
         let target = |&(slot, target): &(u32, Vec3)| {
             Some((self.layout.index(slot as usize)? as u32, target.to_array()))
         };
+        let limit = |(index, slot): (usize, usize)| {
+            let (centre, target, reach) = self.limits.get(slot)?;
+            Some((index as u32, centre.to_array(), target.to_array(), reach))
+        };
         ParticlesSnapshot {
             origin: self.origin.to_array(),
             substep: self.substep,
@@ -88,6 +98,8 @@ impl Particles {
             inverse_masses: self.layout.slots().map(|slot| self.inverse_mass[slot]).collect(),
             forces: column(&self.force),
             pin_targets: self.pin_targets.iter().filter_map(target).collect(),
+            limits: self.layout.slots().enumerate().filter_map(limit).collect(),
+            frame: self.frame.map(|m| [m.pivot, m.turn, m.translation].map(|v| v.to_array())),
             is_disturbed: self.disturbed,
         }
     }
@@ -119,6 +131,18 @@ impl Particles {
         };
         self.pin_targets = snapshot.pin_targets.iter().map(slot_of).collect();
         self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
+        self.limits.clear();
+        if !snapshot.limits.is_empty() {
+            self.limits.reset(cells);
+            for &(index, centre, target, reach) in &snapshot.limits {
+                let slot = self.layout.slot(index as usize);
+                self.limits.set(slot, centre.into(), target.into(), reach.max(0.0));
+            }
+        }
+        self.frame = snapshot.frame.map(|motion| {
+            let [pivot, turn, translation] = motion.map(Vec3::from_array);
+            FrameMotion { pivot, turn, translation }
+        });
         self.disturbed = snapshot.is_disturbed;
         self.survey = None;
         self.masses = MassSurvey::default();

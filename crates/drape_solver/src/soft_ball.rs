@@ -148,7 +148,11 @@ impl SoftBallBuilder {
         bend.extend((0..half).map(|i| [Self::at(0, i), Self::at(0, i + half)]));
         bend.extend((0..INMOST).map(|i| [Self::at(0, i), Self::at(0, i + half - 1)]));
         faces.extend((1..INMOST - 1).map(|i| [Self::at(0, 0), Self::at(0, i), Self::at(0, i + 1)]));
-        let material = |kind| StickMaterial { kind, stiffness: self.stiffness, damping: self.damping };
+        let material = |kind| StickMaterial {
+            stiffness: self.stiffness,
+            damping: self.damping,
+            ..StickMaterial::rigid(kind)
+        };
         let mut builder = TopologyBuilder::new(positions);
         builder
             .family(material(StickKind::Structural), structural)?

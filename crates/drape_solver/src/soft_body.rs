@@ -154,7 +154,11 @@ impl SoftBodyBuilder {
             sticks.iter_mut().for_each(|ends| ends.sort_unstable());
             sticks.sort_unstable();
             sticks.dedup();
-            let material = StickMaterial { kind, stiffness: self.stiffness, damping: self.damping };
+            let material = StickMaterial {
+                stiffness: self.stiffness,
+                damping: self.damping,
+                ..StickMaterial::rigid(kind)
+            };
             builder.family(material, sticks)?;
         }
         builder.faces(lattice.surface())?;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! begin -> accumulate forces -> detect collisions
-//!       -> [ integrate -> relax x N (contacts, sticks, tethers, lines) -> project collisions, friction, zones ] x substeps
+//!       -> [ integrate -> relax x N (contacts, sticks, tethers, lines) -> project collisions, friction, zones, limits ] x substeps
 //!       -> finish
 //! ```
 //!
@@ -27,12 +27,13 @@ use crate::sweep::{self, Surroundings};
 use crate::threads::{Alone, Threads};
 use crate::wind::WindZone;
 use crate::{
-    contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self, dynamic_obstacle,
+    angular_momentum, contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self,
+    dynamic_obstacle,
 };
 use crate::{
-    contact_ball_obstacle as ball_obstacle, contact_face_obstacle as face_obstacle,
-    contact_particle_dynamic as particle_dynamic, contact_report, force, impact_zone, integrate as verlet,
-    obstacle_search, reaction, rest, stick, volume,
+    contact_ball_obstacle as ball_obstacle, contact_embedded_obstacle as embedded_obstacle,
+    contact_face_obstacle as face_obstacle, contact_particle_dynamic as particle_dynamic, contact_report,
+    force, impact_zone, integrate as verlet, motion_limit, obstacle_search, reaction, rest, stick, volume,
 };
 
 /// Advances an island by `environment.dt` seconds, on this thread.
@@ -87,6 +88,7 @@ fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
         }
         island.context.iterations_taken = island.iterations();
         island.context.substep_index = island.context.substeps;
+        count_conflicts(island, environment);
     }
     while island.context.substep_index < island.context.substeps {
         substep(island, environment);
@@ -196,6 +198,7 @@ pub fn integrate(island: &mut Island, environment: &Environment) {
     for body in &mut island.bodies {
         sweep::integrate(body, around);
         face_obstacle::begin_substep(body, around, &island.context.movers);
+        embedded_obstacle::begin_substep(body);
     }
     for ball in &mut island.balls {
         let acceleration = environment.gravity + ball.force * ball.inverse_mass;
@@ -229,6 +232,7 @@ pub fn relax(island: &mut Island, environment: &Environment) {
             volume::project(body);
         }
     }
+    island.bodies.iter_mut().for_each(angular_momentum::restore);
 }
 
 /// Whether the sticks of all bodies are as near to their rest lengths as they were asked to be.
@@ -240,7 +244,7 @@ fn is_relaxed(island: &Island) -> bool {
 }
 
 /// Stage 3 of a substep: contacts have the last word on positions; then velocities follow, what bounces bounces, and
-/// friction; and zones, where a ball would have passed through a cloth.
+/// friction; zones, where a ball would have passed through a cloth; and limits on motion.
 pub fn project_collisions(island: &mut Island, environment: &Environment) {
     project_contacts(island, environment, island.iterations());
     let around = surroundings(&island.context, island.isa, environment);
@@ -249,6 +253,7 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
         stick::damp(&mut body.particles, &body.topology, &body.context.damping);
         sweep::apply_friction(body, around);
         face_obstacle::apply_friction(body, around, &mut island.context.movers);
+        embedded_obstacle::apply_friction(body, around, &mut island.context.movers);
         particle_dynamic::apply_friction(body, around, &mut island.context.movers);
     }
     for ball in &mut island.balls {
@@ -267,7 +272,22 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
     }
     contact_report::gather(island, environment);
     reaction::gather(island, environment);
+    let around = surroundings(&island.context, island.isa, environment);
+    for body in &mut island.bodies {
+        sweep::finish(body, around);
+    }
     island.context.substep_index += 1;
+    if island.context.substep_index == island.context.substeps {
+        count_conflicts(island, environment);
+    }
+}
+
+/// Counts what limits on motion keep in obstacles.
+fn count_conflicts(island: &mut Island, environment: &Environment) {
+    let around = surroundings(&island.context, island.isa, environment);
+    for body in &mut island.bodies {
+        motion_limit::count_conflicts(body, around);
+    }
 }
 
 /// Ends the step: forgets forces and pin targets, keeps the account of rest, brings local origins near.
@@ -288,6 +308,7 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
         rest::account_body(body, dt);
         let particles = &mut body.particles;
         particles.clear_requests();
+        particles.limits.arrive();
         particles.disturbed = false;
         rest::recentre(particles);
     }
@@ -314,6 +335,7 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
     let around = surroundings(&island.context, island.isa, environment);
     for body in &mut island.bodies {
         face_obstacle::project(body, around, &mut island.context.movers);
+        embedded_obstacle::project(body, around, &mut island.context.movers);
         sweep::project_contacts(body, around, index);
         particle_dynamic::project(body, around, &mut island.context.movers, index == 0);
     }

@@ -17,7 +17,7 @@ use crate::grid::GridRun;
 use crate::lanes::{Lanes3, load};
 use crate::listed::project;
 use crate::particles::Particles;
-use crate::topology::{LooseStick, StickBatch, StickMaterial, Topology};
+use crate::topology::{LooseStick, StickBound, StickMaterial, Topology};
 use crate::work::Common;
 
 /// The part of a stick's error that one relaxation iteration removes, for a `stiffness` in 0..=1, a substep of
@@ -41,6 +41,9 @@ pub fn iteration_stiffness(stiffness: f32, substep: f32, iterations: u32) -> f32
     -libm::expm1(libm::log1p(-per_substep) / f64::from(iterations)) as f32
 }
 
+/// How near to its bound, in parts of its rest length, a stick is damped.
+const AT_BOUND: f64 = 1e-3;
+
 /// The part of the speed along a stick that a substep of `substep` seconds takes, at `damping` (1/s).
 pub(crate) fn substep_damping(material: &StickMaterial, substep: f32) -> f32 {
     -libm::expm1(-f64::from(material.damping) * f64::from(substep)) as f32
@@ -48,12 +51,13 @@ pub(crate) fn substep_damping(material: &StickMaterial, substep: f32) -> f32 {
 
 /// The greatest difference between a stick's length and its rest length, in metres.
 pub(crate) fn greatest_error(particles: &Particles, topology: &Topology) -> f32 {
-    let error = |i: usize| {
+    let error = |i: usize, bound: StickBound| {
         let [a, b] = topology.stick(i).map(|end| particles.local_position(end as usize));
-        (a.distance(b) - topology.rest_length(i)).abs()
+        bound.violation(f64::from(a.distance(b) - topology.rest_length(i))).abs() as f32
     };
-    let sticks = topology.batches.iter().filter(|batch| batch.material.stiffness > 0.0);
-    sticks.flat_map(StickBatch::range).map(error).fold(0.0, f32::max)
+    let batches = topology.batches.iter().filter(|batch| batch.material.stiffness > 0.0);
+    let errors = batches.flat_map(|batch| batch.range().map(move |i| error(i, batch.material.bound)));
+    errors.fold(0.0, f32::max)
 }
 
 /// The columns of some cells, as sticks read and write them.
@@ -130,6 +134,47 @@ impl Projection for SquareRootFree {
     fn errors_of_eight<S: Simd>(self, _: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
         let rest_squared = rest * rest;
         (length_squared - rest_squared) / (length_squared + rest_squared)
+    }
+}
+
+/// Any of them, for sticks that act to one side of their rest length only: errors of the other side are none.
+#[derive(Clone, Copy)]
+pub(crate) struct OneSided<P> {
+    projection: P,
+    /// 1 where sticks that are too long count, -1 for those that are too short.
+    side: f32,
+}
+
+impl<P> OneSided<P> {
+    /// For sticks of this bound, if it has sides.
+    pub fn of(bound: StickBound, projection: P) -> Option<Self> {
+        match bound {
+            StickBound::Exact => None,
+            StickBound::AtLeast => Some(Self { projection, side: -1.0 }),
+            StickBound::AtMost => Some(Self { projection, side: 1.0 }),
+        }
+    }
+}
+
+impl<P: Projection> Projection for OneSided<P> {
+    #[inline(always)]
+    fn error(self, length_squared: f32, rest: f32) -> f32 {
+        let error = self.projection.error(length_squared, rest);
+        if error * self.side > 0.0 { error } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S> {
+        let error = self.projection.errors(simd, length_squared, rest);
+        let zero = f32x16::splat(simd, 0.0);
+        (error * self.side).simd_gt(zero).select(error, zero)
+    }
+
+    #[inline(always)]
+    fn errors_of_eight<S: Simd>(self, simd: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
+        let error = self.projection.errors_of_eight(simd, length_squared, rest);
+        let zero = f32x8::splat(simd, 0.0);
+        (error * self.side).simd_gt(zero).select(error, zero)
     }
 }
 
@@ -282,7 +327,15 @@ pub(crate) fn damp(particles: &mut Particles, topology: &Topology, damping: &[f3
             let (wa, wb) = (particles.inverse_mass[a], particles.inverse_mass[b]);
             let delta = particles.position.get(b) - particles.position.get(a);
             let length_squared = delta.length_squared();
-            if wa + wb == 0.0 || length_squared == 0.0 {
+            let is_slack = || {
+                let strain = f64::from(length_squared.sqrt() / topology.rest_length(i) - 1.0);
+                match batch.material.bound {
+                    StickBound::Exact => false,
+                    StickBound::AtLeast => strain > AT_BOUND,
+                    StickBound::AtMost => strain < -AT_BOUND,
+                }
+            };
+            if wa + wb == 0.0 || length_squared == 0.0 || is_slack() {
                 continue;
             }
             let parting = particles.displacement.get(b) - particles.displacement.get(a);

@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::columns::{Cell, LANES};
 use crate::grid::GridRun;
-use crate::topology::{BatchSticks, LooseStick, StickKind};
+use crate::topology::{BatchSticks, LooseStick, StickBound, StickKind};
 
 /// The least and the greatest squared length of some sticks, in parts of their squared rest length.
 #[derive(Clone, Copy)]
@@ -18,6 +18,15 @@ impl Lengths {
         self.greatest = self.greatest.max(squared);
     }
 
+    /// That of a stick which may have a bound: it counts where it acts.
+    fn take_bounded(&mut self, squared: f32, bound: StickBound) {
+        match bound {
+            StickBound::Exact => self.take(squared),
+            StickBound::AtLeast => self.take(squared.min(1.0)),
+            StickBound::AtMost => self.take(squared.max(1.0)),
+        }
+    }
+
     fn stretch(self) -> f32 {
         self.greatest.sqrt() - 1.0
     }
@@ -27,7 +36,8 @@ impl Lengths {
     }
 }
 
-/// The greatest strain `|length / rest length - 1|` of the structural sticks that are relaxed.
+/// The greatest strain `|length / rest length - 1|` of the structural sticks that are relaxed; of those with a bound, where
+/// they act.
 pub(crate) fn greatest_strain(body: &Body) -> f32 {
     lengths(body).strain()
 }
@@ -60,13 +70,15 @@ fn lengths(body: &Body) -> Lengths {
                     let [p, q] =
                         topology.listed.slots(place).map(|slot| particles.position.get(slot as usize));
                     let rest_length = topology.listed.rest_length(place);
-                    lengths.take(p.distance_squared(q) / (rest_length * rest_length));
+                    let squared = p.distance_squared(q) / (rest_length * rest_length);
+                    lengths.take_bounded(squared, batch.material.bound);
                 }
             }
             BatchSticks::Loose(loose) => {
                 for LooseStick { slots, rest_length } in loose {
                     let [p, q] = slots.map(|slot| particles.position.get(slot as usize));
-                    lengths.take(p.distance_squared(q) / (rest_length * rest_length));
+                    let squared = p.distance_squared(q) / (rest_length * rest_length);
+                    lengths.take_bounded(squared, batch.material.bound);
                 }
             }
         }

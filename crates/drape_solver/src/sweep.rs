@@ -59,7 +59,8 @@ pub(crate) struct Surroundings<'a> {
 /// Free flight for one substep.
 pub(crate) fn integrate(body: &mut Body, around: Surroundings) {
     begin(body);
-    run(body, around, 0..1);
+    let [contacts, ..] = body.context.plan.places(0);
+    run(body, around, 0..contacts);
     body.note_pin_travel();
 }
 
@@ -93,14 +94,21 @@ pub(crate) fn solve_lines(body: &mut Body, around: Surroundings, index: u32) {
 
 /// Velocities follow positions.
 pub(crate) fn update(body: &mut Body, around: Surroundings) {
-    let count = body.context.plan.stages.len();
-    run(body, around, count.saturating_sub(2)..count.saturating_sub(1));
+    let update = body.context.plan.update();
+    run(body, around, update..update + 1);
 }
 
 /// Friction against obstacles.
 pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
-    let count = body.context.plan.stages.len();
-    run(body, around, count.saturating_sub(1)..count);
+    let update = body.context.plan.update();
+    run(body, around, update + 1..update + 2);
+}
+
+/// What comes last of all: limits on motion; and the frame is left.
+pub(crate) fn finish(body: &mut Body, around: Surroundings) {
+    let plan = &body.context.plan;
+    let last = plan.update() + 2..plan.stages.len();
+    run(body, around, last);
 }
 
 /// Whether [`substeps`] may be called for the body.
@@ -108,7 +116,8 @@ pub(crate) fn is_all_stages(body: &Body) -> bool {
     // Damping is no stage, and how many iterations a tolerance takes is not known beforehand.
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     // Self-contact meets all of the body at once, and faces more than a strip of it.
-    let is_in_strips = !contact_self::is_on(body) && body.context.faces.is_empty();
+    let is_in_strips =
+        !contact_self::is_on(body) && body.context.faces.is_empty() && body.context.embedded.is_empty();
     // Pressure is felt by the whole body.
     let has_pressure = body.pressure > 0.0;
     is_fixed && is_in_strips && !has_pressure && body.context.damping.iter().all(|&d| d == 0.0)
@@ -158,8 +167,9 @@ pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
             stages(body, around, done..taken as usize * count + next);
         } else {
             // The drift of a free body is a sum over all of it.
-            stages(body, around, done..count - 2);
-            stages(body, around, count - 2..count);
+            let update = body.context.plan.update();
+            stages(body, around, done..update);
+            stages(body, around, update..count);
         }
         body.note_pin_travel();
         around.substep_index += taken;
@@ -258,6 +268,8 @@ fn with_work(
             origin: particles.origin,
             thickness: settings.thickness,
             drift,
+            limits: &particles.limits,
+            frame: context.frame.as_ref(),
             tether_reach: TETHER_SPEED * particles.substep,
         },
     };

@@ -20,7 +20,7 @@ use crate::fabric::Fabric;
 use crate::pieces::{self, Piece};
 use crate::split::Cracks;
 use crate::strain::greatest_stretch;
-use crate::topology::StickKind;
+use crate::topology::{StickBound, StickKind};
 
 /// When a body tears.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +81,9 @@ impl Body {
         let mut stretched = Vec::new();
         for batch in self.topology.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural)
         {
-            for stick in batch.range().map(|i| self.torn_stick(i)) {
+            // One that keeps its ends apart has nothing to tear.
+            let is_cord = batch.material.bound != StickBound::AtLeast;
+            for stick in batch.range().filter(|_| is_cord).map(|i| self.torn_stick(i)) {
                 let strain = stick.length / stick.rest_length - 1.0;
                 if strain > limits.strain {
                     stretched.push((strain, stick));

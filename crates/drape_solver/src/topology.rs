@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use glam::Vec3;
+use glam::{DMat3, Vec3};
 
 use crate::error::{BuildError, in_range};
 use crate::grid::{GridBatch, GridRuns};
@@ -24,6 +24,30 @@ pub enum StickKind {
     Bend,
 }
 
+/// Which lengths a stick allows: all three act at the rest length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum StickBound {
+    /// The rest length alone: a rod.
+    #[default]
+    Exact,
+    /// The rest length and more: a stick that acts only when it is shorter. Between two limbs it keeps a joint from
+    /// closing (Jakobsen 2001, section 6, "angular limits").
+    AtLeast,
+    /// The rest length and less: a cord, that acts only when it is longer.
+    AtMost,
+}
+
+impl StickBound {
+    /// The part of a strain, or of any length beyond the rest length, that a stick acts against.
+    pub fn violation(self, strain: f64) -> f64 {
+        match self {
+            Self::Exact => strain,
+            Self::AtLeast => strain.min(0.0),
+            Self::AtMost => strain.max(0.0),
+        }
+    }
+}
+
 /// How a stick reacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickMaterial {
@@ -32,14 +56,17 @@ pub struct StickMaterial {
     /// From 0 (slack) to 1 (rigid): the part of its strain that an isolated stick loses in one reference step
     /// of 1/60 s. See [`crate::stick::iteration_stiffness`] for how this is kept independent of the step.
     pub stiffness: f32,
-    /// Damping along the stick in 1/s, 0 or more: the speed at which the ends part decays as `exp(-damping t)`.
+    /// Damping along the stick in 1/s, 0 or more: the speed at which the ends part decays as `exp(-damping t)`. One with a
+    /// bound is damped while it is within a thousandth of it, or beyond.
     pub damping: f32,
+    /// Which lengths it allows.
+    pub bound: StickBound,
 }
 
 impl StickMaterial {
     /// A rigid, undamped stick of `kind`.
     pub fn rigid(kind: StickKind) -> Self {
-        Self { kind, stiffness: 1.0, damping: 0.0 }
+        Self { kind, stiffness: 1.0, damping: 0.0, bound: StickBound::Exact }
     }
 
     pub(crate) fn validate(&self) -> Result<(), BuildError> {
@@ -93,6 +120,55 @@ impl StickBatch {
     }
 }
 
+/// A point that four particles carry, at the sum of their positions times these weights: a corner of the collision mesh of
+/// a rigid body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EmbeddedPoint {
+    /// By index.
+    pub particles: [u32; 4],
+    /// They sum to 1. Outside the tetrahedron of the four, some are negative.
+    pub weights: [f32; 4],
+}
+
+impl EmbeddedPoint {
+    /// The `point` that these `particles` carry when they are at `places`: its barycentric coordinates there. None where
+    /// the four lie in a plane.
+    pub fn new(particles: [u32; 4], places: [Vec3; 4], point: Vec3) -> Option<Self> {
+        let [origin, a, b, c] = places.map(Vec3::as_dvec3);
+        let axes = DMat3::from_cols(a - origin, b - origin, c - origin);
+        let longest = axes.x_axis.length().max(axes.y_axis.length()).max(axes.z_axis.length());
+        if axes.determinant().abs() <= FLAT * longest * longest * longest {
+            return None;
+        }
+        let along = (axes.inverse() * (point.as_dvec3() - origin)).as_vec3();
+        let weights = [1.0 - along.x - along.y - along.z, along.x, along.y, along.z];
+        weights.iter().all(|weight| weight.is_finite()).then_some(Self { particles, weights })
+    }
+
+    /// Where it is when its carriers are at `places`.
+    pub fn position(&self, [a, b, c, d]: [Vec3; 4]) -> Vec3 {
+        a * self.weights[0] + b * self.weights[1] + c * self.weights[2] + d * self.weights[3]
+    }
+}
+
+/// Six times the volume of four points that count as lying in a plane, in parts of the cube of their greatest distance.
+const FLAT: f64 = 1e-6;
+
+/// How far embedded points are out of the box around the particles, and how much faster they may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EmbeddingReach {
+    /// Greatest distance from a point to the nearest of its carriers at rest, in metres.
+    pub overhang: f32,
+    /// Greatest sum of the sizes of a point's weights: 1 where there are no points.
+    pub spread: f32,
+}
+
+impl Default for EmbeddingReach {
+    fn default() -> Self {
+        Self { overhang: 0.0, spread: 1.0 }
+    }
+}
+
 /// The rest data of a body. Immutable while the body lives, so that equal bodies can share it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topology {
@@ -105,6 +181,8 @@ pub struct Topology {
     /// Whether they are those of a grid's squares, two of each, row by row.
     pub(crate) has_faces_by_square: bool,
     pub(crate) segments: Vec<[u32; 2]>,
+    pub(crate) embedded: Vec<EmbeddedPoint>,
+    pub(crate) embedding_reach: EmbeddingReach,
     /// Longest side of a face or segment at rest, in metres: how far a contact can be from the nearest corner.
     pub(crate) longest_edge: f32,
     /// Where the particles are at rest, by index, in metres: tells which are neighbours in self-contact.
@@ -229,6 +307,16 @@ impl Topology {
     /// Triangles of the surface, as particle indices, counter-clockwise seen from the front.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
+    }
+
+    /// Points that touch obstacles besides the particles: the corners of rigid parts.
+    pub fn embedded(&self) -> &[EmbeddedPoint] {
+        &self.embedded
+    }
+
+    /// How far [embedded points](Self::embedded) can be outside the box around the particles, in metres.
+    pub fn overhang(&self) -> f32 {
+        self.embedding_reach.overhang
     }
 
     /// Segments that a body without faces touches others with: the links of a rope.

@@ -7,14 +7,16 @@ use glam::Vec3;
 use crate::ball_search::are_by_square;
 use crate::cloth::MAX_PARTICLES;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
-use crate::error::BuildError;
+use crate::error::{BuildError, in_range};
 use crate::grid::GridBatch;
 use crate::groups::Groups;
 use crate::layout::{Grid, Layout};
 use crate::listed::ListedBatch;
 use crate::renumbering::Renumbering;
 use crate::tether::{TetherPlan, Tethers};
-use crate::topology::{BatchSticks, StickBatch, StickKind, StickMaterial, Topology};
+use crate::topology::{
+    BatchSticks, EmbeddedPoint, StickBatch, StickBound, StickKind, StickMaterial, Topology,
+};
 
 /// Puts a [`Topology`] together, one family of sticks after another.
 ///
@@ -24,8 +26,8 @@ use crate::topology::{BatchSticks, StickBatch, StickKind, StickMaterial, Topolog
 pub struct TopologyBuilder {
     rest: Vec<Vec3>,
     topology: Topology,
-    /// The ends of the listed sticks, lower index first.
-    joined: Vec<(u32, u32)>,
+    /// The ends of the listed sticks, lower index first, and their bounds.
+    joined: Vec<(u32, u32, StickBound)>,
     tethers: Tethers,
     /// Columns and rows, where the particles form a grid.
     size: [u32; 2],
@@ -78,8 +80,9 @@ impl TopologyBuilder {
             let to = column.checked_add_signed(right).filter(|&to| to < columns)?;
             Some([row * columns + column, (row + down.unsigned_abs()) * columns + to])
         });
-        let Layout::Grid(grid) = self.topology.layout else {
-            return self.family(material, ends);
+        let grid = match self.topology.layout {
+            Layout::Grid(grid) if material.bound == StickBound::Exact => grid,
+            _ => return self.family(material, ends),
         };
         material.validate()?;
         let Some([a, b]) = ends.clone().next() else {
@@ -150,7 +153,7 @@ impl TopologyBuilder {
                 colours.resize_with(colour + 1, Vec::new);
             }
             colours[colour].push(([a, b], length));
-            self.joined.push((a.min(b), a.max(b)));
+            self.joined.push((a.min(b), a.max(b), material.bound));
         }
         for (colour, sticks) in colours.iter().enumerate() {
             let listed = ListedBatch::new(self.topology.listed.begin_batch(), colour < MAX_COLOURS - 1);
@@ -203,6 +206,32 @@ impl TopologyBuilder {
         Ok(self)
     }
 
+    /// Adds points that four particles each carry, to touch obstacles with.
+    ///
+    /// # Errors
+    /// [`BuildError::NoSuchParticle`] if a carrier does not exist, [`BuildError::OutOfRange`] if weights do not sum to 1.
+    pub fn embedded(
+        &mut self,
+        points: impl IntoIterator<Item = EmbeddedPoint>,
+    ) -> Result<&mut Self, BuildError> {
+        for point in points {
+            for carrier in point.particles {
+                self.check_index("an embedded point", carrier)?;
+            }
+            let sum: f32 = point.weights.iter().sum();
+            in_range("the sum of an embedded point's weights", sum, 1.0 - 1e-3, 1.0 + 1e-3)?;
+            let places = point.particles.map(|i| self.rest[i as usize]);
+            let place = point.position(places);
+            let nearest = places.map(|carrier| carrier.distance(place)).into_iter().fold(f32::MAX, f32::min);
+            let spread: f32 = point.weights.iter().map(|weight| weight.abs()).sum();
+            let reach = &mut self.topology.embedding_reach;
+            reach.overhang = reach.overhang.max(nearest);
+            reach.spread = reach.spread.max(spread);
+            self.topology.embedded.push(point);
+        }
+        Ok(self)
+    }
+
     /// Adds the tethers.
     ///
     /// # Errors
@@ -237,10 +266,11 @@ impl TopologyBuilder {
         self.tethers(tethers)
     }
 
-    /// The sticks so far, with their lengths: what geodesic tethers run along.
+    /// The sticks so far that hold their ends together, with their lengths: what geodesic tethers run along.
     pub fn edges(&self) -> impl Iterator<Item = (u32, u32, f32)> + '_ {
         let t = &self.topology;
-        (0..t.stick_count()).map(|i| {
+        let batches = t.batches.iter().filter(|batch| batch.material.bound != StickBound::AtLeast);
+        batches.flat_map(StickBatch::range).map(|i| {
             let [a, b] = t.stick(i);
             (a, b, t.rest_length(i))
         })
@@ -249,7 +279,7 @@ impl TopologyBuilder {
     /// Finishes the topology.
     ///
     /// # Errors
-    /// [`BuildError::DuplicateStick`] if two sticks join the same two particles.
+    /// [`BuildError::DuplicateStick`] if two sticks join the same two particles; a least and a greatest length may.
     pub fn build(mut self) -> Result<Topology, BuildError> {
         if !self.topology.segments.is_empty() {
             // Sticks that were given their length may be longer at rest than their ends are apart now.
@@ -258,7 +288,7 @@ impl TopologyBuilder {
         }
         self.joined.sort_unstable();
         if let Some(pair) = self.joined.windows(2).find(|pair| pair[0] == pair[1]) {
-            let (a, b) = pair[0];
+            let (a, b, _) = pair[0];
             return Err(BuildError::DuplicateStick { a, b });
         }
         self.arrange();
@@ -275,7 +305,7 @@ impl TopologyBuilder {
         let structural = t.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural);
         let ends = |i: usize| t.stick(i).into();
         let sticks: Vec<(u32, u32)> = structural.flat_map(StickBatch::range).map(ends).collect();
-        if sticks.is_empty() { self.joined.clone() } else { sticks }
+        if sticks.is_empty() { self.joined.iter().map(|&(a, b, _)| (a, b)).collect() } else { sticks }
     }
 
     /// Settles which particle is in which slot, and brings the listed sticks into the order of slots.

@@ -8,13 +8,15 @@ use glam::Vec3;
 use crate::columns::{Cell, LANES};
 use crate::constants::WORK_OF_CONTACTS;
 use crate::contact_particle_obstacle::{Meeting, ObstacleRows};
+use crate::frame_motion::SubstepMotion;
 use crate::integrate::{Flight, update_displacements};
-use crate::listed::Descent;
+use crate::listed::{Descent, RelaxedBatch};
+use crate::motion_limit::MotionLimits;
 use crate::plan::Stage;
 use crate::rows::Rows;
-use crate::stick::{Alike, Joined, Projection, project_loose, project_runs};
+use crate::stick::{Alike, Joined, OneSided, Projection, project_loose, project_runs};
 use crate::sweep::Surroundings;
-use crate::topology::{BatchSticks, Topology};
+use crate::topology::{BatchSticks, StickBatch, Topology};
 
 /// The columns of some cells that a substep changes.
 pub(crate) struct Moving<'a> {
@@ -53,6 +55,8 @@ pub(crate) struct Common<'a> {
     /// Metres.
     pub thickness: f32,
     pub drift: Vec3,
+    pub limits: &'a MotionLimits,
+    pub frame: Option<&'a SubstepMotion>,
     /// How far a tether may pull in one substep, in metres.
     pub tether_reach: f32,
 }
@@ -150,9 +154,15 @@ impl Work<'_> {
             Stage::Listed { first, end, backwards } => {
                 let Common { topology, stiffness, inverse_mass, .. } = rest;
                 let batches = (first..end).map(move |i| if backwards { end - 1 - (i - first) } else { i });
-                let batches = batches.filter_map(move |batch| match &topology.batches[batch].sticks {
-                    BatchSticks::Listed(listed) if stiffness[batch] > 0.0 => Some((listed, stiffness[batch])),
-                    _ => None,
+                let batches = batches.filter_map(move |place| {
+                    let StickBatch { material, sticks, .. } = &topology.batches[place];
+                    let (stiffness, bound) = (stiffness[place], material.bound);
+                    match sticks {
+                        BatchSticks::Listed(batch) if stiffness > 0.0 => {
+                            Some(RelaxedBatch { batch, stiffness, bound })
+                        }
+                        _ => None,
+                    }
                 });
                 if let Some(rows) = rows.as_deref_mut().filter(|_| strips.start == 0) {
                     let (position, sticks) = (&mut *moving.position, &topology.listed);
@@ -164,7 +174,12 @@ impl Work<'_> {
                 for batch in batches.filter(|&batch| rest.stiffness[batch] > 0.0) {
                     if let BatchSticks::Loose(loose) = &rest.topology.batches[batch].sticks {
                         let mut joined = Joined::new(moving.position, &rest, first_cell);
-                        project_loose(&mut joined, loose, backwards, rest.stiffness[batch], projection);
+                        let (stiffness, bound) =
+                            (rest.stiffness[batch], rest.topology.batches[batch].material.bound);
+                        match OneSided::of(bound, projection) {
+                            None => project_loose(&mut joined, loose, backwards, stiffness, projection),
+                            Some(one) => project_loose(&mut joined, loose, backwards, stiffness, one),
+                        }
                     }
                 }
             }
@@ -174,6 +189,28 @@ impl Work<'_> {
                 simd.vectorize(
                     #[inline(always)]
                     || tethers.project(simd, cells, places, &mut joined, rest.anchors, most, projection),
+                );
+            }
+            Stage::Carry | Stage::Leave => {
+                if let Some(frame) = rest.frame {
+                    let is_start = stage == Stage::Carry;
+                    simd.vectorize(
+                        #[inline(always)]
+                        || {
+                            if is_start {
+                                frame.carry(simd, moving, places, &rest, cells, substep);
+                            } else {
+                                frame.leave(simd, moving, places, &rest, cells, substep);
+                            }
+                        },
+                    );
+                }
+            }
+            Stage::Limits => {
+                let fraction = (substep + 1) as f32 / rest.around.substeps as f32;
+                simd.vectorize(
+                    #[inline(always)]
+                    || rest.limits.enforce(simd, moving, places, &rest, cells, fraction),
                 );
             }
             Stage::Update => simd.vectorize(

@@ -9,7 +9,10 @@ use crate::grab::Grab;
 use crate::layers::DrapeLayers;
 use crate::particles::{BodyState, Extent, Particles, Sticks};
 use crate::rig::Rig;
+use crate::rigid_tetrahedron::RigidPlace;
 use crate::settings::SolverSettings;
+use crate::snapshot::attachments::{self, AttachmentSnapshot};
+use crate::snapshot::motions::{self, MotionSnapshot};
 use crate::snapshot::world::{Placed, put_component};
 use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
 
@@ -33,6 +36,8 @@ pub(super) struct BodySnapshot {
     own_settings: Option<SolverSettings>,
     own_layers: Option<DrapeLayers>,
     grab: Option<Grab>,
+    attachment: Option<AttachmentSnapshot>,
+    motion: MotionSnapshot,
 }
 
 impl BodySnapshot {
@@ -67,6 +72,8 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             own_settings: entity.get().copied(),
             own_layers: entity.get().copied(),
             grab: entity.get().cloned(),
+            attachment: attachments::take(entity),
+            motion: motions::take(entity),
         });
     }
     bodies
@@ -122,12 +129,17 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
             activity.set_if_neq(body.activity);
         }
         body.placed.restore(&mut entity);
+        if let Some(mut place) = entity.get_mut::<RigidPlace>() {
+            place.set(body.placed.transform());
+        }
         // A rig has the settings of one of its particles.
         if !entity.contains::<Rig>() {
             put_component(&mut entity, body.own_settings.as_ref());
         }
         put_component(&mut entity, body.own_layers.as_ref());
         put_component(&mut entity, body.grab.as_ref());
+        motions::restore(&body.motion, &mut entity);
+        attachments::restore(body.attachment.as_ref(), body.order, &mut entity);
     }
     Ok(())
 }

@@ -88,7 +88,8 @@ fn painted_vertices_are_pinned_and_follow_their_entity() {
         let particles = app.world().get::<Particles>(entity).expect("built");
         (0..particles.len()).filter(|&i| particles.is_pinned(i)).count()
     };
-    let paint = |pins, threshold| ClothMesh { paint: ClothPaint { pins, threshold }, ..default() };
+    let paint =
+        |pins, threshold| ClothMesh { paint: ClothPaint { pins, threshold, ..default() }, ..default() };
     let (all, rim) = ((SIDES * 7) as usize, SIDES as usize);
     assert_eq!(pinned(paint(Some(PaintChannel::Red), 0.5)), rim);
     assert_eq!(pinned(paint(Some(PaintChannel::Red), 1.0)), 0);

@@ -347,6 +347,7 @@ impl ScenePlay {
                 stiffness: stick.stiffness.get(),
                 damping: stick.damping.get(),
                 kind: stick.kind.into(),
+                bound: stick.bound.into(),
             };
             sticks.push(world.spawn(stick).id());
         }

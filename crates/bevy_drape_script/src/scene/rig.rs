@@ -87,6 +87,9 @@ pub struct RigStick {
     /// What it is for; `Structural` by default.
     #[serde(default)]
     pub kind: StickKind,
+    /// Which lengths it allows; `Exact` by default.
+    #[serde(default)]
+    pub bound: StickBound,
 }
 
 fn rigid() -> Fraction {
@@ -111,6 +114,28 @@ impl From<StickKind> for drape::StickKind {
             StickKind::Structural => Self::Structural,
             StickKind::Shear => Self::Shear,
             StickKind::Bend => Self::Bend,
+        }
+    }
+}
+
+/// Which lengths a stick allows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum StickBound {
+    /// The rest length alone: a rod.
+    #[default]
+    Exact,
+    /// The rest length and more.
+    AtLeast,
+    /// The rest length and less: a cord.
+    AtMost,
+}
+
+impl From<StickBound> for drape::StickBound {
+    fn from(bound: StickBound) -> Self {
+        match bound {
+            StickBound::Exact => Self::Exact,
+            StickBound::AtLeast => Self::AtLeast,
+            StickBound::AtMost => Self::AtMost,
         }
     }
 }

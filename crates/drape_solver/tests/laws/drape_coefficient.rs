@@ -1,62 +1,58 @@
-//! The drape coefficient, by which textile laboratories measure how stiff a cloth is.
+//! The drape coefficient, by which textile laboratories measure how stiff a cloth is, and the materials that have names.
 
-use drape_solver::glam::{Vec2, Vec3};
-use drape_solver::parry3d::shape::SharedShape;
-use drape_solver::{ClothBuilder, ClothMaterial, Environment, Island, Shape, SolverSettings};
-
-use crate::common::*;
-
-/// Side of the cloth, and diameter of the disc that it hangs over, in metres.
-const SIDE: f32 = 0.30;
-const DISC: f32 = 0.18;
-
-/// Area of the shadow of all faces on the ground in square metres, counted by squares of a millimetre and a half.
-fn shadow(island: &Island) -> f32 {
-    const SIZE: f32 = 0.0015;
-    let body = &island.bodies[0];
-    let count = (SIDE / SIZE) as usize + 20;
-    let mut dark = vec![false; count * count];
-    let to_grid = |p: Vec3| Vec2::new(p.x, p.z) / SIZE + 0.5 * count as f32;
-    for face in body.topology.faces() {
-        let [a, b, c] = face.map(|i| to_grid(body.particles.position(i as usize)));
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let sides = |p: Vec2| [(a, b), (b, c), (c, a)].map(|(from, to)| (to - from).perp_dot(p - from));
-        for row in low.y.ceil() as usize..=high.y as usize {
-            for column in low.x.ceil() as usize..=high.x as usize {
-                let sides = sides(Vec2::new(column as f32, row as f32));
-                dark[row * count + column] |=
-                    sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0);
-            }
-        }
-    }
-    dark.into_iter().filter(|&is_dark| is_dark).count() as f32 * SIZE * SIZE
-}
-
-/// Drape coefficient of a square cloth with bend sticks of this stiffness: the part of the overhang that its shadow covers.
-fn drape_coefficient(bend: f32) -> f32 {
-    let material = ClothMaterial { bend, ..ClothMaterial::default() };
-    let settings = SolverSettings { drag: 4.0, thickness: 0.002, substeps: 16, ..SolverSettings::default() };
-    let cloth = ClothBuilder::new(SIDE, SIDE, 16, 16)
-        .placed(Vec3::new(-0.5 * SIDE, 0.002, -0.5 * SIDE), Vec3::X, Vec3::Z)
-        .material(material)
-        .build(settings)
-        .expect("valid");
-    let mut island = Island::of_body(cloth);
-    let disc = Shape::from_parry(SharedShape::cylinder(0.01, 0.5 * DISC)).expect("valid");
-    let environment =
-        Environment { obstacles: vec![obstacle(disc, Vec3::NEG_Y * 0.01, 0.5)].into(), ..gravity(FRAME) };
-    run(&mut island, &environment, 2.0);
-    let disc = core::f32::consts::PI * DISC * DISC / 4.0;
-    (shadow(&island) - disc) / (SIDE * SIDE - disc)
-}
+use drape_solver::drape_test::{drape_coefficient, stretch_by_weight};
+use drape_solver::{ClothMaterial, Preset, SolverSettings};
 
 /// The stiffer in bending, the more of the overhang stands out (Cusick 1968; here of a square): from limp to board.
 #[test]
 fn the_drape_coefficient_rises_with_the_stiffness_in_bending() {
     let stiffnesses = [0.0, 0.3, 0.9, 1.0];
-    let found = stiffnesses.map(drape_coefficient);
+    let found = stiffnesses.map(|bend| {
+        let material = ClothMaterial { bend, ..ClothMaterial::default() };
+        let settings = SolverSettings { substeps: 16, ..SolverSettings::default() };
+        drape_coefficient(material, settings).expect("valid")
+    });
     println!(
         "law: drape coefficients at bend stiffness {stiffnesses:?}: measured {found:.3?}, expected to rise"
     );
     assert!(found.windows(2).all(|pair| pair[1] > pair[0] + 0.01), "{found:?}");
+}
+
+fn measured(preset: Preset) -> [f32; 2] {
+    let settings = preset.settings(SolverSettings::default());
+    let drape = drape_coefficient(preset.material(), settings).expect("valid");
+    let stretch = stretch_by_weight(preset.material(), settings).expect("valid");
+    println!(
+        "law: {}: drape coefficient {drape:.3}, stretch by its weight {:.3} %",
+        preset.name(),
+        stretch * 100.0
+    );
+    [drape, stretch]
+}
+
+/// Silk is limper than cotton, cotton than denim, denim than leather; rubber stretches by its weight, and nothing else does.
+#[test]
+fn presets_drape_in_the_order_of_the_trade_and_only_rubber_stretches() {
+    let [silk, cotton, denim, leather] =
+        [Preset::Silk, Preset::Cotton, Preset::Denim, Preset::Leather].map(measured);
+    let drapes = [silk, cotton, denim, leather].map(|[drape, _]| drape);
+    assert!(drapes.windows(2).all(|pair| pair[1] > pair[0] + 0.03), "{drapes:?}");
+    let [rubber, net, chain] = [Preset::Rubber, Preset::Net, Preset::Chain].map(measured);
+    for [drape, stretch] in [silk, cotton, denim, leather, net, chain] {
+        assert!(stretch.abs() < 0.01, "{stretch}");
+        assert!((0.0..1.0).contains(&drape), "{drape}");
+    }
+    assert!(rubber[1] > 0.02 && rubber[1] < 0.3, "{rubber:?}");
+    assert!(net[0] < cotton[0] && chain[0] < cotton[0], "rings and meshes are limp: {net:?}, {chain:?}");
+}
+
+#[test]
+fn presets_are_in_range_and_weigh_what_the_trade_says() {
+    for preset in Preset::ALL {
+        assert_eq!(preset.settings(SolverSettings::default()).validate(), Ok(()), "{}", preset.name());
+    }
+    let weight = |preset: Preset| preset.material().areal_density;
+    assert!((weight(Preset::Silk) - 16.0 * 0.00434).abs() < 1e-3);
+    assert!((weight(Preset::Denim) - 14.0 * 0.0339057).abs() < 1e-3);
+    assert!((weight(Preset::Leather) - 0.0012 * 860.0).abs() < 5e-3);
 }

@@ -6,7 +6,7 @@ use drape_solver::{Island, SolverSettings, StickKind, StickMaterial, StickProjec
 use crate::common::*;
 
 fn soft(stiffness: f32) -> StickMaterial {
-    StickMaterial { kind: StickKind::Structural, stiffness, damping: 0.0 }
+    StickMaterial { stiffness, damping: 0.0, ..StickMaterial::rigid(StickKind::Structural) }
 }
 
 /// How far a mass on a soft stick of 1 m hangs below its rest length.

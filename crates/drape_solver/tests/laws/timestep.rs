@@ -37,7 +37,8 @@ fn halving_dt_keeps_drag() {
 #[test]
 fn halving_dt_keeps_stiffness() {
     halved("sag", |dt| {
-        let material = StickMaterial { kind: StickKind::Structural, stiffness: 0.05, damping: 0.0 };
+        let material =
+            StickMaterial { stiffness: 0.05, damping: 0.0, ..StickMaterial::rigid(StickKind::Structural) };
         let settings = SolverSettings { drag: 4.0, iterations: 2, ..bare() };
         let body = joined_by(material, &[Vec3::ZERO, Vec3::NEG_Y], &[0.0, 1.0], &[[0, 1]], settings);
         let mut island = Island::of_body(body);

@@ -1,0 +1,70 @@
+//! A cape on a skinned character that walks, runs, jumps and turns about: pins and limits painted on its mesh, capsules on the
+//! bones, and a share of the character's motion that it does not feel.
+//!
+//! `cargo run --release --example cape --features window`; `--headless` runs without a window, and `--picture FILE` draws
+//! a picture with `--features render`.
+
+use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_examples::character::{self, Character};
+use drape_examples::feature::{Feature, Paint};
+
+/// The example.
+pub const FEATURE: Feature = Feature {
+    title: "A cape on a character that walks, runs, jumps and turns",
+    controls: "Space: turn at once, as in a teleport",
+    eye: Vec3::new(-0.6, 1.9, -3.6),
+    target: Vec3::new(-3.5, 0.9, 0.2),
+    moment: 12.4,
+    build: |app| {
+        if !app.world().contains_resource::<Assets<SkinnedMeshInverseBindposes>>() {
+            app.init_asset::<SkinnedMeshInverseBindposes>();
+        }
+        app.add_systems(Startup, setup).add_systems(Update, animate);
+    },
+};
+
+/// Runs it.
+pub fn main() -> std::process::ExitCode {
+    FEATURE.run()
+}
+
+fn setup(world: &mut World) {
+    world.spawn(Obstacle::ground());
+    let settings = SolverSettings { drag: 1.0, thickness: 0.01, ..default() };
+    let character = character::spawn(world, (settings, Paint::rgb(0.62, 0.10, 0.14)));
+    let motion = WorldMotion::of(character.root).with_scale(0.6, 0.6);
+    // The colours are for the cloth to read and not to be seen: they move to attributes of their own.
+    let (mesh, paint) = character::cape_in_attributes();
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+    let cloth = ClothMesh { paint, ..character::cape() };
+    world.entity_mut(character.cape).insert((Mesh3d(mesh), cloth, motion));
+    world.insert_resource(character);
+}
+
+/// How far the character runs along Z before it is put back, in metres.
+const TRACK: f32 = 6.0;
+
+/// Moves the joints once a frame, as an animation player does.
+fn animate(world: &mut World) {
+    let time = world.resource::<Time>().elapsed_secs() % character::WALK;
+    let keys = world.get_resource::<ButtonInput<KeyCode>>();
+    let mut is_teleport = keys.is_some_and(|keys| keys.just_pressed(KeyCode::Space));
+    world.resource_scope(|world, mut character: Mut<Character>| {
+        if is_teleport {
+            character.heading += 2.0;
+        }
+        if time < character.time - 1.0 {
+            character.rewind();
+            is_teleport = true;
+        }
+        character.advance(time);
+        // So far that it is a teleport by itself.
+        character.place.z = (character.place.z + 0.5 * TRACK).rem_euclid(TRACK) - 0.5 * TRACK;
+        if is_teleport {
+            world.entity_mut(character.cape).insert(TeleportCloth);
+        }
+        character.write(world);
+    });
+}

@@ -1,0 +1,267 @@
+//! A character made in code: ten joints, capsules on its bones, a cape, and a procedural animation of half a minute. It faces -Z.
+
+use core::f32::consts::{PI, TAU};
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+/// Name, parent, place in the parent's coordinates, and the capsule: radius, length, middle.
+pub const BONES: [(&str, Option<usize>, [f32; 3], [f32; 2], [f32; 3]); 10] = [
+    ("hips", None, [0.0, 1.0, 0.0], [0.13, 0.1], [0.0, 0.0, 0.0]),
+    ("spine", Some(0), [0.0, 0.15, 0.0], [0.12, 0.1], [0.0, 0.05, 0.0]),
+    ("chest", Some(1), [0.0, 0.15, 0.0], [0.13, 0.14], [0.0, 0.06, 0.0]),
+    ("head", Some(2), [0.0, 0.3, 0.0], [0.11, 0.02], [0.0, 0.13, 0.0]),
+    ("left arm", Some(2), [-0.2, 0.15, 0.0], [0.045, 0.5], [0.0, -0.25, 0.0]),
+    ("right arm", Some(2), [0.2, 0.15, 0.0], [0.045, 0.5], [0.0, -0.25, 0.0]),
+    ("left thigh", Some(0), [-0.1, -0.05, 0.0], [0.08, 0.35], [0.0, -0.2, 0.0]),
+    ("right thigh", Some(0), [0.1, -0.05, 0.0], [0.08, 0.35], [0.0, -0.2, 0.0]),
+    ("left shin", Some(6), [0.0, -0.45, 0.0], [0.06, 0.35], [0.0, -0.2, 0.0]),
+    ("right shin", Some(7), [0.0, -0.45, 0.0], [0.06, 0.35], [0.0, -0.2, 0.0]),
+];
+
+const HIPS: usize = 0;
+const SPINE: usize = 1;
+const CHEST: usize = 2;
+const ARMS: [usize; 2] = [4, 5];
+const THIGHS: [usize; 2] = [6, 7];
+const SHINS: [usize; 2] = [8, 9];
+
+/// Columns and rows of the cape.
+pub const CAPE: [usize; 2] = [13, 23];
+
+/// Length of the animation in seconds.
+pub const WALK: f32 = 30.0;
+
+/// How far the hem may be from where the animation has it, in metres.
+pub const FULL_DISTANCE: f32 = 0.7;
+
+/// A character in a world.
+#[derive(Resource, Clone, Debug)]
+pub struct Character {
+    /// What the joints and the cape are children of.
+    pub root: Entity,
+    /// Its joints, in the order of [`BONES`].
+    pub joints: Vec<Entity>,
+    /// The capsule of each.
+    pub capsules: Vec<Entity>,
+    /// The cape.
+    pub cape: Entity,
+    /// Where it is, in metres.
+    pub place: Vec3,
+    /// Which way it looks, in radians about Y; 0 is along -Z.
+    pub heading: f32,
+    /// Seconds since it began.
+    pub time: f32,
+    /// Of its step.
+    phase: f32,
+}
+
+/// Where the joints are in the mesh's coordinates.
+pub fn bind_place(joint: usize) -> Vec3 {
+    let (_, parent, place, ..) = BONES[joint];
+    Vec3::from(place) + parent.map_or(Vec3::ZERO, bind_place)
+}
+
+/// The capsule of a bone along Y: radius, half the length, and its middle in the joint's coordinates.
+pub fn capsule(joint: usize) -> (f32, f32, Vec3) {
+    let (.., [radius, length], middle) = BONES[joint];
+    (radius, length * 0.5, middle.into())
+}
+
+/// The joints that a vertex at (across, down), each 0 to 1, goes with.
+fn skin(across: f32, down: f32) -> ([u16; 4], [f32; 4]) {
+    let chest = (1.0 - 2.0 * down).max(0.0);
+    let legs = (0.6 * (down - 0.5)).max(0.0);
+    let joints = [CHEST, HIPS, THIGHS[0], THIGHS[1]].map(|joint| joint as u16);
+    (joints, [chest, 1.0 - chest - legs, legs * (1.0 - across), legs * across])
+}
+
+/// A cape behind the shoulders: red are its pins, green is how far it may go.
+pub fn cape_mesh() -> Mesh {
+    let [columns, rows] = CAPE;
+    let part = |i: usize, n: usize| i as f32 / (n - 1) as f32;
+    let mut places = Vec::new();
+    let (mut joints, mut weights, mut colours) = (Vec::new(), Vec::new(), Vec::new());
+    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+        let (across, down) = (part(column, columns), part(row, rows));
+        let half = 0.19 + 0.16 * down;
+        places.push([(2.0 * across - 1.0) * half, 1.46 - 0.95 * down, 0.17 + 0.07 * down]);
+        let (joint, weight) = skin(across, down);
+        joints.push(joint);
+        weights.push(weight);
+        colours.push([f32::from(row == 0), down, 0.0, 1.0]);
+    }
+    let square = |row: usize, column: usize| {
+        let corner = (row * columns + column) as u32;
+        let below = corner + columns as u32;
+        [corner, below, corner + 1, corner + 1, below, below + 1]
+    };
+    let squares = (0..rows - 1).flat_map(|row| (0..columns - 1).map(move |column| (row, column)));
+    let indices = squares.flat_map(|(row, column)| square(row, column)).collect();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, places)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colours)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(joints))
+        .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights)
+        .with_inserted_indices(Indices::U32(indices))
+        .with_computed_normals()
+}
+
+/// The cape as it is worn.
+pub fn cape() -> ClothMesh {
+    ClothMesh {
+        areal_density: 0.3,
+        paint: ClothPaint {
+            max_distance: Some(PaintChannel::Green),
+            full_distance: FULL_DISTANCE,
+            ..default()
+        },
+        ..default()
+    }
+}
+
+/// What takes a joint's coordinates to the mesh's.
+pub fn inverse_bind_poses() -> Vec<Mat4> {
+    (0..BONES.len()).map(|joint| Mat4::from_translation(-bind_place(joint))).collect()
+}
+
+/// The same mesh with its paint in attributes of its own instead of colours, which would be seen; and where they are.
+pub fn cape_in_attributes() -> (Mesh, ClothPaint) {
+    const PINNED: MeshVertexAttribute = MeshVertexAttribute::new("Pinned", 7601, VertexFormat::Float32);
+    const REACH: MeshVertexAttribute = MeshVertexAttribute::new("Reach", 7602, VertexFormat::Float32);
+    let mut mesh = cape_mesh();
+    if let Some(VertexAttributeValues::Float32x4(colours)) = mesh.remove_attribute(Mesh::ATTRIBUTE_COLOR) {
+        let channel = |k: usize| colours.iter().map(|colour| colour[k]).collect::<Vec<_>>();
+        mesh.insert_attribute(PINNED, channel(0));
+        mesh.insert_attribute(REACH, channel(1));
+    }
+    let named = |attribute: MeshVertexAttribute| Some(PaintChannel::Attribute(attribute.name.into()));
+    let paint = ClothPaint {
+        pins: named(PINNED),
+        max_distance: named(REACH),
+        full_distance: FULL_DISTANCE,
+        ..default()
+    };
+    (mesh, paint)
+}
+
+/// Spawns a character with a cape, which has `bundle` besides; its root is seen on its way between frames.
+pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(cape_mesh());
+    let poses: SkinnedMeshInverseBindposes = inverse_bind_poses().into();
+    let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
+    let root = world.spawn((Transform::default(), MovedByFrame)).id();
+    let mut joints = Vec::new();
+    let mut capsules = Vec::new();
+    for (name, parent, place, [radius, length], middle) in BONES {
+        let parent = parent.map_or(root, |parent| joints[parent]);
+        let joint = (Name::new(name), Transform::from_translation(place.into()), ChildOf(parent));
+        let joint = world.spawn(joint).id();
+        joints.push(joint);
+        let obstacle = Obstacle::capsule(radius, length).with_friction(0.3);
+        capsules
+            .push(world.spawn((obstacle, Transform::from_translation(middle.into()), ChildOf(joint))).id());
+    }
+    let skin = SkinnedMesh { inverse_bindposes, joints: joints.clone() };
+    let cape = world.spawn((Mesh3d(mesh), skin, cape(), ChildOf(root), bundle)).id();
+    Character { root, joints, capsules, cape, ..Character::default() }
+}
+
+impl Default for Character {
+    /// One that is in no world, at the beginning.
+    fn default() -> Self {
+        Self {
+            root: Entity::PLACEHOLDER,
+            joints: Vec::new(),
+            capsules: Vec::new(),
+            cape: Entity::PLACEHOLDER,
+            place: Vec3::ZERO,
+            heading: 0.0,
+            time: 0.0,
+            phase: 0.0,
+        }
+    }
+}
+
+/// What the character does at a time: speed, its turning in rad/s, and height above the ground.
+fn gait(time: f32) -> (f32, f32, f32) {
+    let turn = |start: f32, length: f32, angle: f32| {
+        if (start..start + length).contains(&time) { angle / length } else { 0.0 }
+    };
+    let jump = |start: f32| {
+        let t = time - start;
+        if (0.0..0.7).contains(&t) { 4.9 * 0.7 * t - 4.9 * t * t } else { 0.0 }
+    };
+    let speed = match time {
+        t if t < 1.0 => 0.0,
+        t if t < 9.0 => 1.5,
+        t if t < 10.0 => 1.5 + 3.5 * (t - 9.0),
+        t if t < 18.0 => 5.0,
+        t if t < 19.0 => 5.0 - 5.0 * (t - 18.0),
+        t if t < 22.0 => 0.0,
+        t if t < 28.0 => 3.0,
+        t if t < 28.5 => 3.0 - 6.0 * (t - 28.0),
+        _ => 0.0,
+    };
+    // A slow curve while it walks, an about-turn in 0.4 s when it stands, runs, and runs back.
+    let turning = turn(4.0, 4.0, PI) + turn(20.0, 0.4, PI) + turn(13.0, 0.4, PI) + turn(25.0, 0.4, -PI);
+    (speed, turning, jump(11.0) + jump(15.0) + jump(20.8) + jump(23.5))
+}
+
+impl Character {
+    /// Goes on to `time`, however long that is: in small steps, so that it goes the same way at any frame rate.
+    pub fn advance(&mut self, time: f32) {
+        const STRIDE: f32 = 1.0 / 480.0;
+        while self.time + STRIDE <= time + 1e-5 {
+            let (speed, turning, _) = gait(self.time);
+            self.heading += turning * STRIDE;
+            self.place +=
+                Vec3::new(-libm::sinf(self.heading), 0.0, -libm::cosf(self.heading)) * (speed * STRIDE);
+            self.phase += STRIDE * (0.7 + 0.3 * speed).min(1.6) * f32::from(speed > 0.0);
+            self.time += STRIDE;
+        }
+    }
+
+    /// The pose of the root and of all joints.
+    pub fn pose(&self) -> (Transform, Vec<Transform>) {
+        let (speed, _, height) = gait(self.time);
+        let place = self.place + Vec3::Y * height;
+        let root = Transform::from_translation(place).with_rotation(Quat::from_rotation_y(self.heading));
+        let swing = libm::sinf(TAU * self.phase);
+        let reach = (0.3 + 0.09 * speed).min(0.75) * (speed / 1.5).min(1.0);
+        let bent = (0.03 * speed).min(0.15);
+        let mut joints: Vec<Transform> =
+            BONES.iter().map(|(_, _, place, ..)| Transform::from_translation((*place).into())).collect();
+        joints[HIPS].translation.y += 0.03 * libm::cosf(2.0 * TAU * self.phase) * reach;
+        joints[SPINE].rotation = Quat::from_rotation_x(-bent);
+        joints[CHEST].rotation = Quat::from_rotation_y(0.15 * swing * reach);
+        for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let tucked = if height > 0.0 { 0.4 } else { 0.0 };
+            joints[THIGHS[side]].rotation = Quat::from_rotation_x(sign * swing * reach + tucked);
+            let knee = (0.2 + 0.5 * sign * libm::cosf(TAU * self.phase)).max(0.0) * reach + 2.0 * tucked;
+            joints[SHINS[side]].rotation = Quat::from_rotation_x(-knee);
+            joints[ARMS[side]].rotation =
+                Quat::from_rotation_z(-0.15 * sign) * Quat::from_rotation_x(-sign * swing * reach * 0.8);
+        }
+        (root, joints)
+    }
+
+    /// Goes back to the beginning.
+    pub fn rewind(&mut self) {
+        let Self { root, joints, capsules, cape, .. } = core::mem::take(self);
+        *self = Self { root, joints, capsules, cape, ..Self::default() };
+    }
+
+    /// Shows the pose.
+    pub fn write(&self, world: &mut World) {
+        let (root, joints) = self.pose();
+        for (entity, pose) in self.joints.iter().zip(joints).chain([(&self.root, root)]) {
+            if let Some(mut transform) = world.get_mut::<Transform>(*entity) {
+                *transform = pose;
+            }
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Materials by name, side by side: a cloth of each is drawn over a post.
+//!
+//! `cargo run --release --example presets --features window`; `--headless` runs without a window, and `--picture FILE` draws
+//! a picture with `--features render`.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_examples::feature::{Feature, Paint};
+
+/// The example.
+pub const FEATURE: Feature = Feature {
+    title: "Silk, cotton, denim, leather, rubber, net, chain",
+    controls: "",
+    eye: Vec3::new(0.0, 2.6, 6.2),
+    target: Vec3::new(0.0, 0.6, 0.0),
+    moment: 2.5,
+    build: |app| {
+        app.add_systems(Startup, setup);
+    },
+};
+
+/// Runs it.
+pub fn main() -> std::process::ExitCode {
+    FEATURE.run()
+}
+
+/// From left to right, with their colours.
+const MATERIALS: [(Preset, Paint); 7] = [
+    (Preset::Silk, Paint::rgb(0.75, 0.12, 0.22)),
+    (Preset::Cotton, Paint::rgb(0.86, 0.84, 0.78)),
+    (Preset::Denim, Paint::rgb(0.16, 0.24, 0.42)),
+    (Preset::Leather, Paint::rgb(0.36, 0.20, 0.11)),
+    (Preset::Rubber, Paint::rgb(0.12, 0.12, 0.12)),
+    (Preset::Net, Paint::rgb(0.30, 0.45, 0.20)),
+    (Preset::Chain, Paint::rgb(0.55, 0.57, 0.60)),
+];
+
+fn setup(mut commands: Commands) {
+    commands.spawn(Obstacle::ground());
+    for (place, (preset, paint)) in MATERIALS.into_iter().enumerate() {
+        let x = 0.95 * (place as f32 - 3.0);
+        commands.spawn((Obstacle::capsule(0.16, 0.5), Transform::from_xyz(x, 0.6, 0.0)));
+        // Flat, above the post.
+        let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
+        commands.spawn((
+            Cloth::new(0.8, 0.8).with_particles(24, 24).with_pins(ClothPins::None).with_preset(preset),
+            SolverSettings { static_friction: 1.0, ..SolverSettings::from(preset) },
+            Transform::from_xyz(x, 1.1, 0.0).with_rotation(flat),
+            paint,
+        ));
+    }
+}

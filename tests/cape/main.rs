@@ -1,0 +1,42 @@
+//! Clothes on skinned characters: pins and limits that follow joints, motion that is inherited or not, teleports.
+
+mod asset;
+mod measure;
+mod skinned;
+mod walk;
+
+use std::time::Duration;
+
+use bevy::asset::AssetPlugin;
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_drape::prelude::*;
+
+/// All but the renderer, at sixty steps a second.
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, MeshPlugin))
+        .add_plugins(DrapePlugins::default())
+        .insert_resource(Time::<Fixed>::from_seconds(1.0 / 60.0));
+    app
+}
+
+/// One step in each update from now on.
+fn one_step_a_frame(app: &mut App) {
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.update();
+}
+
+/// Frames of this length from now on.
+fn frames(app: &mut App, seconds: f64) {
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(seconds)));
+}
+
+fn particles(app: &App, body: Entity) -> &Particles {
+    app.world().get::<Particles>(body).expect("built")
+}
+
+fn global(app: &App, entity: Entity) -> GlobalTransform {
+    *app.world().get::<GlobalTransform>(entity).expect("placed")
+}

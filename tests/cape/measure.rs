@@ -1,0 +1,129 @@
+//! What a step has left of a cape, measured from outside.
+
+use bevy::math::Affine3A;
+use bevy::mesh::VertexAttributeValues;
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_solver::measure::stretch;
+
+use drape_examples::character::{Character, FULL_DISTANCE, cape_mesh, capsule, inverse_bind_poses};
+
+/// The worst of all steps so far.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct Worst {
+    pub steps: usize,
+    /// How deep a particle was in a capsule that was not counted as a conflict, in metres.
+    pub depth: f32,
+    /// The same of any particle.
+    pub depth_of_conflicts: f32,
+    /// How far a particle was beyond its painted limit, in metres.
+    pub excess: f32,
+    /// How far a pin was from its place, in metres.
+    pub pin_error: f32,
+    /// Conflicts that were counted, and steps in which fewer were counted than there were.
+    pub conflicts: usize,
+    pub uncounted: usize,
+    /// Greatest speed besides the root's, in m/s, and strain.
+    pub speed: f32,
+    pub rms_stretch: f64,
+    pub max_stretch: f64,
+    /// Greatest distance from the hips, in metres.
+    pub away: f32,
+}
+
+/// Skin of the cape's vertices.
+#[derive(Resource)]
+pub struct Skin {
+    places: Vec<[f32; 3]>,
+    joints: Vec<[u16; 4]>,
+    weights: Vec<[f32; 4]>,
+    colours: Vec<[f32; 4]>,
+}
+
+impl Default for Skin {
+    fn default() -> Self {
+        let mesh = cape_mesh();
+        let read = |attribute| mesh.attribute(attribute).cloned().expect("an attribute");
+        let (
+            VertexAttributeValues::Float32x3(places),
+            VertexAttributeValues::Uint16x4(joints),
+            VertexAttributeValues::Float32x4(weights),
+            VertexAttributeValues::Float32x4(colours),
+        ) = (
+            read(Mesh::ATTRIBUTE_POSITION),
+            read(Mesh::ATTRIBUTE_JOINT_INDEX),
+            read(Mesh::ATTRIBUTE_JOINT_WEIGHT),
+            read(Mesh::ATTRIBUTE_COLOR),
+        )
+        else {
+            panic!("another mesh");
+        };
+        Self { places, joints, weights, colours }
+    }
+}
+
+impl Skin {
+    /// Where the animation has each vertex.
+    pub fn posed(&self, joint: impl Fn(usize) -> Affine3A) -> Vec<Vec3> {
+        let matrices: Vec<Affine3A> = inverse_bind_poses()
+            .into_iter()
+            .enumerate()
+            .map(|(i, inverse)| joint(i) * Affine3A::from_mat4(inverse))
+            .collect();
+        let vertices = self.places.iter().zip(&self.joints).zip(&self.weights);
+        let posed = vertices.map(|((&place, joints), weights)| {
+            let parts = joints.iter().zip(weights);
+            parts.map(|(&j, &w)| matrices[usize::from(j)].transform_point3(place.into()) * w).sum()
+        });
+        posed.collect()
+    }
+}
+
+/// At the end of each step.
+pub fn measure(
+    character: Res<Character>,
+    skin: Res<Skin>,
+    places: Query<&GlobalTransform>,
+    capes: Query<(&Particles, &Sticks, &WeldedVertices, &SolverSettings)>,
+    counts: Res<MotionLimitCounts>,
+    mut worst: ResMut<Worst>,
+) {
+    let Ok((particles, sticks, welded, settings)) = capes.get(character.cape) else { return };
+    let place = |entity: Entity| places.get(entity).expect("placed").affine();
+    let posed = skin.posed(|joint| place(character.joints[joint]));
+    let mut deep = 0;
+    for (vertex, target) in posed.iter().enumerate() {
+        let i = welded.particle(vertex).expect("a corner");
+        let position = particles.position(i);
+        let limit = skin.colours[vertex][1] * FULL_DISTANCE;
+        let off = position.distance(*target);
+        if particles.is_pinned(i) {
+            worst.pin_error = worst.pin_error.max(off);
+            continue;
+        }
+        worst.excess = worst.excess.max(off - limit);
+        let depth = character.joints.iter().enumerate().map(|(joint, _)| {
+            let (radius, half, _) = capsule(joint);
+            let local = place(character.capsules[joint]).inverse().transform_point3(position);
+            let axis = Vec3::new(0.0, local.y.clamp(-half, half), 0.0);
+            radius - local.distance(axis)
+        });
+        let depth = depth.fold(f32::NEG_INFINITY, f32::max);
+        worst.depth_of_conflicts = worst.depth_of_conflicts.max(depth);
+        let is_at_limit = off > limit - 1e-4;
+        if depth + settings.thickness > 2e-3 && is_at_limit {
+            deep += 1;
+        } else {
+            worst.depth = worst.depth.max(depth);
+        }
+    }
+    worst.steps += 1;
+    worst.conflicts += counts.conflicts;
+    worst.uncounted += usize::from(counts.conflicts < deep);
+    let stretch = stretch(particles, sticks);
+    worst.rms_stretch = worst.rms_stretch.max(stretch.rms);
+    worst.max_stretch = worst.max_stretch.max(stretch.max);
+    worst.speed = worst.speed.max(particles.greatest_speed());
+    let hips = Vec3::from(place(character.joints[0]).translation);
+    worst.away = particles.positions().map(|position| position.distance(hips)).fold(worst.away, f32::max);
+}
