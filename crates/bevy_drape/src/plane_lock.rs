@@ -11,6 +11,9 @@ const TOLERANCE: f32 = 1e-5;
 /// Keeps a body in a plane of the world: after each step its particles are put back, and what took them out of it is taken off
 /// their velocity. For two dimensions: in the plane of X and Y where nothing pushes sideways, it changes nothing.
 ///
+/// A body that something keeps pushing out of its plane does not fall asleep. Start flat: what is thrown into its plane from edge on has
+/// particles in one place, which the solver does not survive.
+///
 /// Obstacles are bodies of three dimensions: a disc is a sphere or a cylinder whose middle is in the plane, a box a cuboid that
 /// reaches far to both sides of it.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
