@@ -13,7 +13,7 @@ use drape_solver::parry3d::shape::SharedShape;
 pub const FEATURE: Feature = Feature {
     title: "Cloths at rest on five shapes",
     controls: "",
-    eye: Vec3::new(0.3, 2.0, 4.3),
+    eye: Vec3::new(0.3, 2.2, 5.0),
     target: Vec3::new(0.0, 0.45, 0.0),
     moment: 3.0,
     build: |app| {

@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(2.2, 2.0, 3.4),
     target: Vec3::new(0.0, 1.2, 0.0),
-    moment: 2.5,
+    moment: 1.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, (hang, turn));
     },
@@ -33,8 +33,14 @@ fn setup(mut commands: Commands) {
     let rope = Rope::new(Vec3::ZERO, Vec3::NEG_Y * 1.8, 64);
     let winch = Winch { speed: -0.6, least: 0.4, greatest: 1.8 };
     let place = Transform::from_xyz(0.0, 2.4, 0.0);
-    commands.spawn((rope, winch, Unladen, RopeMesh::new(0.015), Paint::rgb(0.70, 0.55, 0.30), place));
+    let paint = Paint::rgb(0.70, 0.55, 0.30);
+    let rope = commands.spawn((rope, winch, Unladen, RopeMesh::new(0.015), paint, place)).id();
+    // Only to look at: it touches nothing.
+    let load = (Obstacle::cuboid(0.24, 0.24, 0.24), DrapeLayers::new(0, 0), Paint::rgb(0.35, 0.35, 0.38));
+    commands.spawn((load, FollowParticle::last(rope)));
+    let beam = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     commands.spawn((Obstacle::capsule(0.05, 2.4), Transform::from_xyz(-0.6, 1.2, 0.0)));
+    commands.spawn((Obstacle::capsule(0.05, 0.7), Transform::from_xyz(-0.25, 2.48, 0.0).with_rotation(beam)));
 }
 
 /// The last particle of the rope weighs ten kilograms once it has been built.

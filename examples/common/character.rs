@@ -153,12 +153,13 @@ pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
     let mesh = world.resource_mut::<Assets<Mesh>>().add(cape_mesh());
     let poses: SkinnedMeshInverseBindposes = inverse_bind_poses().into();
     let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
-    let root = world.spawn((Transform::default(), MovedByFrame)).id();
+    let root = world.spawn((Transform::default(), Visibility::default(), MovedByFrame)).id();
     let mut joints = Vec::new();
     let mut capsules = Vec::new();
     for (name, parent, place, [radius, length], middle) in BONES {
         let parent = parent.map_or(root, |parent| joints[parent]);
-        let joint = (Name::new(name), Transform::from_translation(place.into()), ChildOf(parent));
+        let place = Transform::from_translation(place.into());
+        let joint = (Name::new(name), place, Visibility::default(), ChildOf(parent));
         let joint = world.spawn(joint).id();
         joints.push(joint);
         let obstacle = Obstacle::capsule(radius, length).with_friction(0.3);

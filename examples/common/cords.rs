@@ -77,7 +77,7 @@ struct CordsOf(Entity);
 struct HasCords;
 
 fn dress_cords(
-    bodies: Query<(Entity, &Sticks), (Without<HasCords>, Without<RigidTetrahedron>)>,
+    bodies: Query<(Entity, &Sticks), (Without<HasCords>, Without<RigidTetrahedron>, Without<RopeMesh>)>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,

@@ -26,7 +26,10 @@ impl Plugin for FeatureDressPlugin {
     }
 }
 
-type Bare = (Without<MeshMaterial3d<StandardMaterial>>, Or<(With<Cloth>, With<ClothMesh>, With<SoftBall>)>);
+type Bare = (
+    Without<MeshMaterial3d<StandardMaterial>>,
+    Or<(With<Cloth>, With<ClothMesh>, With<SoftBall>, With<RopeMesh>)>,
+);
 
 fn dress_bodies(
     bodies: Query<(Entity, Option<&Paint>), Bare>,

@@ -241,3 +241,14 @@ fn limits_without_a_skin_follow_the_entity() {
         }
     }
 }
+
+/// A renderer that finds a `SkinnedMesh` beside a mesh without joints stops. The cloth used to leave it on its entity.
+#[test]
+fn a_cape_takes_the_skin_off_its_entity() {
+    let (mut app, character) = dressed(());
+    app.update();
+    assert!(app.world().get::<SkinnedMesh>(character.cape).is_none());
+    let mesh = app.world().get::<Mesh3d>(character.cape).expect("a mesh");
+    let mesh = app.world().resource::<Assets<Mesh>>().get(mesh).expect("loaded");
+    assert!(!mesh.contains_attribute(Mesh::ATTRIBUTE_JOINT_INDEX));
+}

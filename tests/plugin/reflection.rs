@@ -109,14 +109,14 @@ mod both {
         full_names! {
             Activity ActivityCounts Attachment BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents
             ContactFeature CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts
-            DrapeContactEnded DrapeContactHit DrapeContactSettings DrapeContactStarted DrapeGravity DrapeLayers
-            DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems DynamicObstacle FireCannon FollowParticle
-            FollowedParticle Grab Gusts Hand HitTarget InRig Interpolated MotionLimitCounts MovedByFrame Obstacle
-            ObstacleReaction ObstacleShape Particle Particles PlaneLock Preset Pressure Projectile ProjectileState
-            Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope SceneManager SelfContact SoftBall
-            SolverSettings Stick StickBound StickKind StickProjection StickTorn Sticks StructuralSolve Tearable
-            TeleportCloth TeleportObstacle Tie TiedParticles Viewer Winch Wind WindFlow WindRegion WindZone
-            WorldMotion
+            DrapeContactEnded DrapeContactHit DrapeContactSettings DrapeContactStarted DrapeDiagnosticsPlugin
+            DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems DynamicObstacle FireCannon
+            FollowParticle FollowedParticle Grab Gusts Hand HitTarget InRig Interpolated MotionLimitCounts
+            MovedByFrame Obstacle ObstacleReaction ObstacleShape Particle Particles PlaneLock Preset Pressure
+            Projectile ProjectileState Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope
+            SceneManager SelfContact SoftBall SolverSettings Stick StickBound StickKind StickProjection StickTorn
+            Sticks StructuralSolve Tearable TeleportCloth TeleportObstacle Tie TiedParticles Viewer Winch Wind
+            WindFlow WindRegion WindZone WorldMotion
         }
         .into_iter()
     }

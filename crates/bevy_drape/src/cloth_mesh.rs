@@ -20,7 +20,8 @@ use crate::mesh_reading::{MeshFault, faces, paint, positions};
 /// entity. How far the others may go can be painted as well: see [`ClothPaint::max_distance`].
 ///
 /// Where the entity has a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), pins and limits follow its joints. The pose is worked out in each
-/// step, by the joints' transforms of that step, and the mesh that is shown is the simulated one: it has no skin any more.
+/// step, by the joints' transforms of that step, and the mesh that is shown is the simulated one: it has no skin any more, and the cloth takes
+/// the `SkinnedMesh` off its entity. Insert another to have it follow that.
 /// Joints get a [`MovedByFrame`](crate::moved_by_frame::MovedByFrame).
 ///
 /// ```

@@ -27,13 +27,25 @@ pub(crate) struct MeshOfCloth {
     shown: Option<AssetId<Mesh>>,
 }
 
-/// Builds what was inserted or changed since the last step, what was given another mesh, and what waited for its mesh.
+/// The skin that a cloth follows. A renderer refuses to draw a [`SkinnedMesh`] whose mesh has no joints, as the shown copy has none.
+#[derive(Component, Clone, Debug)]
+pub(crate) struct SkinOfCloth(SkinnedMesh);
+
+/// Builds what was inserted or changed since the last step, what was given another mesh or skin, and what waited for its mesh.
 pub(crate) fn build_cloth_meshes(
     mut commands: Commands,
     components: Query<(Entity, Ref<ClothMesh>)>,
     given: Query<(Entity, Ref<Mesh3d>), With<ClothMesh>>,
     not_built: Query<(Entity, Ref<GlobalTransform>), (With<ClothMesh>, Without<Particles>)>,
-    cloths: Query<(&ClothMesh, &Mesh3d, &GlobalTransform, Option<&MeshOfCloth>, Option<&SkinnedMesh>)>,
+    skins: Query<(Entity, Ref<SkinnedMesh>), With<ClothMesh>>,
+    cloths: Query<(
+        &ClothMesh,
+        &Mesh3d,
+        &GlobalTransform,
+        Option<&MeshOfCloth>,
+        Option<&SkinnedMesh>,
+        Option<&SkinOfCloth>,
+    )>,
     places: Query<&GlobalTransform>,
     bind_poses: Option<Res<Assets<SkinnedMeshInverseBindposes>>>,
     made: Query<(Entity, &MeshOfCloth)>,
@@ -46,6 +58,7 @@ pub(crate) fn build_cloth_meshes(
     // What waits for its mesh is in the list still.
     collect_changed(&components, &mut to_build);
     collect_changed(&not_built, &mut to_build);
+    collect_changed(&skins, &mut to_build);
     let mut swapped = Vec::new();
     collect_changed(&given, &mut swapped);
     swapped.retain(|&entity| {
@@ -62,7 +75,8 @@ pub(crate) fn build_cloth_meshes(
     let mut later = Vec::new();
     let mut seen = Vec::new();
     for entity in to_build.drain(..) {
-        let Ok((cloth, mesh, transform, made, skinned)) = cloths.get(entity) else { continue };
+        let Ok((cloth, mesh, transform, made, skinned, taken)) = cloths.get(entity) else { continue };
+        let skinned = skinned.or(taken.map(|taken| &taken.0));
         if seen.contains(&entity) {
             continue;
         }
@@ -117,6 +131,9 @@ pub(crate) fn build_cloth_meshes(
                 );
                 let bounds = bounds.unwrap_or_default();
                 hang_on_pose(&mut commands, entity, pose, is_skinned);
+                if let Some(skin) = skinned {
+                    commands.entity(entity).remove::<SkinnedMesh>().insert(SkinOfCloth(skin.clone()));
+                }
                 commands.entity(entity).insert((Mesh3d(shown), state, surface, welded, NoAutoAabb, bounds));
             }
             Err((component, reason)) => {
@@ -198,5 +215,7 @@ fn called(mesh: &Handle<Mesh>) -> String {
 
 /// Takes off an entity that loses its [`ClothMesh`] what was put there besides the body. The mesh stays as it is.
 pub(crate) fn remove_mesh_of_cloth(removed: On<Remove, ClothMesh>, mut commands: Commands) {
-    commands.entity(removed.entity).try_remove::<(Surface, WeldedVertices, MeshOfCloth, AnimatedPose)>();
+    commands
+        .entity(removed.entity)
+        .try_remove::<(Surface, WeldedVertices, MeshOfCloth, SkinOfCloth, AnimatedPose)>();
 }

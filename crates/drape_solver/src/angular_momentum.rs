@@ -15,7 +15,7 @@ use crate::body::Body;
 /// Takes back the angular momentum that the projections of this substep have given to a free body under pressure.
 pub(crate) fn restore(body: &mut Body) {
     let Body { particles, context, pressure, .. } = body;
-    if !(*pressure > 0.0) || particles.masses.has_pins {
+    if *pressure <= 0.0 || particles.masses.has_pins {
         return;
     }
     let mass = |slot: usize| f64::from(1.0 / particles.inverse_mass[slot]);
@@ -38,12 +38,11 @@ pub(crate) fn restore(body: &mut Body) {
     }
     let turn = -(inertia.inverse() * given);
     // All in one line, it has no inertia about it; and a great turn is no small error.
-    if !(turn.length() < MOST_TURN) {
-        return;
-    }
-    for slot in particles.layout.slots() {
-        let arm = particles.position.get(slot).as_dvec3() - centre;
-        particles.position.add(slot, turn.cross(arm).as_vec3());
+    if turn.is_finite() && turn.length() < MOST_TURN {
+        for slot in particles.layout.slots() {
+            let arm = particles.position.get(slot).as_dvec3() - centre;
+            particles.position.add(slot, turn.cross(arm).as_vec3());
+        }
     }
 }
 
