@@ -82,7 +82,7 @@ pub mod window;
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
 
-/// Compiles the examples of the guide.
-#[cfg(doctest)]
+/// Compiles the examples of the guide, which draw.
+#[cfg(all(doctest, feature = "render"))]
 #[doc = include_str!("../../docs/guide.md")]
 pub struct Guide;

@@ -41,13 +41,13 @@ impl Tube {
         for i in 0..self.rings.saturating_sub(1) as u32 {
             for side in 0..self.sides as u32 {
                 let (a, b) = (i * ring + side, (i + 1) * ring + side);
-                indices.extend([a, b, a + 1, a + 1, b, b + 1]);
+                indices.extend([a, a + 1, b, b, a + 1, b + 1]);
             }
         }
         for end in 0..2_u32 {
             let first = self.rings as u32 * ring + end * (ring + 1);
             for side in 0..self.sides as u32 {
-                let [a, b] = if end == 0 { [side, side + 1] } else { [side + 1, side] };
+                let [a, b] = if end == 0 { [side + 1, side] } else { [side, side + 1] };
                 indices.extend([first + ring, first + a, first + b]);
             }
         }
