@@ -12,7 +12,7 @@ use crate::particles::Particles;
 
 /// A rigid body of four particles and six sticks, which touches obstacles with the corners of a convex collision mesh (S30).
 ///
-/// It is built into [`Particles`](crate::particles::Particles) and [`Sticks`](crate::particles::Sticks) in the first step after
+/// It is built into [`Particles`] and [`Sticks`](crate::particles::Sticks) in the first step after
 /// it was inserted or changed, where its [`Transform`] is: the centre of mass is the entity's origin. From then on the plugin
 /// writes the `Transform`; moving it by hand teleports the body, which keeps its velocity. Scale is left alone.
 ///
