@@ -41,6 +41,7 @@ features! {
     fan: "fan.rs",
     flag: "flag.rs",
     folds: "folds.rs",
+    jelly: "jelly.rs",
     layers: "layers.rs",
     presets: "presets.rs",
     ragdoll: "ragdoll.rs",

@@ -26,7 +26,7 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cape, cloth_mesh, crates, curtain_2d, cut, drape, fan, flag, folds, layers,
+    balloon, bridge, cape, cloth_mesh, crates, curtain_2d, cut, drape, fan, flag, folds, jelly, layers,
     presets, ragdoll, soft_ball, tear, trampoline, winch,
 }
 

@@ -28,7 +28,15 @@ impl Plugin for FeatureDressPlugin {
 
 type Bare = (
     Without<MeshMaterial3d<StandardMaterial>>,
-    Or<(With<Cloth>, With<ClothMesh>, With<SoftBall>, With<RopeMesh>)>,
+    Or<(
+        With<Cloth>,
+        With<ClothMesh>,
+        With<SoftBall>,
+        With<RopeMesh>,
+        With<DrivenMesh>,
+        // Those without paint drive others.
+        (With<SoftBody>, With<Paint>),
+    )>,
 );
 
 fn dress_bodies(

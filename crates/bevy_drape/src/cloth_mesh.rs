@@ -5,7 +5,12 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{ClothMaterial, MeshCloth, MeshClothBuilder, MeshRepairs};
 
+use crate::cloth_mesh_skin::ClothSkin;
+use crate::mesh_body::{MeshBody, MeshDescription};
 use crate::mesh_reading::{MeshFault, faces, paint, positions};
+use crate::mesh_source::MeshParts;
+use crate::vertex_map::VertexMap;
+use crate::vertices::Vertices;
 
 /// Makes a cloth of the entity's [`Mesh3d`]: cape, skirt, tent, balloon; from a modelling tool, or made in code.
 ///
@@ -163,6 +168,34 @@ impl ClothMesh {
             }
         }
         Ok(())
+    }
+}
+
+impl MeshDescription for ClothMesh {
+    const NAME: &'static str = "ClothMesh";
+    type Parts = WeldedVertices;
+
+    fn build(
+        &self,
+        mesh: &Mesh,
+        parts: &MeshParts,
+        transform: &GlobalTransform,
+        skin: ClothSkin,
+    ) -> Result<MeshBody<WeldedVertices>, MeshFault> {
+        let rest = skin.rest(transform);
+        let (MeshCloth { particles, topology, particle_of_vertex, repairs }, pose) =
+            skin.build(self, mesh, transform)?;
+        let MeshParts { positions, normals, faces } = parts;
+        let vertices = VertexMap::new(particle_of_vertex, positions, *normals, faces.clone());
+        Ok(MeshBody {
+            particles,
+            topology: topology.into(),
+            rest,
+            pose,
+            parts: WeldedVertices::new(vertices.particles.clone(), repairs),
+            vertices: Vertices::Welded(vertices),
+            repairs: (!repairs.is_empty()).then(|| repairs.to_string()),
+        })
     }
 }
 

@@ -68,6 +68,12 @@ impl ClothSkin {
         self.is_skinned
     }
 
+    /// What takes the mesh to where it rests: where its main joint has it, or its entity, at `transform`.
+    pub fn rest(&self, transform: &GlobalTransform) -> Affine3A {
+        let main = self.matrices.get(self.pose.main).filter(|_| self.is_skinned);
+        main.copied().unwrap_or(transform.affine())
+    }
+
     /// The cloth, at rest as the mesh is, and posed as the joints are; and the pose, if something of the cloth follows it.
     pub fn build(
         mut self,

@@ -73,7 +73,14 @@ pub(crate) fn insert_body(
     let to_local = anchor.inverse();
     let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
     let pins = pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect();
-    let state = BodyState { order, anchor, pins, extent: Extent::of(&particles, &topology), ..default() };
+    let state = BodyState {
+        order,
+        anchor,
+        rest: anchor,
+        pins,
+        extent: Extent::of(&particles, &topology),
+        ..default()
+    };
     commands.entity(entity).insert((Particles(particles), Sticks(topology), Activity::Active, state));
 }
 

@@ -10,12 +10,12 @@ pub mod cloth;
 #[cfg(feature = "mesh")]
 pub mod cloth_mesh;
 #[cfg(feature = "mesh")]
-mod cloth_mesh_build;
-#[cfg(feature = "mesh")]
 mod cloth_mesh_skin;
 pub mod contact_events;
 mod description;
 pub mod diagnostics;
+#[cfg(feature = "mesh")]
+pub mod driven_mesh;
 pub mod dynamic_obstacle;
 pub mod environment;
 pub mod follow_particle;
@@ -32,7 +32,11 @@ pub mod layers;
 #[cfg(feature = "mesh")]
 pub mod mesh;
 #[cfg(feature = "mesh")]
+mod mesh_body;
+#[cfg(feature = "mesh")]
 pub mod mesh_reading;
+#[cfg(feature = "mesh")]
+mod mesh_source;
 pub mod motion_limits;
 pub mod moved_by_frame;
 #[cfg(feature = "mesh")]
@@ -63,8 +67,12 @@ pub mod scene_manager;
 pub mod schedule;
 pub mod settings;
 mod sleepers;
+#[cfg(feature = "mesh")]
+mod smoothing;
 pub mod snapshot;
 pub mod soft_ball;
+#[cfg(feature = "mesh")]
+pub mod soft_body;
 #[cfg(feature = "mesh")]
 mod surface;
 pub mod tear;
@@ -75,6 +83,8 @@ mod transforms;
 mod tube;
 #[cfg(feature = "mesh")]
 mod vertex_map;
+#[cfg(feature = "mesh")]
+mod vertices;
 #[cfg(feature = "mesh")]
 mod visibility;
 mod waking;
@@ -94,6 +104,9 @@ pub mod prelude {
     #[cfg(feature = "mesh")]
     #[doc(inline)]
     pub use crate::cloth_mesh::{ClothMesh, ClothPaint, PaintChannel, WeldedVertices};
+    #[cfg(feature = "mesh")]
+    #[doc(inline)]
+    pub use crate::driven_mesh::DrivenMesh;
     #[cfg(feature = "gizmos")]
     #[doc(inline)]
     pub use crate::gizmos::DrapeGizmos;
@@ -103,6 +116,9 @@ pub mod prelude {
     #[cfg(feature = "mesh")]
     #[doc(inline)]
     pub use crate::rope_mesh::RopeMesh;
+    #[cfg(feature = "mesh")]
+    #[doc(inline)]
+    pub use crate::soft_body::SoftBody;
     #[doc(inline)]
     pub use crate::{
         activity::{Activity, ActivityCounts},

@@ -21,9 +21,12 @@ use bevy::transform::TransformSystems;
 
 use crate::cloth::Cloth;
 use crate::cloth_mesh::{ClothMesh, WeldedVertices};
-use crate::cloth_mesh_build::{build_cloth_meshes, remove_mesh_of_cloth};
 use crate::description::remove_described_body;
+use crate::driven_mesh::{
+    DrivenMesh, build_driven_meshes, hide_driven, record_driven_surfaces, remove_driven_mesh,
+};
 use crate::interpolation::step_fraction;
+use crate::mesh_body::{build_mesh_bodies, remove_mesh_body};
 use crate::particles::{Particles, Sticks};
 use crate::posed::AnimatedPose;
 use crate::projectile::build_projectiles;
@@ -32,6 +35,7 @@ use crate::rig_compile::compile_rigs;
 use crate::rope_mesh::{RopeMesh, RopeSurface, build_rope_meshes, record_ropes, write_ropes};
 use crate::schedule::{DrapeSchedule, DrapeSystems, run_drape_schedule};
 use crate::soft_ball::SoftBall;
+use crate::soft_body::SoftBody;
 use crate::surface::{EntitySpace, Shown, Surface, can_be_written, complete};
 use crate::torn_mesh::tear_meshes;
 use crate::visibility::hide_culled;
@@ -63,14 +67,20 @@ impl Plugin for MeshPlugin {
             FixedPostUpdate.intern(),
             FixedLast.intern(),
         ];
-        app.register_type::<(ClothMesh, WeldedVertices, RopeMesh)>()
+        app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBody, DrivenMesh)>()
             .add_observer(remove_described_body::<ClothMesh>)
-            .add_observer(remove_mesh_of_cloth)
-            .add_observer(forget_removed::<ClothMesh>);
+            .add_observer(remove_described_body::<SoftBody>)
+            .add_observer(remove_mesh_body::<ClothMesh>)
+            .add_observer(remove_mesh_body::<SoftBody>)
+            .add_observer(remove_driven_mesh)
+            .add_observer(forget_removed::<ClothMesh>)
+            .add_observer(forget_removed::<SoftBody>)
+            .add_observer(forget_removed::<DrivenMesh>);
         app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
         app.add_systems(
             DrapeSchedule,
-            build_cloth_meshes
+            (build_mesh_bodies::<ClothMesh>, build_mesh_bodies::<SoftBody>)
+                .chain()
                 .run_if(resource_exists::<Assets<Mesh>>)
                 .in_set(DrapeSystems::ManageScene)
                 .after(build_projectiles)
@@ -79,10 +89,16 @@ impl Plugin for MeshPlugin {
         app.add_systems(
             self.schedule,
             (
-                (tear_meshes, build_surfaces::<Cloth>, build_surfaces::<SoftBall>, build_rope_meshes)
+                (
+                    tear_meshes,
+                    build_surfaces::<Cloth>,
+                    build_surfaces::<SoftBall>,
+                    build_rope_meshes,
+                    build_driven_meshes,
+                )
                     .chain()
                     .run_if(resource_exists::<Assets<Mesh>>),
-                (record_surfaces, record_ropes),
+                (record_surfaces, record_driven_surfaces, record_ropes),
             )
                 .chain()
                 .after(run_drape_schedule)
@@ -96,7 +112,7 @@ impl Plugin for MeshPlugin {
                     .after(TransformSystems::Propagate)
                     .before(AssetEventSystems)
                     .before(VisibilitySystems::CalculateBounds),
-                hide_culled.before(VisibilitySystems::VisibilityPropagate),
+                (hide_culled, hide_driven).chain().before(VisibilitySystems::VisibilityPropagate),
             ),
         );
     }
@@ -202,9 +218,10 @@ fn record_surfaces(mut surfaces: Query<(Ref<Particles>, &mut Surface, Option<&mu
 /// Writes what is to be shown now into the meshes of the cloths that have moved.
 fn write_surfaces(
     mut surfaces: Query<
-        (&mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>, Option<&AnimatedPose>),
-        (With<Particles>, Without<RopeSurface>),
+        (Entity, &mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>, Option<&DrivenMesh>),
+        (Or<(With<Particles>, With<DrivenMesh>)>, Without<RopeSurface>),
     >,
+    poses: Query<&AnimatedPose>,
     mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
     places: Query<&GlobalTransform>,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -213,8 +230,9 @@ fn write_surfaces(
 ) {
     let fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
     write_ropes(&mut ropes, &mut meshes, fraction);
-    for (mut surface, mesh, transform, aabb, posed) in &mut surfaces {
+    for (entity, mut surface, mesh, transform, aabb, driven) in &mut surfaces {
         let Some(mesh) = handle_of(mesh) else { continue };
+        let posed = poses.get(driven.map_or(entity, |driven| driven.driver)).ok();
         let ahead = posed.and_then(|posed| posed.ahead(fraction, |joint| places.get(joint).ok()));
         // Shown from where the character was in the steps that are shown, a cloth is where the character is now.
         let from = ahead.map(|ahead| GlobalTransform::from(ahead.inverse() * transform.affine()));

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::cloth_mesh::PaintChannel;
 
-/// Why no cloth can be made from a mesh.
+/// Why nothing can be made from a mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum MeshFault {
@@ -43,7 +43,13 @@ pub enum MeshFault {
     /// What is painted is no number between vertices, or there are too few.
     #[error("its attribute “{0}” is not a number, or some numbers, for each vertex")]
     NoNumbers(String),
-    /// The triangles make no cloth, or a field of the component is out of range.
+    /// A soft solid has a skin.
+    #[error("it goes with the joints of a skin, which a solid cannot: take off its `SkinnedMesh`")]
+    SkinnedSolid,
+    /// What a mesh should be bound to has no triangles.
+    #[error("its driver {0} has no triangles to hang it on")]
+    NoFacesToDrive(Entity),
+    /// The triangles make no cloth or solid, or a field of the component is out of range.
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }

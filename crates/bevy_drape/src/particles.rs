@@ -38,6 +38,8 @@ pub(crate) struct BodyState {
     pub context: BodyContext,
     /// The transform that pins are attached to, as it was when they were last brought there.
     pub anchor: Affine3A,
+    /// What took the entity's own coordinates to where its particles rest, when the body was built.
+    pub rest: Affine3A,
     /// Places of the pinned particles in the entity's own coordinates.
     pub pins: Vec<(u32, Vec3)>,
     /// Where the particles are and how fast, as of the last step or edit.

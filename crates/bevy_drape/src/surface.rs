@@ -12,6 +12,7 @@ use crate::cloth::Cloth;
 use crate::normals::write_smooth_normals;
 use crate::soft_ball::SoftBall;
 use crate::vertex_map::VertexMap;
+use crate::vertices::Vertices;
 
 /// Where the particles were after one step.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,10 +62,11 @@ pub(crate) struct Surface {
     pub layout: [u32; 2],
     /// The mesh that is written.
     pub mesh: AssetId<Mesh>,
-    /// How vertices hang on particles; none where each vertex is a particle, in their order.
-    vertices: Option<VertexMap>,
+    vertices: Vertices,
     previous: Snapshot,
     current: Snapshot,
+    /// The particles as they are shown, where vertices are embedded: kept, so that nothing is allocated for each picture.
+    between: Vec<Vec3>,
     /// Whether the body did not move in the last step, so that there is nothing between its two states.
     is_settled: bool,
     /// Fraction and entity's place that the mesh was last written for; none if a step was taken since.
@@ -79,9 +81,10 @@ impl Surface {
             topology: Arc::clone(topology),
             layout,
             mesh: AssetId::default(),
-            vertices: None,
+            vertices: Vertices::Particles,
             previous: current.clone(),
             current,
+            between: Vec::new(),
             is_settled: true,
             shown: None,
         }
@@ -91,14 +94,17 @@ impl Surface {
     pub fn of_mesh(
         particles: &drape_solver::Particles,
         topology: &Arc<Topology>,
-        vertices: VertexMap,
+        vertices: Vertices,
     ) -> Self {
-        Self { vertices: Some(vertices), ..Self::new(particles, topology, [0, 0]) }
+        Self { vertices, ..Self::new(particles, topology, [0, 0]) }
     }
 
-    /// How vertices hang on particles, of a mesh with vertices of its own.
-    pub fn vertices(&self) -> Option<&VertexMap> {
-        self.vertices.as_ref()
+    /// How vertices hang on particles, where they are welded.
+    pub fn welded(&self) -> Option<&VertexMap> {
+        match &self.vertices {
+            Vertices::Welded(map) => Some(map),
+            Vertices::Particles | Vertices::Embedded(_) => None,
+        }
     }
 
     /// The surface of what has these particles of the body since the last step, and these vertices of its own if the body
@@ -111,7 +117,7 @@ impl Surface {
     ) -> Option<Self> {
         Some(Self {
             topology: Arc::clone(topology),
-            vertices,
+            vertices: vertices.map_or(Vertices::Particles, Vertices::Welded),
             previous: self.previous.torn(origins)?,
             current: self.current.torn(origins)?,
             shown: None,
@@ -148,7 +154,7 @@ impl Surface {
     /// step; none if the mesh has not the right attributes.
     pub fn write(&mut self, mesh: &mut Mesh, space: &EntitySpace, fraction: f32) -> Option<Aabb> {
         let (positions, normals) = position_and_normal(mesh)?;
-        let count = self.vertices.as_ref().map_or(self.current.positions.len(), VertexMap::len);
+        let count = self.vertices.count(self.current.positions.len());
         if positions.len() != count || normals.len() != count {
             return None;
         }
@@ -162,26 +168,43 @@ impl Surface {
             space.direction(a + (b - a) * fraction).to_array()
         };
         let after = |b: &Vec3| space.direction(to + *b).to_array();
+        self.shown = Some((fraction, space.to_world));
         match &self.vertices {
-            None if fraction < 1.0 => {
-                positions.iter_mut().zip(ends).for_each(|(vertex, ends)| *vertex = between(ends));
+            Vertices::Particles => {
+                if fraction < 1.0 {
+                    positions.iter_mut().zip(ends).for_each(|(vertex, ends)| *vertex = between(ends));
+                } else {
+                    positions.iter_mut().zip(&current.positions).for_each(|(vertex, b)| *vertex = after(b));
+                }
+                write_smooth_normals(positions, self.topology.faces(), space.orientation, normals);
             }
-            None => {
-                positions.iter_mut().zip(&current.positions).for_each(|(vertex, b)| *vertex = after(b));
-            }
-            Some(vertices) => {
+            Vertices::Welded(vertices) => {
                 for (vertex, particle) in positions.iter_mut().zip(&*vertices.particles) {
                     let Some(i) = particle.map(|particle| particle as usize) else { continue };
                     let ends = (&previous.positions[i], &current.positions[i]);
                     *vertex = if fraction < 1.0 { between(ends) } else { after(ends.1) };
                 }
+                vertices.groups().write_normals(positions, normals);
+            }
+            Vertices::Embedded(vertices) => {
+                // Each particle carries several vertices. In the world's directions, in which offsets are at right angles to triangles.
+                self.between.clear();
+                self.between.extend(ends.map(|(&a, &b)| {
+                    let (a, b) = (from + a, to + b);
+                    if fraction < 1.0 { a + (b - a) * fraction } else { b }
+                }));
+                let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+                let places = vertices.embedding.places(|i| self.between[i]);
+                for (vertex, place) in positions.iter_mut().zip(places) {
+                    let place = space.direction(place);
+                    (low, high) = (low.min(place), high.max(place));
+                    *vertex = place.to_array();
+                }
+                vertices.groups.write_normals(positions, normals);
+                // Vertices may be outside of what carries them.
+                return Some(Aabb::from_min_max(low, high));
             }
         }
-        match &self.vertices {
-            None => write_smooth_normals(positions, self.topology.faces(), space.orientation, normals),
-            Some(vertices) => vertices.write_normals(positions, normals),
-        }
-        self.shown = Some((fraction, space.to_world));
         let (mut low, mut high) = (to + current.low, to + current.high);
         if fraction < 1.0 {
             (low, high) = (low.min(from + previous.low), high.max(from + previous.high));

@@ -38,7 +38,7 @@ use crate::rope::Rope;
 use crate::scene_manager::{grown, overlap};
 use crate::soft_ball::SoftBall;
 
-/// Lets a body tear. Rigs, whose particles are entities, do not.
+/// Lets a body tear. Rigs, whose particles are entities, do not; solids are refused.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -155,6 +155,10 @@ pub struct BodySplit {
     pub time: f64,
 }
 
+/// On a body that neither tears nor is cut.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub(crate) struct Untearable;
+
 /// How the vertices of a torn body's mesh follow from those of the mesh that it had. Taken off once the mesh is made.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct TornMesh {
@@ -168,7 +172,7 @@ type TornQuery<'w, 's> = Query<
     'w,
     's,
     (Entity, &'static mut Particles, &'static mut Sticks, &'static mut BodyState, Option<&'static Tearable>),
-    Without<Rig>,
+    (Without<Rig>, Without<Untearable>),
 >;
 
 /// What tears are told to, and what pieces are made with.
@@ -219,10 +223,16 @@ pub(crate) fn tear_bodies(
     // Apart from the bodies, so that only what may tear is looked at.
     tearable: Query<(Entity, Ref<Tearable>, &Activity), Without<Rig>>,
     clock: Res<DrapeClock>,
+    whole: Query<(Entity, Ref<Tearable>), With<Untearable>>,
     mut tearing: Tearing,
     mut awake: Local<Vec<(u64, Entity, TearLimits)>>,
 ) {
     awake.clear();
+    for (entity, tearable) in &whole {
+        if tearable.is_changed() {
+            tearing.refusals.entity(entity, "Tearable", "solids do not tear");
+        }
+    }
     for (entity, tearable, activity) in &tearable {
         let Ok((_, _, _, state, _)) = bodies.get(entity) else { continue };
         let Tearable { strain, most_at_once, .. } = *tearable;
@@ -319,6 +329,7 @@ impl Tearing<'_, '_> {
         let state = BodyState {
             order: self.order.next(),
             anchor: state.anchor,
+            rest: state.rest,
             pins: pins_after(state, origins),
             extent: Extent::of(&piece.particles, &piece.topology),
             settings: state.settings,
@@ -335,7 +346,7 @@ impl Tearing<'_, '_> {
             #[cfg(feature = "mesh")]
             cloner.deny::<(
                 crate::cloth_mesh::ClothMesh,
-                crate::cloth_mesh_build::MeshOfCloth,
+                crate::mesh_source::MeshSource,
                 crate::cloth_mesh::WeldedVertices,
                 crate::surface::Surface,
                 crate::rope_mesh::RopeSurface,

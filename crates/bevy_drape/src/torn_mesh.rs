@@ -25,7 +25,7 @@ pub(crate) fn tear_meshes(
         if origins.len() != particles.len() {
             continue;
         }
-        let vertices = surface.vertices().map(|vertices| vertices.torn(origins, &sticks.0));
+        let vertices = surface.welded().map(|vertices| vertices.torn(origins, &sticks.0));
         let (from, faces) = match &vertices {
             Some(vertices) => (vertices.origins.as_slice(), vertices.map.triangles()),
             None => (origins.as_slice(), sticks.faces()),
@@ -48,7 +48,7 @@ pub(crate) fn tear_meshes(
             None => meshes.add(mesh),
         };
         surface.mesh = handle.id();
-        if let Some(vertices) = surface.vertices() {
+        if let Some(vertices) = surface.welded() {
             commands.entity(entity).insert(WeldedVertices::torn(vertices.particles.clone()));
         }
         let mut entity = commands.entity(entity);

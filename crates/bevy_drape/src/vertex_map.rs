@@ -3,28 +3,19 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use bevy::math::Vec3;
 use drape_solver::Topology;
 
-use crate::normals::write_smooth_normals;
+use crate::smoothing::SmoothingGroups;
 
-/// Normals that differ by less than this, in radians, are one: the mesh is smooth there.
-const CREASE: f32 = 1e-2;
-
-/// How the vertices of a mesh hang on particles.
-///
-/// Several vertices may be one particle. Where their normals were the same they stay so, and where they were not, as along the edge of a
-/// box, they stay apart: each is smooth over its own triangles.
+/// How the vertices of a mesh hang on particles. Several vertices may be one particle.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct VertexMap {
     /// The particle of each vertex; one that has none stays where it is.
     pub particles: Arc<[Option<u32>]>,
     /// The triangles of the mesh whose corners have particles.
     triangles: Vec<[u32; 3]>,
-    /// The first vertex of the same particle with the same normal.
-    first: Vec<u32>,
-    /// The triangles again, of such vertices, turned as the normals of the mesh have it.
-    faces: Vec<[u32; 3]>,
+    /// Which of the vertices of a particle share a normal.
+    groups: SmoothingGroups,
 }
 
 /// What is left of a mesh's vertices in a piece of what it was.
@@ -42,30 +33,9 @@ impl VertexMap {
         normals: Option<&[[f32; 3]]>,
         mut triangles: Vec<[u32; 3]>,
     ) -> Self {
-        let normal = |vertex: u32| normals.and_then(|n| n.get(vertex as usize)).map(|&n| Vec3::from_array(n));
-        let is_smooth = |a: u32, b: u32| match (normal(a), normal(b)) {
-            (Some(a), Some(b)) => a.angle_between(b) < CREASE,
-            _ => true,
-        };
-        let mut firsts: HashMap<u32, Vec<u32>> = HashMap::new();
-        let first = (0..).zip(&particles).map(|(vertex, &particle)| {
-            let Some(particle) = particle else { return vertex };
-            let known = firsts.entry(particle).or_default();
-            known.iter().copied().find(|&other| is_smooth(other, vertex)).unwrap_or_else(|| {
-                known.push(vertex);
-                vertex
-            })
-        });
-        let first: Vec<u32> = first.collect();
         triangles.retain(|triangle| triangle.iter().all(|&corner| particles[corner as usize].is_some()));
-        let face = |&triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|corner| Vec3::from_array(positions[corner as usize]));
-            let said: Vec3 = triangle.iter().filter_map(|&corner| normal(corner)).sum();
-            let [p, q, r] = triangle.map(|corner| first[corner as usize]);
-            if (b - a).cross(c - a).dot(said) < 0.0 { [p, r, q] } else { [p, q, r] }
-        };
-        let faces = triangles.iter().map(face).collect();
-        Self { particles: particles.into(), triangles, first, faces }
+        let groups = SmoothingGroups::new(particles.iter().copied(), positions, normals, &triangles);
+        Self { particles: particles.into(), triangles, groups }
     }
 
     /// The vertices of a piece, whose particles were `origins` and whose faces those of `topology` are. A vertex whose
@@ -84,7 +54,7 @@ impl VertexMap {
             .collect();
         let (mut vertices, mut firsts) = (Numbers::default(), Numbers::default());
         let (mut triangles, mut faces) = (Vec::new(), Vec::new());
-        for (triangle, face) in self.triangles.iter().zip(&self.faces) {
+        for (triangle, face) in self.triangles.iter().zip(&self.groups.faces) {
             let Some(mut was) = self.corners(triangle) else { continue };
             was.sort_unstable();
             let Some(is) = left.get(&was) else { continue };
@@ -100,7 +70,7 @@ impl VertexMap {
         let first: Vec<u32> = vertices
             .known
             .iter()
-            .map(|&(vertex, particle)| firsts.number((self.first[vertex as usize], particle)))
+            .map(|&(vertex, particle)| firsts.number((self.groups.first[vertex as usize], particle)))
             .collect();
         let mut leaders = vec![u32::MAX; firsts.known.len()];
         for (vertex, &group) in (0..).zip(&first) {
@@ -109,11 +79,11 @@ impl VertexMap {
         }
         let leader = |group: u32| leaders[group as usize];
         let faces = faces.into_iter().map(|face| face.map(|corner| leader(firsts.number(corner)))).collect();
+        let groups = SmoothingGroups { first: first.into_iter().map(leader).collect(), faces };
         let map = Self {
             particles: vertices.known.iter().map(|&(_, particle)| Some(particle)).collect(),
             triangles,
-            first: first.into_iter().map(leader).collect(),
-            faces,
+            groups,
         };
         TornVertices { map, origins: vertices.known.iter().map(|&(vertex, _)| vertex).collect() }
     }
@@ -128,17 +98,9 @@ impl VertexMap {
         &self.triangles
     }
 
-    /// The number of vertices.
-    pub fn len(&self) -> usize {
-        self.particles.len()
-    }
-
-    /// Writes the normals of vertices at `positions`.
-    pub fn write_normals(&self, positions: &[[f32; 3]], normals: &mut [[f32; 3]]) {
-        write_smooth_normals(positions, &self.faces, 1.0, normals);
-        for (vertex, &first) in self.first.iter().enumerate() {
-            normals[vertex] = normals[first as usize];
-        }
+    /// Which vertices share a normal.
+    pub fn groups(&self) -> &SmoothingGroups {
+        &self.groups
     }
 }
 

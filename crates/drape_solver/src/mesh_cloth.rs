@@ -5,9 +5,10 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::cloth::{ClothMaterial, MAX_PARTICLES};
+use crate::cloth::ClothMaterial;
 use crate::constants::MAX_MAGNITUDE;
 use crate::error::{BuildError, in_range, positive};
+use crate::mesh_check::{WELD_FRACTION, extent, used_vertices, welded};
 use crate::mesh_error::{MeshError, MeshRepairs};
 use crate::mesh_surface::{MeshSurface, double_area};
 use crate::particles::Particles;
@@ -15,12 +16,6 @@ use crate::settings::SolverSettings;
 use crate::tether::Tethers;
 use crate::topology::{StickKind, StickMaterial, Topology};
 use crate::topology_builder::TopologyBuilder;
-use crate::weld::weld;
-
-/// The least length of a mesh in metres. Smaller ones are in another unit.
-const LEAST_EXTENT: f32 = 1e-4;
-/// Vertices that are nearer than this part of the mesh's length are one particle, unless a distance was given.
-const WELD_FRACTION: f32 = 1e-5;
 
 /// A cloth of the triangles of any mesh.
 ///
@@ -95,12 +90,9 @@ impl MeshClothBuilder {
     /// [`MeshError`] naming what cannot be built.
     pub fn build_parts(self) -> Result<MeshCloth, MeshError> {
         let used = self.validate()?;
-        let extent = self.extent(&used)?;
+        let extent = extent(&self.positions, &used)?;
         let distance = self.weld_distance.unwrap_or(extent * WELD_FRACTION);
-        let mut welded = vec![0; self.positions.len()];
-        for (&vertex, first) in used.iter().zip(weld(&self.positions, &used, distance)) {
-            welded[vertex as usize] = first;
-        }
+        let welded = welded(&self.positions, &used, distance);
         let faces = self.faces.iter().map(|face| face.map(|corner| welded[corner as usize]));
         let mut surface = MeshSurface::new(&self.positions, faces);
         if surface.faces.is_empty() {
@@ -144,48 +136,11 @@ impl MeshClothBuilder {
         if let Some(distance) = self.weld_distance {
             in_range("weld_distance", distance, 0.0, MAX_MAGNITUDE)?;
         }
-        if count == 0 {
-            return Err(MeshError::NoVertices);
-        }
-        if self.faces.is_empty() {
-            return Err(MeshError::NoFaces { vertices: count });
-        }
-        if count as u64 > MAX_PARTICLES {
-            return Err(BuildError::TooManyParticles { found: count as u64, limit: MAX_PARTICLES }.into());
-        }
+        let used = used_vertices(&self.positions, &self.faces)?;
         if let Some(&index) = self.pins.iter().find(|&&pin| pin as usize >= count) {
             return Err(BuildError::NoSuchParticle { what: "a pin", index, count: count as u32 }.into());
         }
-        let mut used = Vec::new();
-        let mut is_used = vec![false; count];
-        for (face, &vertex) in
-            self.faces.iter().enumerate().flat_map(|(i, face)| face.iter().map(move |v| (i, v)))
-        {
-            let Some(&position) = self.positions.get(vertex as usize) else {
-                return Err(MeshError::NoSuchVertex { face, vertex, count });
-            };
-            // False for what is no number.
-            if !(position.abs().max_element() <= MAX_MAGNITUDE && position.is_finite()) {
-                return Err(MeshError::NotFinite { vertex, position });
-            }
-            if !core::mem::replace(&mut is_used[vertex as usize], true) {
-                used.push(vertex);
-            }
-        }
         Ok(used)
-    }
-
-    /// The longest side of the box around the `used` vertices.
-    fn extent(&self, used: &[u32]) -> Result<f32, MeshError> {
-        let positions = || used.iter().map(|&vertex| self.positions[vertex as usize]);
-        let low = positions().fold(Vec3::INFINITY, Vec3::min);
-        let high = positions().fold(Vec3::NEG_INFINITY, Vec3::max);
-        let extent = (high - low).max_element();
-        if extent < LEAST_EXTENT {
-            Err(MeshError::TooSmall { extent, least: LEAST_EXTENT })
-        } else {
-            Ok(extent)
-        }
     }
 
     fn particles_of_vertices(&self, used: &[u32], welded: &[u32], numbering: &Numbering) -> Vec<Option<u32>> {

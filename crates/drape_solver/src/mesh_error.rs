@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::error::BuildError;
 
-/// Why no cloth can be made from a mesh.
+/// Why no cloth or solid can be made from a mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -53,6 +53,30 @@ pub enum MeshError {
     NoArea {
         /// The number of its triangles.
         faces: usize,
+    },
+    /// A solid was to be made of a mesh with a hole.
+    #[error("the mesh is not closed, as a solid must be: {edges} of its edges are not between two triangles")]
+    NotClosed {
+        /// The number of edges at holes.
+        edges: usize,
+    },
+    /// A solid would have too many cells.
+    #[error(
+        "cells of {spacing} m are too small for the mesh: {cells:.0} of them along an axis, of which there may be {most}"
+    )]
+    TooManyCells {
+        /// The greatest width of a cell in metres.
+        spacing: f32,
+        /// The number of cells along an axis.
+        cells: f32,
+        /// The greatest number allowed.
+        most: u32,
+    },
+    /// A solid would have no cells.
+    #[error("no cell of at most {spacing} m has its middle inside the mesh: take a smaller spacing")]
+    NoCells {
+        /// The greatest width of a cell in metres.
+        spacing: f32,
     },
     /// A number is out of range, or a pin is no vertex.
     #[error(transparent)]

@@ -17,6 +17,8 @@ pub(crate) struct MeshSurface {
     pub edges: Vec<[u32; 2]>,
     /// Corners that face each other across an edge of two triangles, where no edge joins them.
     pub bends: Vec<[u32; 2]>,
+    /// Triangles without an area, as they were.
+    pub lines: Vec<[u32; 3]>,
     pub repairs: MeshRepairs,
 }
 
@@ -41,12 +43,21 @@ impl MeshSurface {
                 repairs.repeated_faces += 1;
             }
         }
-        let mut surface = Self { faces: kept, edges: Vec::new(), bends: Vec::new(), repairs };
+        let mut surface = Self { faces: kept, edges: Vec::new(), bends: Vec::new(), lines, repairs };
         let joints = surface.join();
         surface.turn(&joints);
         surface.repairs.bow_ties = surface.bow_ties(&joints);
-        surface.join_lines(&lines);
+        surface.join_lines();
         surface
+    }
+
+    /// The number of edges that an odd number of triangles is at: those around holes.
+    pub fn open_edges(&self) -> usize {
+        let faces = self.faces.iter().chain(&self.lines).copied();
+        let edges = faces.flat_map(sides).filter(|[from, to]| from != to).map(unordered);
+        let mut edges: Vec<[u32; 2]> = edges.collect();
+        edges.sort_unstable();
+        edges.chunk_by(|a, b| a == b).filter(|same| same.len() % 2 == 1).count()
     }
 
     /// Lists edges and bends. Returns the triangles at each edge, in the order of edges.
@@ -154,11 +165,11 @@ impl MeshSurface {
 
     /// Adds the edges of triangles without an area, where they join vertices of the others: what lies on both sides of such
     /// a line holds together by it.
-    fn join_lines(&mut self, lines: &[[u32; 3]]) {
+    fn join_lines(&mut self) {
         let corners: HashSet<u32> = self.faces.iter().flatten().copied().collect();
         let mut joined: HashSet<[u32; 2]> =
             self.edges.iter().chain(&self.bends).map(|&ends| unordered(ends)).collect();
-        for [from, to] in lines.iter().copied().flat_map(sides) {
+        for [from, to] in self.lines.iter().copied().flat_map(sides) {
             if from != to
                 && corners.contains(&from)
                 && corners.contains(&to)

@@ -40,8 +40,8 @@ impl PartialEq for RestVolume {
 }
 
 impl Topology {
-    /// The volume inside the faces at rest in cubic metres; none if they are not closed. They are where each edge has two
-    /// faces, one each way.
+    /// The volume inside the faces at rest in cubic metres; none if they are not closed. They are where each edge has as
+    /// many faces one way as the other.
     pub fn rest_volume(&self) -> Option<f64> {
         *self.rest_volume.0.get_or_init(|| {
             let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
@@ -49,8 +49,7 @@ impl Topology {
             let mut back: Vec<[u32; 2]> = there.iter().map(|&[a, b]| [b, a]).collect();
             there.sort_unstable();
             back.sort_unstable();
-            let is_closed =
-                !there.is_empty() && there == back && there.windows(2).all(|two| two[0] != two[1]);
+            let is_closed = !there.is_empty() && there == back;
             is_closed.then(|| sum(self, |corner| self.rest[corner as usize].as_dvec3()))
         })
     }

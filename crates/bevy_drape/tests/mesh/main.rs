@@ -1,12 +1,14 @@
 //! What is shown: the meshes of cloths, interpolated transforms, gizmos; without a window or a GPU.
 
 mod cloth_mesh;
+mod driven_mesh;
 mod gizmos;
 mod interpolation;
 mod normals;
 mod ownership;
 mod ropes;
 mod schedules;
+mod soft_body;
 mod torn;
 mod vertices;
 mod writes;
