@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!         .---o---.        vertices of the detailed mesh hang on the nearest triangle
-//!     o--'    |    '--o    at rest: so much of each of its corners, so far off its plane
+//!     o--'    |    '--o    at rest: so much of each of its corners, so far off it
 //!    *--------+--------*   particles of the body
 //! ```
 
@@ -26,7 +26,9 @@ use crate::visibility::HiddenByCulling;
 /// Has the entity's [`Mesh3d`] follow the body of another entity: a detailed jacket that goes with a coarse cloth, a bunny of
 /// many triangles on a jelly of few cells.
 ///
-/// Each vertex hangs on the nearest triangle of the body at rest, and stays as far off its plane as it was; on a
+/// Each vertex hangs on the nearest triangle of the body at rest, and stays as far off as it was, along the normal; where the body is bent, its
+/// triangles count as round, so that the mesh shows no creases. Where that is folded sharply it so leaves the flat triangles, by less
+/// than half of their sides. On a
 /// [`SoftBody`](crate::soft_body::SoftBody) it goes with the cell that it is in. Where the mesh lies on the body is told by the
 /// [`Transform`]s of the two entities: place it as it fits the body as that was made. Once it is bound, vertices are
 /// written to where the body has them, wherever the entity is. Texture coordinates and indices stay the mesh's own, and so does the mesh: a

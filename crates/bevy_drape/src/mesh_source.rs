@@ -34,6 +34,7 @@ pub(crate) struct ChangedMeshes<'w, 's, D: Component> {
     made: Query<'w, 's, (Entity, &'static MeshSource), With<D>>,
     changes: MessageReader<'w, 's, AssetEvent<Mesh>>,
     swapped: Local<'s, Vec<Entity>>,
+    modified: Local<'s, Vec<AssetId<Mesh>>>,
 }
 
 impl<D: Component> ChangedMeshes<'_, '_, D> {
@@ -46,11 +47,16 @@ impl<D: Component> ChangedMeshes<'_, '_, D> {
             let shown = self.made.get(entity).ok().and_then(|(_, mesh)| mesh.shown);
             self.given.get(entity).is_ok_and(|(_, mesh)| Some(mesh.id()) != shown)
         }));
-        for change in self.changes.read() {
-            if let AssetEvent::Modified { id } = change {
-                let made = self.made.iter().filter(|(_, mesh)| mesh.source.id() == *id);
-                found.extend(made.map(|(entity, _)| entity));
-            }
+        // Most of these are the copies, which are written each frame.
+        self.modified.clear();
+        self.modified.extend(self.changes.read().filter_map(|change| match change {
+            AssetEvent::Modified { id } => Some(*id),
+            _ => None,
+        }));
+        self.modified.sort_unstable();
+        if !self.modified.is_empty() {
+            let is_modified = |mesh: &MeshSource| self.modified.binary_search(&mesh.source.id()).is_ok();
+            found.extend(self.made.iter().filter(|(_, mesh)| is_modified(mesh)).map(|(entity, _)| entity));
         }
     }
 }

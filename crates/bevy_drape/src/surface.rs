@@ -67,6 +67,8 @@ pub(crate) struct Surface {
     current: Snapshot,
     /// The particles as they are shown, where vertices are embedded: kept, so that nothing is allocated for each picture.
     between: Vec<Vec3>,
+    /// Their normals, likewise.
+    normals: Vec<Vec3>,
     /// Whether the body did not move in the last step, so that there is nothing between its two states.
     is_settled: bool,
     /// Fraction and entity's place that the mesh was last written for; none if a step was taken since.
@@ -85,6 +87,7 @@ impl Surface {
             previous: current.clone(),
             current,
             between: Vec::new(),
+            normals: Vec::new(),
             is_settled: true,
             shown: None,
         }
@@ -194,7 +197,8 @@ impl Surface {
                     if fraction < 1.0 { a + (b - a) * fraction } else { b }
                 }));
                 let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-                let places = vertices.embedding.places(|i| self.between[i]);
+                vertices.embedding.write_normals(&self.topology, |i| self.between[i], &mut self.normals);
+                let places = vertices.embedding.places(|i| self.between[i], &self.normals);
                 for (vertex, place) in positions.iter_mut().zip(places) {
                     let place = space.direction(place);
                     (low, high) = (low.min(place), high.max(place));

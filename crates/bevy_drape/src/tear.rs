@@ -223,13 +223,13 @@ pub(crate) fn tear_bodies(
     // Apart from the bodies, so that only what may tear is looked at.
     tearable: Query<(Entity, Ref<Tearable>, &Activity), Without<Rig>>,
     clock: Res<DrapeClock>,
-    whole: Query<(Entity, Ref<Tearable>), With<Untearable>>,
+    whole: Query<(Entity, Ref<Tearable>, Ref<Untearable>)>,
     mut tearing: Tearing,
     mut awake: Local<Vec<(u64, Entity, TearLimits)>>,
 ) {
     awake.clear();
-    for (entity, tearable) in &whole {
-        if tearable.is_changed() {
+    for (entity, tearable, untearable) in &whole {
+        if tearable.is_changed() || untearable.is_added() {
             tearing.refusals.entity(entity, "Tearable", "solids do not tear");
         }
     }

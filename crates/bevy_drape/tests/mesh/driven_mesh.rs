@@ -114,11 +114,13 @@ impl ClosestPoint for Triangle3d {
     }
 }
 
-/// On a cloth that swings, a mesh that lay on it does so still, and one that was 2 cm off it is no farther off.
+/// On a cloth that swings and folds, a mesh is as far off as it was, but for the rounding of triangles: less than a quarter of their
+/// sides of 12.5 cm.
 #[test]
 fn it_stays_as_far_off_the_cloth_as_it_was() {
     for off in [0.0, 0.02] {
         let mut app = app();
+        app.insert_resource(Wind { velocity: Vec3::new(1.0, 0.5, 6.0), ..default() });
         let driver = app.world_mut().spawn(swinging()).id();
         let driven = drive(&mut app, driver, sheet(off));
         start(&mut app);
@@ -128,18 +130,20 @@ fn it_stays_as_far_off_the_cloth_as_it_was() {
             faces.iter().map(|face| face.map(|corner| corners[corner as usize])).collect::<Vec<_>>()
         };
         let faces = app.world().get::<Sticks>(driver).expect("built").faces().to_vec();
-        let mut farthest_off = 0.0_f32;
+        let (mut farthest_off, mut deep) = (0.0_f32, 0.0_f32);
         for _ in 0..10 {
             (0..9).for_each(|_| frame(&mut app, 1.0));
             frame(&mut app, 1.5);
             let triangles = triangles(&app, &faces);
+            deep = vertices(&app, driver).iter().map(|vertex| vertex.z).fold(deep, f32::max);
             for vertex in vertices(&app, driven) {
                 let nearest = triangles.iter().map(|&corners| distance(vertex, corners)).fold(1.0, f32::min);
                 farthest_off = farthest_off.max(nearest);
             }
         }
+        assert!(deep > 0.1, "the wind blows it out of its plane");
         println!("a mesh that was {off} m off is up to {farthest_off} m off");
-        assert!(farthest_off < off + 1e-4, "{farthest_off} m off, and was {off} m");
+        assert!(farthest_off < off + 0.25 * 0.125, "{farthest_off} m off, and was {off} m");
         assert!(off == 0.0 || farthest_off > 0.9 * off, "it keeps off");
     }
 }
