@@ -15,6 +15,10 @@ mod cloth_mesh_build;
 mod cloth_mesh_skin;
 pub mod contact_events;
 mod description;
+pub mod detail;
+mod detail_change;
+#[cfg(feature = "mesh")]
+mod detail_mesh;
 pub mod diagnostics;
 pub mod dynamic_obstacle;
 pub mod environment;
@@ -23,6 +27,7 @@ pub mod gestures;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
+mod grid_resampling;
 pub mod hit;
 pub mod interpolation;
 mod island;
@@ -114,6 +119,7 @@ pub mod prelude {
             ContactEvents, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded,
             DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
         },
+        detail::{CurrentDetail, DetailLevel, LevelOfDetail},
         diagnostics::DrapeDiagnosticsPlugin,
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},

@@ -148,6 +148,18 @@ pub(crate) struct Contact<const N: usize> {
     overlap: Overlap,
 }
 
+/// Inverse mass in 1/kg of the distance of two points that are means of corners with these weights; but so much that no corner
+/// moves by more than twice what the points are to move: where the others are pinned, the lever would be a long one.
+pub(crate) fn felt<const N: usize>(weights: [f32; N], inverse_masses: [f32; N]) -> f32 {
+    let (mut sum, mut most) = (0.0, 0.0_f32);
+    for (weight, inverse_mass) in weights.into_iter().zip(inverse_masses) {
+        let share = weight * inverse_mass;
+        sum += weight * share;
+        most = most.max(share.abs());
+    }
+    sum.max(0.5 * most)
+}
+
 /// How two things lie that are nearer than they may be.
 pub(crate) struct Meeting<const N: usize> {
     pub weights: [f32; N],
@@ -189,7 +201,7 @@ impl<const N: usize> Contact<N> {
     pub fn push(&mut self, bodies: &mut [Body], pace: Pace, found: Meeting<N>) {
         let Meeting { weights, normal, depth, outward, at_start } = found;
         let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
-        let total: f32 = weights.iter().zip(masses).map(|(weight, mass)| weight * weight * mass).sum();
+        let total = felt(weights, masses);
         if total == 0.0 {
             return;
         }
@@ -214,13 +226,12 @@ impl<const N: usize> Contact<N> {
         let rough = |corner: Corner| bodies[corner.body as usize].settings.surface_friction();
         let friction = rough(self.corners[0]).with(rough(self.corners[N - 1]));
         let mut slip = Vec3::ZERO;
-        let mut total = 0.0;
         for (corner, weight) in self.corners.into_iter().zip(self.weights) {
             let particles = &bodies[corner.body as usize].particles;
             slip += particles.displacement.get(corner.slot as usize) * weight;
-            total += weight * weight * particles.inverse_mass[corner.slot as usize];
         }
-        let push = friction.slip_taken(slip, self.normal, self.depth) / total;
+        let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
+        let push = friction.slip_taken(slip, self.normal, self.depth) / felt(self.weights, masses);
         for (corner, weight) in self.corners.into_iter().zip(self.weights) {
             let particles = &mut bodies[corner.body as usize].particles;
             let share = -weight * particles.inverse_mass[corner.slot as usize];

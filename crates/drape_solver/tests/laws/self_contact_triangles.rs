@@ -244,3 +244,26 @@ fn a_sheet_lies_on_another_at_the_sum_of_their_thicknesses() {
         law(&format!("distance of two layers in m, {self_contact:?}"), mean, 0.04, tolerance);
     }
 }
+
+/// A sheet that is held everywhere is carried into one that is held by three of its corners, right beside the line between two of
+/// them. The push came on the fourth alone, at a lever of fifty: it flew off at thousands of metres a second.
+#[test]
+fn a_push_beside_pinned_corners_does_not_throw_the_free_one() {
+    let sheet = |at: Vec3| ClothBuilder::new(1.0, 1.0, 2, 2).placed(at, Vec3::X, Vec3::Z);
+    let held = sheet(Vec3::ZERO).pin_where(|column, row, _| column + row < 2).build(settings(0.005));
+    let carried = sheet(Vec3::new(-0.48, 0.05, -0.46)).pin_where(|_, _, _| true).build(settings(0.005));
+    let mut island =
+        Island { bodies: [held, carried].map(|body| body.expect("valid")).into(), ..Island::default() };
+    let mut fastest = 0.0_f32;
+    for _ in 0..30 {
+        let carried = &mut island.bodies[1].particles;
+        for pin in 0..4 {
+            carried.set_pin_target(pin, carried.position(pin) - Vec3::Y * FRAME);
+        }
+        run(&mut island, &weightless(FRAME), FRAME);
+        fastest = island.bodies[0].particles.velocities().map(Vec3::length).fold(fastest, f32::max);
+    }
+    println!("at most {fastest} m/s");
+    assert!(fastest > 0.1, "it is pushed: {fastest} m/s");
+    assert!(fastest < 10.0, "{fastest} m/s");
+}
