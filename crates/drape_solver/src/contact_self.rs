@@ -14,6 +14,7 @@ use crate::contact_particle_particle::ParticlePairs;
 use crate::contact_triangle_triangle::TrianglePairs;
 pub(crate) use crate::contact_triangle_triangle::hit_substeps;
 use crate::island::{Island, IslandContext};
+use crate::lever::felt;
 use crate::overlap::{Overlap, Pace};
 use crate::relative_motion::RelativeMotion;
 use crate::settings::SelfContact;
@@ -146,18 +147,6 @@ pub(crate) struct Contact<const N: usize> {
     /// Depth that motion made, summed over the projections, in metres.
     depth: f32,
     overlap: Overlap,
-}
-
-/// Inverse mass in 1/kg of the distance of two points that are means of corners with these weights; but so much that no corner
-/// moves by more than twice what the points are to move: where the others are pinned, the lever would be a long one.
-pub(crate) fn felt<const N: usize>(weights: [f32; N], inverse_masses: [f32; N]) -> f32 {
-    let (mut sum, mut most) = (0.0, 0.0_f32);
-    for (weight, inverse_mass) in weights.into_iter().zip(inverse_masses) {
-        let share = weight * inverse_mass;
-        sum += weight * share;
-        most = most.max(share.abs());
-    }
-    sum.max(0.5 * most)
 }
 
 /// How two things lie that are nearer than they may be.

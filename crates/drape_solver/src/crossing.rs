@@ -17,7 +17,8 @@
 use glam::Vec3;
 
 use crate::body::Body;
-use crate::contact_self::{Corner, felt};
+use crate::contact_self::Corner;
+use crate::lever::felt;
 use crate::surface_tree::Element;
 
 /// An edge of one triangle through the face of another.

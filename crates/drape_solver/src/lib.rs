@@ -45,6 +45,7 @@ pub mod island;
 mod lanes;
 pub mod layers;
 mod layout;
+mod lever;
 mod line;
 mod listed;
 mod lone_chain;
