@@ -98,7 +98,7 @@ pub use plugin::DrapePlugins;
 pub mod prelude {
     #[cfg(feature = "mesh")]
     #[doc(inline)]
-    pub use crate::cloth_mesh::{ClothMesh, ClothPaint, PaintChannel, WeldedVertices};
+    pub use crate::cloth_mesh::{ClothMesh, ClothPaint, ClothWeave, PaintChannel, WeldedVertices};
     #[cfg(feature = "gizmos")]
     #[doc(inline)]
     pub use crate::gizmos::DrapeGizmos;
