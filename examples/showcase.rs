@@ -37,6 +37,7 @@ features! {
     crates: "crates.rs",
     curtain_2d: "curtain_2d.rs",
     cut: "cut.rs",
+    detail: "detail.rs",
     drape: "drape.rs",
     fan: "fan.rs",
     flag: "flag.rs",

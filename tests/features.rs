@@ -1,5 +1,6 @@
 //! Every example of a feature runs without a window: nothing is refused, nothing leaves, nothing flies apart.
 
+use bevy_drape::prelude::CurrentDetail;
 use drape_examples::feature::{Feature, FeatureReport};
 
 #[path = "../examples/showcase.rs"]
@@ -26,7 +27,7 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cape, cloth_mesh, crates, curtain_2d, cut, drape, fan, flag, folds, jelly, layers,
+    balloon, bridge, cape, cloth_mesh, crates, curtain_2d, cut, detail, drape, fan, flag, folds, jelly, layers,
     presets, ragdoll, soft_ball, tear, trampoline, winch,
 }
 
@@ -57,6 +58,17 @@ fn every_example_is_run_here_or_elsewhere() {
 #[test]
 fn a_cut_curtain_is_in_pieces() {
     assert!(run(&showcase::cut::FEATURE).bodies >= 2, "what is cut off is a body of its own");
+}
+
+#[test]
+fn a_street_is_seen_at_every_level_of_detail() {
+    let mut app = showcase::detail::FEATURE.headless_app();
+    (0..30).for_each(|_| app.update());
+    let mut levels: Vec<usize> =
+        app.world_mut().query::<&CurrentDetail>().iter(app.world()).map(CurrentDetail::level).collect();
+    levels.sort_unstable();
+    levels.dedup();
+    assert_eq!(levels, [0, 1, 2, 3]);
 }
 
 #[test]

@@ -22,7 +22,7 @@ pub struct FeatureDressPlugin;
 impl Plugin for FeatureDressPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((OutdoorsPlugin, CordsPlugin))
-            .add_systems(Update, (dress_bodies, dress_obstacles, dress_rigid));
+            .add_systems(Update, (dress_bodies, dress_obstacles, dress_rigid, repaint));
     }
 }
 
@@ -59,6 +59,18 @@ fn dress_bodies(
         });
         let fabric = painted.unwrap_or(wardrobe.fabric.clone());
         commands.entity(entity).insert(MeshMaterial3d(fabric));
+    }
+}
+
+/// What was painted anew.
+fn repaint(
+    bodies: Query<(&Paint, &MeshMaterial3d<StandardMaterial>), Changed<Paint>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    for (&Paint(colour), material) in &bodies {
+        if let Some(mut material) = materials.get_mut(material) {
+            material.base_color = colour;
+        }
     }
 }
 

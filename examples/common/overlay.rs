@@ -115,7 +115,7 @@ fn update_figures(
         ClothView::Strain => state.push("strain"),
         ClothView::Wireframe => state.push("wireframe"),
     }
-    let ActivityCounts { active, resting, culled } = *counts;
+    let ActivityCounts { active, resting, culled, .. } = *counts;
     let cost = times.step.as_secs_f64() * 1e3;
     let text = format!(
         "{aim}\n\

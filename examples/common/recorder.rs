@@ -123,7 +123,7 @@ fn record(
         deflection,
     });
     if recorder.activity.last().is_none_or(|last| time - last.time_s > 1.0 - 0.5 * STEP) {
-        let ActivityCounts { active, resting, culled } = *counts;
+        let ActivityCounts { active, resting, culled, .. } = *counts;
         recorder.activity.push(ActivitySample { time_s: time, active, resting, culled });
     }
 }
@@ -262,6 +262,7 @@ impl ShotRecord {
             ball_final_state: match state {
                 Some(Activity::Active) => "active",
                 Some(Activity::Resting) => "resting",
+                Some(Activity::Frozen) => "frozen",
                 Some(Activity::Culled) | None => "culled",
             },
             collision_ms: self.collision.as_secs_f64() * 1e3,

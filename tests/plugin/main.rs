@@ -19,6 +19,7 @@ mod hits;
 mod isolation;
 mod layered_clothes;
 mod layers;
+mod levels_of_detail;
 mod logging;
 mod operations;
 mod pins;

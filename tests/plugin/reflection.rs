@@ -33,6 +33,8 @@ fn components_and_resources_are_registered() {
     assert_component::<FollowParticle>(&app);
     assert_component::<InRig>(&app);
     assert_component::<Interpolated>(&app);
+    assert_component::<LevelOfDetail>(&app);
+    assert_component::<CurrentDetail>(&app);
     assert_component::<Obstacle>(&app);
     assert_component::<ObstacleReaction>(&app);
     assert_component::<Particle>(&app);
@@ -108,10 +110,10 @@ mod both {
     pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
         full_names! {
             Activity ActivityCounts Attachment BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents
-            ContactFeature CutCloth DefaultSolverSettings DrapeClock DrapeContact DrapeContactCounts
+            ContactFeature CurrentDetail CutCloth DefaultSolverSettings DetailLevel DrapeClock DrapeContact DrapeContactCounts
             DrapeContactEnded DrapeContactHit DrapeContactSettings DrapeContactStarted DrapeDiagnosticsPlugin
             DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems DynamicObstacle FireCannon
-            FollowParticle FollowedParticle Grab Gusts Hand HitTarget InRig Interpolated MotionLimitCounts
+            FollowParticle FollowedParticle Grab Gusts Hand HitTarget InRig Interpolated LevelOfDetail MotionLimitCounts
             MovedByFrame Obstacle ObstacleReaction ObstacleShape Particle Particles PlaneLock Preset Pressure
             Projectile ProjectileState Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope
             SceneManager SelfContact SoftBall SolverSettings Stick StickBound StickKind StickProjection StickTorn
@@ -144,8 +146,16 @@ fn names_in_source() -> Vec<&'static str> {
 #[test]
 fn the_test_above_knows_every_name() {
     /// Those that exist only with some feature.
-    const OPTIONAL: [&str; 7] =
-        ["ClothMesh", "ClothPaint", "Draggable", "DrapeGizmos", "PaintChannel", "RopeMesh", "WeldedVertices"];
+    const OPTIONAL: [&str; 8] = [
+        "ClothMesh",
+        "ClothPaint",
+        "ClothWeave",
+        "Draggable",
+        "DrapeGizmos",
+        "PaintChannel",
+        "RopeMesh",
+        "WeldedVertices",
+    ];
     const TRAITS: [&str; 1] = ["Gestures"];
     for name in names_in_source() {
         let is_known = OPTIONAL.contains(&name)

@@ -23,27 +23,33 @@ fn at_rest(app: &App, rope: Entity) -> f32 {
     rest_length(get::<Rope>(app, rope), get::<Sticks>(app, rope)).expect("whole")
 }
 
+/// Greatest stretch of a rope of 64 particles and 200 g in five seconds, with ten kilograms at its end, which is let go at `end`.
+fn stretch_from(end: Vec3, structural: StructuralSolve) -> f32 {
+    let mut app = app();
+    let settings = SolverSettings { structural, ..default() };
+    let rope = app.world_mut().spawn((Rope::new(Vec3::ZERO, end, 64), settings)).id();
+    step(&mut app, 1);
+    hang(&mut app, rope, 10.0);
+    let mut worst = 0.0_f32;
+    for _ in 0..300 {
+        step(&mut app, 1);
+        worst = worst.max(length(&app, rope) / end.length() - 1.0);
+    }
+    let stretch = measure::stretch(get::<Particles>(&app, rope), get::<Sticks>(&app, rope));
+    println!("{structural:?}, from {end}: {worst:.5} at most, at last {:.5} rms", stretch.rms);
+    worst.max(stretch.rms as f32)
+}
+
 #[test]
 fn a_rope_of_64_with_ten_kilograms_at_its_end_stretches_by_less_than_a_hundredth() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
-        let mut app = app();
-        let settings = SolverSettings { structural, ..default() };
-        let rope = Rope::new(Vec3::ZERO, Vec3::NEG_Y * 2.0, 64);
-        let rope = app.world_mut().spawn((rope, settings)).id();
-        step(&mut app, 1);
-        hang(&mut app, rope, 10.0);
-        let mut worst = 0.0_f32;
-        for _ in 0..300 {
-            step(&mut app, 1);
-            worst = worst.max(length(&app, rope) / 2.0 - 1.0);
-        }
-        let stretch = measure::stretch(get::<Particles>(&app, rope), get::<Sticks>(&app, rope));
-        println!(
-            "{structural:?}: {worst:.5} at most, at rest {:.5} rms, {:.5} max",
-            stretch.rms, stretch.max
-        );
-        assert!(worst < 0.01 && stretch.rms < 0.01, "{structural:?}: {worst}, {stretch:?}");
+        assert!(stretch_from(Vec3::NEG_Y * 2.0, structural) < 0.01);
     }
+    // On a swing from 60 degrees it pulls with twice its weight as it passes below. A sweep of a particle a fifty-thousandth of the
+    // load leaves three hundredths; a chain is solved as one.
+    let aside = Vec3::new(3.0_f32.sqrt(), -1.0, 0.0);
+    assert!(stretch_from(aside, StructuralSolve::Sweeps) < 0.05);
+    assert!(stretch_from(aside, StructuralSolve::Lines) < 0.001);
 }
 
 #[test]

@@ -19,12 +19,20 @@ pub enum Activity {
     /// Left the play area, or fell asleep far from every viewer, or cannot be simulated: neither simulated nor
     /// drawn.
     Culled,
+    /// Too far from every viewer for its motion to be seen ([`LevelOfDetail`](crate::detail::LevelOfDetail)): drawn as it is, but not
+    /// simulated, and touched by nothing. It goes along with its entity.
+    Frozen,
 }
 
 impl Activity {
     /// Whether any of these is [`Active`](Self::Active).
     pub(crate) fn is_any_active(activities: &[Self]) -> bool {
         activities.iter().fold(false, |any, activity| any | (*activity == Self::Active))
+    }
+
+    /// Whether the body goes along with its entity as it is, because nobody simulates it.
+    pub(crate) fn is_carried(self) -> bool {
+        matches!(self, Self::Culled | Self::Frozen)
     }
 }
 
@@ -38,6 +46,8 @@ pub struct ActivityCounts {
     pub resting: usize,
     /// Bodies that are culled.
     pub culled: usize,
+    /// Bodies that stand still as they are far away.
+    pub frozen: usize,
 }
 
 /// Counts what has been built.
@@ -53,6 +63,7 @@ pub(crate) fn count_activity(
         new.active += count(Activity::Active);
         new.resting += count(Activity::Resting);
         new.culled += count(Activity::Culled);
+        new.frozen += count(Activity::Frozen);
     }
     counts.set_if_neq(new);
 }

@@ -174,7 +174,7 @@ pub(crate) fn move_attached(
                 let [from, to] = [before, now].map(|pose| pose.transform_point3(held.local));
                 from.distance(to) <= longest_pull
             };
-            let is_jump = *activity == Activity::Culled || !held().all(is_pull);
+            let is_jump = activity.is_carried() || !held().all(is_pull);
             if is_jump && let (Some(from), Some(to)) = (placement(&before), placement(&now)) {
                 teleport(&mut particles, &mut body, Some(&mut *state), None, (&from, &to));
             }

@@ -101,6 +101,46 @@ impl Cloth {
         self
     }
 
+    /// The same cloth of fewer particles: about one in `coarseness` of each side. It weighs, hangs, stretches and swings as this one
+    /// does: in a row of fewer and heavier particles the same material has softer sticks.
+    pub(crate) fn coarsened(&self, coarseness: u32) -> Self {
+        if coarseness <= 1 {
+            return self.clone();
+        }
+        let fewer = |side: u32| match side {
+            0..=2 => side,
+            _ => ((side - 1 + coarseness / 2) / coarseness).max(1) + 1,
+        };
+        let particles = UVec2::new(fewer(self.particles.x), fewer(self.particles.y));
+        // Compliance goes by the square of the spacing, and damping against it.
+        let ratio = (self.particles.max(UVec2::splat(2)) - 1).as_vec2()
+            / (particles.max(UVec2::splat(2)) - 1).as_vec2();
+        let square = ratio.x * ratio.y;
+        let softer = |stiffness: f32| stiffness / (stiffness + (1.0 - stiffness) * square);
+        let pins = match &self.pins {
+            ClothPins::Indices(indices) => {
+                let place = |i: u32, from: u32, to: u32| (i * (to - 1) + (from - 1) / 2) / (from - 1).max(1);
+                let columns = self.particles.x.max(1);
+                let moved = |&index: &u32| {
+                    let (column, row) = (index % columns, index / columns);
+                    place(row, self.particles.y, particles.y) * particles.x
+                        + place(column, columns, particles.x)
+                };
+                ClothPins::Indices(indices.iter().map(moved).collect())
+            }
+            pins => pins.clone(),
+        };
+        Self {
+            particles,
+            pins,
+            structural_stiffness: softer(self.structural_stiffness),
+            shear_stiffness: softer(self.shear_stiffness),
+            bend_stiffness: softer(self.bend_stiffness),
+            damping: self.damping / square,
+            ..self.clone()
+        }
+    }
+
     /// The particles and topology of this cloth at `transform`.
     ///
     /// # Errors

@@ -38,6 +38,8 @@ impl DrapeDiagnosticsPlugin {
     pub const RESTING: DiagnosticPath = DiagnosticPath::const_new("drape/resting");
     /// Bodies and balls that are culled.
     pub const CULLED: DiagnosticPath = DiagnosticPath::const_new("drape/culled");
+    /// Bodies that stand still as they are far away.
+    pub const FROZEN: DiagnosticPath = DiagnosticPath::const_new("drape/frozen");
     /// Particles of all bodies.
     pub const PARTICLES: DiagnosticPath = DiagnosticPath::const_new("drape/particles");
 }
@@ -47,7 +49,7 @@ impl Plugin for DrapeDiagnosticsPlugin {
         for time in [Self::STEP, Self::DETECT, Self::RELAX] {
             app.register_diagnostic(Diagnostic::new(time).with_suffix(" ms"));
         }
-        for count in [Self::ACTIVE, Self::RESTING, Self::CULLED, Self::PARTICLES] {
+        for count in [Self::ACTIVE, Self::RESTING, Self::CULLED, Self::FROZEN, Self::PARTICLES] {
             app.register_diagnostic(Diagnostic::new(count).with_smoothing_factor(0.0));
         }
         app.add_systems(Last, measure);
@@ -65,8 +67,10 @@ fn measure(
     for (path, time) in [(This::STEP, step), (This::DETECT, detect_collisions), (This::RELAX, substeps)] {
         diagnostics.add_measurement(&path, || time.div_duration_f64(Duration::from_millis(1)));
     }
-    let ActivityCounts { active, resting, culled } = *counts;
-    for (path, count) in [(This::ACTIVE, active), (This::RESTING, resting), (This::CULLED, culled)] {
+    let ActivityCounts { active, resting, culled, frozen } = *counts;
+    for (path, count) in
+        [(This::ACTIVE, active), (This::RESTING, resting), (This::CULLED, culled), (This::FROZEN, frozen)]
+    {
         diagnostics.add_measurement(&path, || count as f64);
     }
     let particles = || bodies.iter().map(|particles| particles.len()).sum::<usize>() as f64;

@@ -13,6 +13,10 @@ pub mod cloth_mesh;
 mod cloth_mesh_skin;
 pub mod contact_events;
 mod description;
+pub mod detail;
+mod detail_change;
+#[cfg(feature = "mesh")]
+mod detail_mesh;
 pub mod diagnostics;
 #[cfg(feature = "mesh")]
 pub mod driven_mesh;
@@ -23,6 +27,7 @@ pub mod gestures;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
 pub mod grab;
+mod grid_resampling;
 pub mod hit;
 pub mod interpolation;
 mod island;
@@ -103,7 +108,7 @@ pub use plugin::DrapePlugins;
 pub mod prelude {
     #[cfg(feature = "mesh")]
     #[doc(inline)]
-    pub use crate::cloth_mesh::{ClothMesh, ClothPaint, PaintChannel, WeldedVertices};
+    pub use crate::cloth_mesh::{ClothMesh, ClothPaint, ClothWeave, PaintChannel, WeldedVertices};
     #[cfg(feature = "mesh")]
     #[doc(inline)]
     pub use crate::driven_mesh::DrivenMesh;
@@ -130,6 +135,7 @@ pub mod prelude {
             ContactEvents, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded,
             DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
         },
+        detail::{CurrentDetail, DetailLevel, LevelOfDetail},
         diagnostics::DrapeDiagnosticsPlugin,
         dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
         environment::{DrapeGravity, Gusts, Wind},

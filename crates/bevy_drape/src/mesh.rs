@@ -15,13 +15,14 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, VisibilitySystems};
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
-use bevy::mesh::PrimitiveTopology;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
 use crate::cloth::Cloth;
 use crate::cloth_mesh::{ClothMesh, WeldedVertices};
 use crate::description::remove_described_body;
+use crate::detail::CurrentDetail;
+use crate::detail_mesh::{MeshesOfDetail, new_mesh};
 use crate::driven_mesh::{
     DrivenMesh, build_driven_meshes, hide_driven, record_driven_surfaces, remove_driven_mesh,
 };
@@ -133,11 +134,20 @@ fn handle_of<'a>((solid, flat): (Option<&'a Mesh3d>, Option<&'a Mesh2d>)) -> Opt
 /// Gives new and rebuilt cloths their surface, and a mesh where there is none that fits.
 fn build_surfaces<D: Shown>(
     mut commands: Commands,
-    cloths: Query<(Entity, &D, &Particles, &Sticks, &GlobalTransform, AnyMesh, Option<&Surface>)>,
+    cloths: Query<(
+        Entity,
+        &D,
+        &Particles,
+        &Sticks,
+        &GlobalTransform,
+        AnyMesh,
+        Option<&Surface>,
+        (Option<&CurrentDetail>, Option<&MeshesOfDetail>),
+    )>,
     users: Query<(Entity, AnyMesh)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    for (entity, cloth, particles, sticks, transform, mesh, surface) in &cloths {
+    for (entity, cloth, particles, sticks, transform, mesh, surface, (detail, kept_meshes)) in &cloths {
         let is_flat = mesh.1.is_some();
         let mesh = handle_of(mesh);
         let asset = mesh.and_then(|mesh| meshes.get(mesh));
@@ -155,8 +165,27 @@ fn build_surfaces<D: Shown>(
             (None, _) if is_known => continue,
             _ => {}
         }
+        let full_layout = cloth.layout();
+        let cloth = &*cloth.at(detail);
         if cloth.vertex_count() != particles.len() as u64 {
             // The cloth was changed after the step; the next one builds it anew.
+            continue;
+        }
+        if let (Some(surface), Some(mesh), Some(_)) = (surface, mesh, detail)
+            && surface.layout != cloth.layout()
+        {
+            let mut kept = kept_meshes.cloned().unwrap_or_default();
+            kept.keep(full_layout, surface.layout, mesh);
+            let shown = kept.mesh(cloth, &sticks.0, &mut meshes);
+            let mut surface = surface.resampled(particles, &sticks.0, cloth.layout());
+            surface.mesh = shown.id();
+            let mut entity = commands.entity(entity);
+            entity.insert((surface, kept));
+            if is_flat {
+                entity.insert(Mesh2d(shown));
+            } else {
+                entity.insert(Mesh3d(shown));
+            }
             continue;
         }
         let fits_grid = surface.is_none_or(|surface| surface.layout == cloth.layout());
@@ -171,12 +200,7 @@ fn build_surfaces<D: Shown>(
             users.iter().any(|(user, other)| user != entity && mesh.is_some() && mesh == handle_of(other));
         let handle = mesh.filter(|_| kept.is_some() && !is_shared).cloned();
 
-        let mut asset = kept.unwrap_or_else(|| {
-            let mut new = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
-            new.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; particles.len()]);
-            complete(&mut new, cloth, &sticks.0);
-            new
-        });
+        let mut asset = kept.unwrap_or_else(|| new_mesh(cloth, &sticks.0, None));
         // Written here, read by the renderer.
         asset.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
         let mut surface = Surface::new(particles, &sticks.0, cloth.layout());

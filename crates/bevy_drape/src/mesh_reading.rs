@@ -61,6 +61,16 @@ pub(crate) fn positions(mesh: &Mesh) -> Result<&[[f32; 3]], MeshFault> {
     values.and_then(VertexAttributeValues::as_float3).ok_or(MeshFault::NoPositions)
 }
 
+/// The first texture coordinates of the vertices.
+pub(crate) fn texture_coordinates(mesh: &Mesh) -> Result<Vec<Vec2>, MeshFault> {
+    let values = mesh.try_attribute_option(Mesh::ATTRIBUTE_UV_0).map_err(|_| MeshFault::NotInMainWorld)?;
+    match values {
+        Some(VertexAttributeValues::Float32x2(values)) => Ok(values.iter().map(|&uv| uv.into()).collect()),
+        Some(_) => Err(MeshFault::NoNumbers(Mesh::ATTRIBUTE_UV_0.name.into())),
+        None => Err(MeshFault::NoAttribute(Mesh::ATTRIBUTE_UV_0.name.into())),
+    }
+}
+
 /// The triangles of a list or strip, with or without indices.
 pub(crate) fn faces(mesh: &Mesh, vertices: usize) -> Result<Vec<[u32; 3]>, MeshFault> {
     let indices: Vec<u32> = match mesh.try_indices_option().map_err(|_| MeshFault::NotInMainWorld)? {

@@ -123,7 +123,7 @@ pub(crate) fn move_pins(
         };
         let mut own = state.pins.iter().filter(|&&(pin, _)| is_own(tied.as_deref(), pin)).peekable();
         let has_own = own.peek().is_some();
-        let is_jump = has_own && (*activity == Activity::Culled || !own.all(is_pull));
+        let is_jump = has_own && (activity.is_carried() || !own.all(is_pull));
         if is_jump && let (Some(from), Some(to)) = (placement(&state.anchor), placement(&anchor)) {
             teleport(&mut particles, &mut state, tied.as_deref_mut(), None, (&from, &to));
         }

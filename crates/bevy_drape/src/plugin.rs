@@ -22,6 +22,8 @@ use crate::contact_events::{
     DrapeContactHit, DrapeContactSettings, DrapeContactStarted, send_contacts,
 };
 use crate::description::{build_described, remove_described_body};
+use crate::detail::{CurrentDetail, LevelOfDetail};
+use crate::detail_change::{LostDetail, choose_detail, note_lost_detail};
 use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
 use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
 use crate::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
@@ -128,6 +130,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
             .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
             .register_type::<(SoftBall, Pressure, RigidTetrahedron, Preset, Winch, PlaneLock)>()
+            .register_type::<(LevelOfDetail, CurrentDetail)>()
             .register_type::<(WorldMotion, TeleportCloth, MotionLimitCounts)>()
             .register_type::<(Attachment, Tie, TiedParticles, FollowParticle, FollowedParticle)>()
             .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
@@ -143,6 +146,7 @@ impl Plugin for SolverPlugin {
             .init_resource::<DrapeContactSettings>()
             .init_resource::<DrapeGravity>()
             .init_resource::<Islands>()
+            .init_resource::<LostDetail>()
             .init_resource::<MotionLimitCounts>()
             .init_resource::<ObstacleNews>()
             .init_resource::<Refusals>()
@@ -170,6 +174,8 @@ impl Plugin for SolverPlugin {
             .add_observer(remove_described_body::<SoftBall>)
             .add_observer(remove_ball)
             .add_observer(note_lost::<SolverSettings>)
+            .add_observer(note_lost_detail)
+            .add_observer(forget_removed::<LevelOfDetail>)
             .add_observer(note_gone_obstacle)
             .add_observer(note_disabled_obstacle)
             .add_observer(look_again::<Remove, Disabled>)
@@ -217,7 +223,7 @@ impl Plugin for SolverPlugin {
                         build_projectiles,
                     )
                         .chain(),
-                    (compile_rigs, cut_bodies, inherit_motion).chain(),
+                    (compile_rigs, cut_bodies, choose_detail, inherit_motion).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
                     (
                         move_pins,

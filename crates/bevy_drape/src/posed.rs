@@ -161,7 +161,7 @@ pub(crate) fn move_posed(
         let now = matrices.get(posed.main).and_then(placement);
         if let (Some(from), Some(to)) = (posed.last_place(), now) {
             let is_jump = from.translation.distance(to.translation) > longest_pull;
-            if is_jump || *activity == Activity::Culled {
+            if is_jump || activity.is_carried() {
                 teleport(&mut particles, &mut state, tied.as_deref_mut(), Some(&mut posed), (&from, &to));
             }
         }

@@ -35,7 +35,7 @@ pub(crate) fn follow_rig_transforms(
         }
         record.written = transform.translation;
         record.placed = place;
-        if particle.pinned && *activity != Activity::Culled {
+        if particle.pinned && !activity.is_carried() {
             particles.set_pin_target(in_rig.index, place);
         } else {
             particles.set_position(in_rig.index, place);

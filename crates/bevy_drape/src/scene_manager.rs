@@ -23,7 +23,7 @@ pub struct SceneManager {
     /// Greatest corner of the play area in metres.
     #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub play_area_max: Vec3,
-    /// Distance in metres from every [`Viewer`] beyond which a sleeping body is culled; it comes back when a
+    /// Distance in metres from every [`Viewer`] beyond which a body that sleeps or is frozen is culled; it comes back when a
     /// viewer does. Without viewers nothing is culled for distance.
     pub viewer_distance: f32,
     /// Whether balls that left the play area are despawned.
@@ -58,6 +58,11 @@ pub(crate) fn overlap(a: Bounds, b: Bounds) -> bool {
 
 pub(crate) fn grown((low, high): Bounds, by: f32) -> Bounds {
     (low - by, high + by)
+}
+
+/// Distance from `eye` to the nearest point of a box, in metres.
+pub(crate) fn distance_to(eye: Vec3, (low, high): Bounds) -> f32 {
+    eye.distance(eye.max(low).min(high))
 }
 
 /// Where a ball can get within a step of `dt` seconds.
@@ -103,10 +108,7 @@ pub(crate) fn cull(
         }
     }
     let is_far = |(low, high): Bounds| {
-        let distance = |viewer: &GlobalTransform| {
-            let eye = viewer.translation();
-            eye.distance(eye.max(low).min(high))
-        };
+        let distance = |viewer: &GlobalTransform| distance_to(viewer.translation(), (low, high));
         !viewers.is_empty() && viewers.iter().all(|(viewer, _)| distance(&viewer) > manager.viewer_distance)
     };
     // False for what is not finite or empty: that is not lost but refused.
@@ -116,7 +118,7 @@ pub(crate) fn cull(
     };
     let next = |activity: Activity, bounds: Bounds, refused: bool, still_for: f32| match activity {
         _ if refused || is_lost(bounds) => Activity::Culled,
-        Activity::Resting if is_far(bounds) => Activity::Culled,
+        Activity::Resting | Activity::Frozen if is_far(bounds) => Activity::Culled,
         Activity::Culled if manager.sleeping && still_for >= manager.sleep_time => {
             if is_far(bounds) {
                 Activity::Culled

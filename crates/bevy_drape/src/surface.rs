@@ -1,5 +1,6 @@
 //! What is known about a body's surface between two pictures of it, and how it is written into a mesh.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use bevy::camera::primitives::Aabb;
@@ -9,6 +10,8 @@ use bevy::prelude::*;
 use drape_solver::Topology;
 
 use crate::cloth::Cloth;
+use crate::detail::CurrentDetail;
+use crate::grid_resampling::resample;
 use crate::normals::write_smooth_normals;
 use crate::soft_ball::SoftBall;
 use crate::vertex_map::VertexMap;
@@ -100,6 +103,18 @@ impl Surface {
         vertices: Vertices,
     ) -> Self {
         Self { vertices, ..Self::new(particles, topology, [0, 0]) }
+    }
+
+    /// The surface of a cloth that has got other particles since the last step, shown as it was before that.
+    pub fn resampled(
+        &self,
+        particles: &drape_solver::Particles,
+        topology: &Arc<Topology>,
+        layout: [u32; 2],
+    ) -> Self {
+        let positions = resample(&self.current.positions, self.layout, layout);
+        let current = Snapshot { positions, ..self.current };
+        Self { current, ..Self::new(particles, topology, layout) }
     }
 
     /// How vertices hang on particles, where they are welded.
@@ -268,7 +283,7 @@ impl EntitySpace {
 }
 
 /// A description of a body that is shown by one vertex for each particle.
-pub(crate) trait Shown: Component {
+pub(crate) trait Shown: Component + Clone {
     /// What differs between bodies whose vertices mean something else: columns and rows, or rings.
     fn layout(&self) -> [u32; 2];
 
@@ -277,6 +292,11 @@ pub(crate) trait Shown: Component {
 
     /// Texture coordinates from (0, 0) at the top left to (1, 1).
     fn texture_coordinates(&self) -> Vec<[f32; 2]>;
+
+    /// The description with the particles that are left of it far away.
+    fn at(&self, _detail: Option<&CurrentDetail>) -> Cow<'_, Self> {
+        Cow::Borrowed(self)
+    }
 }
 
 impl Shown for Cloth {
@@ -293,6 +313,11 @@ impl Shown for Cloth {
         let part = |i: u32, n: u32| i as f32 / (n.max(2) - 1) as f32;
         let row = |r: u32| (0..columns).map(move |c| [part(c, columns), part(r, rows)]);
         (0..rows).flat_map(row).collect()
+    }
+
+    fn at(&self, detail: Option<&CurrentDetail>) -> Cow<'_, Self> {
+        let coarseness = detail.map_or(1, CurrentDetail::coarseness);
+        if coarseness == 1 { Cow::Borrowed(self) } else { Cow::Owned(self.coarsened(coarseness)) }
     }
 }
 

@@ -7,6 +7,7 @@ use drape_solver::Layers;
 use crate::activity::Activity;
 use crate::attention::Attention;
 use crate::clock::DrapeClock;
+use crate::detail::CurrentDetail;
 use crate::environment::SolverEnvironment;
 use crate::layers::DrapeLayers;
 use crate::obstacle::StirredSpace;
@@ -60,6 +61,7 @@ pub(crate) struct MayRest<'w, 's> {
             &'static mut BodyState,
             Option<&'static SolverSettings>,
             Option<&'static DrapeLayers>,
+            Option<&'static CurrentDetail>,
         ),
     >,
     balls: Query<
@@ -155,12 +157,14 @@ pub(crate) fn wake(
         }
     }
     for &entity in &attention.bodies {
-        let Ok((mut activity, mut particles, sticks, mut state, settings, layers)) = bodies.get_mut(entity)
+        let Ok((mut activity, mut particles, sticks, mut state, settings, layers, detail)) =
+            bodies.get_mut(entity)
         else {
             continue;
         };
         let state = &mut *state;
         let settings = settings.copied().unwrap_or(defaults.0).into();
+        let settings = detail.map_or(settings, |detail| detail.limit(settings));
         let edited = particles.is_disturbed();
         if state.order == 0 {
             // A body that was not built by the plugin.

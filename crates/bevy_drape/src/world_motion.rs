@@ -142,7 +142,7 @@ pub(crate) fn inherit_motion(
             for obstacle in worn.chain([reference].into_iter().filter(|&entity| obstacles.contains(entity))) {
                 commands.entity(obstacle).insert(TeleportObstacle);
             }
-        } else if *activity != Activity::Culled {
+        } else if !activity.is_carried() {
             particles.move_frame(FrameMotion::between(&from, &to).scaled(1.0 - linear, 1.0 - angular));
         }
     }

@@ -14,6 +14,8 @@ use crate::run::Job;
 use crate::scene::{Scene, SceneKind};
 use crate::shots::Range;
 use crate::solver::{Effort, Projection, Solver};
+#[cfg(feature = "plugin")]
+use crate::street::Street;
 use crate::torn::Cuts;
 
 /// Named scenes, this solver and its peers: what a step costs and how far the cloth stretches.
@@ -45,6 +47,9 @@ pub enum Task {
     /// Measures many cloths among many obstacles.
     #[cfg(feature = "plugin")]
     Broad(Field),
+    /// Measures flags along a street, with and without levels of detail.
+    #[cfg(feature = "plugin")]
+    Street(Street),
     /// Measures what each kind of contact costs per particle.
     Contacts(Trials),
     /// Measures what torn cloth costs, and tearing it.

@@ -6,7 +6,7 @@
 //!
 //! `stability` looks whether any choice of settings gains energy; `hashes` prints what must be the same on every machine;
 //! `shots` counts the balls that pass through a curtain; `broad` measures many cloths among many obstacles, `contacts` what
-//! each kind of contact costs per particle; `presets` measures the materials that have names.
+//! each kind of contact costs per particle; `street` measures what levels of detail spare; `presets` measures the materials that have names.
 //!
 //! A library too, so that the peers that bring an old Bevy can be compiled apart, in `peers`: they hand their own
 //! [`Solver`]s to [`main_with`].
@@ -41,6 +41,8 @@ pub mod sheet;
 pub mod shots;
 pub mod solver;
 pub mod stability;
+#[cfg(feature = "plugin")]
+pub mod street;
 pub mod stretch;
 pub mod table;
 pub mod table1;
@@ -78,6 +80,8 @@ fn work(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Shots(range) => shots::report(range)?,
         #[cfg(feature = "plugin")]
         Task::Broad(field) => broad::report(field)?,
+        #[cfg(feature = "plugin")]
+        Task::Street(street) => street::report(street)?,
         Task::Contacts(trials) => contact_cost::report(trials)?,
         Task::Torn(cuts) => torn::report(cuts)?,
         Task::Presets => presets::report()?,

@@ -18,6 +18,7 @@ use crate::body::Body;
 use crate::contact_face_obstacle::{Met, Poses, kept};
 use crate::dynamic_obstacle::{Mover, mover_mut};
 use crate::friction::Friction;
+use crate::lever::felt;
 use crate::obstacle::Obstacle;
 use crate::overlap::{Overlap, Pace};
 use crate::particles::Particles;
@@ -196,8 +197,7 @@ impl EmbeddedContact {
 
     /// Inverse mass of the point in 1/kg, if its carriers were free of each other.
     fn felt(&self, particles: &Particles) -> f32 {
-        let shares = self.carriers.into_iter().zip(self.weights);
-        shares.map(|(slot, weight)| weight * weight * particles.inverse_mass[slot]).sum()
+        felt(self.weights, self.carriers.map(|slot| particles.inverse_mass[slot]))
     }
 
     /// A push (kg m) on the point, as it comes to the carriers that are not held.

@@ -23,6 +23,7 @@ use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, P
 use crate::contact_ball_cloth::{Element, weighted};
 use crate::dynamic_obstacle::{Mover, mover, mover_mut};
 use crate::friction::Friction;
+use crate::lever::felt;
 use crate::obstacle::Obstacle;
 use crate::overlap::{Overlap, Pace};
 use crate::particles::Particles;
@@ -479,16 +480,9 @@ impl FaceContact {
         }
     }
 
-    /// Inverse mass of the deepest point, in 1/kg; but so much that no corner moves by more than twice what the point is
-    /// to move: where the others are pinned, the lever would be a long one.
+    /// Inverse mass of the deepest point, in 1/kg.
     fn felt(&self, particles: &Particles) -> f32 {
-        let (mut sum, mut most) = (0.0, 0.0_f32);
-        for (slot, weight) in self.element.corners().into_iter().zip(self.weights) {
-            let share = weight * particles.inverse_mass[slot];
-            sum += weight * share;
-            most = most.max(share);
-        }
-        sum.max(0.5 * most)
+        felt(self.weights, self.element.corners().map(|slot| particles.inverse_mass[slot]))
     }
 }
 

@@ -14,6 +14,7 @@ use crate::contact_particle_particle::ParticlePairs;
 use crate::contact_triangle_triangle::TrianglePairs;
 pub(crate) use crate::contact_triangle_triangle::hit_substeps;
 use crate::island::{Island, IslandContext};
+use crate::lever::felt;
 use crate::overlap::{Overlap, Pace};
 use crate::relative_motion::RelativeMotion;
 use crate::settings::SelfContact;
@@ -189,7 +190,7 @@ impl<const N: usize> Contact<N> {
     pub fn push(&mut self, bodies: &mut [Body], pace: Pace, found: Meeting<N>) {
         let Meeting { weights, normal, depth, outward, at_start } = found;
         let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
-        let total: f32 = weights.iter().zip(masses).map(|(weight, mass)| weight * weight * mass).sum();
+        let total = felt(weights, masses);
         if total == 0.0 {
             return;
         }
@@ -214,13 +215,12 @@ impl<const N: usize> Contact<N> {
         let rough = |corner: Corner| bodies[corner.body as usize].settings.surface_friction();
         let friction = rough(self.corners[0]).with(rough(self.corners[N - 1]));
         let mut slip = Vec3::ZERO;
-        let mut total = 0.0;
         for (corner, weight) in self.corners.into_iter().zip(self.weights) {
             let particles = &bodies[corner.body as usize].particles;
             slip += particles.displacement.get(corner.slot as usize) * weight;
-            total += weight * weight * particles.inverse_mass[corner.slot as usize];
         }
-        let push = friction.slip_taken(slip, self.normal, self.depth) / total;
+        let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
+        let push = friction.slip_taken(slip, self.normal, self.depth) / felt(self.weights, masses);
         for (corner, weight) in self.corners.into_iter().zip(self.weights) {
             let particles = &mut bodies[corner.body as usize].particles;
             let share = -weight * particles.inverse_mass[corner.slot as usize];

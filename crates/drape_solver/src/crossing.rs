@@ -18,6 +18,7 @@ use glam::Vec3;
 
 use crate::body::Body;
 use crate::contact_self::Corner;
+use crate::lever::felt;
 use crate::surface_tree::Element;
 
 /// An edge of one triangle through the face of another.
@@ -88,7 +89,7 @@ impl Crossing {
         let weights = [1.0 - self.along, self.along, -u, -v, -w];
         let corners = [self.edge[0], self.edge[1], self.face[0], self.face[1], self.face[2]];
         let masses = corners.map(|corner| corner.inverse_mass(bodies));
-        let total: f32 = weights.iter().zip(masses).map(|(weight, mass)| weight * weight * mass).sum();
+        let total = felt(weights, masses);
         if total == 0.0 {
             return;
         }

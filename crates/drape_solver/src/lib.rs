@@ -46,6 +46,7 @@ pub mod island;
 mod lanes;
 pub mod layers;
 mod layout;
+mod lever;
 mod line;
 mod listed;
 mod lone_chain;
@@ -109,6 +110,7 @@ mod torn_grid;
 pub mod touch;
 mod transpose;
 pub mod volume;
+mod weave;
 mod weld;
 pub mod wind;
 mod work;
@@ -152,6 +154,7 @@ pub use topology::{EmbeddedPoint, StickBatch, StickBound, StickKind, StickMateri
 pub use topology_builder::TopologyBuilder;
 pub use touch::{Contact, Feature, Other, Party, Touch};
 pub use volume::volume;
+pub use weave::Weave;
 pub use wind::{Turbulence, Wind, WindFlow, WindRegion, WindZone};
 
 pub use glam;

@@ -1,10 +1,14 @@
 //! The state of cloths, ropes and rigs.
 
+use std::sync::Arc;
+
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use drape_solver::{BodyContext, Layers, ParticlesSnapshot};
+use drape_solver::{BodyContext, Layers, ParticlesSnapshot, Topology};
 
 use crate::activity::Activity;
+use crate::detail::CurrentDetail;
+use crate::detail_change::parts_at;
 use crate::grab::Grab;
 use crate::layers::DrapeLayers;
 use crate::particles::{BodyState, Extent, Particles, Sticks};
@@ -38,11 +42,19 @@ pub(super) struct BodySnapshot {
     grab: Option<Grab>,
     attachment: Option<AttachmentSnapshot>,
     motion: MotionSnapshot,
+    detail: Option<CurrentDetail>,
 }
 
 impl BodySnapshot {
     fn key(&self) -> Key {
         Key::Body(self.order)
+    }
+
+    /// The particles and sticks of the body, where it has others now, at another level of detail.
+    fn other_parts(&self, entity: EntityRef) -> Option<(drape_solver::Particles, Arc<Topology>)> {
+        let wanted = self.detail?.coarseness;
+        let is_other = wanted != entity.get::<CurrentDetail>()?.coarseness;
+        if is_other { parts_at(entity, wanted) } else { None }
     }
 }
 
@@ -74,6 +86,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             grab: entity.get().cloned(),
             attachment: attachments::take(entity),
             motion: motions::take(entity),
+            detail: entity.get().copied(),
         });
     }
     bodies
@@ -88,11 +101,13 @@ pub(super) fn check(bodies: &[BodySnapshot], world: &World, keys: &Keys) -> Resu
         let (Some(particles), Some(sticks)) = (particles, sticks) else {
             return Err(SnapshotError::Missing(key));
         };
-        if sticks.stick_count() as u64 != body.stick_count {
-            let (found, wanted) = (sticks.stick_count(), body.stick_count as usize);
-            return Err(SnapshotError::AnotherBody { key, found, wanted });
+        let others = body.other_parts(world.entity(entity));
+        let found = others.as_ref().map_or(sticks.stick_count(), |(_, sticks)| sticks.stick_count());
+        if found as u64 != body.stick_count {
+            return Err(SnapshotError::AnotherBody { key, found, wanted: body.stick_count as usize });
         }
-        let validated = body.particles.validate(particles.len());
+        let count = others.as_ref().map_or(particles.len(), |(particles, _)| particles.len());
+        let validated = body.particles.validate(count);
         validated.map_err(|source| SnapshotError::BadState { key, source })?;
     }
     Ok(())
@@ -110,6 +125,10 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         let key = body.key();
         let found = entity(keys, key).and_then(|entity| world.get_entity_mut(entity).ok());
         let mut entity = found.ok_or(SnapshotError::Missing(key))?;
+        if let Some((particles, topology)) = body.other_parts(entity.as_readonly()) {
+            entity.insert((Particles(particles), Sticks(topology)));
+        }
+        put_component(&mut entity, body.detail.as_ref());
         if let Some(mut particles) = entity.get_mut::<Particles>() {
             let restored = particles.restore(&body.particles);
             restored.map_err(|source| SnapshotError::BadState { key, source })?;

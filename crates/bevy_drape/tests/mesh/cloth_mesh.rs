@@ -3,7 +3,7 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
 use bevy::prelude::*;
-use bevy_drape::drape_solver::{StateHasher, measure};
+use bevy_drape::drape_solver::{StateHasher, StickKind, measure};
 
 use crate::*;
 
@@ -97,6 +97,47 @@ fn painted_vertices_are_pinned_and_follow_their_entity() {
     assert_eq!(pinned(paint(Some(PaintChannel::Blue), 0.5)), all);
     assert_eq!(pinned(paint(None, 0.5)), 0);
     assert_eq!(pinned(paint(None, 0.5).with_pins([0, 1])), 2);
+}
+
+/// Stiffness of the sticks of `kind`, each once, in ascending order.
+fn stiffness(app: &App, cloth: Entity, kind: StickKind) -> Vec<f32> {
+    let sticks = app.world().get::<Sticks>(cloth).expect("built");
+    let of_kind = sticks.batches().iter().filter(|batch| batch.material.kind == kind);
+    let mut found: Vec<f32> = of_kind.map(|batch| batch.material.stiffness).collect();
+    found.sort_unstable_by(f32::total_cmp);
+    found.dedup();
+    found
+}
+
+#[test]
+fn a_painted_mesh_is_soft_where_it_is_dark() {
+    let painted = |channel| {
+        let paint = ClothPaint { stiffness: Some(channel), ..default() };
+        let cloth = ClothMesh { structural_stiffness: 1.0, bend_stiffness: 0.5, paint, ..default() };
+        let (app, entity) = hung(pipe(), cloth, Transform::default());
+        [StickKind::Structural, StickKind::Bend].map(|kind| stiffness(&app, entity, kind))
+    };
+    assert_eq!(painted(PaintChannel::Blue), [[1.0], [0.5]], "white");
+    assert_eq!(painted(PaintChannel::Green), [[0.5], [1.0 / 3.0]], "black");
+    // Red at the rim alone: edges there, those that lead there, and all others.
+    let [edges, bends] = painted(PaintChannel::Red);
+    assert_eq!((edges.len(), edges[0], edges[2]), (3, 0.5, 1.0), "{edges:?}");
+    assert!(bends.len() >= 2, "{bends:?}");
+}
+
+/// U runs around the pipe and V along it.
+#[test]
+fn a_woven_mesh_is_stiff_by_the_direction_of_its_texture() {
+    let weave = Some(ClothWeave { weft_stiffness: 0.99, bias_stiffness: 0.9 });
+    let cloth = ClothMesh { structural_stiffness: 0.999, weave, ..default() };
+    let (app, entity) = hung(pipe(), cloth.clone(), Transform::default());
+    let edges = stiffness(&app, entity, StickKind::Structural);
+    let has = |wanted: f32| edges.iter().any(|found| (found - wanted).abs() < 1e-5);
+    assert!(has(0.999) && has(0.99) && edges[0] < 0.95, "{edges:?}");
+    let mut bare = pipe();
+    bare.remove_attribute(Mesh::ATTRIBUTE_UV_0);
+    let (app, entity) = hung(bare, cloth, Transform::default());
+    assert!(refusals(&app, entity)[0].contains("Vertex_Uv"), "{:?}", refusals(&app, entity));
 }
 
 const HELD: MeshVertexAttribute = MeshVertexAttribute::new("Held", 77_001, VertexFormat::Float32);
@@ -330,6 +371,14 @@ fn fields_out_of_range_and_places_that_are_none_are_refused_and_mended() {
         (ClothMesh { structural_stiffness: 2.0, ..default() }, "stiffness"),
         (ClothMesh { bend_stiffness: f32::NAN, ..default() }, "stiffness"),
         (ClothMesh { damping: -1.0, ..default() }, "damping"),
+        (
+            ClothMesh { weave: Some(ClothWeave { weft_stiffness: 0.0, ..default() }), ..default() },
+            "weft stiffness",
+        ),
+        (
+            ClothMesh { weave: Some(ClothWeave { bias_stiffness: f32::NAN, ..default() }), ..default() },
+            "bias stiffness",
+        ),
         (ClothMesh { weld_distance: Some(-1.0), ..default() }, "weld_distance"),
         (ClothMesh::default().with_pins([100_000]), "a pin"),
     ];

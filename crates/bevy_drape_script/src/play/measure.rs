@@ -54,9 +54,9 @@ impl ScenePlay {
             }
             Probe::Activity { of } => activity(world, &self.parts(world, of)?).map(Measured::Word),
             Probe::Count(counted) => {
-                let ActivityCounts { active, resting, culled } = *world.resource::<ActivityCounts>();
+                let ActivityCounts { active, resting, culled, frozen } = *world.resource::<ActivityCounts>();
                 let count = match counted {
-                    Counted::Bodies => active + resting + culled,
+                    Counted::Bodies => active + resting + culled + frozen,
                     Counted::Active => active,
                     Counted::Resting => resting,
                     Counted::Culled => culled,
@@ -231,7 +231,8 @@ fn activity(world: &World, parts: &Parts) -> Option<String> {
     let liveliest = states.min_by_key(|activity| match activity {
         Activity::Active => 0,
         Activity::Resting => 1,
-        Activity::Culled => 2,
+        Activity::Frozen => 2,
+        Activity::Culled => 3,
     })?;
     Some(format!("{liveliest:?}"))
 }

@@ -54,4 +54,5 @@ mod tethers;
 mod tetrahedron_spin;
 mod timestep;
 mod touch;
+mod weave;
 mod wind;

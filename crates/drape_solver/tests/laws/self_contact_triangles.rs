@@ -244,3 +244,78 @@ fn a_sheet_lies_on_another_at_the_sum_of_their_thicknesses() {
         law(&format!("distance of two layers in m, {self_contact:?}"), mean, 0.04, tolerance);
     }
 }
+
+/// A sheet that is held everywhere is carried into one that is held by three of its corners, right beside the line between two of
+/// them. The push came on the fourth alone, at a lever of fifty: it flew off at thousands of metres a second.
+#[test]
+fn a_push_beside_pinned_corners_does_not_throw_the_free_one() {
+    let sheet = |at: Vec3| ClothBuilder::new(1.0, 1.0, 2, 2).placed(at, Vec3::X, Vec3::Z);
+    let held = sheet(Vec3::ZERO).pin_where(|column, row, _| column + row < 2).build(settings(0.005));
+    let carried = sheet(Vec3::new(-0.48, 0.05, -0.46)).pin_where(|_, _, _| true).build(settings(0.005));
+    let mut island =
+        Island { bodies: [held, carried].map(|body| body.expect("valid")).into(), ..Island::default() };
+    let mut fastest = 0.0_f32;
+    for _ in 0..30 {
+        let carried = &mut island.bodies[1].particles;
+        for pin in 0..4 {
+            carried.set_pin_target(pin, carried.position(pin) - Vec3::Y * FRAME);
+        }
+        run(&mut island, &weightless(FRAME), FRAME);
+        fastest = island.bodies[0].particles.velocities().map(Vec3::length).fold(fastest, f32::max);
+    }
+    println!("at most {fastest} m/s");
+    assert!(fastest > 0.1, "it is pushed: {fastest} m/s");
+    assert!(fastest < 10.0, "{fastest} m/s");
+}
+
+/// A rope in an overhand knot, loosely laid, with a weight at its end: the polynomial trefoil of Shastri 1992 ("Polynomial
+/// representations of knots"), its corners at even distances.
+fn knotted(self_contact: SelfContact) -> Island {
+    let curve =
+        |t: f64| DVec3::new(t.powi(3) - 3.0 * t, t.powi(4) - 4.0 * t * t, 0.25 * (t.powi(5) - 10.0 * t));
+    let fine: Vec<DVec3> = (-2400..=2400).map(|i| curve(f64::from(i) * 1e-3)).collect();
+    let mut ways = vec![0.0];
+    for pair in fine.windows(2) {
+        ways.push(ways[ways.len() - 1] + pair[0].distance(pair[1]));
+    }
+    let scale = ROPE_LENGTH / ways[ways.len() - 1];
+    let place = |part: f64| {
+        let i = ways.partition_point(|way| way * scale < part * ROPE_LENGTH).min(fine.len() - 1);
+        (fine[i] * scale).as_vec3()
+    };
+    let settings = SolverSettings { self_contact, friction: 0.3, substeps: 16, ..settings(0.006) };
+    let straight = RopeBuilder::new(Vec3::ZERO, Vec3::NEG_Y * ROPE_LENGTH as f32, 121).pin_start();
+    let mut rope = straight.build(settings).expect("valid");
+    for i in 0..121 {
+        // The ends lie apart along Z: down.
+        let [x, y, z] = place(i as f64 / 120.0).to_array();
+        rope.particles.set_position(i, Vec3::new(x, -z, y));
+    }
+    rope.particles.set_inverse_mass(120, 1.0 / 0.2);
+    Island::of_body(rope)
+}
+
+/// Length of the rope in metres.
+const ROPE_LENGTH: f64 = 2.4;
+
+/// A knot draws tight and holds, by self-contact alone; without it the rope passes through itself and hangs straight.
+#[test]
+fn a_knot_holds() {
+    let [with, without] = [SelfContact::Triangles, SelfContact::Off].map(|self_contact| {
+        let mut island = knotted(self_contact);
+        let mut fastest = 0.0_f32;
+        run_with(&mut island, &gravity(FRAME), 12.0, |island, _| {
+            fastest = fastest.max(greatest_speed(island));
+        });
+        let particles = particles(&island);
+        let apart = particles.position(0).distance(particles.position(120));
+        println!(
+            "{self_contact:?}: the ends are {apart} m apart, stretch {:?}, at most {fastest} m/s",
+            stretch(&island)
+        );
+        f64::from(apart)
+    });
+    assert!((without - ROPE_LENGTH).abs() < 0.01, "{without} m");
+    // Some ten diameters of rope are in the knot.
+    assert!(with < ROPE_LENGTH - 0.1 && with > 0.5 * ROPE_LENGTH, "{with} m");
+}
