@@ -60,6 +60,11 @@ pub fn meshes_of(shape: &Shape) -> Vec<Placed> {
         },
         Shape::Mesh { vertices, triangles } => at_home(flat(&places(vertices), triangles)),
         Shape::HeightField { size: (x, z), heights } => at_home(land(x.get(), z.get(), heights)),
+        Shape::Voxels { side, cubes } => {
+            let cube = Cuboid::from_length(side.get()).mesh().build();
+            let place = |&[x, y, z]: &[i32; 3]| (IVec3::new(x, y, z).as_vec3() + 0.5) * side.get();
+            cubes.iter().map(|at| (cube.clone(), Transform::from_translation(place(at)))).collect()
+        }
         Shape::Compound { parts } => parts
             .iter()
             .flat_map(|part| {

@@ -94,6 +94,7 @@ fn obstacle() -> impl Strategy<Value = String> {
             "Mesh(vertices: [(-1, 0, -1), (1, 0, -1), (0, {y}, 1)], triangles: [(0, 1, 2)])"
         )),
         size().prop_map(|y| format!("HeightField(size: (3, 3), heights: [[0, {y}, 0], [0, 0, {y}]])")),
+        size().prop_map(|side| format!("Voxels(side: {side}, cubes: [(0, 0, 0), (1, 0, 0), (0, 1, -1)])")),
         size().prop_map(|r| format!(
             "Compound(parts: [(shape: Sphere(radius: {r})), (shape: Cuboid(size: (1, 1, 1)), at: (1, 0, 0))])"
         )),

@@ -1,7 +1,7 @@
 //! Shapes of obstacles.
 
 use bevy::prelude::*;
-use bevy_drape::drape_solver::parry3d::math::Pose;
+use bevy_drape::drape_solver::parry3d::math::{IVector, Pose};
 use bevy_drape::drape_solver::parry3d::shape::{SharedShape, TriMeshFlags};
 use bevy_drape::drape_solver::parry3d::utils::Array2;
 use bevy_drape::drape_solver::{self, BuildError};
@@ -10,6 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use super::number::bracketed;
 use super::{Positive, Turn, Vector};
+
+/// Most cubes of voxels, and the farthest of them from the origin.
+const MOST_CUBES: usize = 65_536;
+const FARTHEST_CUBE: u32 = 10_000;
 
 /// The form of an obstacle, about its own origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -87,6 +91,13 @@ pub enum Shape {
         size: (Positive, Positive),
         /// Rows of heights in metres, the first at least Z; each row from least to greatest X. All rows are equally long.
         heights: Vec<Vec<f32>>,
+    },
+    /// Equal cubes on a grid, as one solid.
+    Voxels {
+        /// Side of a cube in metres.
+        side: Positive,
+        /// The cubes that there are, each counted from the obstacle's origin, where the cube (0, 0, 0) has its least corner.
+        cubes: Vec<[i32; 3]>,
     },
     /// Several shapes as one.
     Compound {
@@ -183,6 +194,21 @@ impl Shape {
                     Vec3::new(x.get(), 1.0, z.get()),
                 )
             }
+            Self::Voxels { side, cubes } => {
+                if cubes.is_empty() {
+                    return Err(bad("voxels without a cube"));
+                }
+                // The solver makes triangles of them, and counts cubes in 32 bits.
+                if cubes.len() > MOST_CUBES
+                    || cubes.iter().flatten().any(|cube| cube.unsigned_abs() > FARTHEST_CUBE)
+                {
+                    return Err(bad(
+                        "voxels are 65536 cubes at most, none farther than 10000 from the origin",
+                    ));
+                }
+                let cubes: Vec<IVector> = cubes.iter().map(|&[x, y, z]| IVector::new(x, y, z)).collect();
+                SharedShape::voxels(Vec3::splat(side.get()), &cubes)
+            }
             Self::Compound { parts } => {
                 if parts.is_empty() {
                     return Err(bad("a compound has no parts"));
@@ -190,10 +216,13 @@ impl Shape {
                 let part = |part: &Part| {
                     if matches!(
                         part.shape,
-                        Self::Mesh { .. } | Self::HeightField { .. } | Self::Compound { .. }
+                        Self::Mesh { .. }
+                            | Self::HeightField { .. }
+                            | Self::Voxels { .. }
+                            | Self::Compound { .. }
                     ) {
                         return Err(bad(
-                            "a part of a compound is one solid: no mesh, height field or compound",
+                            "a part of a compound is one solid: no mesh, height field, voxels or compound",
                         ));
                     }
                     let pose = Pose::from_parts(part.at.get(), part.turn.quaternion());
