@@ -4,7 +4,6 @@
 //! `cargo run --release --example cape --features window`; `--headless` runs without a window, and `--picture FILE` draws
 //! a picture with `--features render`.
 
-use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use drape_examples::character::{self, Character};
@@ -18,9 +17,6 @@ pub const FEATURE: Feature = Feature {
     target: Vec3::new(-3.5, 0.9, 0.2),
     moment: 12.4,
     build: |app| {
-        if !app.world().contains_resource::<Assets<SkinnedMeshInverseBindposes>>() {
-            app.init_asset::<SkinnedMeshInverseBindposes>();
-        }
         app.add_systems(Startup, setup).add_systems(Update, animate);
     },
 };

@@ -15,8 +15,7 @@ pub const FEATURE: Feature = Feature {
     target: Vec3::new(0.3, 0.6, 0.0),
     moment: 1.4,
     build: |app| {
-        app.insert_resource(DefaultSolverSettings(SolverSettings { iterations: 4, ..default() }))
-            .add_systems(Startup, setup);
+        app.add_systems(Startup, setup);
     },
 };
 
@@ -25,7 +24,8 @@ pub fn main() -> std::process::ExitCode {
     FEATURE.run()
 }
 
-fn setup(mut commands: Commands) {
+fn setup(mut commands: Commands, mut defaults: ResMut<DefaultSolverSettings>) {
+    defaults.iterations = 4;
     commands.spawn(Obstacle::ground());
     let ramp = Transform::from_xyz(-0.6, 0.55, 0.0).with_rotation(Quat::from_rotation_z(-0.5));
     commands.spawn((Obstacle::cuboid(2.6, 0.1, 3.0), ramp));

@@ -1,7 +1,9 @@
 //! Every example of a feature runs without a window: nothing is refused, nothing leaves, nothing flies apart.
 
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::{FixedUpdate, Startup, Transform, Update};
 use bevy_drape::prelude::CurrentDetail;
-use drape_examples::feature::{Feature, FeatureReport};
+use drape_examples::feature::{Feature, FeatureReport, bare_app};
 
 #[path = "../examples/showcase.rs"]
 #[expect(dead_code, reason = "the examples' own `main`")]
@@ -41,6 +43,24 @@ fn run(feature: &Feature) -> FeatureReport {
 #[test]
 fn the_showcase_shows_every_example_that_is_run_here() {
     assert!(FEATURES.iter().map(|(name, _)| *name).eq(RUN.iter().copied()));
+}
+
+/// The showcase takes the systems of an example into its own world. One that added an asset there closed the window.
+#[test]
+fn the_showcase_can_take_over_every_example() {
+    for (name, feature) in FEATURES {
+        let mut app = bare_app();
+        let mut schedules = feature.schedules();
+        let mut setup = schedules.remove(Startup).unwrap_or_else(|| panic!("{name} sets nothing up"));
+        setup.run(app.world_mut());
+        for label in [FixedUpdate.intern(), Update.intern()] {
+            schedules.remove(label).iter_mut().for_each(|schedule| schedule.run(app.world_mut()));
+        }
+        assert!(
+            app.world_mut().query::<&Transform>().iter(app.world()).count() > 0,
+            "{name} has nothing to show"
+        );
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ const SIDES: u32 = 6;
 /// Thickness of a cord: radius in metres.
 const RADIUS: f32 = 0.012;
 /// Colour of cords.
-pub const COLOUR: Color = Color::srgb(0.36, 0.24, 0.14);
+pub const COLOUR: Color = Color::srgb(0.55, 0.40, 0.26);
 
 /// Draws every body without a surface.
 pub struct CordsPlugin;
@@ -49,7 +49,7 @@ fn write_thick(mesh: &mut Mesh, cords: impl IntoIterator<Item = [Vec3; 2]>, radi
             positions.extend([from + normal * radius, to + normal * radius]);
             normals.extend([normal, normal]);
             let (here, next) = (first + 2 * corner, first + 2 * ((corner + 1) % SIDES));
-            indices.extend([here, here + 1, next, next, here + 1, next + 1]);
+            indices.extend([here, next, here + 1, next, next + 1, here + 1]);
         }
     }
     mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);

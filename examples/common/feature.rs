@@ -9,6 +9,7 @@ use std::process::ExitCode;
 
 use bevy::asset::AssetPlugin;
 use bevy::input::InputPlugin;
+use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
@@ -140,18 +141,33 @@ impl Feature {
         Ok(report)
     }
 
+    /// What the example does, to be run in the world of an app that has the plugins already.
+    pub fn schedules(&self) -> Schedules {
+        let mut script = App::empty();
+        script.init_resource::<Schedules>();
+        (self.build)(&mut script);
+        script.world_mut().remove_resource().unwrap_or_default()
+    }
+
     /// An app without a renderer that has the example in it, and takes one step in each update but the first.
     pub fn headless_app(&self) -> App {
-        let mut app = App::new();
-        app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), InputPlugin))
-            .init_asset::<Mesh>()
-            .add_plugins(DrapePlugins::default())
-            .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+        let mut app = bare_app();
         (self.build)(&mut app);
         app.finish();
         app.cleanup();
         app
     }
+}
+
+/// An app without a renderer that has nothing in it yet, and takes one step in each update but the first.
+pub fn bare_app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), InputPlugin))
+        .init_asset::<Mesh>()
+        .init_asset::<SkinnedMeshInverseBindposes>()
+        .add_plugins(DrapePlugins::default())
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app
 }
 
 /// Counts what is there after `step`, and checks that it is somewhere.

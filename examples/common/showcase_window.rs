@@ -98,10 +98,7 @@ pub fn show(world: &mut World) {
     world.insert_resource(DefaultSolverSettings::default());
     world.insert_resource(Time::<Fixed>::default());
     let feature = *world.resource::<Showcase>().feature();
-    let mut script = App::empty();
-    script.init_resource::<Schedules>();
-    (feature.build)(&mut script);
-    let mut schedules = script.world_mut().remove_resource::<Schedules>().unwrap_or_default();
+    let mut schedules = feature.schedules();
     if let Some(mut setup) = schedules.remove(Startup) {
         setup.run(world);
     }
