@@ -335,3 +335,15 @@ fn a_solid_with_a_skin_is_refused() {
     let messages = refusals(&app, solid);
     assert!(messages.len() == 1 && messages[0].contains("SkinnedMesh"), "{messages:?}");
 }
+
+#[test]
+fn editors_and_scene_files_know_it_by_reflection() {
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    for name in ["SoftBody", "DrivenMesh"] {
+        let registration = registry.get_with_short_type_path(name).expect(name);
+        assert!(registration.data::<ReflectComponent>().is_some(), "{name} is no component there");
+    }
+    let solid = registry.get_with_short_type_path("SoftBody").expect("registered");
+    assert!(solid.data::<ReflectDefault>().is_some());
+}
