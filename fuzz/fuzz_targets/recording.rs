@@ -20,7 +20,7 @@ fn show(bytes: Vec<u8>) {
     for index in (0..recording.frame_count()).rev() {
         let frame = cursor.seek(index).expect("a frame of a recording that was checked");
         for state in &frame.states {
-            state.place(&recording.tracks()[state.track].kind);
+            state.places(&recording.tracks()[state.track].kind);
         }
     }
     assert_eq!(diff(&recording, &recording).expect("frames that were checked"), None);

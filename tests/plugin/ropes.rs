@@ -114,3 +114,19 @@ fn a_body_in_a_plane_stays_there() {
         assert!(farthest < 1.1e-5, "{farthest} m out of its plane");
     }
 }
+
+/// All of its columns are put into one line: particles in one place have no direction to be parted in.
+#[test]
+fn a_cloth_that_is_edge_on_to_its_plane_is_a_bundle_and_stays_finite() {
+    for projection in [StickProjection::Exact, StickProjection::SquareRootFree] {
+        let mut app = app();
+        let place = Transform::from_rotation(Quat::from_rotation_y(core::f32::consts::FRAC_PI_2));
+        let settings = SolverSettings { projection, ..default() };
+        let cloth = Cloth::new(1.0, 1.0).with_particles(17, 17);
+        app.world_mut().spawn((cloth, settings, PlaneLock::default(), Tearable::default(), place));
+        step(&mut app, 240);
+        assert_eq!(app.world().resource::<Refusals>().messages().len(), 0);
+        let mut bodies = app.world_mut().query::<&Particles>();
+        assert!(bodies.iter(app.world()).all(|body| body.is_finite() && body.greatest_speed() < 50.0));
+    }
+}

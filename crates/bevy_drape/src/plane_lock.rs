@@ -11,8 +11,8 @@ const TOLERANCE: f32 = 1e-5;
 /// Keeps a body in a plane of the world: after each step its particles are put back, and what took them out of it is taken off
 /// their velocity. For two dimensions: in the plane of X and Y where nothing pushes sideways, it changes nothing.
 ///
-/// A body that something keeps pushing out of its plane does not fall asleep. Start flat: what is thrown into its plane from edge on has
-/// particles in one place, which the solver does not survive.
+/// A body that something keeps pushing out of its plane does not fall asleep. Start flat: a cloth that stands
+/// edge on to its plane becomes a bundle in a line.
 ///
 /// Obstacles are bodies of three dimensions: a disc is a sphere or a cylinder whose middle is in the plane, a box a cuboid that
 /// reaches far to both sides of it.

@@ -25,6 +25,7 @@ pub(crate) struct AnimatedPose {
     /// What took the mesh's coordinates to the world in the last step, joint by joint.
     pub last: Vec<Affine3A>,
     /// The same of the main joint, after the last two steps; none before the first.
+    #[cfg_attr(not(feature = "mesh"), expect(dead_code, reason = "for what shows meshes"))]
     pub shown: [Option<Affine3A>; 2],
 }
 

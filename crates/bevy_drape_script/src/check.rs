@@ -233,7 +233,7 @@ impl Checker<'_> {
 
     fn event(&self, field: &str, event: &Event) -> Result<(), SceneError> {
         match (&event.at, &event.when) {
-            (Some(_), None) => {}
+            (Some(at), None) => self.within_duration(&format!("{field}.at"), at.get())?,
             (None, Some(trigger)) => {
                 let (probe, expect) = trigger.as_probe();
                 self.probe(&format!("{field}.when"), &probe, &expect)?;
@@ -328,10 +328,20 @@ impl Checker<'_> {
     fn when(&self, field: &str, when: &When) -> Result<(), SceneError> {
         let field = format!("{field}.when");
         match when {
-            When::End | When::Always | When::Eventually { within: None } => Ok(()),
+            When::End | When::Always => Ok(()),
             When::At(time) => self.within_duration(&field, time.get()),
-            When::Eventually { within: Some(time) } => {
-                self.within_duration(&format!("{field}.within"), time.get())
+            When::Eventually { within, after } => {
+                if let Some(within) = within {
+                    self.within_duration(&format!("{field}.within"), within.get())?;
+                }
+                let Some(after) = after else { return Ok(()) };
+                if let Some(within) = within.filter(|within| after > within) {
+                    let (from, to) = (after.get(), within.get());
+                    let problem =
+                        format!("expected a time up to {to} s, by which it has to hold, found {from}");
+                    return fail(&format!("{field}.after"), problem);
+                }
+                self.within_duration(&format!("{field}.after"), after.get())
             }
             When::During(from, to) if from > to => {
                 let (from, to) = (from.get(), to.get());
@@ -378,7 +388,14 @@ impl Checker<'_> {
         }
         let is_word = matches!(probe, Probe::Activity { .. } | Probe::StateHash { .. });
         match (is_word, expect) {
-            (true, Expected::Is(_)) | (_, Expected::Reported) => {}
+            (true, Expected::Is(word)) => {
+                let known = ["Active", "Resting", "Frozen", "Culled"];
+                if matches!(probe, Probe::Activity { .. }) && !known.contains(&word.as_str()) {
+                    let what = format!("an activity is no `{word}`");
+                    return fail(&format!("{field}.expect"), unknown(&what, word, &known));
+                }
+            }
+            (_, Expected::Reported) => {}
             (true, _) => {
                 return fail(
                     &format!("{field}.expect"),

@@ -335,6 +335,20 @@ fn times_that_never_come_are_told() {
         ("Always", "During(1, 3)", "During(1, 3)", "expectations[1].when", &["up to 2 s", "found 3"]),
         ("within: 2", "within: 2.5", "2.5", "expectations[2].when.within", &["up to 2 s", "found 2.5"]),
         ("axis: Y)", "axis: Y, since: 7)", "7)", "expectations[1].probe.since", &["up to 2 s", "found 7"]),
+        (
+            "within: 2",
+            "within: 1, after: 1.5",
+            "1.5), probe",
+            "expectations[2].when.after",
+            &["up to 1 s", "found 1.5"],
+        ),
+        (
+            "Is(\"Resting\")",
+            "Is(\"Rest\")",
+            "Is(\"Rest\")",
+            "expectations[2].expect",
+            &["did you mean `Resting`", "Frozen"],
+        ),
     ] {
         assert_told(&error(from, to), at, path, words);
     }

@@ -43,6 +43,36 @@ fn a_falling_ball_does_what_is_expected_of_it() {
     assert_eq!(report.steps, 60);
 }
 
+/// "It comes to rest" held before the push, when it hung at rest still.
+#[test]
+fn what_is_to_come_true_after_a_time_is_not_looked_at_before() {
+    let report = run(r#"
+        settings: (duration: 2),
+        bodies: { "ball": Balls(at: (0, 1, 0)) },
+        obstacles: { "ground": (shape: Ground) },
+        expectations: [
+            (when: Eventually(within: 2), probe: Speed(of: "ball"), expect: AtMost(0.5)),
+            (when: Eventually(within: 2, after: 0.3), probe: Speed(of: "ball"), expect: AtMost(0.5)),
+        ]"#);
+    report.assert_passed();
+    let times: Vec<f64> = report.verdicts.iter().map(|verdict| verdict.time.expect("measured")).collect();
+    // After the first steps of its fall, and when it lies on the ground after sqrt(2 h / g) = 0.43 s.
+    assert!(times[0] < 0.06 && times[1] > 0.4, "{times:?}");
+}
+
+/// The middle of a cloth of an even number of particles was the first of a row: on its edge.
+#[test]
+fn the_middle_of_a_cloth_is_in_its_middle() {
+    let report = run(r#"
+        settings: (duration: 0.1, gravity: (0, 0, 0)),
+        bodies: { "cloth": Cloth(size: (1, 2), particles: (8, 12), at: (3, 0, 0)) },
+        expectations: [
+            (probe: Position(of: "cloth", point: Middle, axis: X), expect: Near(value: 3, tolerance: 0.08)),
+            (probe: Position(of: "cloth", point: Middle, axis: Y), expect: Near(value: 0, tolerance: 0.1)),
+        ]"#);
+    report.assert_passed();
+}
+
 #[test]
 fn what_does_not_hold_is_told_with_scene_time_expected_and_got() {
     let mut runner = SceneRunner::headless(script(

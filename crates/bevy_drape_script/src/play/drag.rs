@@ -86,7 +86,7 @@ impl ScenePlay {
 
     fn take_hold(&self, world: &mut World, drag: &DragUnderWay) -> Option<(Entity, Vector)> {
         let all = points::particles(world, &self.stage, &drag.of)?;
-        let (body, index) = all[points::index_of(&drag.point, all.len())?];
+        let (body, index) = points::particle_at(world, &drag.point, &all)?;
         // Of what was restored the hand has hold already.
         if drag.from.is_none() || world.get::<Grab>(body).is_none() {
             let grab = Grab::new(world.get::<Particles>(body)?, index, drag.radius.max(1e-3));

@@ -82,8 +82,9 @@ impl Judge {
             When::At(at) => (time - at.get()).abs() <= slack,
             When::Always => true,
             When::During(from, to) => time >= from.get() - slack && time <= to.get() + slack,
-            When::Eventually { within } => {
-                !self.has_held && within.is_none_or(|within| time <= within.get() + slack)
+            When::Eventually { within, after } => {
+                let is_due = after.is_none_or(|after| time >= after.get() - slack);
+                !self.has_held && is_due && within.is_none_or(|within| time <= within.get() + slack)
             }
         }
     }

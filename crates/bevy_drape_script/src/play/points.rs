@@ -34,24 +34,31 @@ fn of_body(world: &World, body: Entity) -> Option<Vec<(Entity, usize)>> {
     Some((0..count).map(|index| (body, index)).collect())
 }
 
-/// The number of a point among `count` particles; none for the centre.
-pub(super) fn index_of(point: &Point, count: usize) -> Option<usize> {
+/// The particle of a point among `all` of a body, and its index in its entity; none for the centre.
+pub(super) fn particle_at(world: &World, point: &Point, all: &[(Entity, usize)]) -> Option<(Entity, usize)> {
+    let count = all.len();
     let index = match point {
         Point::Centre => return None,
         Point::Particle(index) => *index as usize,
         Point::First => 0,
-        Point::Middle => count / 2,
+        Point::Middle => match world.get::<Cloth>(all.first()?.0) {
+            Some(&Cloth { particles: UVec2 { x: columns, y: rows }, .. })
+                if u64::from(columns) * u64::from(rows) == count as u64 =>
+            {
+                rows as usize / 2 * columns as usize + columns as usize / 2
+            }
+            _ => count / 2,
+        },
         Point::Last => count.checked_sub(1)?,
     };
-    (index < count).then_some(index)
+    all.get(index).copied()
 }
 
 /// Where a point is and how it moves; none while it is not there.
 pub(super) fn state(world: &World, stage: &Stage, name: &str, point: &Point) -> Option<State> {
     if let Some(all) = particles(world, stage, name)
-        && let Some(index) = index_of(point, all.len())
+        && let Some((body, index)) = particle_at(world, point, &all)
     {
-        let (body, index) = all[index];
         let body = world.get::<Particles>(body)?;
         let (position, velocity) = (body.position(index).as_dvec3(), body.velocity(index).as_dvec3());
         return Some(State { position, velocity });

@@ -83,7 +83,12 @@ impl fmt::Display for Difference {
                 }
                 let distance = self.distance();
                 write!(f, "{noun} “{name}” is at {first} in the first and at {second} in the second, ")?;
-                write!(f, "{distance:e} m apart; places that differ in this frame: {count}")
+                if distance > 0.0 {
+                    write!(f, "{distance:e} m apart")?;
+                } else {
+                    f.write_str("apart by less than such numbers show")?;
+                }
+                write!(f, "; places that differ in this frame: {count}")
             }
             Parting::Presence { noun, name, is_in_first } => {
                 let which = if *is_in_first { "first" } else { "second" };

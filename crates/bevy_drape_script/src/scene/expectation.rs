@@ -38,9 +38,12 @@ pub enum When {
     During(Seconds, Seconds),
     /// After every step, until it holds once; it fails if it does not until then.
     Eventually {
-        /// By when, in seconds; until the end if left out.
+        /// By when, in seconds from the beginning; until the end if left out.
         #[serde(default)]
         within: Option<Seconds>,
+        /// Not before this time, in seconds from the beginning; from the beginning if left out. What is to come to rest after a push was at rest before it.
+        #[serde(default)]
+        after: Option<Seconds>,
     },
 }
 
@@ -61,7 +64,7 @@ pub enum Expected {
     AtMost(f64),
     /// At least this value.
     AtLeast(f64),
-    /// This word: for `Activity` and `StateHash`.
+    /// This word: `Active`, `Resting`, `Frozen` or `Culled` for `Activity`, and a hash for `StateHash`.
     Is(String),
     /// Nothing: the value is only reported.
     Reported,
@@ -134,9 +137,14 @@ impl fmt::Display for When {
             Self::End => f.write_str("at the end"),
             Self::At(time) => write!(f, "at {} s", time.get()),
             Self::Always => f.write_str("always"),
-            Self::During(from, to) => write!(f, "from {} s to {} s", from.get(), to.get()),
-            Self::Eventually { within: Some(time) } => write!(f, "within {} s", time.get()),
-            Self::Eventually { within: None } => f.write_str("eventually"),
+            Self::During(from, to) => write!(f, "at every step from {} s to {} s", from.get(), to.get()),
+            Self::Eventually { within, after } => {
+                match within {
+                    Some(time) => write!(f, "within {} s", time.get())?,
+                    None => f.write_str("eventually")?,
+                }
+                after.map_or(Ok(()), |after| write!(f, ", after {} s", after.get()))
+            }
         }
     }
 }

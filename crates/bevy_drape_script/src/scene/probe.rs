@@ -189,7 +189,7 @@ pub enum Point {
     Particle(u32),
     /// The first particle.
     First,
-    /// The particle in the middle.
+    /// The particle in the middle: of a whole cloth that of the middle row and column, of all else half way from the first to the last.
     Middle,
     /// The last particle.
     Last,
