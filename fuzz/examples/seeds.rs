@@ -8,14 +8,14 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape_script::checkpoint::Checkpoint;
 use bevy_drape_script::recording::{Header, RecordSteps};
-use drape_fuzz::{CHECKPOINT, RECORDING, unpack, world};
+use drape_fuzz::{RECORDING, checkpoint_head, unpack, world};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, steps) in [("start", 0), ("hit", 40)] {
         let mut app = world();
         (0..steps).for_each(|_| app.update());
         let bytes = Checkpoint::take(app.world_mut(), name).to_bytes()?;
-        let plain = unpack(&bytes[CHECKPOINT.len() + size_of::<u64>()..]);
+        let plain = unpack(&bytes[checkpoint_head().len() + size_of::<u64>()..]);
         fs::write(format!("seeds/checkpoint/{name}"), bytes)?;
         fs::write(format!("seeds/checkpoint/{name}.plain"), plain)?;
     }

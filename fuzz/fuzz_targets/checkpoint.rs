@@ -5,14 +5,14 @@
 #![no_main]
 
 use bevy_drape_script::checkpoint::Checkpoint;
-use drape_fuzz::{CHECKPOINT, pack, world};
+use drape_fuzz::{checkpoint_head, pack, world};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     restore(bytes);
     let packed = pack(bytes);
     let length = (packed.len() as u64).to_le_bytes();
-    restore(&[CHECKPOINT, &length, &packed].concat());
+    restore(&[&checkpoint_head()[..], &length, &packed].concat());
 });
 
 fn restore(bytes: &[u8]) {

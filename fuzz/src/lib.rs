@@ -5,10 +5,13 @@ use std::io::{Read, Write};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
+use bevy_drape_script::checkpoint;
 use lz4_flex::frame::{FrameDecoder, FrameEncoder, FrameInfo};
 
 /// How a checkpoint begins, up to its length.
-pub const CHECKPOINT: &[u8] = b"DRAPESAV\x01\0\0\0";
+pub fn checkpoint_head() -> Vec<u8> {
+    [&checkpoint::MAGIC[..], &checkpoint::VERSION.to_le_bytes()].concat()
+}
 
 /// How a recording begins, up to its first packet.
 pub const RECORDING: &[u8] = b"DRAPEREC\x01\0\0\0";

@@ -111,7 +111,7 @@ pub(crate) fn choose_detail(
                 false
             }
         });
-        changes.extend(choose_level(body, detail, &view).map(|change| Change { entity, ..change }));
+        changes.extend(choose_level(entity, body, detail, &view));
     }
     changes.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.order.cmp(&b.order)));
     changes.dedup_by_key(|change| change.entity);
@@ -135,7 +135,12 @@ pub(crate) fn choose_detail(
 }
 
 /// Sets what costs nothing to set, and tells whether the body is to get other particles.
-fn choose_level(mut body: DetailedItem, detail: Option<&LevelOfDetail>, view: &View) -> Option<Change> {
+fn choose_level(
+    entity: Entity,
+    mut body: DetailedItem,
+    detail: Option<&LevelOfDetail>,
+    view: &View,
+) -> Option<Change> {
     if *body.activity == Activity::Culled {
         return None;
     }
@@ -160,7 +165,7 @@ fn choose_level(mut body: DetailedItem, detail: Option<&LevelOfDetail>, view: &V
         _ => {}
     }
     let is_other = coarseness != known.coarseness;
-    is_other.then_some(Change { distance, order: body.state.order, entity: Entity::PLACEHOLDER, coarseness })
+    is_other.then_some(Change { distance, order: body.state.order, entity, coarseness })
 }
 
 /// Whether nobody knows the particles by their index, and the cloth is as it was described.
@@ -170,7 +175,7 @@ fn may_change(body: &DetailedItem) -> bool {
     let [columns, rows] = cloth.coarsened(current.coarseness).particles.to_array().map(u64::from);
     // What was torn has other numbers of one or the other.
     let is_whole = particles.len() as u64 == columns * rows
-        && sticks.faces().len() as u64 == 2 * (columns - 1) * (rows - 1);
+        && sticks.faces().len() as u64 == 2 * columns.saturating_sub(1) * rows.saturating_sub(1);
     let is_held = grab.is_some_and(|grab| !grab.hands.is_empty()) || body.is_attached || body.is_tearable;
     let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
     let is_pinned_as_built = || pinned.eq(state.pins.iter().map(|&(pin, _)| pin as usize));

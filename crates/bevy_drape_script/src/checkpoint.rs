@@ -36,9 +36,9 @@ use crate::SceneError;
 use crate::container::{pack, unpack};
 
 /// How every checkpoint begins.
-const MAGIC: [u8; 8] = *b"DRAPESAV";
+pub const MAGIC: [u8; 8] = *b"DRAPESAV";
 /// The version of the format that is written here, and the only one that is read: a snapshot is of this version's state.
-const VERSION: u32 = 4;
+pub const VERSION: u32 = 4;
 
 /// The state of a running world, with the name of its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

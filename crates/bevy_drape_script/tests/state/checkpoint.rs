@@ -237,3 +237,18 @@ fn every_truncation_and_every_flipped_byte_is_refused() {
         assert!(Checkpoint::from_bytes(&changed).is_err(), "byte {place}");
     }
 }
+
+/// The format had changed, and the fuzzer went on with files that were refused at their head.
+#[test]
+fn the_seeds_of_the_fuzzer_are_of_this_format() {
+    let seeds = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/checkpoint");
+    for name in ["start", "hit"] {
+        let bytes = std::fs::read(format!("{seeds}/{name}")).expect("a seed");
+        let read = Checkpoint::from_bytes(&bytes).map(|_| ());
+        assert_eq!(
+            read.map_err(|error| error.to_string()),
+            Ok(()),
+            "{name}: write the seeds anew, see fuzz/README.md"
+        );
+    }
+}
