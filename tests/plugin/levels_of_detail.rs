@@ -48,6 +48,8 @@ fn the_farther_away_the_fewer_particles_and_then_none_move() {
         (30.0, 1, 17, Activity::Active),
         (80.0, 2, 9, Activity::Active),
         (170.0, 3, 9, Activity::Frozen),
+        // Drawn still: what waves in the distance does not vanish.
+        (400.0, 3, 9, Activity::Frozen),
     ] {
         let (mut app, _) = app_seen_from(distance);
         let flag = spawn(&mut app, flag());

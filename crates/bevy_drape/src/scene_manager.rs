@@ -23,7 +23,7 @@ pub struct SceneManager {
     /// Greatest corner of the play area in metres.
     #[cfg_attr(feature = "serde", serde(with = "crate::snapshot::vector"))]
     pub play_area_max: Vec3,
-    /// Distance in metres from every [`Viewer`] beyond which a body that sleeps or is frozen is culled; it comes back when a
+    /// Distance in metres from every [`Viewer`] beyond which a sleeping body is culled; it comes back when a
     /// viewer does. Without viewers nothing is culled for distance.
     pub viewer_distance: f32,
     /// Whether balls that left the play area are despawned.
@@ -118,7 +118,7 @@ pub(crate) fn cull(
     };
     let next = |activity: Activity, bounds: Bounds, refused: bool, still_for: f32| match activity {
         _ if refused || is_lost(bounds) => Activity::Culled,
-        Activity::Resting | Activity::Frozen if is_far(bounds) => Activity::Culled,
+        Activity::Resting if is_far(bounds) => Activity::Culled,
         Activity::Culled if manager.sleeping && still_for >= manager.sleep_time => {
             if is_far(bounds) {
                 Activity::Culled
