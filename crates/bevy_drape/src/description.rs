@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::{BuildError, Topology};
 
@@ -70,9 +71,7 @@ pub(crate) fn insert_body(
     (particles, topology): (drape_solver::Particles, Arc<Topology>),
 ) {
     let anchor = transform.affine();
-    let to_local = anchor.inverse();
-    let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
-    let pins = pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect();
+    let pins = pins_at(&anchor, &particles);
     let state = BodyState {
         order,
         anchor,
@@ -82,6 +81,13 @@ pub(crate) fn insert_body(
         ..default()
     };
     commands.entity(entity).insert((Particles(particles), Sticks(topology), Activity::Active, state));
+}
+
+/// The pinned particles, and their places in the coordinates of an entity at `anchor`.
+pub(crate) fn pins_at(anchor: &Affine3A, particles: &drape_solver::Particles) -> Vec<(u32, Vec3)> {
+    let to_local = anchor.inverse();
+    let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
+    pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect()
 }
 
 /// Takes off an entity what [`insert_body`] put there.

@@ -8,11 +8,12 @@ use std::sync::Arc;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use drape_solver::{BodyContext, BuildError, Topology};
+use drape_solver::{BodyContext, BuildError, Topology, measure};
 
 use crate::activity::Activity;
 use crate::attachment::Attachment;
 use crate::cloth::Cloth;
+use crate::description::pins_at;
 use crate::detail::{CurrentDetail, DetailLevel, LevelOfDetail};
 use crate::follow_particle::FollowParticle;
 use crate::grab::Grab;
@@ -189,9 +190,7 @@ fn change_particles(body: &mut DetailedItem, coarseness: u32) -> Result<(), Buil
     let from = cloth.coarsened(body.current.coarseness).particles.to_array();
     let coarsened = cloth.coarsened(coarseness);
     let (mut particles, topology) = coarsened.build(body.transform)?;
-    let to_local = body.transform.affine().inverse();
-    let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
-    body.state.pins = pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect();
+    body.state.pins = pins_at(&body.transform.affine(), &particles);
     move_over(&body.particles, from, &mut particles, coarsened.particles.to_array());
     body.state.extent = Extent::of(&particles, &topology);
     body.state.rest = body.transform.affine();
@@ -207,25 +206,16 @@ fn move_over(old: &drape_solver::Particles, from: [u32; 2], new: &mut drape_solv
     let positions: Vec<Vec3> = old.positions().collect();
     let velocities: Vec<Vec3> = old.velocities().collect();
     let positions = resample(&positions, from, to);
-    let mut velocities = resample(&velocities, from, to);
-    let mass = |particles: &drape_solver::Particles, i| {
-        let inverse = particles.inverse_mass(i);
-        if inverse > 0.0 { 1.0 / inverse } else { 0.0 }
-    };
-    let is_free = (0..new.len()).all(|i| !new.is_pinned(i));
-    if is_free {
-        let momentum = |particles: &drape_solver::Particles, velocities: &mut dyn Iterator<Item = Vec3>| {
-            velocities.enumerate().map(|(i, velocity)| velocity * mass(particles, i)).sum::<Vec3>()
-        };
-        let total: f32 = (0..new.len()).map(|i| mass(new, i)).sum();
-        let lost = momentum(old, &mut old.velocities()) - momentum(new, &mut velocities.iter().copied());
-        velocities.iter_mut().for_each(|velocity| *velocity += lost / total);
-    }
+    let velocities = resample(&velocities, from, to);
     for (i, (position, velocity)) in positions.into_iter().zip(velocities).enumerate() {
         new.set_position(i, position);
         if !new.is_pinned(i) {
             new.set_velocity(i, velocity);
         }
+    }
+    if (0..new.len()).all(|i| !new.is_pinned(i)) {
+        let lost = (measure::momentum(old) - measure::momentum(new)) / measure::mass(new);
+        (0..new.len()).for_each(|i| new.set_velocity(i, new.velocity(i) + lost.as_vec3()));
     }
 }
 

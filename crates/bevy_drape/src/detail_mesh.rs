@@ -38,12 +38,11 @@ impl MeshesOfDetail {
             return mesh.clone();
         }
         let full = of(self.full).and_then(|mesh| meshes.get(mesh));
-        let mut new = new_mesh(
+        let new = new_mesh(
             shown,
             topology,
             full.and_then(|mesh| texture_coordinates(mesh, self.full, shown.layout())),
         );
-        new.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
         meshes.add(new)
     }
 }
