@@ -35,7 +35,10 @@ fn colour(material: &scene::Material) -> Color {
 }
 
 fn dress_cloths(
-    cloths: Query<(Entity, &Name), (With<Cloth>, Without<MeshMaterial3d<StandardMaterial>>)>,
+    cloths: Query<
+        (Entity, &Name),
+        (Or<(With<Cloth>, With<ClothMesh>, With<SoftBody>)>, Without<MeshMaterial3d<StandardMaterial>>),
+    >,
     play: Option<Res<ScenePlay>>,
     wardrobe: Res<Wardrobe>,
     mut materials: ResMut<Assets<StandardMaterial>>,

@@ -87,6 +87,9 @@ pub fn run(arguments: &SceneArguments) -> Result<bool, SuiteError> {
     let passed = reports.iter().filter(|report| report.passed()).count();
     if reports.len() > 1 {
         eprintln!("{} scenes, {passed} passed, {} failed", reports.len(), reports.len() - passed);
+        for report in reports.iter().filter(|report| !report.passed()) {
+            eprintln!("failed: {}", report.scene);
+        }
     }
     write_reports(&reports, arguments.report)?;
     Ok(passed == reports.len())

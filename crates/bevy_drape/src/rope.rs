@@ -24,6 +24,8 @@ pub struct Rope {
     pub particles: u32,
     /// Mass per length in kg/m.
     pub linear_density: f32,
+    /// Mass in kg that its last end carries besides its own, 0 (the default) or more: a bucket, a wrecking ball.
+    pub end_mass: f32,
     /// Stiffness against stretching, 0 to 1.
     pub stretch_stiffness: f32,
     /// Stiffness against bending, 0 (limp) to 1.
@@ -43,6 +45,7 @@ impl Default for Rope {
             end: Vec3::NEG_Y,
             particles: 32,
             linear_density: 0.1,
+            end_mass: 0.0,
             stretch_stiffness: 1.0,
             bend_stiffness: 0.0,
             damping: 0.0,
@@ -69,6 +72,7 @@ impl Rope {
         let [start, end] = [self.start, self.end].map(|end| transform.transform_point(end));
         let mut builder = RopeBuilder::new(start, end, self.particles)
             .linear_density(self.linear_density)
+            .end_mass(self.end_mass)
             .stiffness(self.stretch_stiffness, self.bend_stiffness)
             .damping(self.damping);
         if self.pin_start {

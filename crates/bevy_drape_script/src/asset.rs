@@ -7,6 +7,7 @@ use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
 use crate::load::{self, Texts};
+use crate::mesh_file::MeshFiles;
 use crate::play::{ScenePlugin, begin_scene};
 use crate::scene::SceneScript;
 use crate::{Override, SceneError};
@@ -80,7 +81,7 @@ fn play_what_was_loaded(
     }
 }
 
-/// Loads scenes and what they include.
+/// Loads scenes, what they include, and the meshes that they name.
 #[derive(Default, TypePath)]
 pub struct SceneScriptLoader;
 
@@ -110,7 +111,15 @@ impl AssetLoader for SceneScriptLoader {
                 missing.extend(note_text(&mut texts, &fragment, bytes)?);
             }
         }
-        load::from_texts(&path, &texts, &[])
+        let script = load::from_texts(&path, &texts, &[])?;
+        let mut files = MeshFiles::default();
+        for (field, file) in load::mesh_files(&script) {
+            let bytes = context.read_asset_bytes(load::beside(&path, &file)).await;
+            load::note_meshes(&mut files, &file, bytes.map_err(|error| error.to_string())).map_err(
+                |problem| load::located_among(SceneError::of_field(field, problem), &path, &texts),
+            )?;
+        }
+        load::finish(script, files, &path, &texts, &[])
     }
 
     fn extensions(&self) -> &[&str] {

@@ -1,5 +1,7 @@
 //! Checks of a scene as a whole: what is named exists, and is what it has to be.
 
+use std::collections::BTreeMap;
+
 use crate::SceneError;
 use crate::overriding;
 use crate::scene::{
@@ -13,7 +15,7 @@ use crate::suggest::unknown;
 /// # Errors
 /// [`SceneError`] with the path of the first field that is wrong.
 pub(crate) fn check(script: &SceneScript) -> Result<(), SceneError> {
-    let checker = Checker { script };
+    let checker = Checker { script, counts: particle_counts(script)? };
     checker.names()?;
     checker.bodies()?;
     checker.obstacles()?;
@@ -49,6 +51,35 @@ enum Kind {
 
 struct Checker<'a> {
     script: &'a SceneScript,
+    /// How many particles the bodies have that are made of meshes.
+    counts: BTreeMap<&'a str, u32>,
+}
+
+/// Whether the faces of a body are closed, so that it has a volume.
+fn is_closed(script: &SceneScript, name: &str) -> bool {
+    match script.bodies.get(name) {
+        Some(Body::ClothMesh(cloth)) => {
+            cloth.build(&script.meshes).is_ok_and(|built| built.topology.rest_volume().is_some())
+        }
+        body => matches!(body, Some(Body::SoftBody(_))),
+    }
+}
+
+/// Makes all bodies of meshes, which tells whether they can be made, and how many particles they have.
+fn particle_counts(script: &SceneScript) -> Result<BTreeMap<&str, u32>, SceneError> {
+    let mut counts = BTreeMap::new();
+    for (name, body) in script.bodies.iter() {
+        let built = match body {
+            Body::ClothMesh(cloth) => cloth.build(&script.meshes).map(|built| built.particles),
+            Body::SoftBody(solid) => solid.build(&script.meshes).map(|built| built.particles),
+            _ => continue,
+        };
+        match built {
+            Ok(particles) => _ = counts.insert(name.as_str(), particles.len() as u32),
+            Err(problem) => return fail(&format!("bodies.{name}.mesh"), problem),
+        }
+    }
+    Ok(counts)
 }
 
 fn fail<T>(field: &str, problem: impl core::fmt::Display) -> Result<T, SceneError> {
@@ -70,6 +101,9 @@ impl Checker<'_> {
                 Body::Cloth(cloth) => Kind::Particles(cloth.particles.0.get() * cloth.particles.1.get()),
                 Body::Rope(rope) => Kind::Particles(rope.particles.get()),
                 Body::SoftBall(ball) => Kind::Particles(ball.particle_count()),
+                Body::ClothMesh(_) | Body::SoftBody(_) => {
+                    Kind::Particles(self.counts.get(name).copied().unwrap_or_default())
+                }
                 Body::Rig(rig) => Kind::Particles(rig.particles.len() as u32),
                 Body::Balls(_) => Kind::Balls,
             });
@@ -151,9 +185,11 @@ impl Checker<'_> {
         for (name, body) in self.script.bodies.iter() {
             let field = format!("bodies.{name}");
             self.material(&field, body.material())?;
+            if let Some((_, own)) = body.place() {
+                turn(&format!("{field}.turn"), own)?;
+            }
             match body {
                 Body::Cloth(cloth) => {
-                    turn(&format!("{field}.turn"), &cloth.turn)?;
                     if let Pins::Indices(indices) = &cloth.pins {
                         let count = cloth.particles.0.get() * cloth.particles.1.get();
                         for (i, &index) in indices.iter().enumerate() {
@@ -161,14 +197,11 @@ impl Checker<'_> {
                         }
                     }
                 }
-                Body::Rope(rope) => {
-                    if rope.start == rope.end {
-                        return fail(&format!("{field}.end"), "expected another place than that of `start`");
-                    }
+                Body::Rope(rope) if rope.start == rope.end => {
+                    return fail(&format!("{field}.end"), "expected another place than that of `start`");
                 }
-                Body::SoftBall(ball) => turn(&format!("{field}.turn"), &ball.turn)?,
                 Body::Rig(rig) => self.rig(&field, rig)?,
-                Body::Balls(_) => {}
+                _ => {}
             }
         }
         Ok(())
@@ -438,6 +471,10 @@ impl Checker<'_> {
             Probe::Pieces { of } | Probe::Torn { of } if of.iter().any(|name| !self.can_be_cut(name)) => {
                 fail(&format!("{on_probe}.of"), "expected a cloth, rope or soft ball, as nothing else tears")
             }
+            Probe::Volume { of } if !of.iter().all(|name| is_closed(self.script, name)) => fail(
+                &format!("{on_probe}.of"),
+                "expected a body of a closed mesh, as nothing else has a volume",
+            ),
             Probe::Stretch { .. } if kinds.iter().any(|kind| !matches!(kind, Kind::Particles(_))) => {
                 fail(&format!("{on_probe}.of"), "expected a cloth, rope or rig, as nothing else has sticks")
             }

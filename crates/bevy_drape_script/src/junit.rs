@@ -6,8 +6,8 @@ use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatu
 
 use crate::{Report, SceneError};
 
-/// The reports of a suite as JUnit XML: a suite for each scene, a case for each expectation, and one more, "nothing is
-/// refused", which fails with what was wrong with the file and what the plugin refused.
+/// The reports of a suite as JUnit XML: a suite for each scene, a case for each expectation, and one more: "nothing is
+/// refused", which fails with what the plugin refused, or "it can be loaded", which fails with what was wrong with the file.
 ///
 /// # Errors
 /// [`SceneError`] if it cannot be written as XML.
@@ -31,7 +31,9 @@ pub fn to_junit<'a>(name: &str, reports: impl IntoIterator<Item = &'a Report>) -
         } else {
             failure(report, &report.problems.join("\n"))
         };
-        let mut case = TestCase::new("nothing is refused", status);
+        // A scene without a step has not been loaded.
+        let title = if report.steps == 0 { "it can be loaded" } else { "nothing is refused" };
+        let mut case = TestCase::new(title, status);
         case.set_classname(report.scene.as_str());
         suite.add_test_case(case);
         junit.add_test_suite(suite);

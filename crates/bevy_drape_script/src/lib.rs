@@ -12,6 +12,7 @@ mod hint;
 #[cfg(feature = "junit")]
 pub mod junit;
 mod load;
+mod mesh_file;
 pub mod overriding;
 pub mod play;
 pub mod recording;

@@ -5,8 +5,9 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::SceneError;
 use crate::check::check;
+use crate::mesh_file::MeshFiles;
 use crate::overriding::{self, Override};
-use crate::scene::{Named, SceneScript, Settings};
+use crate::scene::{MeshSource, Named, SceneScript, Settings};
 use crate::text;
 
 /// The texts of a scene and of all that it includes, by their paths.
@@ -24,13 +25,48 @@ pub(crate) fn from_file(path: &Path, overrides: &[Override]) -> Result<SceneScri
         unread.extend(included(&path, &text)?);
         texts.insert(path, text);
     }
-    from_texts(&normal(path), &texts, overrides)
+    let path = normal(path);
+    let script = from_texts(&path, &texts, overrides)?;
+    let mut files = MeshFiles::default();
+    for (field, file) in mesh_files(&script) {
+        let bytes = std::fs::read(beside(&path, &file));
+        note_meshes(&mut files, &file, bytes.map_err(|error| error.to_string()))
+            .map_err(|problem| located_among(SceneError::of_field(field, problem), &path, &texts))?;
+    }
+    finish(script, files, &path, &texts, overrides)
+}
+
+/// The files of meshes that a scene names, each once, with the field that names it.
+pub(crate) fn mesh_files(script: &SceneScript) -> Vec<(String, String)> {
+    let mut files: Vec<(String, String)> = Vec::new();
+    for (name, body) in script.bodies.iter() {
+        if let Some(file) = body.mesh().and_then(MeshSource::file)
+            && files.iter().all(|(_, known)| known != file)
+        {
+            files.push((format!("bodies.{name}.mesh.path"), file.to_string()));
+        }
+    }
+    files
+}
+
+/// Adds what was read from a file of meshes, if it could be.
+pub(crate) fn note_meshes(
+    files: &mut MeshFiles,
+    path: &str,
+    bytes: Result<Vec<u8>, String>,
+) -> Result<(), String> {
+    let bytes = bytes.map_err(|error| format!("`{path}` cannot be read: {error}"))?;
+    files.add(path, &bytes)
 }
 
 pub(crate) fn from_text(text: &str) -> Result<SceneScript, SceneError> {
     let script = parse(text)?;
     if !script.include.is_empty() {
         return Err(SceneError::of_field("include", "a scene that is no file cannot include others"));
+    }
+    if let Some((field, _)) = mesh_files(&script).into_iter().next() {
+        let error = SceneError::of_field(field, "a scene that is no file cannot name others");
+        return Err(located(error, text));
     }
     let script = overriding::apply(script, &[]).map_err(|error| located(error, text))?;
     check(&script).map_err(|error| located(overriding::blame(&script, &[], error), text))?;
@@ -41,14 +77,25 @@ fn parse(text: &str) -> Result<SceneScript, SceneError> {
     text::parse(text)
 }
 
-/// The scene at `path`, all of whose texts have been read.
+/// The scene at `path`, all of whose texts have been read, as it stands there.
 pub(crate) fn from_texts(
     path: &Path,
     texts: &Texts,
     overrides: &[Override],
 ) -> Result<SceneScript, SceneError> {
     let script = with_fragments(path, texts, &mut Vec::new())?;
-    let script = overriding::apply(script, overrides).map_err(|error| located_among(error, path, texts))?;
+    overriding::apply(script, overrides).map_err(|error| located_among(error, path, texts))
+}
+
+/// The same, once the meshes that it names have been read: checked as a whole.
+pub(crate) fn finish(
+    script: SceneScript,
+    meshes: MeshFiles,
+    path: &Path,
+    texts: &Texts,
+    overrides: &[Override],
+) -> Result<SceneScript, SceneError> {
+    let script = SceneScript { meshes, ..script };
     check(&script)
         .map_err(|error| located_among(overriding::blame(&script, overrides, error), path, texts))?;
     Ok(script)
@@ -62,7 +109,7 @@ fn located(error: SceneError, text: &str) -> SceneError {
 }
 
 /// The same error with the place of its field, be it in the scene at `path` or in a fragment of it.
-fn located_among(error: SceneError, path: &Path, texts: &Texts) -> SceneError {
+pub(crate) fn located_among(error: SceneError, path: &Path, texts: &Texts) -> SceneError {
     if error.origin.is_some() {
         return error.in_file(path);
     }
@@ -136,8 +183,8 @@ fn merge<T>(into: &mut Named<T>, from: Named<T>) -> Option<String> {
     None
 }
 
-/// The path of a fragment that is named from the folder of `path`.
-fn beside(path: &Path, fragment: &str) -> PathBuf {
+/// The path of a file that is named from the folder of `path`.
+pub(crate) fn beside(path: &Path, fragment: &str) -> PathBuf {
     normal(&path.parent().unwrap_or(Path::new("")).join(fragment))
 }
 

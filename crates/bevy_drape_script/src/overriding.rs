@@ -115,7 +115,7 @@ pub(crate) fn replaced(script: &SceneScript, path: &str, value: &Literal) -> Res
     for reading in value.readings() {
         // A comment at its end shall not swallow what follows.
         match parse([&text[..place.start], &reading, "\n", &text[place.end..]].concat().as_str()) {
-            Ok(script) => return Ok(script),
+            Ok(read) => return Ok(SceneScript { meshes: script.meshes.clone(), ..read }),
             Err(error) => fault = fault.or(Some(error)),
         }
     }

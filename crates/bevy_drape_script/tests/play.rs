@@ -230,6 +230,64 @@ fn a_dragged_particle_follows_its_path_and_is_let_go() {
 }
 
 #[test]
+fn a_path_of_places_leads_to_them_wherever_the_particle_was() {
+    run(r#"
+        settings: (duration: 1, solver: (drag: 3)),
+        bodies: { "curtain": Cloth(particles: (11, 11), at: (0, 2, 0)) },
+        timeline: [(at: 0, do: Drag(of: "curtain", point: Last, path: [(0.5, (0.4, 1.6, 0.3)), (1, (0.4, 1.6, 0.3))], absolute: true))],
+        expectations: [
+            (when: At(0.9), probe: Position(of: "curtain", point: Last, axis: X), expect: Near(value: 0.4, tolerance: 0.03)),
+            (when: At(0.9), probe: Position(of: "curtain", point: Last, axis: Y), expect: Near(value: 1.6, tolerance: 0.03)),
+            (when: At(0.9), probe: Position(of: "curtain", point: Last, axis: Z), expect: Near(value: 0.3, tolerance: 0.03)),
+        ]"#)
+    .assert_passed();
+}
+
+/// To hold 2 kg on a rope at 30 degrees to the side takes 2 g tan 30 = 11 N. 3 N reach to 9 degrees.
+#[test]
+fn a_hand_is_as_strong_as_it_is_told_to_be() {
+    let report = run(r#"
+        settings: (duration: 6, solver: (drag: 3)),
+        bodies: {
+            "weak": Rope(end_mass: 2, particles: 8),
+            "strong": Rope(start: (3, 0, 0), end: (3, -1, 0), end_mass: 2, particles: 8),
+        },
+        timeline: [
+            (at: 0, do: Drag(of: "weak", point: Last, path: [(1, (0.5, 0.134, 0)), (6, (0.5, 0.134, 0))], greatest_force: 3)),
+            (at: 0, do: Drag(of: "strong", point: Last, path: [(1, (0.5, 0.134, 0)), (6, (0.5, 0.134, 0))], greatest_force: 30)),
+        ],
+        expectations: [
+            (when: At(5.8), probe: Position(of: "weak", point: Last, axis: X), expect: Near(value: 0.151, tolerance: 0.03)),
+            (when: At(5.8), probe: Position(of: "strong", point: Last, axis: X), expect: Near(value: 3.5, tolerance: 0.03)),
+        ]"#);
+    report.assert_passed();
+}
+
+#[test]
+fn energy_is_counted_from_a_time_on() {
+    let report = run(r#"
+        settings: (duration: 1),
+        bodies: { "ball": Balls(at: (0, 10, 0), mass: 2) },
+        expectations: [
+            (probe: Energy(kind: Potential), expect: Reported),
+            (when: At(0.5), probe: Energy(kind: Potential), expect: Reported),
+            (probe: Energy(kind: Potential, since: 0.5), expect: Reported),
+        ]"#);
+    let [end, half, since] = [0, 1, 2].map(|index| number(&report, index));
+    assert!((end - half - since).abs() < 1e-3 && since < -60.0, "{end} {half} {since}");
+}
+
+#[test]
+fn junit_tells_what_could_not_be_loaded_from_what_was_refused() {
+    let unread = bevy_drape_script::run_scene("no/such.scene.ron");
+    let good = run(r#"settings: (duration: 0.1), bodies: { "ball": Balls() }"#);
+    let xml = bevy_drape_script::to_junit("all", [&unread, &good]).expect("XML");
+    let place = |text: &str| xml.find(text).unwrap_or_else(|| panic!("no {text} in {xml}"));
+    assert!(place("it can be loaded") < place("nothing is refused"));
+    assert_eq!(xml.matches("<failure").count(), 1, "{xml}");
+}
+
+#[test]
 fn settings_change_by_their_paths() {
     run(r#"
         settings: (duration: 1, solver: (drag: 0)),

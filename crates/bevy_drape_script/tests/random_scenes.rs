@@ -74,7 +74,32 @@ fn body() -> impl Strategy<Value = String> {
             )
         },
     );
-    prop_oneof![3 => cloth, 1 => rope, 1 => soft, 1 => rig, 2 => balls]
+    let size = || number(0.1..1.0);
+    let closed = prop_oneof![
+        (size(), 0..3_u32)
+            .prop_map(|(radius, divisions)| format!("Sphere(radius: {radius}, divisions: {divisions})")),
+        (size(), size()).prop_map(|(x, z)| format!("Cuboid(size: ({x}, 0.5, {z}))")),
+    ];
+    let open = size().prop_map(|x| {
+        format!("Triangles(vertices: [(0, 0, 0), ({x}, 0, 0), (0, 1, 0), ({x}, 1, 0.2)], triangles: [(0, 1, 2), (2, 1, 3)])")
+    });
+    let pressure = prop_oneof![Just("None".to_string()), number(0.0..3.0)];
+    let sheet = (prop_oneof![2 => closed.clone(), 1 => open], vector(2.0), turn(), pressure, 0..4_u32, solver(), vector(5.0)).prop_map(
+        |(mesh, at, turn, pressure, pin, solver, velocity)| {
+            format!(
+                "ClothMesh(mesh: {mesh}, at: {at}, turn: {turn}, pressure: {pressure}, pins: [{pin}], solver: {solver}, velocity: {velocity}, \
+                 tearable: (strain: 0.4))"
+            )
+        },
+    );
+    let solid = (closed, vector(2.0), turn(), number(0.0..1.0), number(0.0..2.0), solver(), vector(5.0)).prop_map(
+        |(mesh, at, turn, stiffness, pressure, solver, velocity)| {
+            format!(
+                "SoftBody(mesh: {mesh}, at: {at}, turn: {turn}, stiffness: {stiffness}, pressure: {pressure}, solver: {solver}, velocity: {velocity})"
+            )
+        },
+    );
+    prop_oneof![3 => cloth, 1 => rope, 1 => soft, 1 => rig, 2 => balls, 1 => sheet, 1 => solid]
 }
 
 fn obstacle() -> impl Strategy<Value = String> {

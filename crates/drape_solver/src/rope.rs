@@ -18,6 +18,7 @@ pub struct RopeBuilder {
     end: Vec3,
     particles: u32,
     linear_density: f32,
+    end_mass: f32,
     stretch: f32,
     bend: f32,
     damping: f32,
@@ -32,6 +33,7 @@ impl RopeBuilder {
             end,
             particles,
             linear_density: 0.1,
+            end_mass: 0.0,
             stretch: 1.0,
             bend: 0.0,
             damping: 0.0,
@@ -42,6 +44,12 @@ impl RopeBuilder {
     /// Mass per length in kg/m, above zero.
     pub fn linear_density(mut self, linear_density: f32) -> Self {
         self.linear_density = linear_density;
+        self
+    }
+
+    /// Mass in kg that its last particle carries besides its own, 0 or more: a bucket, a wrecking ball. None by default.
+    pub fn end_mass(mut self, end_mass: f32) -> Self {
+        self.end_mass = end_mass;
         self
     }
 
@@ -90,12 +98,19 @@ impl RopeBuilder {
         finite_vector("start", self.start)?;
         finite_vector("end", self.end)?;
         positive("linear_density", self.linear_density)?;
+        if self.end_mass != 0.0 {
+            positive("end_mass", self.end_mass)?;
+        }
         let length = positive("length", self.start.distance(self.end))?;
         let links = count - 1;
         let positions: Vec<Vec3> =
             (0..count).map(|i| self.start.lerp(self.end, i as f32 / links as f32)).collect();
         let link_mass = self.linear_density * length / links as f32;
-        let mass = |i: u32| if i == 0 || i == links { 0.5 * link_mass } else { link_mass };
+        let mass = |i: u32| match i {
+            0 => 0.5 * link_mass,
+            i if i == links => 0.5 * link_mass + self.end_mass,
+            _ => link_mass,
+        };
         let mut inverse_masses: Vec<f32> = (0..count).map(|i| 1.0 / mass(i)).collect();
         for &index in &self.pins {
             let slot = inverse_masses.get_mut(index as usize);
@@ -143,11 +158,21 @@ mod tests {
     }
 
     #[test]
+    fn a_weight_hangs_at_the_last_particle() {
+        let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 3.0, 31).linear_density(0.2).end_mass(5.0);
+        let (particles, _) = rope.build_parts().expect("valid");
+        assert!((crate::measure::mass(&particles) - 5.6).abs() < 1e-5);
+        assert!((1.0 / particles.inverse_mass(30) - 5.01).abs() < 1e-5);
+    }
+
+    #[test]
     fn what_cannot_be_built_is_refused() {
         let (a, b) = (Vec3::ZERO, Vec3::X);
         for rope in [
             RopeBuilder::new(a, b, 1),
             RopeBuilder::new(a, a, 4),
+            RopeBuilder::new(a, b, 4).end_mass(-1.0),
+            RopeBuilder::new(a, b, 4).end_mass(f32::NAN),
             RopeBuilder::new(a, Vec3::NAN, 4),
             RopeBuilder::new(a, b, 4).linear_density(0.0),
             RopeBuilder::new(a, b, 4).pin(4),

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 use super::ScenePlay;
-use super::stage::{Actor, mark, place, set_tearable};
+use super::stage::{Actor, mark, place, set_pressure, set_tearable};
 use crate::scene::{self, Body, SceneScript, Settings};
 
 /// Gravity, wind, the length of a step and so on.
@@ -75,29 +75,13 @@ impl ScenePlay {
         let settings = self.solver_settings(new.solver().unwrap_or(&scene::Solver::default()));
         let is_changed = old != Some(new);
         match (actor, new, old) {
-            (&Actor::Body { body, .. }, Body::Cloth(cloth), Some(Body::Cloth(was))) => {
+            (&Actor::Body { body, .. }, _, Some(was))
+                if was.mesh() == new.mesh() && is_described(was, new) =>
+            {
                 insert_if_other(world, body, settings);
                 if is_changed {
-                    let has_moved = (cloth.at, cloth.turn) != (was.at, was.turn);
-                    let place = has_moved.then(|| place(cloth.at, &cloth.turn));
-                    self.describe_anew(world, name, new, [was, cloth].map(Cloth::from), place);
-                    mark(world, body, name, cloth.layers.as_ref(), cloth.contacts);
-                }
-            }
-            (&Actor::Body { body, .. }, Body::Rope(rope), Some(Body::Rope(was))) => {
-                insert_if_other(world, body, settings);
-                if is_changed {
-                    self.describe_anew(world, name, new, [was, rope].map(Rope::from), None);
-                    mark(world, body, name, rope.layers.as_ref(), rope.contacts);
-                }
-            }
-            (&Actor::Body { body, .. }, Body::SoftBall(ball), Some(Body::SoftBall(was))) => {
-                insert_if_other(world, body, settings);
-                if is_changed {
-                    let has_moved = (ball.at, ball.turn) != (was.at, was.turn);
-                    let place = has_moved.then(|| place(ball.at, &ball.turn));
-                    self.describe_anew(world, name, new, [was, ball].map(SoftBall::from), place);
-                    mark(world, body, name, ball.layers.as_ref(), ball.contacts);
+                    self.describe_anew(world, name, [was, new]);
+                    mark(world, body, name, new.layers(), new.tells_contacts());
                 }
             }
             (Actor::Rig { particles, .. }, Body::Rig(rig), Some(Body::Rig(was))) => {
@@ -120,27 +104,49 @@ impl ScenePlay {
     }
 
     /// Brings what differs between two descriptions of a body to its entity. A body that is built anew has no pieces.
-    fn describe_anew<D: Component + PartialEq>(
-        &mut self,
-        world: &mut World,
-        name: &str,
-        body: &Body,
-        [was, is]: [D; 2],
-        place: Option<Transform>,
-    ) {
+    fn describe_anew(&mut self, world: &mut World, name: &str, [was, is]: [&Body; 2]) {
         let entities = self.stage.entities(name);
         for &entity in &entities {
-            set_tearable(world, entity, body);
+            set_tearable(world, entity, is);
+            set_pressure(world, entity, is);
         }
         let Some(&entity) = entities.first() else { return };
-        if is != was {
+        let has_changed = match (was, is) {
+            (Body::Cloth(was), Body::Cloth(is)) => replace(world, entity, [was, is].map(Cloth::from)),
+            (Body::Rope(was), Body::Rope(is)) => replace(world, entity, [was, is].map(Rope::from)),
+            (Body::ClothMesh(was), Body::ClothMesh(is)) => {
+                replace(world, entity, [was, is].map(ClothMesh::from))
+            }
+            (Body::SoftBall(was), Body::SoftBall(is)) => {
+                replace(world, entity, [was, is].map(SoftBall::from))
+            }
+            (Body::SoftBody(was), Body::SoftBody(is)) => {
+                replace(world, entity, [was, is].map(SoftBody::from))
+            }
+            _ => false,
+        };
+        if has_changed {
             self.stage.drop_pieces(world, name);
-            world.entity_mut(entity).insert(is);
         }
-        if let Some(place) = place {
-            world.entity_mut(entity).insert(place);
+        if let Some((at, turn)) = is.place().filter(|place| was.place() != Some(*place)) {
+            world.entity_mut(entity).insert(place(at, turn));
         }
     }
+}
+
+/// Gives a body another description, if it is another.
+fn replace<D: Component + PartialEq>(world: &mut World, entity: Entity, [was, is]: [D; 2]) -> bool {
+    let has_changed = is != was;
+    if has_changed {
+        world.entity_mut(entity).insert(is);
+    }
+    has_changed
+}
+
+/// Whether the plugin builds both of descriptions of one kind.
+fn is_described(was: &Body, is: &Body) -> bool {
+    core::mem::discriminant(was) == core::mem::discriminant(is)
+        && !matches!(is, Body::Rig(_) | Body::Balls(_))
 }
 
 fn insert_if_other(world: &mut World, entity: Entity, settings: SolverSettings) {

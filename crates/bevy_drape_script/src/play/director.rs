@@ -103,9 +103,7 @@ impl ScenePlay {
             Action::Pin { of, particles } => order(of, particles, OrderKind::Pin),
             Action::Unpin { of, particles } => order(of, particles, OrderKind::Unpin),
             Action::Push { of, impulse, particles } => order(of, particles, OrderKind::Push(*impulse)),
-            Action::Drag { of, point, radius, path } => {
-                self.drags.push(DragUnderWay::new(of, point, *radius, path, time));
-            }
+            drag @ Action::Drag { .. } => self.drags.extend(DragUnderWay::new(drag, time)),
             Action::Cut { of, from, to } => {
                 let sweep = CutCloth::sweep([from.0.get(), from.1.get()], [to.0.get(), to.1.get()]);
                 if of.is_empty() {

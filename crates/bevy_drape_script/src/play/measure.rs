@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_drape::drape_solver::{StateHasher, StickBatch, StickKind, measure};
+use bevy_drape::drape_solver::{self, StateHasher, StickBatch, StickKind, measure};
 use bevy_drape::prelude::*;
 
 use super::ScenePlay;
@@ -46,8 +46,9 @@ impl ScenePlay {
                 number(along(bounds(world, &self.parts(world, of)?)?.1.as_dvec3(), axis))
             }
             Probe::Stretch { of, measure } => number(stretch(world, &self.parts(world, of)?, *measure)),
+            Probe::Volume { of } => volume(world, &self.parts(world, of)?).map(Measured::Number),
             Probe::Penetration { of } => number(self.penetration(world, &self.parts(world, of)?)),
-            Probe::Energy { of, kind } => number(energy(world, &self.parts(world, of)?, *kind)),
+            Probe::Energy { of, kind, .. } => number(energy(world, &self.parts(world, of)?, *kind)),
             Probe::Momentum { of, axis } => number(along(momentum(world, &self.parts(world, of)?), axis)),
             Probe::AngularMomentum { of, axis } => {
                 number(along(angular_momentum(world, &self.parts(world, of)?), axis))
@@ -178,6 +179,14 @@ fn stretch(world: &World, parts: &Parts, kind: Measure) -> f64 {
         }
     };
     parts.bodies.iter().map(of_body).fold(0.0, f64::max)
+}
+
+fn volume(world: &World, parts: &Parts) -> Option<f64> {
+    let of_body = |&body: &Entity| {
+        let (particles, sticks) = (world.get::<Particles>(body)?, world.get::<Sticks>(body)?);
+        Some(drape_solver::volume(particles, sticks) / sticks.rest_volume()?)
+    };
+    parts.bodies.iter().filter_map(of_body).max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()))
 }
 
 fn energy(world: &World, parts: &Parts, kind: Energy) -> f64 {

@@ -6,7 +6,7 @@ use bevy_drape::prelude::*;
 use super::ScenePlay;
 use super::points;
 use super::stage::Actor;
-use crate::scene::{Body, Selection, Vector};
+use crate::scene::{self, Body, Selection, Vector};
 use serde::{Deserialize, Serialize};
 
 /// Something that a body is to do.
@@ -136,6 +136,7 @@ impl ScenePlay {
     /// The inverse masses of a body as it was built, none of whose particles are pinned.
     fn free_inverse_masses(&self, name: &str) -> Option<Vec<f32>> {
         let whole = name.split('#').next().unwrap_or(name);
+        let files = &self.script.meshes;
         let built = match self.script.bodies.get(whole)? {
             Body::Cloth(cloth) => {
                 Cloth::from(cloth).with_pins(ClothPins::None).build(&GlobalTransform::IDENTITY)
@@ -147,6 +148,16 @@ impl ScenePlay {
             Body::SoftBall(ball) => {
                 let ball = SoftBall { pin_rim: false, ..SoftBall::from(ball) };
                 ball.build(&GlobalTransform::IDENTITY)
+            }
+            Body::ClothMesh(cloth) => {
+                let cloth = scene::ClothMesh { pins: Vec::new(), painted_pins: None, ..cloth.clone() };
+                let built = cloth.build(files).ok()?;
+                Ok((built.particles, built.topology.into()))
+            }
+            Body::SoftBody(solid) => {
+                let solid = scene::SoftBody { pins: Vec::new(), painted_pins: None, ..solid.clone() };
+                let built = solid.build(files).ok()?;
+                Ok((built.particles, built.topology.into()))
             }
             Body::Rig(_) | Body::Balls(_) => return None,
         };

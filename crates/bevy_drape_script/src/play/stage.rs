@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use bevy::ecs::message::MessageRegistry;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
@@ -12,7 +13,7 @@ use crate::scene::{self, Body, Motion, Selection, Solver};
 /// What a name stands for.
 #[derive(Clone, Debug)]
 pub(super) enum Actor {
-    /// A cloth, rope or soft ball: what it is now, and the pieces that came off it.
+    /// What the plugin builds of a description, such as a cloth or rope: what it is now, and the pieces that came off it.
     Body {
         body: Entity,
         pieces: Vec<Entity>,
@@ -270,21 +271,17 @@ impl ScenePlay {
 
     pub(super) fn spawn_body(&mut self, world: &mut World, name: &str, body: &Body) {
         let actor = match body {
-            Body::Cloth(cloth) => {
-                let described = (Cloth::from(cloth), place(cloth.at, &cloth.turn));
-                let layers = cloth.layers.as_ref();
-                self.spawn_described(world, name, body, described, layers, cloth.velocity)
-            }
-            Body::Rope(rope) => {
-                let described = Rope::from(rope);
-                let layers = rope.layers.as_ref();
-                self.spawn_described(world, name, body, described, layers, rope.velocity)
-            }
-            Body::SoftBall(ball) => {
-                let described = (SoftBall::from(ball), place(ball.at, &ball.turn));
-                let layers = ball.layers.as_ref();
-                self.spawn_described(world, name, body, described, layers, ball.velocity)
-            }
+            Body::Cloth(cloth) => self.spawn_described(world, name, body, Cloth::from(cloth)),
+            Body::Rope(rope) => self.spawn_described(world, name, body, Rope::from(rope)),
+            Body::SoftBall(ball) => self.spawn_described(world, name, body, SoftBall::from(ball)),
+            Body::ClothMesh(cloth) => match self.mesh_of(world, name, &cloth.mesh) {
+                Some(mesh) => self.spawn_described(world, name, body, (mesh, ClothMesh::from(cloth))),
+                None => return,
+            },
+            Body::SoftBody(solid) => match self.mesh_of(world, name, &solid.mesh) {
+                Some(mesh) => self.spawn_described(world, name, body, (mesh, SoftBody::from(solid))),
+                None => return,
+            },
             Body::Rig(rig) => self.spawn_rig(world, name, rig),
             Body::Balls(balls) => {
                 let projectile = Projectile::from(balls);
@@ -314,15 +311,32 @@ impl ScenePlay {
         name: &str,
         body: &Body,
         described: impl Bundle,
-        layers: Option<&scene::Layers>,
-        velocity: scene::Vector,
     ) -> Actor {
         let settings = body.solver().map(|solver| self.solver_settings(solver)).unwrap_or_default();
-        let entity = world.spawn((described, settings)).id();
-        mark(world, entity, name, layers, body.tells_contacts());
+        let place = body.place().map(|(at, turn)| place(at, turn)).unwrap_or_default();
+        let entity = world.spawn((described, place, settings)).id();
+        mark(world, entity, name, body.layers(), body.tells_contacts());
         set_tearable(world, entity, body);
-        self.order_velocity(name, velocity);
+        set_pressure(world, entity, body);
+        self.order_velocity(name, body.velocity());
         Actor::Body { body: entity, pieces: Vec::new() }
+    }
+
+    /// A mesh as an asset. An app without any has them from now on.
+    fn mesh_of(&mut self, world: &mut World, name: &str, source: &scene::MeshSource) -> Option<Mesh3d> {
+        match source.mesh(&self.script.meshes) {
+            Ok(mesh) => {
+                if !world.contains_resource::<Assets<Mesh>>() {
+                    MessageRegistry::register_message::<AssetEvent<Mesh>>(world);
+                    world.init_resource::<Assets<Mesh>>();
+                }
+                Some(Mesh3d(world.resource_mut::<Assets<Mesh>>().add(mesh)))
+            }
+            Err(problem) => {
+                self.problems.push(format!("{name}: {problem}"));
+                None
+            }
+        }
     }
 
     fn spawn_rig(&self, world: &mut World, name: &str, rig: &scene::Rig) -> Actor {
@@ -423,6 +437,26 @@ pub(super) fn set_tearable(world: &mut World, entity: Entity, body: &Body) {
         }
         None if entity.contains::<Tearable>() => {
             entity.remove::<Tearable>();
+        }
+        _ => {}
+    }
+}
+
+/// Keeps the volume of a closed body as the scene says, or no more.
+pub(super) fn set_pressure(world: &mut World, entity: Entity, body: &Body) {
+    let pressure = match body {
+        Body::ClothMesh(cloth) => cloth.pressure,
+        Body::SoftBody(solid) => Some(solid.pressure),
+        _ => return,
+    };
+    let pressure = pressure.map(|pressure| Pressure(pressure.get()));
+    let mut entity = world.entity_mut(entity);
+    match pressure {
+        Some(pressure) if entity.get() != Some(&pressure) => {
+            entity.insert(pressure);
+        }
+        None if entity.contains::<Pressure>() => {
+            entity.remove::<Pressure>();
         }
         _ => {}
     }

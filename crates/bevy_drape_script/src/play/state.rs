@@ -15,6 +15,7 @@ use super::tally::{Counted, Tally};
 use super::{ScenePlay, ScheduledEvent, begin_scene};
 use crate::SceneError;
 use crate::checkpoint::CheckpointError;
+use crate::mesh_file::MeshFiles;
 use crate::scene::{Named, SceneScript};
 use crate::text;
 
@@ -22,6 +23,8 @@ use crate::text;
 #[derive(Clone, Serialize, Deserialize)]
 struct PlayState {
     script: SceneScript,
+    /// What was read for it, as its files may be elsewhere when it goes on.
+    meshes: MeshFiles,
     /// The keys of all who are on the stage, by name: of balls one each, as long as there is a ball.
     actors: BTreeMap<String, Vec<Option<Key>>>,
     schedule: Vec<ScheduledEvent>,
@@ -57,6 +60,7 @@ impl ScenePlay {
         });
         text::write(&PlayState {
             script: self.script.clone(),
+            meshes: self.script.meshes.clone(),
             actors: actors.collect(),
             schedule: self.schedule.clone(),
             judges: self.judges.clone(),
@@ -80,7 +84,8 @@ pub(crate) fn resume(
     snapshot: &Snapshot,
     play: &str,
 ) -> Result<(), CheckpointError> {
-    let state: PlayState = text::parse(play).map_err(CheckpointError::BadPlay)?;
+    let mut state: PlayState = text::parse(play).map_err(CheckpointError::BadPlay)?;
+    state.script.meshes = core::mem::take(&mut state.meshes);
     // Bodies and obstacles are spawned one by one, each under the number that it had.
     let mut empty = SceneScript { timeline: Vec::new(), expectations: Vec::new(), ..state.script.clone() };
     (empty.bodies, empty.obstacles) = (Named::default(), Named::default());

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Aim, Literal, Names, NonNegative, Point, Seconds, Vector};
+use super::{Aim, Literal, Names, NonNegative, Point, Positive, Seconds, Vector};
 
 /// What an event does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -50,6 +50,12 @@ pub enum Action {
         radius: NonNegative,
         /// Where to: seconds since the beginning of the drag, and metres from where the particle was then; evenly in between.
         path: Vec<(Seconds, Vector)>,
+        /// Whether the path is places of the scene instead, reached evenly from where the particle was; false by default.
+        #[serde(default)]
+        absolute: bool,
+        /// The greatest force of the hand in newtons; none by default: what it holds is where it is, whatever that takes.
+        #[serde(default)]
+        greatest_force: Option<Positive>,
     },
     /// A blade cuts what it passes through: a straight edge that moves from one place to another in no time.
     Cut {

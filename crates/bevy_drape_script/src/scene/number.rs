@@ -117,6 +117,10 @@ number! {
     Fraction(f32): 0.0, 1.0
 }
 number! {
+    /// A volume in parts of that at rest, from 0 to 1000.
+    Pressure(f32): 0.0, 1.0e3
+}
+number! {
     /// Seconds of simulated time, from 0 to 10^5: a day and some hours.
     Seconds(f64): 0.0, 1.0e5
 }

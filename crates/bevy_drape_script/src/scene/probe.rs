@@ -82,6 +82,11 @@ pub enum Probe {
         #[serde(default)]
         measure: Measure,
     },
+    /// The volume inside a closed body, in parts of that at rest; of several, the farthest from 1.
+    Volume {
+        /// Whose: of what is made of a closed mesh.
+        of: Names,
+    },
     /// How deep its deepest particle (of balls: their surface) lies in an obstacle or a ball, in metres; 0 where it touches
     /// nothing.
     Penetration {
@@ -96,6 +101,9 @@ pub enum Probe {
         /// Which energy; `Mechanical`, the sum, by default.
         #[serde(default)]
         kind: Energy,
+        /// A time in seconds whose value is taken off: how much it has changed since then.
+        #[serde(default)]
+        since: Option<Seconds>,
     },
     /// Linear momentum of what is free along an axis, in kg m/s.
     Momentum {
@@ -268,6 +276,7 @@ impl Probe {
             | Self::Least { of, .. }
             | Self::Greatest { of, .. }
             | Self::Stretch { of, .. }
+            | Self::Volume { of }
             | Self::Penetration { of }
             | Self::Energy { of, .. }
             | Self::Momentum { of, .. }
@@ -288,7 +297,9 @@ impl Probe {
     /// The time from which on it counts, if it counts from one.
     pub fn since(&self) -> Option<Seconds> {
         match self {
-            Self::Position { since, .. } | Self::Velocity { since, .. } => *since,
+            Self::Position { since, .. } | Self::Velocity { since, .. } | Self::Energy { since, .. } => {
+                *since
+            }
             _ => None,
         }
     }
@@ -307,6 +318,7 @@ impl Probe {
             Self::Momentum { .. } => "kg m/s",
             Self::AngularMomentum { .. } => "kg m^2/s",
             Self::Stretch { .. }
+            | Self::Volume { .. }
             | Self::Activity { .. }
             | Self::Count(_)
             | Self::Hits { .. }
@@ -340,8 +352,12 @@ impl fmt::Display for Probe {
             Self::Least { of, axis } => write!(f, "least {axis:?} of {of}"),
             Self::Greatest { of, axis } => write!(f, "greatest {axis:?} of {of}"),
             Self::Stretch { of, measure } => write!(f, "{measure:?} stretch of {of}"),
+            Self::Volume { of } => write!(f, "volume of {of}"),
             Self::Penetration { of } => write!(f, "penetration of {of}"),
-            Self::Energy { of, kind } => write!(f, "{kind:?} energy of {of}"),
+            Self::Energy { of, kind, since } => {
+                write!(f, "{kind:?} energy of {of}")?;
+                since.map_or(Ok(()), |since| write!(f, " since {} s", since.get()))
+            }
             Self::Momentum { of, axis } => write!(f, "momentum of {of}{}", at(axis)),
             Self::AngularMomentum { of, axis } => write!(f, "angular momentum of {of}{}", at(axis)),
             Self::Activity { of } => write!(f, "activity of {of}"),

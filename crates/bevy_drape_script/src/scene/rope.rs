@@ -18,6 +18,8 @@ pub struct Rope {
     pub particles: Whole<2, 65536>,
     /// Mass per length in kg/m; 0.1 by default.
     pub linear_density: Positive,
+    /// Mass in kg that its last end carries besides its own; 0 by default.
+    pub end_mass: NonNegative,
     /// Stiffness against stretching, 0 to 1.
     pub stretch_stiffness: Fraction,
     /// Stiffness against bending, 0 (limp, the default) to 1.
@@ -52,6 +54,7 @@ impl Default for Rope {
             end: Vector::known(plain.end),
             particles: Whole::known(plain.particles),
             linear_density: Positive::known(plain.linear_density),
+            end_mass: NonNegative::known(plain.end_mass),
             stretch_stiffness: Fraction::known(plain.stretch_stiffness),
             bend_stiffness: Fraction::known(plain.bend_stiffness),
             damping: NonNegative::known(plain.damping),
@@ -75,6 +78,7 @@ impl From<&Rope> for drape::Rope {
             end: rope.end.get(),
             particles: rope.particles.get(),
             linear_density: rope.linear_density.get(),
+            end_mass: rope.end_mass.get(),
             stretch_stiffness: rope.stretch_stiffness.get(),
             bend_stiffness: rope.bend_stiffness.get(),
             damping: rope.damping.get(),

@@ -12,6 +12,7 @@ use super::{
 use crate::SceneError;
 use crate::check::check;
 use crate::load;
+use crate::mesh_file::MeshFiles;
 use crate::overriding::{self, Override};
 use crate::text;
 
@@ -61,6 +62,9 @@ pub struct SceneScript {
     /// What the scene must do.
     #[serde(default)]
     pub expectations: Vec<Expectation>,
+    /// What was read from the files of meshes that it names.
+    #[serde(skip)]
+    pub(crate) meshes: MeshFiles,
 }
 
 impl Default for SceneScript {
@@ -79,6 +83,7 @@ impl Default for SceneScript {
             cameras: Named::default(),
             timeline: Vec::new(),
             expectations: Vec::new(),
+            meshes: MeshFiles::default(),
         }
     }
 }
@@ -100,7 +105,7 @@ impl SceneScript {
         load::from_file(path.as_ref(), overrides)
     }
 
-    /// The scene in `text`, which may not include others.
+    /// The scene in `text`, which may not name other files.
     ///
     /// # Errors
     /// [`SceneError`].
