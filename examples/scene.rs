@@ -36,8 +36,11 @@ use drape_examples::{scene_replay, scene_suite};
 
 fn main() -> ExitCode {
     let arguments = SceneArguments::parse();
-    let verdict = if let Some(recording) = &arguments.replay {
+    let verdict = if let Some(recording) = arguments.recording() {
         replay(&arguments, recording)
+    } else if arguments.diff.is_some() {
+        Err("`--diff OTHER` compares recordings: give it one too, as in `scene A.drape --diff B.drape`"
+            .into())
     } else {
         play(&arguments)
     };

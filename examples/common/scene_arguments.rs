@@ -1,6 +1,6 @@
 //! The command line of the scene runner.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bevy_drape_script::Override;
 use clap::{Parser, ValueEnum};
@@ -9,7 +9,7 @@ use clap::{Parser, ValueEnum};
 #[derive(Clone, Debug, Parser)]
 #[command(version, about)]
 pub struct SceneArguments {
-    /// Scene files (*.scene.ron), folders of them, and checkpoints (*.checkpoint) to go on from.
+    /// Scene files (*.scene.ron), folders of them, checkpoints (*.checkpoint) to go on from, or one recording (*.drape) to show.
     #[arg(value_name = "FILE", required_unless_present = "replay", conflicts_with = "replay")]
     pub files: Vec<PathBuf>,
 
@@ -29,8 +29,8 @@ pub struct SceneArguments {
     #[arg(long, value_name = "FILE")]
     pub replay: Option<PathBuf>,
 
-    /// Tell where another recording parts from the one that is replayed; they must not.
-    #[arg(long, value_name = "OTHER", requires = "replay", conflicts_with = "files")]
+    /// Tell where another recording parts from the one that is shown; they must not.
+    #[arg(long, value_name = "OTHER")]
     pub diff: Option<PathBuf>,
 
     /// Draw the pictures that scenes take into this folder (needs the feature `render`).
@@ -50,10 +50,19 @@ pub struct SceneArguments {
     pub report: Option<ReportFormat>,
 }
 
+impl SceneArguments {
+    /// The recording to be shown: that of `--replay`, or the only file, if it is one.
+    pub fn recording(&self) -> Option<&Path> {
+        let is_recording = |file: &&PathBuf| file.extension().is_some_and(|extension| extension == "drape");
+        let only = self.files.first().filter(|file| self.files.len() == 1 && is_recording(file));
+        self.replay.as_ref().or(only).map(PathBuf::as_path)
+    }
+}
+
 /// A format that programs read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ReportFormat {
-    /// JUnit XML, for CI systems: a test case for each scene.
+    /// JUnit XML, for CI systems: a test suite for each scene, a test case for each expectation.
     Junit,
     /// JSON: a list of reports.
     Json,
@@ -70,13 +79,15 @@ mod tests {
         let arguments = parse(line).expect("valid");
         assert_eq!((arguments.files.len(), arguments.overrides.len()), (2, 1));
         assert_eq!(arguments.report, Some(ReportFormat::Junit));
-        assert!(parse("scene --replay a.drape --diff b.drape").is_ok());
+        for line in ["scene --replay a.drape --diff b.drape", "scene a.drape --diff b.drape"] {
+            assert_eq!(parse(line).expect(line).recording(), Some(Path::new("a.drape")));
+        }
+        assert_eq!(parse("scene a.scene.ron --diff b.drape").expect("valid").recording(), None);
         for (line, needle) in [
             ("scene", "FILE"),
             ("scene a --colour red", "--colour"),
             ("scene a --set nonsense", "PATH=VALUE"),
             ("scene a --report html", "junit"),
-            ("scene a --diff b", "cannot be used with"),
             ("scene a --replay b", "cannot be used with"),
         ] {
             let message = parse(line).expect_err(line).to_string();

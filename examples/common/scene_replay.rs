@@ -7,6 +7,8 @@ use bevy::math::Vec3;
 use bevy_drape_script::recording::{Recording, RecordingError, diff};
 use thiserror::Error;
 
+use crate::scene_suite::tell;
+
 /// Why a recording cannot be replayed.
 #[derive(Debug, Error)]
 #[error("{}: {source}", path.display())]
@@ -31,18 +33,21 @@ pub fn run(path: &Path, other: Option<&Path>) -> Result<bool, ReplayError> {
     let recording = load(path)?;
     let Some(other) = other else {
         let failed = |source| ReplayError { path: path.to_path_buf(), source };
-        print!("{}", summary(&recording).map_err(failed)?);
+        tell(&summary(&recording).map_err(failed)?);
         return Ok(true);
     };
     let second = load(other)?;
     let parted = diff(&recording, &second);
     match parted.map_err(|source| ReplayError { path: other.to_path_buf(), source })? {
         None => {
-            println!("the runs are the same to the last bit, in {} frames", recording.frame_count());
+            tell(&format_args!(
+                "the runs are the same to the last bit, in {} frames\n",
+                recording.frame_count()
+            ));
             Ok(true)
         }
         Some(difference) => {
-            println!("{difference}");
+            tell(&format_args!("{difference}\n"));
             Ok(false)
         }
     }

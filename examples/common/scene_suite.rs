@@ -1,5 +1,6 @@
 //! Scenes without a window, one after another, and their verdict.
 
+use core::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -78,7 +79,7 @@ pub fn run(arguments: &SceneArguments) -> Result<bool, SuiteError> {
         let report = run_scene(file, arguments, files.len(), &mut pictures)?;
         // The standard output may be for a program to read.
         if arguments.report.is_none() {
-            print!("{report}");
+            tell(&report);
         } else {
             eprint!("{report}");
         }
@@ -93,6 +94,11 @@ pub fn run(arguments: &SceneArguments) -> Result<bool, SuiteError> {
     }
     write_reports(&reports, arguments.report)?;
     Ok(passed == reports.len())
+}
+
+/// Prints to the standard output, as long as somebody reads it: `scene .. | head` is no fault.
+pub(crate) fn tell(what: &impl Display) {
+    let _ = write!(io::stdout(), "{what}");
 }
 
 /// All scene files that are named, or in a folder that is.

@@ -6,7 +6,7 @@ use crate::SceneError;
 use crate::overriding;
 use crate::scene::{
     Action, Axis, Body, Event, Expected, Motion, Names, Pins, Point, Probe, Rig, SceneScript, Selection,
-    Turn, When,
+    SelfContact, Turn, When,
 };
 use crate::suggest::unknown;
 
@@ -407,6 +407,32 @@ impl Checker<'_> {
         })
     }
 
+    /// Of two bodies of particles that are to touch each other, one that has no contacts with its like.
+    fn does_not_touch_its_like<'n>(&self, of: &'n Names, on: &'n Names) -> Option<&'n str> {
+        let whole = |name: &str| name.split('#').next().unwrap_or(name).to_string();
+        let is_soft =
+            |name: &String| self.script.bodies.get(&whole(name)).is_some_and(|body| body.solver().is_some());
+        // Where one of many may be something else, nobody knows.
+        if of.is_empty() || on.is_empty() || !of.iter().chain(on.iter()).all(is_soft) {
+            return None;
+        }
+        let has_contact = |name: &String| {
+            let solver = self.script.bodies.get(&whole(name)).and_then(Body::solver);
+            let own = solver.and_then(|solver| solver.self_contact);
+            let contact = own.or(self.script.settings.solver.self_contact).unwrap_or(SelfContact::Off);
+            contact != SelfContact::Off || self.is_set_later(&whole(name))
+        };
+        of.iter().chain(on.iter()).find(|name| !has_contact(name)).map(String::as_str)
+    }
+
+    /// Whether the timeline changes how a body is solved.
+    fn is_set_later(&self, name: &str) -> bool {
+        self.script.timeline.iter().any(|event| match &event.action {
+            Action::Set(path, _) => path.contains("self_contact") || path.starts_with(name),
+            _ => false,
+        })
+    }
+
     fn probe(&self, field: &str, probe: &Probe, expect: &Expected) -> Result<(), SceneError> {
         let on_probe = format!("{field}.probe");
         let mut kinds = Vec::new();
@@ -457,6 +483,12 @@ impl Checker<'_> {
             Probe::Least { axis: Axis::Length, .. } | Probe::Greatest { axis: Axis::Length, .. } => {
                 fail(&format!("{on_probe}.axis"), "expected X, Y or Z")
             }
+            Probe::Extent { of, .. } | Probe::Least { of, .. } | Probe::Greatest { of, .. }
+                if kinds.iter().any(|kind| matches!(kind, Kind::Obstacle | Kind::DynamicObstacle)) =>
+            {
+                let problem = "expected a body or balls: an obstacle is as large as its `shape` says";
+                fail(&format!("{on_probe}.of"), format!("{problem}, and its `Position` is measured ({of})"))
+            }
             Probe::Hits { of, .. }
                 if kinds[..of.len()].iter().any(|kind| !matches!(kind, Kind::Balls | Kind::Cannon)) =>
             {
@@ -467,6 +499,12 @@ impl Checker<'_> {
             }
             Probe::Contacts { of, on } | Probe::Touching { of, on } if !self.is_told_of_contacts(of, on) => {
                 fail(&on_probe, "nothing here tells its contacts: give one of the two `contacts: true`")
+            }
+            Probe::Contacts { of, on } | Probe::Touching { of, on }
+                if let Some(name) = self.does_not_touch_its_like(of, on) =>
+            {
+                let problem = "does not touch other cloths and ropes: give both `self_contact: Particles` in their `solver`";
+                fail(&on_probe, format!("`{name}` {problem}"))
             }
             Probe::Pieces { of } | Probe::Torn { of } if of.iter().any(|name| !self.can_be_cut(name)) => {
                 fail(&format!("{on_probe}.of"), "expected a cloth, rope or soft ball, as nothing else tears")

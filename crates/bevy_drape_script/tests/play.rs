@@ -263,6 +263,54 @@ fn a_hand_is_as_strong_as_it_is_told_to_be() {
     report.assert_passed();
 }
 
+/// Two boxes that fly apart had the same hash.
+#[test]
+fn the_state_hash_knows_of_dynamic_obstacles_and_set_of_their_motion() {
+    let hash = |event: &str| {
+        let report = run(&format!(
+            r#"settings: (duration: 0.5), timeline: [{event}],
+            obstacles: {{ "crate": (shape: Cuboid(size: (1, 1, 1)), motion: Dynamic(gravity_scale: 0)) }},
+            expectations: [(probe: Position(of: "crate", axis: X), expect: Reported)]"#
+        ));
+        (report.state_hash.clone(), number(&report, 0))
+    };
+    let still = hash("");
+    let pushed = hash(r#"(at: 0.1, do: Push(of: "crate", impulse: (1, 0, 0)))"#);
+    let set = hash(r#"(at: 0.1, do: Set("crate.motion.velocity", (3, 0, 0)))"#);
+    assert_eq!(still, hash(""));
+    assert!(still.0 != pushed.0 && pushed.0 != set.0 && still.0 != set.0);
+    assert!(
+        still.1 == 0.0 && (pushed.1 - 0.4).abs() < 0.02 && (set.1 - 1.2).abs() < 0.06,
+        "{still:?} {pushed:?} {set:?}"
+    );
+}
+
+#[test]
+fn what_can_never_be_measured_is_refused() {
+    let error = |bodies: &str, probe: &str| {
+        let text = format!(
+            r#"(version: 1, bodies: {{ {bodies} }}, obstacles: {{ "box": (shape: Cuboid(size: (1, 1, 1))) }},
+            expectations: [(probe: {probe}, expect: Reported)])"#
+        );
+        SceneScript::parse(&text).map_err(|error| error.to_string())
+    };
+    let pair = r#""a": Cloth(contacts: true), "b": Cloth()"#;
+    let said = error(pair, r#"Contacts(of: "a", on: "b")"#).expect_err("they pass through each other");
+    assert!(said.contains("self_contact: Particles"), "{said}");
+    for good in [r#"Contacts(of: "a", on: "box")"#, r#"Contacts(of: "a")"#, r#"Contacts()"#] {
+        error(pair, good).expect("it can be measured");
+    }
+    let touching = pair.replace("contacts: true", "contacts: true, solver: (self_contact: Particles)");
+    error(&touching, r#"Contacts(of: "a", on: "b")"#).expect_err("one of them still does not");
+    error(
+        &touching.replace("Cloth()", "Cloth(solver: (self_contact: Particles))"),
+        r#"Contacts(of: "a", on: "b")"#,
+    )
+    .expect("both do");
+    let said = error(pair, r#"Extent(of: "box")"#).expect_err("an obstacle");
+    assert!(said.contains("`shape`"), "{said}");
+}
+
 #[test]
 fn energy_is_counted_from_a_time_on() {
     let report = run(r#"

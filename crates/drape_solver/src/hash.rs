@@ -37,6 +37,11 @@ impl StateHasher {
             .values(&[ball.hit_substeps])
     }
 
+    /// Adds numbers of any other state, such as that of a rigid body.
+    pub fn numbers(&mut self, numbers: &[f32]) -> &mut Self {
+        self.values(numbers)
+    }
+
     /// The hash of all that was added.
     pub fn finish(&self) -> u64 {
         self.0.finish()

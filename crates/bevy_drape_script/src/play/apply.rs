@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 use super::ScenePlay;
-use super::stage::{Actor, mark, place, set_pressure, set_tearable};
+use super::stage::{Actor, mark, place, set_dynamic, set_pressure, set_tearable};
 use crate::scene::{self, Body, SceneScript, Settings};
 
 /// Gravity, wind, the length of a step and so on.
@@ -36,6 +36,9 @@ impl ScenePlay {
                 world.entity_mut(entity).insert(component);
                 mark(world, entity, name, obstacle.layers.as_ref(), obstacle.contacts);
                 let was = old.obstacles.get(name);
+                if was.is_none_or(|was| (&was.motion, &was.shape) != (&obstacle.motion, &obstacle.shape)) {
+                    set_dynamic(world, entity, obstacle);
+                }
                 if was.is_some_and(|was| (was.at, was.turn) != (obstacle.at, obstacle.turn)) {
                     world.entity_mut(entity).insert(place(obstacle.at, &obstacle.turn));
                 }

@@ -254,5 +254,12 @@ fn state_hash(world: &World, parts: &Parts) -> u64 {
     for ball in balls(world, parts) {
         hasher.ball(ball);
     }
+    for (dynamic, place) in dynamics(world, parts) {
+        hasher
+            .numbers(&place.translation.to_array())
+            .numbers(&place.rotation.to_array())
+            .numbers(&dynamic.velocity.to_array())
+            .numbers(&dynamic.angular_velocity.to_array());
+    }
     hasher.finish()
 }

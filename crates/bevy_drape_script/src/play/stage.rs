@@ -384,11 +384,7 @@ impl ScenePlay {
             obstacle.place_at(0.0).unwrap_or((obstacle.at.get(), obstacle.turn.quaternion()));
         let place = Transform { translation, rotation, scale: Vec3::ONE };
         let entity = world.spawn((component, place)).id();
-        if let Motion::Dynamic(dynamic) = &obstacle.motion
-            && let Some(dynamic) = dynamic.component(&obstacle.shape)
-        {
-            world.entity_mut(entity).insert(dynamic);
-        }
+        set_dynamic(world, entity, obstacle);
         mark(world, entity, name, obstacle.layers.as_ref(), obstacle.contacts);
         self.stage.enter(name, Actor::Obstacle(entity));
     }
@@ -426,6 +422,21 @@ impl ScenePlay {
 /// Where something of the scene is.
 pub(super) fn place(at: scene::Vector, turn: &scene::Turn) -> Transform {
     Transform { translation: at.get(), rotation: turn.quaternion(), scale: Vec3::ONE }
+}
+
+/// Has an obstacle fly by itself as the scene says, or no more.
+pub(super) fn set_dynamic(world: &mut World, entity: Entity, obstacle: &scene::Obstacle) {
+    let mut entity = world.entity_mut(entity);
+    match &obstacle.motion {
+        Motion::Dynamic(dynamic) => {
+            if let Some(dynamic) = dynamic.component(&obstacle.shape) {
+                entity.insert(dynamic);
+            }
+        }
+        Motion::Static | Motion::Steady(_) | Motion::Keyframes(_) => {
+            entity.remove::<DynamicObstacle>();
+        }
+    }
 }
 
 /// Lets a body tear as the scene says, or no more.

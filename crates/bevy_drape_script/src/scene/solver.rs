@@ -33,7 +33,7 @@ pub struct Solver {
     pub structural: Option<StructuralSolve>,
     /// Whether tethers hold particles within their rest distance from the pins.
     pub tethers: Option<bool>,
-    /// How the body touches itself, and others that have this on.
+    /// How the body touches itself, and other cloths and ropes that have this on too: not at all, unless it is said.
     pub self_contact: Option<SelfContact>,
 }
 
