@@ -13,9 +13,9 @@ use drape_examples::feature::Feature;
 pub const FEATURE: Feature = Feature {
     title: "Capes from a glTF file, moved by its animations",
     controls: "",
-    eye: Vec3::new(4.6, 2.0, 3.6),
-    target: Vec3::new(1.6, 0.9, -0.4),
-    moment: 6.0,
+    eye: Vec3::new(4.5, 1.6, 2.6),
+    target: Vec3::new(2.0, 0.82, -0.2),
+    moment: 7.4,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(Update, (go_round, hide_capsules));
     },
@@ -43,9 +43,10 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
     // All at once, and kept: a file that is loaded again spawns its scenes again.
     let scene = assets.load(GltfAssetLabel::Scene(0).from_asset(FILE));
     let [walk, run] = [0, 1].map(|index| assets.load(GltfAssetLabel::Animation(index).from_asset(FILE)));
-    for (clip, speed, radius) in [(walk, 1.5, 1.2), (run, 5.0, 3.0)] {
-        let wearer = (Wearer { speed, clip }, Transform::from_xyz(radius, 0.0, 0.0));
-        commands.spawn((WorldAssetRoot(scene.clone()), wearer)).observe(dress).observe(play);
+    for (clip, speed, x) in [(walk, 1.5, -1.2_f32), (run, 5.0, 3.0)] {
+        let place = Transform::from_xyz(x, 0.0, 0.0).looking_to(Vec3::NEG_Z * x, Vec3::Y);
+        let wearer = (WorldAssetRoot(scene.clone()), Wearer { speed, clip }, place);
+        commands.spawn(wearer).observe(dress).observe(play);
     }
 }
 
@@ -80,7 +81,7 @@ pub fn dress(
                 ClothPaint { max_distance: Some(PaintChannel::Green), full_distance: 0.7, ..default() };
             let cape = ClothMesh { areal_density: 0.3, paint, ..default() };
             let settings = SolverSettings { drag: 1.0, thickness: 0.01, ..default() };
-            let motion = WorldMotion::of(root).with_scale(0.5, 0.5);
+            let motion = WorldMotion::of(root).with_scale(0.8, 0.5);
             commands.entity(entity).insert((cape, settings, motion));
         }
         if let Some(&(_, radius, length, middle)) = CAPSULES.iter().find(|bone| bone.0 == name.as_str()) {

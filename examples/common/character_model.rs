@@ -1,5 +1,7 @@
 //! The [character](crate::character) as a glTF file: what an artist would export, skinned, painted and animated.
 
+use core::f32::consts::FRAC_PI_2;
+
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
 use serde_json::{Value, json};
@@ -137,13 +139,22 @@ impl Model {
     }
 }
 
+/// What the figure has besides its bones, none of which reaches the cape: joint, radius, length, and middle; the second lies along X.
+const NECK_AND_SHOULDERS: [(usize, f32, f32, Vec3); 2] =
+    [(3, 0.05, 0.12, Vec3::new(0.0, 0.0, 0.0)), (2, 0.06, 0.34, Vec3::new(0.0, 0.15, 0.0))];
+
 /// The figure itself: a capsule for each bone, which goes with its joint. It is hardly thinner than the one that the cape touches.
 fn figure() -> Mesh {
-    let mut figure: Option<Mesh> = None;
-    for joint in 0..BONES.len() {
+    let bones = (0..BONES.len()).map(|joint| {
         let (radius, half, middle) = capsule(joint);
-        let limb = Capsule3d::new(radius * 0.97, 2.0 * half).mesh().longitudes(10).latitudes(6).build();
-        let mut part = limb.translated_by(bind_place(joint) + middle);
+        (joint, radius * 0.97, 2.0 * half, middle)
+    });
+    let mut figure: Option<Mesh> = None;
+    for (i, (joint, radius, length, middle)) in bones.chain(NECK_AND_SHOULDERS).enumerate() {
+        let is_across = i == BONES.len() + 1;
+        let turned = if is_across { Quat::from_rotation_z(FRAC_PI_2) } else { Quat::IDENTITY };
+        let part = Capsule3d::new(radius, length).mesh().longitudes(10).latitudes(6).build();
+        let mut part = part.rotated_by(turned).translated_by(bind_place(joint) + middle);
         part.remove_attribute(Mesh::ATTRIBUTE_UV_0);
         let count = part.count_vertices();
         let joints = VertexAttributeValues::Uint16x4(vec![[joint as u16, 0, 0, 0]; count]);
@@ -197,7 +208,7 @@ pub fn model() -> Vec<u8> {
         "scenes": [{ "nodes": [nodes.len() - 1] }],
         "nodes": nodes,
         "meshes": meshes,
-        "materials": [material("skin", [0.55, 0.5, 0.45, 1.0]), material("cloth", [0.6, 0.1, 0.15, 1.0])],
+        "materials": [material("skin", [0.2, 0.18, 0.16, 1.0]), material("cloth", [0.34, 0.012, 0.02, 1.0])],
         "skins": [{ "joints": joints, "inverseBindMatrices": bind_poses, "skeleton": 0 }],
         "animations": animations,
         "buffers": [{ "byteLength": model.bytes.len() }],
