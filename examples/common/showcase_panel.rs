@@ -9,7 +9,7 @@ use bevy_drape::prelude::*;
 
 use crate::feature::Feature;
 use crate::scene_panel::Panel;
-use crate::showcase_window::{Showcase, show};
+use crate::showcase_window::Showcase;
 use crate::slider::{Slider, SliderPlugin};
 
 /// How often the figures are written.
@@ -92,15 +92,11 @@ fn spawn_sliders(mut commands: Commands) {
 }
 
 /// Shows the example that is pressed in the list, and marks the one that is shown.
-fn choose(
-    mut entries: Query<(&Entry, Ref<Interaction>, &mut TextColor)>,
-    mut showcase: ResMut<Showcase>,
-    mut commands: Commands,
-) {
+fn choose(mut entries: Query<(&Entry, Ref<Interaction>, &mut TextColor)>, mut showcase: ResMut<Showcase>) {
     for (&Entry(index), interaction, mut colour) in &mut entries {
         if interaction.is_changed() && *interaction == Interaction::Pressed {
             showcase.current = index;
-            commands.queue(show);
+            showcase.is_due = true;
         }
         let is_shown = index == showcase.current;
         let shade = if is_shown { Color::srgb(1.0, 0.75, 0.3) } else { Color::srgb(0.85, 0.85, 0.82) };

@@ -26,6 +26,8 @@ pub struct Showcase {
     pub features: &'static [(&'static str, Feature)],
     /// Index of the one that is shown.
     pub current: usize,
+    /// Whether that is to begin with the next frame.
+    pub is_due: bool,
 }
 
 impl Showcase {
@@ -50,9 +52,11 @@ struct Stays;
 pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowError> {
     let mut app = bare_app("bevy_drape: showcase")?;
     app.add_plugins((FeatureDressPlugin, PointerPlugin, ShowcasePanelPlugin, FrameRecorderPlugin))
-        .insert_resource(Showcase { features, current: 0 })
+        .insert_resource(Showcase { features, current: 0, is_due: true })
         .init_resource::<Playing>()
-        .add_systems(PostStartup, (keep, show).chain())
+        .add_systems(PostStartup, keep)
+        // Before all others: while they run, some have commands in hand for what is cleared away.
+        .add_systems(First, show.run_if(|showcase: Res<Showcase>| showcase.is_due))
         .add_systems(FixedUpdate, |world: &mut World| play(world, FixedUpdate.intern()))
         .add_systems(Update, |world: &mut World| play(world, Update.intern()))
         .add_systems(Update, (control_clock, control));
@@ -69,7 +73,7 @@ fn keep(world: &mut World) {
 }
 
 /// Clears the stage and begins the example that is chosen.
-pub fn show(world: &mut World) {
+fn show(world: &mut World) {
     let actors: Vec<Entity> = world
         .query_filtered::<Entity, (Without<Stays>, Without<ChildOf>, Or<(With<Transform>, With<Stick>)>)>()
         .iter(world)
@@ -83,7 +87,9 @@ pub fn show(world: &mut World) {
     world.insert_resource(DrapeGravity::default());
     world.insert_resource(DefaultSolverSettings::default());
     world.insert_resource(Time::<Fixed>::default());
-    let feature = *world.resource::<Showcase>().feature();
+    let mut showcase = world.resource_mut::<Showcase>();
+    showcase.is_due = false;
+    let feature = *showcase.feature();
     let mut schedules = feature.schedules();
     if let Some(mut setup) = schedules.remove(Startup) {
         setup.run(world);
@@ -116,7 +122,6 @@ fn control(
     keys: Res<ButtonInput<KeyCode>>,
     mut showcase: ResMut<Showcase>,
     mut gizmos: ResMut<GizmoConfigStore>,
-    mut commands: Commands,
 ) {
     let count = showcase.features.len();
     let step = match () {
@@ -128,7 +133,7 @@ fn control(
         showcase.current = (showcase.current + step) % count;
     }
     if step > 0 || keys.just_pressed(KeyCode::KeyR) {
-        commands.queue(show);
+        showcase.is_due = true;
     }
     if keys.just_pressed(KeyCode::KeyG) {
         let drape = gizmos.config_mut::<DrapeGizmos>().0;
