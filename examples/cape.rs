@@ -31,11 +31,7 @@ fn setup(world: &mut World) {
     let settings = SolverSettings { drag: 1.0, thickness: 0.01, ..default() };
     let character = character::spawn(world, (settings, Paint::rgb(0.62, 0.10, 0.14)));
     let motion = WorldMotion::of(character.root).with_scale(0.6, 0.6);
-    // The colours are for the cloth to read and not to be seen: they move to attributes of their own.
-    let (mesh, paint) = character::cape_in_attributes();
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
-    let cloth = ClothMesh { paint, ..character::cape() };
-    world.entity_mut(character.cape).insert((Mesh3d(mesh), cloth, motion));
+    world.entity_mut(character.cape).insert(motion);
     world.insert_resource(character);
 }
 

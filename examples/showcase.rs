@@ -8,7 +8,7 @@
 //! | R | from the beginning |
 //! | sliders | substeps, iterations, gravity, wind, pace |
 //! | G | strain of the sticks |
-//! | F | record a picture of every fourth frame into `target/showcase` |
+//! | F | record pictures into `target/showcase`, thirty for each second and without what is written over them, until F again |
 //! | P, O, T | pause, one step, slow motion |
 //! | left mouse button, right mouse button, wheel | drag, turn, zoom |
 //! | H | help on the screen |
@@ -33,6 +33,7 @@ features! {
     balloon: "balloon.rs",
     bridge: "bridge.rs",
     cape: "cape.rs",
+    cape_gltf: "cape_gltf.rs",
     cloth_mesh: "cloth_mesh.rs",
     crates: "crates.rs",
     curtain_2d: "curtain_2d.rs",

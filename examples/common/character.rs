@@ -4,7 +4,7 @@ use core::f32::consts::{PI, TAU};
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
-use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
@@ -128,26 +128,6 @@ pub fn inverse_bind_poses() -> Vec<Mat4> {
     (0..BONES.len()).map(|joint| Mat4::from_translation(-bind_place(joint))).collect()
 }
 
-/// The same mesh with its paint in attributes of its own instead of colours, which would be seen; and where they are.
-pub fn cape_in_attributes() -> (Mesh, ClothPaint) {
-    const PINNED: MeshVertexAttribute = MeshVertexAttribute::new("Pinned", 7601, VertexFormat::Float32);
-    const REACH: MeshVertexAttribute = MeshVertexAttribute::new("Reach", 7602, VertexFormat::Float32);
-    let mut mesh = cape_mesh();
-    if let Some(VertexAttributeValues::Float32x4(colours)) = mesh.remove_attribute(Mesh::ATTRIBUTE_COLOR) {
-        let channel = |k: usize| colours.iter().map(|colour| colour[k]).collect::<Vec<_>>();
-        mesh.insert_attribute(PINNED, channel(0));
-        mesh.insert_attribute(REACH, channel(1));
-    }
-    let named = |attribute: MeshVertexAttribute| Some(PaintChannel::Attribute(attribute.name.into()));
-    let paint = ClothPaint {
-        pins: named(PINNED),
-        max_distance: named(REACH),
-        full_distance: FULL_DISTANCE,
-        ..default()
-    };
-    (mesh, paint)
-}
-
 /// Spawns a character with a cape, which has `bundle` besides; its root is seen on its way between frames.
 pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
     let mesh = world.resource_mut::<Assets<Mesh>>().add(cape_mesh());
@@ -212,6 +192,11 @@ fn gait(time: f32) -> (f32, f32, f32) {
     (speed, turning, jump(11.0) + jump(15.0) + jump(20.8) + jump(23.5))
 }
 
+/// Strides, of both legs, in a second at a speed in m/s.
+pub fn pace(speed: f32) -> f32 {
+    (0.7 + 0.3 * speed).min(1.6)
+}
+
 impl Character {
     /// Goes on to `time`, however long that is: in small steps, so that it goes the same way at any frame rate.
     pub fn advance(&mut self, time: f32) {
@@ -221,7 +206,7 @@ impl Character {
             self.heading += turning * STRIDE;
             self.place +=
                 Vec3::new(-libm::sinf(self.heading), 0.0, -libm::cosf(self.heading)) * (speed * STRIDE);
-            self.phase += STRIDE * (0.7 + 0.3 * speed).min(1.6) * f32::from(speed > 0.0);
+            self.phase += STRIDE * pace(speed) * f32::from(speed > 0.0);
             self.time += STRIDE;
         }
     }

@@ -1,10 +1,12 @@
 //! The [character](crate::character) as a glTF file: what an artist would export, skinned, painted and animated.
 
+use core::f32::consts::FRAC_PI_2;
+
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
 use serde_json::{Value, json};
 
-use crate::character::{BONES, Character, bind_place, cape_mesh, capsule, inverse_bind_poses};
+use crate::character::{BONES, Character, bind_place, cape_mesh, capsule, inverse_bind_poses, pace};
 
 /// Poses of an animation, in frames per second.
 const FRAMES: usize = 30;
@@ -105,17 +107,22 @@ impl Model {
         primitive
     }
 
-    /// The animation of all joints from one time of the character's walk to another.
-    fn animation(&mut self, name: &str, from: f32, to: f32) -> Value {
-        let count = ((to - from) * FRAMES as f32).round() as usize;
+    /// The animation of all joints in one stride of the character's walk, from a time at which it has this speed. It ends as it begins.
+    fn animation(&mut self, name: &str, from: f32, speed: f32) -> Value {
+        let length = 1.0 / pace(speed);
+        let count = (length * FRAMES as f32).round() as usize;
         let mut character = Character::default();
+        let mut first = Vec::new();
         let mut times = Vec::new();
         let mut poses = vec![Vec::new(); BONES.len()];
         let mut hips = Vec::new();
         for frame in 0..=count {
-            let time = frame as f32 / FRAMES as f32;
+            let time = length * frame as f32 / count as f32;
             character.advance(from + time);
-            let (_, joints) = character.pose();
+            let joints = if frame == count { first.clone() } else { character.pose().1 };
+            if frame == 0 {
+                first.clone_from(&joints);
+            }
             times.push([time]);
             hips.push(joints[0].translation.to_array());
             poses.iter_mut().zip(&joints).for_each(|(poses, joint)| poses.push(joint.rotation.to_array()));
@@ -132,13 +139,22 @@ impl Model {
     }
 }
 
-/// The figure itself: a box for each bone, which goes with its joint.
+/// What the figure has besides its bones, none of which reaches the cape: joint, radius, length, and middle; the second lies along X.
+const NECK_AND_SHOULDERS: [(usize, f32, f32, Vec3); 2] =
+    [(3, 0.05, 0.12, Vec3::new(0.0, 0.0, 0.0)), (2, 0.06, 0.34, Vec3::new(0.0, 0.15, 0.0))];
+
+/// The figure itself: a capsule for each bone, which goes with its joint. It is hardly thinner than the one that the cape touches.
 fn figure() -> Mesh {
-    let mut figure: Option<Mesh> = None;
-    for joint in 0..BONES.len() {
+    let bones = (0..BONES.len()).map(|joint| {
         let (radius, half, middle) = capsule(joint);
-        let size = Vec3::new(radius * 1.7, 2.0 * (half + radius * 0.85), radius * 1.7);
-        let mut part = Mesh::from(Cuboid::from_size(size)).translated_by(bind_place(joint) + middle);
+        (joint, radius * 0.97, 2.0 * half, middle)
+    });
+    let mut figure: Option<Mesh> = None;
+    for (i, (joint, radius, length, middle)) in bones.chain(NECK_AND_SHOULDERS).enumerate() {
+        let is_across = i == BONES.len() + 1;
+        let turned = if is_across { Quat::from_rotation_z(FRAC_PI_2) } else { Quat::IDENTITY };
+        let part = Capsule3d::new(radius, length).mesh().longitudes(10).latitudes(6).build();
+        let mut part = part.rotated_by(turned).translated_by(bind_place(joint) + middle);
         part.remove_attribute(Mesh::ATTRIBUTE_UV_0);
         let count = part.count_vertices();
         let joints = VertexAttributeValues::Uint16x4(vec![[joint as u16, 0, 0, 0]; count]);
@@ -150,7 +166,7 @@ fn figure() -> Mesh {
             None => figure = Some(part),
         }
     }
-    figure.unwrap_or_else(|| Mesh::from(Cuboid::default()))
+    figure.unwrap_or_else(|| Mesh::from(Capsule3d::default()))
 }
 
 /// The bytes of the file.
@@ -163,7 +179,7 @@ pub fn model() -> Vec<u8> {
         .collect();
     let bind_poses: Vec<[f32; 16]> = inverse_bind_poses().iter().map(Mat4::to_cols_array).collect();
     let bind_poses = model.floats(&bind_poses, false);
-    let animations = [model.animation("Walk", 2.0, 4.0), model.animation("Run", 10.1, 11.0)];
+    let animations = [model.animation("Walk", 2.0, 1.5), model.animation("Run", 10.1, 5.0)];
     let mut nodes: Vec<Value> = (0..BONES.len())
         .map(|joint| {
             let (name, _, place, ..) = BONES[joint];
@@ -192,7 +208,7 @@ pub fn model() -> Vec<u8> {
         "scenes": [{ "nodes": [nodes.len() - 1] }],
         "nodes": nodes,
         "meshes": meshes,
-        "materials": [material("skin", [0.55, 0.5, 0.45, 1.0]), material("cloth", [0.6, 0.1, 0.15, 1.0])],
+        "materials": [material("skin", [0.2, 0.18, 0.16, 1.0]), material("cloth", [0.34, 0.012, 0.02, 1.0])],
         "skins": [{ "joints": joints, "inverseBindMatrices": bind_poses, "skeleton": 0 }],
         "animations": animations,
         "buffers": [{ "byteLength": model.bytes.len() }],

@@ -7,14 +7,17 @@ use core::time::Duration;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use bevy::asset::AssetPlugin;
+use bevy::gltf::GltfPlugin;
 use bevy::input::InputPlugin;
-use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
+use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_drape::prelude::*;
 use clap::Parser;
 use thiserror::Error;
+
+use crate::feature_files::{FileError, asset_plugin, wait_for_files};
 
 /// An example of one feature.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +74,9 @@ pub enum FeatureError {
     /// A body is no longer anywhere.
     #[error("{0} has a particle that is nowhere, at step {1}")]
     NotFinite(Entity, u64),
+    /// A file is missing.
+    #[error(transparent)]
+    NotLoaded(#[from] FileError),
 }
 
 #[derive(Parser, Debug)]
@@ -124,7 +130,7 @@ impl Feature {
     /// Runs for this long (simulated seconds), as fast as it goes, without a renderer.
     ///
     /// # Errors
-    /// [`FeatureError`] if a body or obstacle is refused, nothing is there, or something has no finite place.
+    /// [`FeatureError`] if a body or obstacle is refused, a file or everything is missing, or something has no finite place.
     pub fn run_headless(&self, seconds: f32) -> Result<FeatureReport, FeatureError> {
         let mut app = self.headless_app();
         let dt = app.world().resource::<Time<Fixed>>().timestep();
@@ -133,6 +139,9 @@ impl Feature {
         // The first update takes no step.
         for step in 0..=steps {
             app.update();
+            if step == 0 {
+                wait_for_files(&mut app)?;
+            }
             look_at(app.world_mut(), step, &mut report)?;
         }
         if report.bodies + report.balls == 0 {
@@ -162,9 +171,13 @@ impl Feature {
 /// An app without a renderer that has nothing in it yet, and takes one step in each update but the first.
 pub fn bare_app() -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), InputPlugin))
-        .init_asset::<Mesh>()
-        .init_asset::<SkinnedMeshInverseBindposes>()
+    app.add_plugins((MinimalPlugins, TransformPlugin, asset_plugin(), InputPlugin, MeshPlugin))
+        .add_plugins((
+            ImagePlugin::default(),
+            WorldSerializationPlugin,
+            GltfPlugin::default(),
+            AnimationPlugin,
+        ))
         .add_plugins(DrapePlugins::default())
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app

@@ -9,6 +9,7 @@ use bevy_drape::prelude::*;
 
 use crate::feature::Feature;
 use crate::feature_dress::FeatureDressPlugin;
+use crate::feature_files::wait_for_files;
 use crate::scene_view::View;
 use crate::studio::{self, PictureError};
 
@@ -33,7 +34,9 @@ pub fn draw(feature: &Feature, path: &Path) -> Result<(), PictureError> {
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     let dt = app.world().resource::<Time<Fixed>>().timestep();
     let steps = Duration::from_secs_f32(feature.moment).div_duration_f64(dt).round() as u64;
-    for _ in 0..=steps {
+    app.update();
+    wait_for_files(&mut app)?;
+    for _ in 0..steps {
         app.update();
     }
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));

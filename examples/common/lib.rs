@@ -22,10 +22,13 @@ mod cords;
 pub mod feature;
 #[cfg(feature = "render")]
 mod feature_dress;
+pub mod feature_files;
 #[cfg(feature = "render")]
 mod feature_picture;
 #[cfg(feature = "window")]
 mod feature_window;
+#[cfg(feature = "window")]
+mod frame_recorder;
 #[cfg(feature = "render")]
 pub mod frames;
 pub mod headless;

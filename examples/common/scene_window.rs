@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use crate::adapter::find_adapter;
 use crate::clock_keys::control_clock;
+use crate::feature_files::asset_plugin;
 use crate::orbit::{Orbit, OrbitPlugin};
 use crate::scene_arguments::SceneArguments;
 use crate::scene_dress::DressPlugin;
@@ -69,7 +70,8 @@ pub(crate) fn bare_app(title: &str) -> Result<App, WindowError> {
     }
     find_adapter()?;
     let window = Window { title: title.to_string(), resolution: UVec2::new(1280, 720).into(), ..default() };
-    let plugins = DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() });
+    let plugins =
+        DefaultPlugins.set(asset_plugin()).set(WindowPlugin { primary_window: Some(window), ..default() });
     let mut app = App::new();
     app.add_plugins((plugins, DrapePlugins::default(), OrbitPlugin))
         .add_systems(Startup, (spawn_camera, spawn_panel))

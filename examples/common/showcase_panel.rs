@@ -9,7 +9,7 @@ use bevy_drape::prelude::*;
 
 use crate::feature::Feature;
 use crate::scene_panel::Panel;
-use crate::showcase_window::{FrameRecorder, Showcase, show};
+use crate::showcase_window::Showcase;
 use crate::slider::{Slider, SliderPlugin};
 
 /// How often the figures are written.
@@ -17,7 +17,7 @@ const INTERVAL: Duration = Duration::from_millis(200);
 
 const HELP: &str = "\
 left, right  the example before, the next     R  again      P, O, T  pause, one step, slow motion
-G  strain    F  record frames    drag, turn, zoom: left button, right button, wheel    H  this help";
+G  strain    F  record a film    drag, turn, zoom: left button, right button, wheel    H  this help";
 
 /// What a slider sets.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,15 +92,11 @@ fn spawn_sliders(mut commands: Commands) {
 }
 
 /// Shows the example that is pressed in the list, and marks the one that is shown.
-fn choose(
-    mut entries: Query<(&Entry, Ref<Interaction>, &mut TextColor)>,
-    mut showcase: ResMut<Showcase>,
-    mut commands: Commands,
-) {
+fn choose(mut entries: Query<(&Entry, Ref<Interaction>, &mut TextColor)>, mut showcase: ResMut<Showcase>) {
     for (&Entry(index), interaction, mut colour) in &mut entries {
         if interaction.is_changed() && *interaction == Interaction::Pressed {
             showcase.current = index;
-            commands.queue(show);
+            showcase.is_due = true;
         }
         let is_shown = index == showcase.current;
         let shade = if is_shown { Color::srgb(1.0, 0.75, 0.3) } else { Color::srgb(0.85, 0.85, 0.82) };
@@ -166,12 +162,7 @@ fn read(sliders: Query<(Ref<Slider>, &Setting)>, mut readings: Query<(&Reading, 
 }
 
 /// Writes what is shown and what it costs.
-fn tell(
-    showcase: Res<Showcase>,
-    recorder: Res<FrameRecorder>,
-    diagnostics: Res<DiagnosticsStore>,
-    mut panel: ResMut<Panel>,
-) {
+fn tell(showcase: Res<Showcase>, diagnostics: Res<DiagnosticsStore>, mut panel: ResMut<Panel>) {
     type Told = DrapeDiagnosticsPlugin;
     let smoothed = |path: &DiagnosticPath| {
         diagnostics.get(path).and_then(bevy::diagnostic::Diagnostic::smoothed).unwrap_or_default()
@@ -179,10 +170,9 @@ fn tell(
     let [step, detect, relax] = [Told::STEP, Told::DETECT, Told::RELAX].map(|path| smoothed(&path));
     let [active, resting, culled] = [Told::ACTIVE, Told::RESTING, Told::CULLED].map(|path| smoothed(&path));
     let Feature { title, controls, .. } = showcase.feature();
-    let recording = if recorder.is_on { "recording" } else { "" };
     panel.show(
         &format!(
-            "{title}  {recording}\n{controls}\nstep {step:.2} ms: search {detect:.2}, substeps {relax:.2}\n\
+            "{title}\n{controls}\nstep {step:.2} ms: search {detect:.2}, substeps {relax:.2}\n\
              {active} active, {resting} resting, {culled} culled, {} particles, {:.0} frames/s",
             smoothed(&Told::PARTICLES),
             smoothed(&FrameTimeDiagnosticsPlugin::FPS),

@@ -5,24 +5,19 @@
 
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
-use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy_drape::prelude::*;
 
 use crate::clock_keys::control_clock;
 use crate::feature::Feature;
 use crate::feature_dress::FeatureDressPlugin;
 use crate::feature_picture::FIELD_OF_VIEW;
+use crate::frame_recorder::FrameRecorderPlugin;
 use crate::orbit::Orbit;
 use crate::pointer::PointerPlugin;
 use crate::scene_view::View;
 use crate::scene_window::bare_app;
 use crate::showcase_panel::ShowcasePanelPlugin;
 use crate::window::WindowError;
-
-/// Where recorded frames go.
-const FRAMES: &str = "target/showcase";
-/// One frame of so many is recorded.
-const STRIDE: u32 = 4;
 
 /// The examples, and which of them is shown.
 #[derive(Resource)]
@@ -31,6 +26,8 @@ pub struct Showcase {
     pub features: &'static [(&'static str, Feature)],
     /// Index of the one that is shown.
     pub current: usize,
+    /// Whether that is to begin with the next frame.
+    pub is_due: bool,
 }
 
 impl Showcase {
@@ -48,28 +45,21 @@ struct Playing(Vec<Schedule>);
 #[derive(Component)]
 struct Stays;
 
-/// Frames that are recorded.
-#[derive(Resource, Default)]
-pub struct FrameRecorder {
-    /// Whether frames are recorded now.
-    pub is_on: bool,
-    frame: u32,
-}
-
 /// Opens the window and stays until it is closed.
 ///
 /// # Errors
 /// [`WindowError`] if there is no display, or nothing to draw with.
 pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowError> {
     let mut app = bare_app("bevy_drape: showcase")?;
-    app.add_plugins((FeatureDressPlugin, PointerPlugin, ShowcasePanelPlugin))
-        .insert_resource(Showcase { features, current: 0 })
+    app.add_plugins((FeatureDressPlugin, PointerPlugin, ShowcasePanelPlugin, FrameRecorderPlugin))
+        .insert_resource(Showcase { features, current: 0, is_due: true })
         .init_resource::<Playing>()
-        .init_resource::<FrameRecorder>()
-        .add_systems(PostStartup, (keep, show).chain())
+        .add_systems(PostStartup, keep)
+        // Before all others: while they run, some have commands in hand for what is cleared away.
+        .add_systems(First, show.run_if(|showcase: Res<Showcase>| showcase.is_due))
         .add_systems(FixedUpdate, |world: &mut World| play(world, FixedUpdate.intern()))
         .add_systems(Update, |world: &mut World| play(world, Update.intern()))
-        .add_systems(Update, (control_clock, control, record));
+        .add_systems(Update, (control_clock, control));
     app.run();
     Ok(())
 }
@@ -83,7 +73,7 @@ fn keep(world: &mut World) {
 }
 
 /// Clears the stage and begins the example that is chosen.
-pub fn show(world: &mut World) {
+fn show(world: &mut World) {
     let actors: Vec<Entity> = world
         .query_filtered::<Entity, (Without<Stays>, Without<ChildOf>, Or<(With<Transform>, With<Stick>)>)>()
         .iter(world)
@@ -97,7 +87,9 @@ pub fn show(world: &mut World) {
     world.insert_resource(DrapeGravity::default());
     world.insert_resource(DefaultSolverSettings::default());
     world.insert_resource(Time::<Fixed>::default());
-    let feature = *world.resource::<Showcase>().feature();
+    let mut showcase = world.resource_mut::<Showcase>();
+    showcase.is_due = false;
+    let feature = *showcase.feature();
     let mut schedules = feature.schedules();
     if let Some(mut setup) = schedules.remove(Startup) {
         setup.run(world);
@@ -130,8 +122,6 @@ fn control(
     keys: Res<ButtonInput<KeyCode>>,
     mut showcase: ResMut<Showcase>,
     mut gizmos: ResMut<GizmoConfigStore>,
-    mut recorder: ResMut<FrameRecorder>,
-    mut commands: Commands,
 ) {
     let count = showcase.features.len();
     let step = match () {
@@ -143,29 +133,10 @@ fn control(
         showcase.current = (showcase.current + step) % count;
     }
     if step > 0 || keys.just_pressed(KeyCode::KeyR) {
-        commands.queue(show);
+        showcase.is_due = true;
     }
     if keys.just_pressed(KeyCode::KeyG) {
         let drape = gizmos.config_mut::<DrapeGizmos>().0;
         drape.enabled = !drape.enabled;
     }
-    if keys.just_pressed(KeyCode::KeyF) {
-        recorder.is_on = !recorder.is_on;
-    }
-}
-
-fn record(mut recorder: ResMut<FrameRecorder>, mut commands: Commands) {
-    if !recorder.is_on {
-        return;
-    }
-    if recorder.frame.is_multiple_of(STRIDE) {
-        let path = format!("{FRAMES}/frame_{:05}.png", recorder.frame / STRIDE);
-        if let Err(error) = std::fs::create_dir_all(FRAMES) {
-            error!("cannot make {FRAMES}: {error}");
-            recorder.is_on = false;
-            return;
-        }
-        commands.spawn(Screenshot::primary_window()).observe(save_to_disk(path));
-    }
-    recorder.frame += 1;
 }

@@ -16,6 +16,7 @@ use bevy::window::ExitCondition;
 use thiserror::Error;
 
 use crate::adapter::{NoAdapter, find_adapter};
+use crate::feature_files::{FileError, asset_plugin};
 use crate::visuals::camera;
 
 /// Updates that a picture may take before it is given up.
@@ -32,6 +33,9 @@ pub enum PictureError {
     /// The renderer did not come to an end.
     #[error("the renderer did not finish {0}")]
     NotDrawn(String),
+    /// What is to be drawn is missing.
+    #[error(transparent)]
+    NotLoaded(#[from] FileError),
     /// A picture cannot be written.
     #[error("cannot write {path}: {reason}")]
     File {
@@ -56,6 +60,7 @@ pub fn app<M>(plugins: impl Plugins<M>, size: UVec2) -> Result<(App, Studio), Pi
     find_adapter()?;
     let mut app = App::new();
     let basics = DefaultPlugins
+        .set(asset_plugin())
         .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
         .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
         // The updates are ours, and so are the picture and the terminal.

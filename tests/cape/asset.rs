@@ -91,3 +91,18 @@ fn everything_in_the_file_is_where_it_says() {
         }
     }
 }
+
+/// They used to last a number of seconds, and jumped when they began anew.
+#[test]
+fn the_animations_end_as_they_begin() {
+    let (text, numbers) = parts();
+    for animation in text["animations"].as_array().expect("animations") {
+        for sampler in animation["samplers"].as_array().expect("samplers") {
+            let count = size(&text["accessors"][size(&sampler["output"])]["count"]);
+            let poses = bytes(&text, numbers, &sampler["output"]);
+            let width = poses.len() / count;
+            assert!(count > 10);
+            assert_eq!(poses[..width], poses[poses.len() - width..], "{}", animation["name"]);
+        }
+    }
+}

@@ -1,6 +1,10 @@
 //! Clothes on skinned characters: pins and limits that follow joints, motion that is inherited or not, teleports.
 
 mod asset;
+#[path = "../../examples/cape_gltf.rs"]
+#[expect(dead_code, reason = "the example's own `main`")]
+mod cape_gltf;
+mod gltf;
 mod measure;
 mod skinned;
 mod walk;

@@ -94,6 +94,9 @@ pub struct ClothPaint {
     /// Where it is said how stiff the cloth is: white as its fields say, the darker the softer. 0.9 makes a rigid edge 0.999 stiff, 0.5 makes
     /// it 0.89, black 0.5 ([`painted_stiffness`](MeshClothBuilder::painted_stiffness)). None, the default: alike everywhere.
     pub stiffness: Option<PaintChannel>,
+    /// Whether vertex colours that something is read from are seen as well: renderers multiply the material's colour by them. False, the
+    /// default: the mesh that shows the cloth has no colours then. Those that nothing is read from are always seen.
+    pub is_seen: bool,
 }
 
 /// A number that each vertex of a mesh has.
@@ -112,6 +115,21 @@ pub enum PaintChannel {
     Attribute(String),
 }
 
+impl PaintChannel {
+    /// Whether it is of the vertex colours.
+    fn is_colour(&self) -> bool {
+        !matches!(self, Self::Attribute(_))
+    }
+}
+
+impl ClothPaint {
+    /// Whether vertex colours are paint, and nothing else.
+    fn takes_colours(&self) -> bool {
+        let channels = [&self.pins, &self.max_distance, &self.stiffness];
+        !self.is_seen && channels.into_iter().flatten().any(PaintChannel::is_colour)
+    }
+}
+
 impl Default for ClothPaint {
     fn default() -> Self {
         Self {
@@ -120,6 +138,7 @@ impl Default for ClothPaint {
             max_distance: None,
             full_distance: 1.0,
             stiffness: None,
+            is_seen: false,
         }
     }
 }
@@ -211,6 +230,10 @@ impl ClothMesh {
 impl MeshDescription for ClothMesh {
     const NAME: &'static str = "ClothMesh";
     type Parts = WeldedVertices;
+
+    fn takes_colours(&self) -> bool {
+        self.paint.takes_colours()
+    }
 
     fn build(
         &self,

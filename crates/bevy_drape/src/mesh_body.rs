@@ -28,6 +28,11 @@ pub(crate) trait MeshDescription: Component {
     /// What the entity gets besides body and surface, and loses with them.
     type Parts: Bundle;
 
+    /// Whether the mesh's vertex colours are for it to read, and not to be seen.
+    fn takes_colours(&self) -> bool {
+        false
+    }
+
     /// The body of `mesh`, whose parts these are, at `transform`.
     fn build(
         &self,
@@ -157,7 +162,11 @@ fn build<D: MeshDescription>(
     let mut body = description.build(mesh, &parts, transform, skin)?;
     let vertices = core::mem::take(&mut body.vertices);
     let surface = Surface::of_mesh(&body.particles, &body.topology, vertices);
-    Ok((body, surface, parts.copy_to_show(mesh)))
+    let mut copy = parts.copy_to_show(mesh);
+    if description.takes_colours() {
+        copy.remove_attribute(Mesh::ATTRIBUTE_COLOR);
+    }
+    Ok((body, surface, copy))
 }
 
 /// Has a new cloth follow its animation, if it has one.

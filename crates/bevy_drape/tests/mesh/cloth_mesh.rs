@@ -45,6 +45,22 @@ fn welded(app: &App, entity: Entity) -> &WeldedVertices {
     app.world().get(entity).expect("built")
 }
 
+/// Red pins used to make the collar red.
+#[test]
+fn colours_that_are_read_as_paint_do_not_tint_the_cloth_unless_asked_to() {
+    let colours = |paint: ClothPaint| {
+        let (app, cloth) = hung(pipe(), ClothMesh { paint, ..default() }, Transform::default());
+        mesh_of(&app, cloth).attribute(Mesh::ATTRIBUTE_COLOR).cloned()
+    };
+    let painted = pipe().attribute(Mesh::ATTRIBUTE_COLOR).cloned();
+    assert!(painted.is_some());
+    assert_eq!(colours(ClothPaint::default()), None);
+    let limits = ClothPaint { pins: None, max_distance: Some(PaintChannel::Blue), ..default() };
+    assert_eq!(colours(limits), None);
+    assert_eq!(colours(ClothPaint { is_seen: true, ..default() }), painted);
+    assert_eq!(colours(ClothPaint { pins: None, ..default() }), painted, "colours of another purpose");
+}
+
 #[test]
 fn a_mesh_becomes_a_cloth_that_stays_closed_and_keeps_its_texture() {
     let mesh = pipe();
@@ -54,7 +70,6 @@ fn a_mesh_becomes_a_cloth_that_stays_closed_and_keeps_its_texture() {
     let shown = mesh_of(&app, cloth);
     assert_eq!(shown.indices(), mesh.indices());
     assert_eq!(shown.attribute(Mesh::ATTRIBUTE_UV_0), mesh.attribute(Mesh::ATTRIBUTE_UV_0));
-    assert_eq!(shown.attribute(Mesh::ATTRIBUTE_COLOR), mesh.attribute(Mesh::ATTRIBUTE_COLOR));
     let count = particles(&app, cloth).len();
     assert_eq!(count, (SIDES * 7) as usize);
     assert!(count < positions(&mesh).len(), "the seam has its vertices twice");

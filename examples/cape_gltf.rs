@@ -1,0 +1,124 @@
+//! Capes from a glTF file, as an artist exports them: loaded by Bevy, dressed when they are there, moved by the file's animations.
+//! `docs/blender.md` tells how such a file is made, and quotes from this one.
+//!
+//! `cargo run --release --example cape_gltf --features window`; `--headless` runs without a window, and `--picture FILE` draws
+//! a picture with `--features render`.
+
+use bevy::prelude::*;
+use bevy::world_serialization::WorldInstanceReady;
+use bevy_drape::prelude::*;
+use drape_examples::feature::Feature;
+
+/// The example.
+pub const FEATURE: Feature = Feature {
+    title: "Capes from a glTF file, moved by its animations",
+    controls: "",
+    eye: Vec3::new(4.5, 1.6, 2.6),
+    target: Vec3::new(2.0, 0.82, -0.2),
+    moment: 7.4,
+    build: |app| {
+        app.add_systems(Startup, setup).add_systems(Update, (go_round, hide_capsules));
+    },
+};
+
+/// The file, in the folder of assets. `examples/cape_model.rs` writes it.
+pub const FILE: &str = "models/cape.glb";
+
+/// Runs it.
+pub fn main() -> std::process::ExitCode {
+    FEATURE.run()
+}
+
+/// Somebody who goes round in a circle.
+#[derive(Component, Clone, Debug)]
+struct Wearer {
+    /// In m/s.
+    speed: f32,
+    /// The animation that goes with it.
+    clip: Handle<AnimationClip>,
+}
+
+fn setup(mut commands: Commands, assets: Res<AssetServer>) {
+    commands.spawn(Obstacle::ground());
+    // All at once, and kept: a file that is loaded again spawns its scenes again.
+    let scene = assets.load(GltfAssetLabel::Scene(0).from_asset(FILE));
+    let [walk, run] = [0, 1].map(|index| assets.load(GltfAssetLabel::Animation(index).from_asset(FILE)));
+    for (clip, speed, x) in [(walk, 1.5, -1.2_f32), (run, 5.0, 3.0)] {
+        let place = Transform::from_xyz(x, 0.0, 0.0).looking_to(Vec3::NEG_Z * x, Vec3::Y);
+        let wearer = (WorldAssetRoot(scene.clone()), Wearer { speed, clip }, place);
+        commands.spawn(wearer).observe(dress).observe(play);
+    }
+}
+
+/// Bones, radius and length of the capsule on each, and how far up the bone its middle is, in metres.
+pub const CAPSULES: [(&str, f32, f32, f32); 10] = [
+    ("hips", 0.13, 0.1, 0.0),
+    ("spine", 0.12, 0.1, 0.05),
+    ("chest", 0.13, 0.14, 0.06),
+    ("head", 0.11, 0.02, 0.13),
+    ("left arm", 0.045, 0.5, -0.25),
+    ("right arm", 0.045, 0.5, -0.25),
+    ("left thigh", 0.08, 0.35, -0.2),
+    ("right thigh", 0.08, 0.35, -0.2),
+    ("left shin", 0.06, 0.35, -0.2),
+    ("right shin", 0.06, 0.35, -0.2),
+];
+
+/// Makes cloth of the cape, and puts capsules on the bones, when the scene is there.
+pub fn dress(
+    ready: On<WorldInstanceReady>,
+    children: Query<&Children>,
+    names: Query<&Name>,
+    mut commands: Commands,
+) {
+    let root = ready.entity;
+    commands.entity(root).insert(MovedByFrame);
+    for entity in children.iter_descendants(root) {
+        let Ok(name) = names.get(entity) else { continue };
+        // The entity of the mesh: a child of its node, called by mesh and material.
+        if name.as_str() == "Cape.cloth" {
+            let paint =
+                ClothPaint { max_distance: Some(PaintChannel::Green), full_distance: 0.7, ..default() };
+            let cape = ClothMesh { areal_density: 0.3, paint, ..default() };
+            let settings = SolverSettings { drag: 1.0, thickness: 0.01, ..default() };
+            let motion = WorldMotion::of(root).with_scale(0.8, 0.5);
+            commands.entity(entity).insert((cape, settings, motion));
+        }
+        if let Some(&(_, radius, length, middle)) = CAPSULES.iter().find(|bone| bone.0 == name.as_str()) {
+            let capsule = Obstacle::capsule(radius, length).with_friction(0.3);
+            commands.spawn((capsule, Transform::from_xyz(0.0, middle, 0.0), ChildOf(entity)));
+        }
+    }
+}
+
+/// Plays the animation of a wearer, over and over.
+fn play(
+    ready: On<WorldInstanceReady>,
+    wearers: Query<&Wearer>,
+    children: Query<&Children>,
+    mut players: Query<&mut AnimationPlayer>,
+    mut graphs: ResMut<Assets<AnimationGraph>>,
+    mut commands: Commands,
+) {
+    let Ok(wearer) = wearers.get(ready.entity) else { return };
+    for entity in children.iter_descendants(ready.entity) {
+        let Ok(mut player) = players.get_mut(entity) else { continue };
+        let (graph, node) = AnimationGraph::from_clip(wearer.clip.clone());
+        player.play(node).repeat();
+        commands.entity(entity).insert(AnimationGraphHandle(graphs.add(graph)));
+    }
+}
+
+fn go_round(mut wearers: Query<(&Wearer, &mut Transform)>, time: Res<Time>) {
+    for (wearer, mut transform) in &mut wearers {
+        let angle = wearer.speed / transform.translation.length() * time.delta_secs();
+        transform.rotate_around(Vec3::ZERO, Quat::from_rotation_y(angle));
+    }
+}
+
+/// The figure is seen instead.
+fn hide_capsules(capsules: Query<Entity, (Added<Obstacle>, With<ChildOf>)>, mut commands: Commands) {
+    for capsule in &capsules {
+        commands.entity(capsule).insert(Visibility::Hidden);
+    }
+}

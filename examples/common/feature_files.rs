@@ -1,0 +1,57 @@
+//! The files that a feature's example shows.
+
+use core::time::Duration;
+use std::time::Instant;
+
+use bevy::asset::{AssetPlugin, LoadState};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use thiserror::Error;
+
+/// How long a file may take to load, on the wall clock.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Between two looks.
+const PAUSE: Duration = Duration::from_millis(1);
+
+/// A file is not there, or is not what it should be.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("cannot load a scene: {0}")]
+pub struct FileError(String);
+
+/// Assets in the repository's folder, wherever the program lies or is called from.
+pub fn asset_plugin() -> AssetPlugin {
+    AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(), ..default() }
+}
+
+/// Updates `app` until all scenes of files are spawned that have been asked for. Its clock stands still meanwhile, so that what
+/// comes after does not depend on how long they took.
+///
+/// # Errors
+/// [`FileError`] telling which file, and what is wrong with it.
+pub fn wait_for_files(app: &mut App) -> Result<(), FileError> {
+    let clock = app.world_mut().remove_resource::<TimeUpdateStrategy>().unwrap_or_default();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    let start = Instant::now();
+    let mut result = Ok(());
+    while let Some(scene) = awaited(app.world_mut()) {
+        let files = app.world().resource::<AssetServer>();
+        result = match files.get_load_state(scene.id()) {
+            Some(LoadState::Failed(error)) => Err(FileError(error.to_string())),
+            _ if start.elapsed() > PATIENCE => Err(FileError(format!("{:?} takes too long", scene.path()))),
+            _ => Ok(()),
+        };
+        if result.is_err() {
+            break;
+        }
+        std::thread::sleep(PAUSE);
+        app.update();
+    }
+    app.insert_resource(clock);
+    result
+}
+
+/// A scene that is not spawned yet.
+fn awaited(world: &mut World) -> Option<Handle<WorldAsset>> {
+    let mut roots = world.query_filtered::<&WorldAssetRoot, Without<Children>>();
+    roots.iter(world).next().map(|root| root.0.clone())
+}

@@ -1,0 +1,319 @@
+//! The cape of the file in the repository, loaded by Bevy, dressed as the guide says, moved by the file's animations.
+
+use bevy::gltf::GltfLoaderSettings;
+use bevy::gltf::GltfPlugin;
+use bevy::gltf::convert_coordinates::GltfConvertCoordinates;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+use bevy::world_serialization::WorldSerializationPlugin;
+use bevy_drape::prelude::*;
+use drape_examples::character::{BONES, CAPE, Character};
+use drape_examples::feature_files::wait_for_files;
+
+use crate::cape_gltf::{CAPSULES, FILE, dress};
+use crate::measure::{Skin, Worst, measure};
+use crate::*;
+
+/// How long a cape that is dressed in mid-stride, with a leg through it, may take to get clear, in seconds.
+const DRESSING: f32 = 0.25;
+
+/// What is in the file; kept, as Bevy spawns the scenes of a file again that is loaded again.
+struct File {
+    scene: Handle<WorldAsset>,
+    walk: Handle<AnimationClip>,
+    run: Handle<AnimationClip>,
+}
+
+impl File {
+    fn load(app: &App) -> Self {
+        let assets = app.world().resource::<AssetServer>();
+        let [walk, run] = [0, 1].map(|index| assets.load(GltfAssetLabel::Animation(index).from_asset(FILE)));
+        Self { scene: assets.load(GltfAssetLabel::Scene(0).from_asset(FILE)), walk, run }
+    }
+}
+
+fn gltf_app() -> App {
+    let mut app = app();
+    app.add_plugins((
+        ImagePlugin::default(),
+        WorldSerializationPlugin,
+        GltfPlugin::default(),
+        AnimationPlugin,
+    ))
+    .init_resource::<Skin>()
+    .init_resource::<Worst>()
+    .add_systems(FixedLast, measure.run_if(resource_exists::<Character>));
+    app.finish();
+    app.cleanup();
+    frames(&mut app, 0.0);
+    app
+}
+
+/// Spawns the scene, and waits until it is there.
+fn spawn(app: &mut App, scene: &Handle<WorldAsset>) -> Character {
+    let root = app.world_mut().spawn(WorldAssetRoot(scene.clone())).observe(dress).id();
+    app.update();
+    wait_for_files(app).expect("the file");
+    character(app, root)
+}
+
+/// The descendant with this name, and no other.
+fn named(app: &mut App, root: Entity, name: &str) -> Entity {
+    let world = app.world_mut();
+    let mut state = world.query::<&Children>();
+    let children = state.query(world);
+    let found: Vec<Entity> = children
+        .iter_descendants(root)
+        .filter(|&entity| world.get::<Name>(entity).is_some_and(|known| known.as_str() == name))
+        .collect();
+    assert_eq!(found.len(), 1, "{name}");
+    found[0]
+}
+
+/// What the scene has become, for what measures it.
+fn character(app: &mut App, root: Entity) -> Character {
+    let mut character = Character::default();
+    character.root = root;
+    character.cape = named(app, root, "Cape.cloth");
+    for (bone, ..) in BONES {
+        let joint = named(app, root, bone);
+        character.joints.push(joint);
+        let children = app.world().get::<Children>(joint).expect("a capsule");
+        let capsule = children.iter().find(|&child| app.world().get::<Obstacle>(child).is_some());
+        character.capsules.push(capsule.expect("a capsule"));
+    }
+    character
+}
+
+/// Plays an animation over and over, as a game does.
+fn play(app: &mut App, root: Entity, clip: &Handle<AnimationClip>) {
+    let (graph, node) = AnimationGraph::from_clip(clip.clone());
+    let graph = app.world_mut().resource_mut::<Assets<AnimationGraph>>().add(graph);
+    let player = named(app, root, "Character");
+    let mut player = app.world_mut().entity_mut(player);
+    player.insert(AnimationGraphHandle(graph));
+    player.get_mut::<AnimationPlayer>().expect("Bevy's loader puts it there").play(node).repeat();
+}
+
+/// Goes on for some seconds. The root goes ahead at `speed`. Tells how far a thigh has turned meanwhile, in radians.
+fn go(app: &mut App, character: &Character, fps: f32, seconds: f32, speed: f32) -> f32 {
+    frames(app, f64::from(1.0 / fps));
+    let mut turned = [f32::INFINITY, f32::NEG_INFINITY];
+    for _ in 0..(seconds * fps) as u32 {
+        let mut root = app.world_mut().get_mut::<Transform>(character.root).expect("a root");
+        root.translation.z -= speed / fps;
+        app.update();
+        let thigh = app.world().get::<Transform>(character.joints[6]).expect("a thigh").rotation;
+        let angle = thigh.to_euler(EulerRot::XYZ).0;
+        turned = [turned[0].min(angle), turned[1].max(angle)];
+    }
+    turned[1] - turned[0]
+}
+
+fn worst(app: &App) -> Worst {
+    *app.world().resource::<Worst>()
+}
+
+fn assert_worn(name: &str, worst: &Worst) {
+    println!("cape: {name}: {worst:?}");
+    assert!(worst.pin_error < 1e-3, "{name}: a pin is {} m off", worst.pin_error);
+    assert!(worst.excess < 1e-3, "{name}: {} m beyond a limit", worst.excess);
+    assert!(worst.depth < 2e-3, "{name}: {} m deep", worst.depth);
+    assert_eq!(worst.uncounted, 0, "{name}");
+    assert!(worst.away < 1.5, "{name}: {} m from the hips", worst.away);
+}
+
+fn has_no_refusal(app: &App) {
+    let refused: Vec<_> = app.world().resource::<Refusals>().messages().collect();
+    assert!(refused.is_empty(), "{refused:?}");
+}
+
+#[test]
+fn a_cape_from_a_file_is_built_as_it_is_painted() {
+    let mut app = gltf_app();
+    let file = File::load(&app);
+    let character = spawn(&mut app, &file.scene);
+    one_step_a_frame(&mut app);
+    app.update();
+    has_no_refusal(&app);
+    let body = particles(&app, character.cape);
+    assert_eq!(body.len(), CAPE[0] * CAPE[1]);
+    let welded = app.world().get::<WeldedVertices>(character.cape).expect("built");
+    for vertex in 0..welded.vertex_count() {
+        let i = welded.particle(vertex).expect("a corner");
+        assert_eq!(body.is_pinned(i), vertex < CAPE[0], "vertex {vertex}: the collar, which is red");
+        assert_eq!(body.motion_limit(i).is_some(), vertex >= CAPE[0]);
+    }
+    let cape = app.world().entity(character.cape);
+    assert!(!cape.contains::<SkinnedMesh>());
+    let shown = cape.get::<Mesh3d>().expect("a mesh");
+    let shown = app.world().resource::<Assets<Mesh>>().get(shown).expect("loaded");
+    for attribute in [Mesh::ATTRIBUTE_JOINT_INDEX, Mesh::ATTRIBUTE_JOINT_WEIGHT, Mesh::ATTRIBUTE_COLOR] {
+        assert!(!shown.contains_attribute(attribute), "{attribute:?}");
+    }
+    let figure = named(&mut app, character.root, "Figure.skin");
+    assert!(app.world().get::<SkinnedMesh>(figure).is_some(), "the figure is left alone");
+}
+
+#[test]
+fn a_cape_from_a_file_is_worn_by_who_walks_and_by_who_runs() {
+    for fps in [30.0, 60.0, 144.0] {
+        let mut app = gltf_app();
+        let file = File::load(&app);
+        for (name, clip, speed, reach) in [("walks", &file.walk, 1.5, 0.5), ("runs", &file.run, 5.0, 1.0)] {
+            let character = spawn(&mut app, &file.scene);
+            play(&mut app, character.root, clip);
+            app.insert_resource(character.clone());
+            go(&mut app, &character, fps, DRESSING, speed);
+            let dressed = worst(&app);
+            println!("cape: from the file, {name} at {fps} fps, dressed: {dressed:?}");
+            assert!(dressed.pin_error < 1e-3 && dressed.excess < 1e-3);
+            assert!(dressed.speed < 35.0, "{} m/s", dressed.speed);
+            app.insert_resource(Worst::default());
+            let turned = go(&mut app, &character, fps, 8.0, speed);
+            assert!(turned > reach, "a thigh turns by {turned} rad");
+            let worst = worst(&app);
+            assert_worn(&format!("from the file, {name} at {fps} fps"), &worst);
+            assert!(worst.steps > 470, "{} steps", worst.steps);
+            assert!(worst.speed < speed + 10.0, "{} m/s", worst.speed);
+            has_no_refusal(&app);
+            app.world_mut().despawn(character.root);
+        }
+    }
+}
+
+#[test]
+fn a_character_from_a_file_that_is_teleported_takes_its_cape_along() {
+    let mut app = gltf_app();
+    let file = File::load(&app);
+    let character = spawn(&mut app, &file.scene);
+    play(&mut app, character.root, &file.run);
+    go(&mut app, &character, 60.0, 2.0, 5.0);
+    app.insert_resource(character.clone());
+    let mut place = app.world_mut().get_mut::<Transform>(character.root).expect("a root");
+    place.translation += Vec3::new(4.0, 0.0, -3.0);
+    place.rotate_y(2.0);
+    go(&mut app, &character, 60.0, 2.0, 5.0);
+    let worst = worst(&app);
+    assert_worn("from the file, teleported by 5 m", &worst);
+    assert!(worst.speed < 20.0, "{} m/s", worst.speed);
+    assert!(worst.rms_stretch < 0.1, "stretched by {}", worst.rms_stretch);
+}
+
+#[test]
+fn a_character_from_a_file_comes_and_goes_and_leaves_nothing_behind() {
+    let mut app = gltf_app();
+    let file = File::load(&app);
+    let mut before = None;
+    for _ in 0..3 {
+        let [first, second] = [(); 2].map(|()| spawn(&mut app, &file.scene));
+        app.world_mut().get_mut::<Transform>(second.root).expect("a root").translation.x = 3.0;
+        play(&mut app, first.root, &file.walk);
+        app.insert_resource(first.clone());
+        go(&mut app, &first, 60.0, DRESSING, 1.5);
+        app.insert_resource(Worst::default());
+        go(&mut app, &first, 60.0, 1.0, 1.5);
+        assert_worn("from the file, again", &worst(&app));
+        for cape in [first.cape, second.cape] {
+            assert_eq!(particles(&app, cape).len(), CAPE[0] * CAPE[1]);
+        }
+        has_no_refusal(&app);
+        app.world_mut().remove_resource::<Character>();
+        // One goes as a whole, of the other the scene alone.
+        app.world_mut().despawn(first.root);
+        app.world_mut().entity_mut(second.root).remove::<WorldAssetRoot>().despawn_children();
+        (0..5).for_each(|_| app.update());
+        assert_eq!(app.world_mut().query::<&Particles>().iter(app.world()).count(), 0);
+        assert_eq!(app.world_mut().query::<&Obstacle>().iter(app.world()).count(), 0);
+        app.world_mut().despawn(second.root);
+        app.update();
+        let now = app.world().entities().count_spawned();
+        assert_eq!(*before.get_or_insert(now), now, "entities");
+        has_no_refusal(&app);
+    }
+}
+
+/// A scene whose file was loaded again, as it is when the artist saves it, is another scene.
+#[test]
+fn a_cape_is_dressed_again_when_its_file_is_loaded_again() {
+    let mut app = gltf_app();
+    let file = File::load(&app);
+    let whole: Handle<Gltf> = app.world().resource::<AssetServer>().load(FILE);
+    let first = spawn(&mut app, &file.scene);
+    go(&mut app, &first, 60.0, 0.5, 1.5);
+    assert!(app.world().resource::<Assets<Gltf>>().contains(&whole));
+    app.world().resource::<AssetServer>().reload(FILE);
+    frames(&mut app, 0.0);
+    for _ in 0..5000 {
+        if app.world().get_entity(first.cape).is_err() {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+        app.update();
+    }
+    let again = character(&mut app, first.root);
+    assert_ne!(again.cape, first.cape);
+    play(&mut app, again.root, &file.walk);
+    app.insert_resource(again.clone());
+    go(&mut app, &again, 60.0, DRESSING, 1.5);
+    app.insert_resource(Worst::default());
+    go(&mut app, &again, 60.0, 1.0, 1.5);
+    assert_worn("from the file, saved anew", &worst(&app));
+    assert_eq!(particles(&app, again.cape).len(), CAPE[0] * CAPE[1]);
+    assert_eq!(app.world_mut().query::<&Particles>().iter(app.world()).count(), 1);
+    has_no_refusal(&app);
+}
+
+/// Bevy can turn files so that what looks along +Z looks along -Z: the root, the meshes, or both.
+#[test]
+fn a_cape_from_a_file_whose_coordinates_are_converted_is_worn_as_well() {
+    for (rotate_scene_entity, rotate_meshes) in [(true, false), (false, true), (true, true)] {
+        let mut app = gltf_app();
+        let convert = GltfConvertCoordinates { rotate_scene_entity, rotate_meshes };
+        let set = move |settings: &mut GltfLoaderSettings| settings.convert_coordinates = Some(convert);
+        let assets = app.world().resource::<AssetServer>();
+        let load = || assets.load_builder().with_settings(set);
+        let clip = load().load(GltfAssetLabel::Animation(0).from_asset(FILE));
+        let scene = load().load(GltfAssetLabel::Scene(0).from_asset(FILE));
+        let character = spawn(&mut app, &scene);
+        play(&mut app, character.root, &clip);
+        go(&mut app, &character, 60.0, DRESSING, 1.5);
+        app.insert_resource(character.clone());
+        go(&mut app, &character, 60.0, 3.0, 1.5);
+        assert_worn(&format!("from the file, {convert:?}"), &worst(&app));
+        has_no_refusal(&app);
+    }
+}
+
+#[test]
+fn a_file_that_is_not_there_is_told_of() {
+    let mut app = gltf_app();
+    let scene = app.world().resource::<AssetServer>().load("models/none.glb#Scene0");
+    app.world_mut().spawn(WorldAssetRoot(scene));
+    app.update();
+    let error = wait_for_files(&mut app).expect_err("no such file").to_string();
+    assert!(error.contains("models/none.glb"), "{error}");
+}
+
+/// The numbers are those that measure the cape.
+#[test]
+fn the_capsules_of_the_guide_are_those_of_the_character() {
+    for ((bone, radius, length, middle), (name, _, _, capsule, place)) in CAPSULES.into_iter().zip(BONES) {
+        assert_eq!((bone, [radius, length], [0.0, middle, 0.0]), (name, capsule, place));
+    }
+}
+
+/// What technical artists copy is what is tested here.
+#[test]
+fn the_guide_quotes_the_example() {
+    let read = |file: &str| {
+        std::fs::read_to_string(format!("{}/{file}", env!("CARGO_MANIFEST_DIR"))).expect("in the repository")
+    };
+    let (guide, example) = (read("docs/blender.md"), read("examples/cape_gltf.rs"));
+    for (from, end) in [("pub const CAPSULES", "\n];\n"), ("pub fn dress", "\n}\n")] {
+        let start = example.find(from).expect("in the example");
+        let length = example[start..].find(end).expect("its end") + end.len();
+        let quoted = example[start..start + length].trim_start_matches("pub ");
+        assert!(guide.contains(quoted), "`docs/blender.md` has another `{from}` than the example:\n{quoted}");
+    }
+}
