@@ -54,6 +54,8 @@ pub(crate) struct TrianglePairs {
     /// What may touch in this substep.
     near: Vec<Contact<4>>,
     kinds: Vec<Kind>,
+    /// How often the projections may still be repeated in this step.
+    repeats_left: u32,
 }
 
 /// Where a particle was when the substep began, and is after its flight.
@@ -131,6 +133,9 @@ impl TrianglePairs {
         }
         // Anew in each step, so that no step knows of another.
         let now = motion.of_step.now;
+        if pace.is_first() {
+            self.repeats_left = MOST_REPEATS;
+        }
         if pace.is_first() || self.holds_until.is_none() || now > self.found_until {
             self.note_places(bodies);
             if pace.is_first() || self.holds_until.is_none_or(|end| now > end) {
@@ -286,13 +291,15 @@ impl TrianglePairs {
     }
 
     /// Moves apart what overlaps, and back what has passed: again and again while something has, as what leads one back
-    /// may push another through.
+    /// may push another through. A heap that no order of projections sorts out is left to the next steps.
     pub fn project(&mut self, bodies: &mut [Body], pace: Pace) {
-        for _ in 0..MOST_PASSES {
-            if !self.project_once(bodies, pace) {
-                break;
+        for _ in 1..MOST_PASSES {
+            if !self.project_once(bodies, pace) || self.repeats_left == 0 {
+                return;
             }
+            self.repeats_left -= 1;
         }
+        self.project_once(bodies, pace);
     }
 
     /// True if something had passed through something.
@@ -429,6 +436,9 @@ const PATH_OF_SUBSTEP: f32 = 0.25;
 
 /// Projections of a substep at most, where things pass each other.
 const MOST_PASSES: u32 = 32;
+
+/// Repeated projections of a step at most, over all of its substeps.
+const MOST_REPEATS: u32 = 256;
 
 /// How far beside a triangle or an edge the way may lead that still passes it, in distances that are kept: closes the
 /// cracks between them.

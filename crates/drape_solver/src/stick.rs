@@ -391,7 +391,8 @@ mod tests {
     #[test]
     fn square_root_free_projection_lands_where_the_identity_says() {
         for step in 0..=400 {
-            let e = 0.1 * libm::powf(100.0, step as f32 / 400.0);
+            // Not `powf`, which takes roots in assembly, that Miri does not run.
+            let e = 0.1 * libm::expf(step as f32 / 400.0 * libm::logf(100.0));
             let ends = [Vec3::ZERO, Vec3::X * e];
             let [a, b] = project_once(ends, [1.0, 1.0], StickProjection::SquareRootFree);
             let expected = 1.0 - (e - 1.0) * (e - 1.0) / (1.0 + e * e);
