@@ -53,7 +53,8 @@ pub use mesh_source::MeshSource;
 pub use motion::{Dynamic, Keyframe, Keyframes, Motion, Steady};
 pub use named::{Named, Names};
 pub use number::{
-    Fraction, NonNegative, Number, OutOfRange, Positive, Pressure, Seconds, StepLength, Vector, Whole,
+    Bound, Fraction, NonNegative, Number, OutOfRange, Positive, Pressure, Seconds, StepLength, Tolerance,
+    Vector, Whole,
 };
 pub use obstacle::Obstacle;
 pub use paint_channel::PaintChannel;

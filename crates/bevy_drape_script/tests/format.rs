@@ -364,6 +364,21 @@ fn words_and_numbers_are_told_apart() {
     assert_told(&error, "AtMost(1))", "expectations[2].expect", &["Is("]);
 }
 
+// Found by the fuzz target `scene_text`: `NaN` was read as a tolerance, which nothing is within.
+#[test]
+fn what_nothing_can_be_within_is_refused() {
+    for (expected, field, words) in [
+        ("AtMost(NaN)", "", ["number from", "found NaN"]),
+        ("Near(value: -NaN, tolerance: 1)", ".value", ["number from", "found NaN"]),
+        ("Near(value: 1, tolerance: NaN)", ".tolerance", ["number from 0", "found NaN"]),
+        ("Near(value: 1, tolerance: -0.1)", ".tolerance", ["number from 0", "found -0.1"]),
+        ("Between(0, inf)", "[1]", ["number from", "found inf"]),
+    ] {
+        let error = error("AtMost(0.01)", expected);
+        assert_told(&error, expected, &format!("expectations[0].expect{field}"), &words);
+    }
+}
+
 #[test]
 fn text_that_is_no_scene_is_told() {
     let end = SceneScript::parse("(version: 1, bodies: {").expect_err("no end");

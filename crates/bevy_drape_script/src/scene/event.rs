@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Action, Expected, Names, Positive, Probe, Seconds, Whole};
+use super::{Action, Bound, Expected, Names, Positive, Probe, Seconds, Whole};
 
 /// Something that happens: at a time, or as soon as something is the case.
 ///
@@ -64,7 +64,9 @@ impl Trigger {
     pub fn as_probe(&self) -> (Probe, Expected) {
         match self {
             Self::Resting(of) => (Probe::Activity { of: of.clone() }, Expected::Is("Resting".to_string())),
-            Self::Hit { of, on } => (Probe::Hits { of: of.clone(), on: on.clone() }, Expected::AtLeast(1.0)),
+            Self::Hit { of, on } => {
+                (Probe::Hits { of: of.clone(), on: on.clone() }, Expected::AtLeast(Bound::known(1.0)))
+            }
             Self::Measured { probe, expect } => (probe.clone(), expect.clone()),
         }
     }

@@ -5,7 +5,7 @@ use core::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Probe, Seconds};
+use super::{Bound, Probe, Seconds, Tolerance};
 
 /// Something that a scene must do: a probe, when it is looked at, and what is expected of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -54,16 +54,16 @@ pub enum Expected {
     /// This value, and no more than the tolerance away.
     Near {
         /// The value.
-        value: f64,
+        value: Bound,
         /// The tolerance, in the same unit.
-        tolerance: f64,
+        tolerance: Tolerance,
     },
     /// From one value to another.
-    Between(f64, f64),
+    Between(Bound, Bound),
     /// At most this value.
-    AtMost(f64),
+    AtMost(Bound),
     /// At least this value.
-    AtLeast(f64),
+    AtLeast(Bound),
     /// This word: `Active`, `Resting`, `Frozen` or `Culled` for `Activity`, and a hash for `StateHash`.
     Is(String),
     /// Nothing: the value is only reported.
@@ -86,14 +86,16 @@ impl Expected {
     pub fn excess(&self, measured: &Measured) -> f64 {
         let excess = match (self, measured) {
             (Self::Reported, _) => f64::NEG_INFINITY,
-            (Self::Near { value, tolerance }, Measured::Number(number)) => (number - value).abs() - tolerance,
+            (Self::Near { value, tolerance }, Measured::Number(number)) => {
+                (number - value.get()).abs() - tolerance.get()
+            }
             // `max` would lose what is not a number.
             (Self::Between(..), Measured::Number(number)) if number.is_nan() => f64::INFINITY,
             (Self::Between(least, greatest), Measured::Number(number)) => {
-                (least - number).max(number - greatest)
+                (least.get() - number).max(number - greatest.get())
             }
-            (Self::AtMost(greatest), Measured::Number(number)) => number - greatest,
-            (Self::AtLeast(least), Measured::Number(number)) => least - number,
+            (Self::AtMost(greatest), Measured::Number(number)) => number - greatest.get(),
+            (Self::AtLeast(least), Measured::Number(number)) => least.get() - number,
             (Self::Is(expected), Measured::Word(word)) if expected == word => -1.0,
             _ => f64::INFINITY,
         };
@@ -104,10 +106,10 @@ impl Expected {
 impl fmt::Display for Expected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Near { value, tolerance } => write!(f, "{value} ± {tolerance}"),
-            Self::Between(least, greatest) => write!(f, "from {least} to {greatest}"),
-            Self::AtMost(greatest) => write!(f, "at most {greatest}"),
-            Self::AtLeast(least) => write!(f, "at least {least}"),
+            Self::Near { value, tolerance } => write!(f, "{} ± {}", value.get(), tolerance.get()),
+            Self::Between(least, greatest) => write!(f, "from {} to {}", least.get(), greatest.get()),
+            Self::AtMost(greatest) => write!(f, "at most {}", greatest.get()),
+            Self::AtLeast(least) => write!(f, "at least {}", least.get()),
             Self::Is(word) => f.write_str(word),
             Self::Reported => f.write_str("no value, only a report"),
         }

@@ -125,6 +125,14 @@ number! {
     Seconds(f64): 0.0, 1.0e5
 }
 number! {
+    /// What a measured value is held against: a number from -10^15 to 10^15, in the unit of the probe.
+    Bound(f64): -1.0e15, 1.0e15
+}
+number! {
+    /// How far a measured value may be from the expected one: from 0 to 10^15, in the unit of the probe.
+    Tolerance(f64): 0.0, 1.0e15
+}
+number! {
     /// The length of a step in seconds, from a hundred thousandth to a tenth.
     StepLength(f64): 1.0e-5, 0.1
 }

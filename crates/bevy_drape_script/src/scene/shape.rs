@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::number::bracketed;
-use super::{Positive, Turn, Vector};
+use super::{Number, Positive, Turn, Vector};
 
 /// Most cubes of voxels, and the farthest of them from the origin.
 const MOST_CUBES: usize = 65_536;
@@ -90,7 +90,7 @@ pub enum Shape {
         #[serde(deserialize_with = "bracketed")]
         size: (Positive, Positive),
         /// Rows of heights in metres, the first at least Z; each row from least to greatest X. All rows are equally long.
-        heights: Vec<Vec<f32>>,
+        heights: Vec<Vec<Number>>,
     },
     /// Equal cubes on a grid, as one solid.
     Voxels {
@@ -183,12 +183,10 @@ impl Shape {
                         "a height field has two rows at least, and all of them are equally long",
                     ));
                 }
-                if heights.iter().flatten().any(|height| !height.is_finite()) {
-                    return Err(bad("the heights of a height field must be finite"));
-                }
                 // parry counts down the columns first.
-                let data =
-                    (0..columns).flat_map(|column| heights.iter().map(move |row| row[column])).collect();
+                let data = (0..columns)
+                    .flat_map(|column| heights.iter().map(move |row| row[column].get()))
+                    .collect();
                 SharedShape::heightfield(
                     Array2::new(heights.len(), columns, data),
                     Vec3::new(x.get(), 1.0, z.get()),
