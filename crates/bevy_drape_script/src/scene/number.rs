@@ -53,6 +53,7 @@ macro_rules! number {
             }
 
             /// A number that is known to be in the range.
+            #[allow(dead_code, reason = "not each of them has a default")]
             pub(crate) const fn known(value: $inner) -> Self {
                 Self(value)
             }
