@@ -42,7 +42,7 @@ macro_rules! number {
             /// [`OutOfRange`], also for what is not a number.
             pub fn new(value: $inner) -> Result<Self, OutOfRange> {
                 if (Self::LEAST..=Self::GREATEST).contains(&value) {
-                    Ok(Self(value))
+                    Ok(Self::known(value))
                 } else {
                     Err(OutOfRange {
                         least: shortest(Self::LEAST),
@@ -53,7 +53,6 @@ macro_rules! number {
             }
 
             /// A number that is known to be in the range.
-            #[allow(dead_code, reason = "not each of them has a default")]
             pub(crate) const fn known(value: $inner) -> Self {
                 Self(value)
             }
