@@ -66,11 +66,17 @@ fn problem(error: &Error, path: &[Step], field: Option<Field>, found: Token) -> 
         let is_name = !word.is_empty() && !found.is_quoted() && word.starts_with(char::is_alphabetic);
         if is_name { format!("; did you mean `\"{word}\"`?") } else { String::new() }
     };
+    let unclosed = |problem: String| format!("{problem}: is a bracket before it not closed?");
     match error {
         Error::Message(message) => message.clone(),
         Error::NoSuchEnumVariant { expected: variants, found: variant, .. } => {
             let known = or(&format!("one of `{}`", variants.join("`, `")));
             format!("expected {known}, found `{variant}`{}", did_you_mean(variant, variants.iter().copied()))
+        }
+        Error::NoSuchStructField { expected: fields, found: name, .. }
+            if belongs_outside(path, found, fields) =>
+        {
+            unclosed(format!("there is no field `{name}` here"))
         }
         Error::NoSuchStructField { expected: fields, found: name, .. } => {
             unknown_field(&format!("there is no field `{name}` here"), name, fields)
@@ -90,6 +96,9 @@ fn problem(error: &Error, path: &[Step], field: Option<Field>, found: Token) -> 
         Error::ExpectedIdentifier | Error::SuggestRawIdentifier(_) | Error::InvalidIdentifier(_)
             if !fields.is_empty() =>
         {
+            if belongs_outside(path, found, &fields) {
+                return unclosed(expected("the name of a field"));
+            }
             unknown_field(&expected("the name of a field"), word, &fields)
         }
         Error::ExpectedIdentifier | Error::SuggestRawIdentifier(_) | Error::InvalidIdentifier(_) => {
@@ -110,6 +119,9 @@ fn problem(error: &Error, path: &[Step], field: Option<Field>, found: Token) -> 
             format!("expected {}, found {found}", or("more values"))
         }
         Error::ExpectedString if field.is_some_and(Field::is_map) => {
+            if belongs_outside(path, found, &fields) {
+                return unclosed(expected("a name in quotes"));
+            }
             format!("{}{}", expected("a name in quotes"), quoted())
         }
         Error::ExpectedString => format!("{}{}", expected(&or("a text in quotes")), quoted()),
@@ -142,6 +154,15 @@ fn problem(error: &Error, path: &[Step], field: Option<Field>, found: Token) -> 
         Error::ExceededRecursionLimit => "this is nested too deeply".to_string(),
         other => other.to_string(),
     }
+}
+
+/// Whether what was found is like none of `fields`, and could stand in one of the brackets around that at `path`.
+fn belongs_outside(path: &[Step], found: Token, fields: &[&str]) -> bool {
+    let is_alike = !did_you_mean(found.word(), fields.iter().copied()).is_empty();
+    !is_alike
+        && (0..path.len()).filter_map(|around| field(&path[..around])).any(|around| {
+            if found.is_quoted() { around.is_map() } else { around.fields().contains(&found.word()) }
+        })
 }
 
 /// The offset of a position that counts characters.

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use crate::scene::SceneScript;
+use crate::scene::{SceneScript, in_range};
 use crate::text::Step;
 
 static SCHEMA: LazyLock<Value> =
@@ -127,12 +127,8 @@ fn expected(schema: &'static Value) -> Option<String> {
         kind => kind.as_str()?,
     };
     let range = || {
-        let [least, greatest] = ["minimum", "maximum"].map(|end| schema.get(end));
-        match (least, greatest) {
-            (Some(least), Some(greatest)) => format!(" from {} to {}", plain(least), plain(greatest)),
-            (Some(least), None) => format!(" from {}", plain(least)),
-            _ => String::new(),
-        }
+        let [least, greatest] = ["minimum", "maximum"].map(|end| schema.get(end).and_then(Value::as_f64));
+        in_range(least.unwrap_or(f64::NEG_INFINITY), greatest.unwrap_or(f64::INFINITY))
     };
     Some(match kind {
         "number" => format!("a number{}", range()),
@@ -158,9 +154,4 @@ fn expected(schema: &'static Value) -> Option<String> {
         },
         _ => return None,
     })
-}
-
-/// A number of the schema, as one would write it.
-fn plain(number: &Value) -> String {
-    number.as_f64().map_or_else(String::new, |number| number.to_string())
 }

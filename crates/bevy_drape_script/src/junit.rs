@@ -36,6 +36,8 @@ pub fn to_junit<'a>(name: &str, reports: impl IntoIterator<Item = &'a Report>) -
         let mut case = TestCase::new(title, status);
         case.set_classname(report.scene.as_str());
         suite.add_test_case(case);
+        // With what was measured, and with what is only reported.
+        suite.set_system_out(report.to_string());
         junit.add_test_suite(suite);
     }
     junit.to_string().map_err(SceneError::new)

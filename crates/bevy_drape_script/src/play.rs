@@ -11,6 +11,7 @@ mod director;
 mod drag;
 mod judge;
 mod measure;
+mod notes;
 mod orders;
 mod points;
 mod stage;
@@ -26,6 +27,7 @@ use crate::checkpoint::Checkpoint;
 use crate::scene::SceneScript;
 use drag::DragUnderWay;
 use judge::Judge;
+use notes::CutUnderWay;
 use orders::Order;
 use stage::Stage;
 use tally::Tally;
@@ -75,6 +77,10 @@ pub struct ScenePlay {
     drags: Vec<DragUnderWay>,
     /// What went wrong, in words.
     problems: Vec<String>,
+    /// What was asked for in vain, in words.
+    notes: Vec<String>,
+    /// Cuts of the step that is about to be taken.
+    cuts: Vec<CutUnderWay>,
     /// Fixed ticks for which the scene still stands still.
     paused_for: u64,
     steps: u64,
@@ -169,6 +175,8 @@ pub fn begin_scene(world: &mut World, script: SceneScript) {
         orders: Vec::new(),
         drags: Vec::new(),
         problems: Vec::new(),
+        notes: Vec::new(),
+        cuts: Vec::new(),
         paused_for: 0,
         steps: 0,
         began,

@@ -29,6 +29,10 @@ pub struct Report {
     pub verdicts: Vec<Verdict>,
     /// What the plugin has refused, or what could not be done, in words. A scene with problems has failed.
     pub problems: Vec<String>,
+    /// What the scene asked for in vain, in words: actions on what is not there, cuts that severed nothing, triggers that
+    /// were never set off, a scene that expects nothing. None of it fails a scene.
+    #[serde(default)]
+    pub notes: Vec<String>,
 }
 
 impl Report {
@@ -44,6 +48,7 @@ impl Report {
             state_hash: String::new(),
             verdicts: Vec::new(),
             problems: vec![problem.to_string()],
+            notes: Vec::new(),
         }
     }
 
@@ -103,6 +108,9 @@ impl fmt::Display for Report {
         }
         for problem in &self.problems {
             writeln!(f, "  FAIL {problem}")?;
+        }
+        for note in &self.notes {
+            writeln!(f, "  note {note}")?;
         }
         match &self.recording {
             Some(path) => writeln!(f, "  recording: {}", path.display()),

@@ -186,7 +186,11 @@ impl SceneRunner {
             state_hash: format!("{:016x}", play.state_hash(world)),
             verdicts: play.verdicts(),
             problems: play.problems().to_vec(),
+            notes: play.notes(),
         };
+        if report.verdicts.is_empty() {
+            report.notes.push("nothing is expected".to_string());
+        }
         step_times::measure(play.script(), &mut report.verdicts);
         report
     }

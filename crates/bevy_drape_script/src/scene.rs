@@ -52,6 +52,7 @@ pub use material::Material;
 pub use mesh_source::MeshSource;
 pub use motion::{Dynamic, Keyframe, Keyframes, Motion, Steady};
 pub use named::{Named, Names};
+pub(crate) use number::in_range;
 pub use number::{
     Bound, Fraction, NonNegative, Number, OutOfRange, Positive, Pressure, Seconds, StepLength, Tolerance,
     Vector, Whole,

@@ -52,6 +52,7 @@ impl ScenePlay {
                 scheduled.done += 1;
                 let repeat = event.repeat.filter(|repeat| scheduled.done < repeat.times.get());
                 scheduled.due = repeat.map(|repeat| due + f64::from(repeat.every.get()));
+                self.note_event(index, time);
                 self.act(world, &action, time);
             }
         }
@@ -170,6 +171,7 @@ impl ScenePlay {
 
     fn after_step(&mut self, world: &mut World) {
         self.tally.read(world, &mut self.stage);
+        self.note_cuts();
         for message in world.resource::<Refusals>().messages() {
             if !self.problems.iter().any(|known| known == message) {
                 self.problems.push(message.to_string());

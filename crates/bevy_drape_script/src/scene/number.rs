@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 /// A number that is not in its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("expected a number from {least} to {greatest}, found {found}")]
+#[error("expected a number{}, found {found}", in_range(*least, *greatest))]
 pub struct OutOfRange {
     /// The least that is allowed.
     pub least: f64,
@@ -22,6 +22,17 @@ pub struct OutOfRange {
     /// What was found.
     pub found: f64,
 }
+
+/// " from .. to ..", leaving out ends that are there only to keep out infinities.
+pub(crate) fn in_range(least: f64, greatest: f64) -> String {
+    let is_end = |end: &f64| end.abs() < ENDLESS;
+    let least = Some(least).filter(is_end).map(|least| format!(" from {least}"));
+    let greatest = Some(greatest).filter(is_end).map(|greatest| format!(" to {greatest}"));
+    least.unwrap_or_default() + &greatest.unwrap_or_default()
+}
+
+/// More than anything in a scene measures.
+const ENDLESS: f64 = 1.0e15;
 
 macro_rules! number {
     ($(#[$meta:meta])* $name:ident($inner:ty): $least:expr, $greatest:expr) => {
@@ -126,11 +137,11 @@ number! {
 }
 number! {
     /// What a measured value is held against: a number from -10^15 to 10^15, in the unit of the probe.
-    Bound(f64): -1.0e15, 1.0e15
+    Bound(f64): -ENDLESS, ENDLESS
 }
 number! {
     /// How far a measured value may be from the expected one: from 0 to 10^15, in the unit of the probe.
-    Tolerance(f64): 0.0, 1.0e15
+    Tolerance(f64): 0.0, ENDLESS
 }
 number! {
     /// The length of a step in seconds, from a hundred thousandth to a tenth.
