@@ -117,7 +117,7 @@ pub enum PaintChannel {
 
 impl PaintChannel {
     /// Whether it is of the vertex colours.
-    fn is_colour(&self) -> bool {
+    pub(crate) fn is_colour(&self) -> bool {
         !matches!(self, Self::Attribute(_))
     }
 }

@@ -48,7 +48,8 @@ pub struct SoftBody {
     pub damping: f32,
     /// Vertices that are pinned, with the cell that they are in, by their index in the mesh. Pins stay fixed to the entity.
     pub pins: Vec<u32>,
-    /// Where it is painted which vertices are pinned: those with a value above a half. None, the default: nowhere.
+    /// Where it is painted which vertices are pinned: those with a value above a half. None, the default: nowhere. Vertex colours that are
+    /// read are not seen: the mesh that shows the solid has none then.
     pub painted_pins: Option<PaintChannel>,
 }
 
@@ -130,6 +131,10 @@ impl SolidCells {
 impl MeshDescription for SoftBody {
     const NAME: &'static str = "SoftBody";
     type Parts = (SolidCells, Untearable);
+
+    fn takes_colours(&self) -> bool {
+        self.painted_pins.as_ref().is_some_and(PaintChannel::is_colour)
+    }
 
     fn build(
         &self,

@@ -292,6 +292,21 @@ fn pins_follow_the_entity() {
     }
 }
 
+/// Green pins used to make the solid green.
+#[test]
+fn colours_that_are_read_as_paint_do_not_tint_the_solid() {
+    let mesh = Cuboid::from_length(0.5).mesh().build();
+    let green = vec![[0.0, 1.0, 0.0, 1.0]; mesh.count_vertices()];
+    let painted = mesh.with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, green);
+    let has_colours = |painted_pins: Option<PaintChannel>| {
+        let (app, solid) =
+            built(painted.clone(), SoftBody { painted_pins, ..default() }, Transform::default());
+        mesh_of(&app, solid).contains_attribute(Mesh::ATTRIBUTE_COLOR)
+    };
+    assert!(has_colours(None), "colours of another purpose");
+    assert!(!has_colours(Some(PaintChannel::Green)));
+}
+
 #[test]
 fn it_neither_tears_nor_is_cut() {
     let (mut app, solid) =
