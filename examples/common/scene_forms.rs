@@ -4,7 +4,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_drape_script::recording::Form;
-use bevy_drape_script::scene::{Positive, Shape, Vector};
+use bevy_drape_script::scene::{Number, Positive, Shape, Vector};
 use drape_solver::parry3d::transformation::try_convex_hull;
 
 /// Side of the piece of a plane that is shown, in metres.
@@ -94,13 +94,15 @@ pub fn flat(corners: &[Vec3], triangles: &[[u32; 3]]) -> Mesh {
 }
 
 /// Heights on a grid, the first row at least Z.
-fn land(x: f32, z: f32, heights: &[Vec<f32>]) -> Mesh {
+fn land(x: f32, z: f32, heights: &[Vec<Number>]) -> Mesh {
     let (rows, columns) = (heights.len(), heights.first().map_or(0, Vec::len));
     let along =
         |index: usize, count: usize, side: f32| side * (index as f32 / (count.max(2) - 1) as f32 - 0.5);
     let mut positions = Vec::new();
     for (row, heights) in heights.iter().enumerate() {
-        let place = |(column, &height)| Vec3::new(along(column, columns, x), height, along(row, rows, z));
+        let place = |(column, height): (usize, &Number)| {
+            Vec3::new(along(column, columns, x), height.get(), along(row, rows, z))
+        };
         positions.extend(heights.iter().enumerate().map(place));
     }
     let mut indices = Vec::new();
