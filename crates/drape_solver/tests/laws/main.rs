@@ -1,5 +1,5 @@
 //! The laws of physics that the solver must keep, one file a subject. Tests cite what they guard by its id
-//! (S1 to S33) in the digest of the founding papers.
+//! (S1 to S33) in the list at the end of `ARCHITECTURE.md`.
 
 mod bad_input;
 mod ballistic_pendulum;
