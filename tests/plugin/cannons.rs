@@ -71,3 +71,17 @@ fn two_messages_are_two_balls() {
     assert_eq!(shots.iter().map(|shot| shot.cannon).collect::<Vec<_>>(), [a, b]);
     assert_eq!(counts(&app), (2, 0, 0));
 }
+
+/// It was lost: messages are forgotten after two ticks.
+#[test]
+fn a_shot_in_a_pause_is_fired_after_it() {
+    let mut app = app();
+    let cannon = app.world_mut().spawn(Cannon::default()).id();
+    app.world_mut().resource_mut::<DrapeClock>().paused = true;
+    fire(&mut app, cannon);
+    step(&mut app, 5);
+    assert!(app.world().resource::<Shots>().0.is_empty());
+    app.world_mut().resource_mut::<DrapeClock>().paused = false;
+    step(&mut app, 2);
+    assert_eq!(app.world().resource::<Shots>().0.len(), 1);
+}

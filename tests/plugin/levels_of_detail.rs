@@ -291,3 +291,25 @@ fn levels_that_make_no_sense_are_named_and_all_is_done_in_full() {
     assert_eq!(refusals(&app, bad), [""; 0]);
     assert_eq!(side(&app, bad), 9);
 }
+
+/// Only a viewer that moved, or a body that did of itself, was looked at.
+#[test]
+fn what_is_carried_up_to_a_viewer_comes_to_life() {
+    let (mut app, _) = app_seen_from(170.0);
+    let flag = spawn(&mut app, flag());
+    let lamp = app.world_mut().spawn(FollowParticle::index(flag, 0)).id();
+    step(&mut app, 3);
+    assert_eq!(activity(&app, flag), Activity::Frozen);
+    get_mut::<Transform>(&mut app, flag).translation.z = 10.0;
+    step(&mut app, 2);
+    let pole = get::<Particles>(&app, flag).position(0);
+    assert!((pole.z - 10.0).abs() < 1e-3, "{pole}");
+    assert!(
+        get::<Transform>(&app, lamp).translation.distance(pole) < 1e-3,
+        "what follows it is carried along"
+    );
+    get_mut::<Transform>(&mut app, flag).translation.z = 165.0;
+    step(&mut app, 4);
+    assert_eq!(get::<CurrentDetail>(&app, flag).level(), 0);
+    assert_eq!(activity(&app, flag), Activity::Active);
+}

@@ -229,3 +229,56 @@ fn the_same_tears_give_the_same_bits() {
     assert!(first.0 > 1);
     assert_eq!(first, run(100));
 }
+
+/// It was despawned before the rest had been done to it, which panicked.
+#[test]
+fn an_observer_may_despawn_what_was_split() {
+    let mut app = tearing_app();
+    app.add_observer(|split: On<BodySplit>, mut commands: Commands| {
+        commands.entity(split.body).try_despawn();
+    });
+    let curtain = app.world_mut().spawn(curtain()).id();
+    step(&mut app, 2);
+    app.world_mut().write_message(level(0.2));
+    app.world_mut().write_message(level(-0.2));
+    step(&mut app, 2);
+    assert!(app.world().get_entity(curtain).is_err(), "it is gone");
+    assert_eq!(
+        app.world_mut().query::<&Particles>().iter(app.world()).count(),
+        1,
+        "and what came off is not"
+    );
+}
+
+/// It passed while nobody looked: messages are forgotten after two ticks.
+#[test]
+fn a_cut_in_a_pause_is_made_after_it() {
+    let mut app = tearing_app();
+    app.world_mut().spawn(curtain());
+    step(&mut app, 2);
+    app.world_mut().resource_mut::<DrapeClock>().paused = true;
+    app.world_mut().write_message(level(0.0));
+    step(&mut app, 5);
+    assert!(app.world().resource::<Told>().torn.is_empty());
+    app.world_mut().resource_mut::<DrapeClock>().paused = false;
+    step(&mut app, 2);
+    assert_eq!(app.world().resource::<Told>().split.len(), 1);
+}
+
+/// The second of two strokes in a step did not see what had come off by the first.
+#[test]
+fn two_strokes_in_a_step_leave_four_quarters() {
+    let mut app = tearing_app();
+    weightless(&mut app);
+    app.world_mut().spawn(curtain().with_pins(ClothPins::None));
+    step(&mut app, 2);
+    let upright = |z: f32| [Vec3::new(0.01, 2.0, z), Vec3::new(0.01, -2.0, z)];
+    app.world_mut().write_message(level(0.01));
+    app.world_mut().write_message(CutCloth::sweep(upright(-2.0), upright(2.0)));
+    step(&mut app, 1);
+    let mut sizes: Vec<usize> =
+        app.world_mut().query::<&Particles>().iter(app.world()).map(|body| body.len()).collect();
+    sizes.sort_unstable();
+    assert_eq!(sizes.len(), 4, "{sizes:?}");
+    assert!(sizes[0] >= 16, "{sizes:?}");
+}

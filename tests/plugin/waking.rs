@@ -364,3 +364,54 @@ fn a_ball_wakes_of_many_only_those_in_its_way_also_after_they_slept_again() {
         }
     }
 }
+
+/// A hammock and a ball that lies in it, both asleep.
+fn ball_in_a_hammock() -> (App, Entity, Entity) {
+    let mut app = app();
+    let flat = Transform::from_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+    let hammock = app.world_mut().spawn((curtain().with_pins(ClothPins::Corners), slippery(), flat)).id();
+    let ball = Projectile { mass: 0.2, drag: 3.0, friction: 0.0, ..default() };
+    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
+    settle(&mut app, ball);
+    assert_eq!(counts(&app), (0, 2, 0));
+    (app, hammock, ball)
+}
+
+fn assert_falls(app: &mut App, ball: Entity) {
+    let before = ball_position(app, ball).y;
+    run(app, 0.5);
+    assert!(ball_position(app, ball).y < before - 0.5, "it hangs in the air");
+}
+
+/// The ball slept on, with nothing below it.
+#[test]
+fn what_lay_on_something_that_is_gone_wakes() {
+    let (mut app, hammock, ball) = ball_in_a_hammock();
+    app.world_mut().despawn(hammock);
+    assert_falls(&mut app, ball);
+
+    let (mut app, hammock, ball) = ball_in_a_hammock();
+    app.world_mut().entity_mut(hammock).remove::<Cloth>();
+    assert_falls(&mut app, ball);
+}
+
+#[test]
+fn what_lay_on_something_that_is_set_down_elsewhere_wakes() {
+    let (mut app, hammock, ball) = ball_in_a_hammock();
+    get_mut::<Transform>(&mut app, hammock).translation.x = 50.0;
+    assert_falls(&mut app, ball);
+}
+
+/// Only another pressure woke, and none did not.
+#[test]
+fn a_balloon_that_loses_its_air_wakes() {
+    let mut app = app();
+    app.world_mut().spawn(Obstacle::ground());
+    let ball = SoftBall::default();
+    let place = Transform::from_xyz(0.0, 2.0, 0.0);
+    let ball = app.world_mut().spawn((ball, Pressure(1.0), quiet(), place)).id();
+    settle(&mut app, ball);
+    app.world_mut().entity_mut(ball).remove::<Pressure>();
+    step(&mut app, 2);
+    assert_eq!(activity(&app, ball), Activity::Active);
+}

@@ -8,9 +8,10 @@ use bevy::prelude::*;
 use crate::activity::Activity;
 use crate::environment::SolverEnvironment;
 use crate::layers::DrapeLayers;
-use crate::particles::{Particles, Sticks};
+use crate::particles::{BodyState, Particles, Sticks};
 use crate::projectile::ProjectileState;
 use crate::scan::{collect_rows, is_any_changed};
+use crate::scene_manager::{Bounds, ball_reach, grown};
 use crate::settings::{DefaultSolverSettings, SolverSettings};
 
 /// The bodies and balls to look at in this step. An entity may be listed twice.
@@ -20,6 +21,8 @@ pub(crate) struct Attention {
     pub balls: Vec<Entity>,
     /// What has lost its own settings or layers since the last step, or has to be looked at for another reason.
     lost: Vec<Entity>,
+    /// Where bodies and balls were that are none any more since the last step.
+    pub left: Vec<Bounds>,
 }
 
 impl Attention {
@@ -44,7 +47,7 @@ pub(crate) fn pay_attention(
     solver: Res<SolverEnvironment>,
     mut attention: ResMut<Attention>,
 ) {
-    let Attention { bodies: bodies_seen, balls: balls_seen, lost } = &mut *attention;
+    let Attention { bodies: bodies_seen, balls: balls_seen, lost, .. } = &mut *attention;
     let is_all_concerned = defaults.is_changed() || solver.changed;
     bodies_seen.clear();
     for (entities, activities, particles, sticks, settings, layers) in
@@ -82,6 +85,25 @@ pub(crate) fn pay_attention(
         };
         collect_rows(entities, is_any, balls_seen);
     }
+}
+
+/// Notes where a body was that is none any more.
+pub(crate) fn note_gone_body(
+    gone: On<Remove, Particles>,
+    states: Query<&BodyState>,
+    mut attention: ResMut<Attention>,
+) {
+    let bounds = states.get(gone.entity).map(|state| grown(state.extent.bounds, state.settings.thickness));
+    attention.left.extend(bounds);
+}
+
+/// Notes where a ball was that is none any more.
+pub(crate) fn note_gone_ball(
+    gone: On<Remove, ProjectileState>,
+    balls: Query<&ProjectileState>,
+    mut attention: ResMut<Attention>,
+) {
+    attention.left.extend(balls.get(gone.entity).map(|ball| ball_reach(ball, 0.0, 0.0)));
 }
 
 /// Notes what has no settings or layers of its own any more.

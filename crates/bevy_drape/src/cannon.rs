@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use drape_solver::ballistics;
 
+use crate::pending::Pending;
 use crate::projectile::Projectile;
 use crate::refusal::Refusals;
 
@@ -70,12 +71,12 @@ pub struct CannonFired {
 /// Spawns the balls of the cannons that were asked to fire.
 pub(crate) fn fire_cannons(
     mut commands: Commands,
-    mut requests: MessageReader<FireCannon>,
+    mut requests: ResMut<Pending<FireCannon>>,
     mut fired: MessageWriter<CannonFired>,
     cannons: Query<(&Cannon, &GlobalTransform)>,
     mut refusals: ResMut<Refusals>,
 ) {
-    for &FireCannon { cannon: entity } in requests.read() {
+    for FireCannon { cannon: entity } in requests.waiting.drain(..) {
         // A cannon that is gone by now does not fire.
         let Ok((cannon, transform)) = cannons.get(entity) else {
             continue;

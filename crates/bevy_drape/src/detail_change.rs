@@ -3,8 +3,10 @@
 //! A cloth that gets other particles is built anew from its description, and each new particle takes place and velocity of the
 //! spot on the old cloth where it lies, so that nothing is seen to jump.
 
+use core::ops::Range;
 use std::sync::Arc;
 
+use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -20,7 +22,7 @@ use crate::grab::Grab;
 use crate::grid_resampling::resample;
 use crate::particles::{BodyState, Extent, Particles, Sticks};
 use crate::refusal::Refusals;
-use crate::scan::{collect_changed, collect_rows};
+use crate::scan::{collect_changed, collect_rows, is_any_changed};
 use crate::scene_manager::{Viewer, distance_to};
 use crate::tear::Tearable;
 
@@ -84,7 +86,7 @@ pub(crate) struct Change {
 /// Gives each body the level that its distance asks for.
 pub(crate) fn choose_detail(
     mut view: View,
-    mut bodies: ParamSet<(Query<(Entity, &Activity), With<CurrentDetail>>, Query<Detailed>)>,
+    mut bodies: ParamSet<(Query<(Entity, &Activity, Ref<Particles>), With<CurrentDetail>>, Query<Detailed>)>,
     levels: Query<(Entity, Ref<LevelOfDetail>)>,
     followers: Query<&FollowParticle>,
     mut lost: ResMut<LostDetail>,
@@ -99,8 +101,13 @@ pub(crate) fn choose_detail(
         refusals.forget_component(*entity, "LevelOfDetail");
     }
     let is_all = view.is_new() || *is_behind;
-    for (entities, activities) in bodies.p0().contiguous_iter().into_iter().flatten() {
-        collect_rows(entities, |rows| is_all || Activity::is_any_active(&activities[rows]), &mut to_look_at);
+    for (entities, activities, particles) in bodies.p0().contiguous_iter().into_iter().flatten() {
+        // What is frozen may be carried along, to where it is near.
+        let (_, ticks) = ContiguousRef::split(particles);
+        let is_any = |rows: Range<usize>| {
+            is_all || Activity::is_any_active(&activities[rows.clone()]) || is_any_changed(&ticks, rows)
+        };
+        collect_rows(entities, is_any, &mut to_look_at);
     }
     let mut bodies = bodies.p1();
     for entity in to_look_at.drain(..) {

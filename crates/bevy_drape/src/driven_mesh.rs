@@ -121,7 +121,9 @@ pub(crate) fn build_driven_meshes(
             }
             Err((component, reason)) => {
                 refusals.entity(entity, component, reason);
-                driven.remove::<Surface>().insert(MeshSource { source, shown: None });
+                // As of a body: it may show the copy of what it was.
+                let shown = made.and_then(|made| made.shown).filter(|&shown| shown == mesh.id());
+                driven.remove::<Surface>().insert(MeshSource { source, shown });
             }
         }
         driven.insert(Binding { driver, topology: Arc::clone(&sticks.0) });

@@ -136,11 +136,12 @@ pub(crate) fn read_environment(
     zones: Query<(Entity, &WindZone, &GlobalTransform)>,
     mut solver: ResMut<SolverEnvironment>,
     mut refusals: ResMut<Refusals>,
+    mut found_zones: Local<Vec<drape_solver::WindZone>>,
 ) {
     let SolverEnvironment { environment, changed, .. } = &mut *solver;
     environment.dt = clock.delta();
     environment.time = clock.elapsed();
-    *changed = read_zones(&zones, &mut environment.wind_zones, &mut refusals);
+    *changed = read_zones(&zones, &mut environment.wind_zones, &mut found_zones, &mut refusals);
     if gravity.is_usable() {
         *changed |= environment.gravity != gravity.0;
         environment.gravity = gravity.0;

@@ -100,7 +100,7 @@ impl FollowParticle {
 pub(crate) fn follow_particles(
     changed: Query<(Entity, Ref<FollowParticle>)>,
     mut followers: Query<(Entity, &FollowParticle, &mut Transform, Option<&ChildOf>)>,
-    bodies: Query<(&Particles, &Activity)>,
+    bodies: Query<(Ref<Particles>, &Activity)>,
     parents: Query<&GlobalTransform>,
     mut new: Local<Vec<Entity>>,
 ) {
@@ -108,7 +108,10 @@ pub(crate) fn follow_particles(
     collect_changed(&changed, &mut new);
     for (entity, follow, mut transform, child_of) in &mut followers {
         let Ok((particles, activity)) = bodies.get(follow.body) else { continue };
-        let is_due = *activity == Activity::Active || child_of.is_some() || new.contains(&entity);
+        // What is frozen or culled may be carried along.
+        let is_carried = particles.is_changed();
+        let is_due =
+            *activity == Activity::Active || is_carried || child_of.is_some() || new.contains(&entity);
         let Some([particle, neighbour]) = follow.indices(particles.len()).filter(|_| is_due) else {
             continue;
         };

@@ -48,6 +48,7 @@ pub mod moved_by_frame;
 mod normals;
 pub mod obstacle;
 pub mod particles;
+mod pending;
 #[cfg(feature = "picking")]
 pub mod picking;
 pub mod plane_lock;

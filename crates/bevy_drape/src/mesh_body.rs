@@ -144,7 +144,9 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
                 refusals.entity(entity, component, reason);
                 remove_body(&mut commands, entity);
                 commands.entity(entity).remove::<(Surface, D::Parts, AnimatedPose)>();
-                commands.entity(entity).insert(MeshSource { source, shown: None });
+                // It may show the copy of what it was, which is not what it is made of.
+                let shown = made.and_then(|made| made.shown).filter(|&shown| shown == mesh.id());
+                commands.entity(entity).insert(MeshSource { source, shown });
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::scan::collect_changed;
 #[derive(Component, Clone, Debug)]
 pub(crate) struct MeshSource {
     pub source: Handle<Mesh>,
-    /// None if nothing could be made of it.
+    /// None if nothing was ever made of it.
     pub shown: Option<AssetId<Mesh>>,
 }
 

@@ -13,7 +13,7 @@ use bevy::transform::systems::{
 use crate::activity::{Activity, ActivityCounts, count_activity};
 use crate::attachment::{Attachment, Tie, TiedParticles};
 use crate::attachment_state::{move_attached, release_attached};
-use crate::attention::{Attention, note_lost, pay_attention};
+use crate::attention::{Attention, note_gone_ball, note_gone_body, note_lost, pay_attention};
 use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
 use crate::clock::DrapeClock;
 use crate::cloth::Cloth;
@@ -40,10 +40,11 @@ use crate::obstacle::{
     note_gone_obstacle, sync_obstacles,
 };
 use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::pending::{Pending, collect_pending};
 use crate::plane_lock::{PlaneLock, lock_planes};
 use crate::posed::move_posed;
 use crate::preset::Preset;
-use crate::pressure::{Pressure, wake_pressed};
+use crate::pressure::{Pressure, wake_pressed, wake_slack};
 use crate::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
     write_projectile_transforms,
@@ -58,7 +59,7 @@ use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
 use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
 use crate::soft_ball::SoftBall;
-use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
+use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, make_cuts, tear_bodies};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
 use crate::winch::{Winch, turn_winches};
@@ -149,6 +150,8 @@ impl Plugin for SolverPlugin {
             .init_resource::<LostDetail>()
             .init_resource::<MotionLimitCounts>()
             .init_resource::<ObstacleNews>()
+            .init_resource::<Pending<CutCloth>>()
+            .init_resource::<Pending<FireCannon>>()
             .init_resource::<Refusals>()
             .init_resource::<RigEdits>()
             .init_resource::<SceneManager>()
@@ -173,6 +176,8 @@ impl Plugin for SolverPlugin {
             .add_observer(remove_described_body::<RigidTetrahedron>)
             .add_observer(remove_described_body::<SoftBall>)
             .add_observer(remove_ball)
+            .add_observer(note_gone_body)
+            .add_observer(note_gone_ball)
             .add_observer(note_lost::<SolverSettings>)
             .add_observer(note_lost_detail)
             .add_observer(forget_removed::<LevelOfDetail>)
@@ -190,6 +195,7 @@ impl Plugin for SolverPlugin {
             .add_observer(note_lost::<DrapeLayers>)
             .add_observer(forget_removed::<Cannon>)
             .add_observer(release_attached)
+            .add_observer(wake_slack)
             .add_observer(forget_removed::<Attachment>)
             .add_observer(forget_removed::<Cloth>)
             .add_observer(forget_removed::<Obstacle>)
@@ -203,7 +209,12 @@ impl Plugin for SolverPlugin {
             .add_observer(forget_removed::<WindZone>)
             .add_observer(forget_removed::<WorldMotion>);
         configure(app);
-        app.add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate));
+        app.add_systems(
+            self.schedule,
+            (collect_pending::<CutCloth>, collect_pending::<FireCannon>, run_drape_schedule)
+                .chain()
+                .before(TransformSystems::Propagate),
+        );
         app.add_systems(
             DrapeSchedule,
             (
@@ -214,7 +225,7 @@ impl Plugin for SolverPlugin {
                         sync_simple_transforms.run_if(have_loners_moved),
                     )
                         .chain(),
-                    fire_cannons,
+                    (collect_pending::<CutCloth>, collect_pending::<FireCannon>, fire_cannons).chain(),
                     (
                         build_described::<Cloth>,
                         build_described::<Rope>,
@@ -223,7 +234,7 @@ impl Plugin for SolverPlugin {
                         build_projectiles,
                     )
                         .chain(),
-                    (compile_rigs, cut_bodies, choose_detail, inherit_motion).chain(),
+                    (compile_rigs, make_cuts, choose_detail, inherit_motion).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
                     (
                         move_pins,

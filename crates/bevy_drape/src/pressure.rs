@@ -16,6 +16,13 @@ impl Default for Pressure {
     }
 }
 
+/// Wakes what has lost its air.
+pub(crate) fn wake_slack(removed: On<Remove, Pressure>, mut bodies: Query<&mut Particles>) {
+    if let Ok(mut particles) = bodies.get_mut(removed.entity) {
+        particles.rouse();
+    }
+}
+
 /// Wakes what is blown up or let go flat.
 pub(crate) fn wake_pressed(mut bodies: Query<&mut Particles, Changed<Pressure>>) {
     for mut particles in &mut bodies {

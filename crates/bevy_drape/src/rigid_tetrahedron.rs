@@ -76,6 +76,11 @@ impl RigidTetrahedron {
         }
     }
 
+    /// Where its particles are in its own coordinates, without a list of its corners.
+    fn local_particles(&self) -> Result<[Vec3; 4], BuildError> {
+        RigidTetrahedronBuilder::new(self.mass, self.inertia).particles()
+    }
+
     fn builder(&self) -> RigidTetrahedronBuilder {
         RigidTetrahedronBuilder::new(self.mass, self.inertia).corners(self.corners.iter().copied())
     }
@@ -124,9 +129,10 @@ pub(crate) fn teleport_rigid_tetrahedra(mut bodies: RigidQuery) {
     for (body, global, transform, mut particles, mut place) in &mut bodies {
         let Some(known) = place.0 else { continue };
         let has_moved = transform.translation != known.translation || transform.rotation != known.rotation;
-        let (Ok(local), true) = (body.builder().particles(), has_moved && global.affine().is_finite()) else {
+        if !(has_moved && global.affine().is_finite()) {
             continue;
-        };
+        }
+        let Ok(local) = body.local_particles() else { continue };
         place.0 = Some(*transform);
         let Some(from) = placement(local, &particles) else { continue };
         let (_, rotation, translation) = global.to_scale_rotation_translation();
@@ -162,7 +168,7 @@ pub(crate) fn write_rigid_tetrahedra(
         if *activity != Activity::Active && place.0.is_some() {
             continue;
         }
-        let Ok(local) = body.builder().particles() else { continue };
+        let Ok(local) = body.local_particles() else { continue };
         let Some(Placement { translation, rotation }) = placement(local, particles) else { continue };
         let parent = child_of.and_then(|child_of| globals.get(child_of.parent()).ok());
         let world = Transform { translation, rotation, scale: Vec3::ONE };

@@ -12,8 +12,9 @@ use crate::scene_manager::Bounds;
 #[derive(Default)]
 pub(crate) struct Sleepers {
     tree: Bvh,
-    /// The entity of each leaf of the tree.
+    /// The entity of each leaf of the tree, and its box.
     entities: Vec<Entity>,
+    bounds: Vec<Bounds>,
     leaf_of: EntityHashMap<u32>,
     /// Leaves that are not in use.
     free: Vec<u32>,
@@ -29,7 +30,7 @@ impl Sleepers {
             self.remove(entity);
             return;
         }
-        let Self { entities, free, .. } = self;
+        let Self { entities, bounds, free, .. } = self;
         let leaf = *self.leaf_of.entry(entity).or_insert_with(|| match free.pop() {
             Some(leaf) => {
                 entities[leaf as usize] = entity;
@@ -37,15 +38,17 @@ impl Sleepers {
             }
             None => {
                 entities.push(entity);
+                bounds.push((low, high));
                 (entities.len() - 1) as u32
             }
         });
+        bounds[leaf as usize] = (low, high);
         self.tree.insert(Aabb::new(low, high), leaf);
     }
 
-    /// Takes `entity` out, if it is here.
-    pub fn remove(&mut self, entity: Entity) {
-        let Some(leaf) = self.leaf_of.remove(&entity) else { return };
+    /// Takes `entity` out, if it is here, and tells where it was.
+    pub fn remove(&mut self, entity: Entity) -> Option<Bounds> {
+        let leaf = self.leaf_of.remove(&entity)?;
         self.tree.remove(leaf);
         self.free.push(leaf);
         self.removals += 1;
@@ -54,6 +57,7 @@ impl Sleepers {
             self.tree.refit(&mut self.workspace);
             self.removals = 0;
         }
+        Some(self.bounds[leaf as usize])
     }
 
     /// Appends to `found` what may rest within `bounds`.
@@ -101,15 +105,15 @@ mod tests {
         sleepers.insert(entity(3), cube(200.0));
         assert!(found(&sleepers, 2.9, 3.9).is_empty());
         assert_eq!(found(&sleepers, 199.0, 300.0), [3]);
-        (0..100).filter(|i| i % 7 != 0).for_each(|i| sleepers.remove(entity(i)));
+        (0..100).filter(|i| i % 7 != 0).for_each(|i| _ = sleepers.remove(entity(i)));
         assert_eq!(found(&sleepers, 0.0, 30.0), [0, 7, 14, 21, 28]);
         // Again and again, so that the tree is tidied up in between.
         for _ in 0..5 {
             (0..100).for_each(|i| sleepers.insert(entity(i), cube(i as f32 + 0.25)));
-            (0..100).filter(|i| i % 7 != 0).for_each(|i| sleepers.remove(entity(i)));
+            (0..100).filter(|i| i % 7 != 0).for_each(|i| _ = sleepers.remove(entity(i)));
             assert_eq!(found(&sleepers, 0.0, 30.0), [0, 7, 14, 21, 28]);
         }
-        (0..100).for_each(|i| sleepers.remove(entity(i)));
+        (0..100).for_each(|i| _ = sleepers.remove(entity(i)));
         assert!(found(&sleepers, -1e9, 1e9).is_empty());
     }
 

@@ -87,6 +87,11 @@ impl MayRest<'_, '_> {
 }
 
 impl Stir {
+    /// Has what rests where a body or ball rested until now looked at: it may have lain on it.
+    fn leave(&mut self, bounds: Bounds, touches: Touches) {
+        self.stirrers.push(Stirrer { bounds, layers: Layers::ALL, touches });
+    }
+
     /// Wakes what was found, does rest where `who` stirs and could touch it, so that it stirs itself.
     fn wake_found(&mut self, who: Stirrer, may_rest: &mut MayRest) {
         let Stirrer { bounds: space, layers, touches } = who;
@@ -124,7 +129,7 @@ impl Stir {
 /// Wakes what was pushed, edited, or may be touched in this step. What has just been woken may wake others.
 pub(crate) fn wake(
     mut may_rest: MayRest,
-    attention: Res<Attention>,
+    mut attention: ResMut<Attention>,
     defaults: Res<DefaultSolverSettings>,
     stirred: Res<StirredSpace>,
     mut order: ResMut<CreationOrder>,
@@ -134,6 +139,9 @@ pub(crate) fn wake(
     let (dt, gravity) = may_rest.pace();
     let MayRest { bodies, balls, solver, .. } = &mut may_rest;
     stir.stirrers.clear();
+    for bounds in attention.left.drain(..) {
+        stir.leave(bounds, Touches::AllBodies);
+    }
     for &entity in &attention.balls {
         let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
         // A ball that was refused gets another chance when somebody has edited it.
@@ -153,7 +161,9 @@ pub(crate) fn wake(
         if *activity == Activity::Resting {
             stir.balls.insert(entity, bounds);
         } else {
-            stir.balls.remove(entity);
+            if let Some(bounds) = stir.balls.remove(entity) {
+                stir.leave(bounds, Touches::AllBodies);
+            }
         }
     }
     for &entity in &attention.bodies {
@@ -171,6 +181,10 @@ pub(crate) fn wake(
             state.order = order.next();
             state.extent = Extent::of(&particles, &sticks);
         } else if edited && particles.is_changed() {
+            let bounds = grown(state.extent.bounds, state.settings.thickness);
+            if *activity == Activity::Resting {
+                stir.leave(bounds, Touches::of_body(&state.settings));
+            }
             state.extent = Extent::of(&particles, &sticks);
         }
         let layers = DrapeLayers::of(layers);

@@ -84,12 +84,13 @@ impl WindZone {
 pub(crate) fn read_zones(
     zones: &Query<(Entity, &WindZone, &GlobalTransform)>,
     known: &mut Vec<drape_solver::WindZone>,
+    found: &mut Vec<drape_solver::WindZone>,
     refusals: &mut Refusals,
 ) -> bool {
     if zones.is_empty() && known.is_empty() {
         return false;
     }
-    let mut found = Vec::with_capacity(known.len());
+    found.clear();
     for (entity, zone, transform) in zones {
         let zone = zone.placed(transform);
         if zone.validate().is_ok() {
@@ -102,9 +103,8 @@ pub(crate) fn read_zones(
     }
     // Winds are summed up in this order, so that entity ids do not matter.
     found.sort_by(order);
-    let has_changed = found != *known;
-    *known = found;
-    has_changed
+    core::mem::swap(found, known);
+    found != known
 }
 
 fn order(p: &drape_solver::WindZone, q: &drape_solver::WindZone) -> Ordering {

@@ -460,3 +460,30 @@ fn what_is_cut_keeps_its_triangles_and_its_texture() {
         assert!(all == expected, "no triangle is lost, and none has other coordinates");
     }
 }
+
+/// It was made anew of what it had looked like, without its paint: the copy that shows it was taken for its mesh.
+#[test]
+fn what_was_refused_and_is_mended_is_made_of_its_own_mesh() {
+    let (mut app, cloth) = hung(pipe(), ClothMesh::default(), Transform::default());
+    let made = |app: &App| {
+        let particles = app.world().get::<Particles>(cloth).expect("built");
+        (0..particles.len()).map(|i| (particles.position(i), particles.is_pinned(i))).collect::<Vec<_>>()
+    };
+    let expected = made(&app);
+    assert!(expected.iter().any(|&(_, is_pinned)| is_pinned));
+    app.insert_resource(Wind { velocity: Vec3::new(6.0, 0.0, 2.0), ..default() });
+    (0..30).for_each(|_| frame(&mut app, 1.0));
+    app.world_mut().get_mut::<ClothMesh>(cloth).expect("described").areal_density = 0.0;
+    frame(&mut app, 1.0);
+    assert_eq!(refusals(&app, cloth).len(), 1);
+    app.insert_resource(Wind::default());
+    app.insert_resource(DrapeGravity(Vec3::ZERO));
+    app.world_mut().get_mut::<ClothMesh>(cloth).expect("described").areal_density = 0.2;
+    frame(&mut app, 1.0);
+    let now = made(&app);
+    assert_eq!(now.len(), expected.len());
+    for (now, expected) in now.iter().zip(&expected) {
+        assert_eq!(now.1, expected.1);
+        assert!(now.0.distance(expected.0) < 5e-3, "{now:?} {expected:?}");
+    }
+}
