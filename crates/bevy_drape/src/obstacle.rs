@@ -161,6 +161,11 @@ impl KnownObstacles {
         self.scales[slot]
     }
 
+    /// Gives the next obstacle the number after `last`.
+    pub fn go_on_from(&mut self, last: u64) {
+        self.last_order = last;
+    }
+
     /// Knows these instead of all others, each with its number and scale.
     pub fn replace(&mut self, obstacles: Vec<(u64, Entity, Vec3)>) {
         *self = Self { last_order: self.last_order, ..Self::default() };

@@ -302,6 +302,11 @@ pub(crate) struct RigEdits {
 }
 
 impl RigEdits {
+    /// Counts from 1 again.
+    pub fn begin_anew(&mut self) {
+        self.insertions = 0;
+    }
+
     pub fn next_order(&mut self) -> u64 {
         self.insertions += 1;
         self.insertions

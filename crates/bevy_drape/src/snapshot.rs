@@ -42,7 +42,9 @@ use bevy::prelude::*;
 use drape_solver::BuildError;
 use thiserror::Error;
 
+use crate::environment::SolverEnvironment;
 use crate::particles::CreationOrder;
+use crate::rig::{InRig, RigEdits};
 
 pub use world::members;
 
@@ -115,6 +117,15 @@ pub enum SnapshotError {
 pub fn number_from(world: &mut World, last: u64) {
     if let Some(mut order) = world.get_resource_mut::<CreationOrder>() {
         order.go_on_from(last);
+    }
+    if let Some(mut solver) = world.get_resource_mut::<SolverEnvironment>() {
+        solver.obstacles.go_on_from(last);
+    }
+    // Particles of rigs are numbered among themselves: from the first, where there are none.
+    if world.query_filtered::<(), With<InRig>>().iter(world).next().is_none()
+        && let Some(mut edits) = world.get_resource_mut::<RigEdits>()
+    {
+        edits.begin_anew();
     }
 }
 

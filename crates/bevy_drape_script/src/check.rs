@@ -31,7 +31,7 @@ pub(crate) fn check(script: &SceneScript) -> Result<(), SceneError> {
     for (index, expectation) in script.expectations.iter().enumerate() {
         let field = format!("expectations[{index}]");
         checker.when(&field, &expectation.when)?;
-        checker.since(&field, &expectation.probe)?;
+        checker.since(&field, &expectation.probe, &expectation.when)?;
         checker.probe(&field, &expectation.probe, &expectation.expect)?;
     }
     Ok(())

@@ -204,5 +204,8 @@ pub fn begin_scene(world: &mut World, script: SceneScript) {
 pub fn end_scene(world: &mut World) {
     if let Some(mut play) = world.remove_resource::<ScenePlay>() {
         play.stage.clear(world);
+        if play.paused_for > 0 {
+            world.resource_mut::<DrapeClock>().paused = false;
+        }
     }
 }

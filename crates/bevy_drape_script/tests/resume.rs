@@ -25,6 +25,7 @@ const SCENE: &str = r#"(
         "ground": (shape: Ground),
         "post": (shape: Capsule(radius: 0.1, length: 1), at: (0.3, 0.8, 0.2), motion: Steady(velocity: (0, 0, -0.2))),
         "box": (shape: Cuboid(size: (0.2, 0.2, 0.2)), at: (-0.3, 2.4, -0.3), motion: Dynamic(mass: 0.5)),
+        "awning": (shape: Cuboid(size: (0.2, 0.2, 0.2)), at: (9, 9, 9)),
         "step": (shape: Cuboid(size: (1, 0.2, 1)), at: (0, 0.1, 0), present: false),
     },
     cannons: { "cannon": (at: (0, 1, 3), aim: Point(0, 1.5, 0), speed: 8, ball: (radius: 0.06, mass: 0.3)) },
@@ -35,6 +36,7 @@ const SCENE: &str = r#"(
         (at: 0.7, do: Spawn("late")),
         (at: 0.75, do: Spawn("step")),
         (at: 0.8, do: Spawn("brief")),
+        (at: 0.55, do: Despawn("awning")),
         (at: 0.9, do: Set("settings.wind.velocity", (1, 0, 0))),
         (at: 1, do: Checkpoint("dragged")),
         (at: 1, do: Fire("cannon")),
@@ -93,6 +95,21 @@ fn a_scene_goes_on_from_a_checkpoint_with_the_same_bits() {
         // It takes itself again, and what comes after it.
         let from = names.iter().position(|known| known == name).expect("its own name");
         assert_eq!(again.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), names[from..], "{name}");
+    }
+}
+
+/// Quick save and quick load. Obstacles were numbered on, and the scene was gone.
+#[test]
+fn a_checkpoint_is_loaded_into_the_world_that_it_was_taken_of() {
+    let script = SceneScript::parse(SCENE).unwrap_or_else(|error| panic!("{error}"));
+    let mut runner = SceneRunner::headless(script.clone());
+    while runner.step() {}
+    let hash = runner.report().state_hash;
+    let (_, taken) = run(SceneRunner::headless(script));
+    for (name, checkpoint) in &taken[..2] {
+        checkpoint.resume(runner.world_mut()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        while runner.step() {}
+        assert_eq!(runner.report().state_hash, hash, "{name}");
     }
 }
 

@@ -9,9 +9,22 @@ use crate::suggest::unknown;
 impl Checker<'_> {
     pub(super) fn event(&self, field: &str, event: &Event) -> Result<(), SceneError> {
         match (&event.at, &event.when) {
-            (Some(at), None) => self.within_duration(&format!("{field}.at"), at.get())?,
+            (Some(at), None) => {
+                let on_at = format!("{field}.at");
+                self.within_duration(&on_at, at.get())?;
+                let first = self.script.settings.dt.get();
+                if matches!(event.action, Action::Checkpoint(_)) && at.get() < 0.5 * first {
+                    let problem =
+                        format!("expected {first} s or more: there is nothing to keep before the first step");
+                    return fail(&on_at, problem);
+                }
+            }
             (None, Some(trigger)) => {
                 let (probe, expect) = trigger.as_probe();
+                if probe.since().is_some() {
+                    let problem = "expected no `since`: a trigger looks at values as they are";
+                    return fail(&format!("{field}.when.probe.since"), problem);
+                }
                 self.probe(&format!("{field}.when"), &probe, &expect)?;
             }
             _ => return fail(field, "expected either `at` or `when`"),
@@ -74,6 +87,16 @@ impl Checker<'_> {
             },
             Action::Spawn(name) | Action::Despawn(name) if name.contains('#') => {
                 fail(field, format!("expected the name of something whole, and `{name}` is a part of it"))
+            }
+            Action::Set(path, _)
+                if ["timeline", "expectations"].iter().any(|list| path.starts_with(list)) =>
+            {
+                fail(
+                    field,
+                    format!(
+                        "expected a setting, body, obstacle, wind or cannon: `{path}` does not change once the scene runs"
+                    ),
+                )
             }
             Action::Set(path, value) => overriding::replaced(self.script, path, value)
                 .map(|_| ())

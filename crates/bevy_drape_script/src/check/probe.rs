@@ -32,9 +32,24 @@ impl Checker<'_> {
         }
     }
 
-    pub(super) fn since(&self, field: &str, probe: &Probe) -> Result<(), SceneError> {
-        match probe.since() {
-            Some(time) => self.within_duration(&format!("{field}.probe.since"), time.get()),
+    pub(super) fn since(&self, field: &str, probe: &Probe, when: &When) -> Result<(), SceneError> {
+        let Some(since) = probe.since() else { return Ok(()) };
+        let on_since = format!("{field}.probe.since");
+        self.within_duration(&on_since, since.get())?;
+        let last = match when {
+            When::At(at) => Some(at),
+            When::During(_, to) => Some(to),
+            When::Eventually { within, .. } => within.as_ref(),
+            When::End | When::Always => None,
+        };
+        match last.filter(|last| since > **last) {
+            Some(last) => {
+                let (since, last) = (since.get(), last.get());
+                fail(
+                    &on_since,
+                    format!("expected a time up to {last} s, when it is looked at last, found {since}"),
+                )
+            }
             None => Ok(()),
         }
     }

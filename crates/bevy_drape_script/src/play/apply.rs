@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 use super::ScenePlay;
-use super::stage::{Actor, mark, place, set_dynamic, set_pressure, set_tearable};
+use super::stage::{Actor, mark, place, set_dynamic, set_pressure, set_tearable, set_touch};
 use crate::scene::{self, Body, SceneScript, Settings};
 
 /// Gravity, wind, the length of a step and so on.
@@ -84,7 +84,9 @@ impl ScenePlay {
                 insert_if_other(world, body, settings);
                 if is_changed {
                     self.describe_anew(world, name, [was, new]);
-                    mark(world, body, name, new.layers(), new.tells_contacts());
+                    for entity in self.stage.entities(name) {
+                        set_touch(world, entity, new.layers(), new.tells_contacts());
+                    }
                 }
             }
             (Actor::Rig { particles, .. }, Body::Rig(rig), Some(Body::Rig(was))) => {

@@ -43,10 +43,21 @@ impl ScenePlay {
         let dt = self.script.settings.dt.get();
         // Half a step of slack: the clock sums up rounded steps.
         let now = time + 0.5 * dt;
+        self.carry_out_events(world, time, now, |_| true);
+        self.move_obstacles(world, time + dt);
+        self.drag(world, time + dt);
+        self.carry_out_orders(world);
+    }
+
+    /// Does what is due by `now`, of what is `wanted`.
+    fn carry_out_events(&mut self, world: &mut World, time: f64, now: f64, wanted: fn(&Action) -> bool) {
         self.save_state(world, now);
         for index in 0..self.schedule.len() {
             while let Some(due) = self.schedule[index].due.filter(|&due| due <= now) {
                 let event = &self.script.timeline[index];
+                if !wanted(&event.action) {
+                    break;
+                }
                 let action = event.action.clone();
                 let scheduled = &mut self.schedule[index];
                 scheduled.done += 1;
@@ -56,9 +67,6 @@ impl ScenePlay {
                 self.act(world, &action, time);
             }
         }
-        self.move_obstacles(world, time + dt);
-        self.drag(world, time + dt);
-        self.carry_out_orders(world);
     }
 
     /// Takes the checkpoints that are due by `now`.
@@ -104,7 +112,10 @@ impl ScenePlay {
             Action::Pin { of, particles } => order(of, particles, OrderKind::Pin),
             Action::Unpin { of, particles } => order(of, particles, OrderKind::Unpin),
             Action::Push { of, impulse, particles } => order(of, particles, OrderKind::Push(*impulse)),
-            drag @ Action::Drag { .. } => self.drags.extend(DragUnderWay::new(drag, time)),
+            drag @ Action::Drag { .. } => {
+                let hand = DragUnderWay::free_hand(&self.drags);
+                self.drags.extend(DragUnderWay::new(drag, time, hand));
+            }
             Action::Cut { of, from, to } => {
                 let sweep = CutCloth::sweep([from.0.get(), from.1.get()], [to.0.get(), to.1.get()]);
                 if of.is_empty() {
@@ -184,7 +195,9 @@ impl ScenePlay {
         for judge in &mut judges {
             let base_is_due =
                 judge.base.is_none() && judge.since().is_some_and(|since| time >= since - slack);
-            let looks = judge.looks_at(time, slack, self.is_over);
+            // What counts from a base says nothing before that is known.
+            let has_base = judge.since().is_none() || judge.base.is_some() || base_is_due;
+            let looks = has_base && judge.looks_at(time, slack, self.is_over);
             if !looks && !base_is_due {
                 continue;
             }
@@ -210,6 +223,12 @@ impl ScenePlay {
                 let scheduled = &mut self.schedule[index];
                 (scheduled.is_waiting, scheduled.due) = (false, Some(time));
             }
+        }
+        if self.is_over {
+            // There is no step before which it could be done.
+            let is_of_the_end =
+                |action: &Action| matches!(action, Action::Picture(_) | Action::Checkpoint(_));
+            self.carry_out_events(world, time, time + slack, is_of_the_end);
         }
     }
 }

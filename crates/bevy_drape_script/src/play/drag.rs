@@ -18,16 +18,18 @@ pub(super) struct DragUnderWay {
     is_absolute: bool,
     greatest_force: Option<Positive>,
     began: f64,
-    /// The body that is held; none before it has been built.
-    #[serde(skip)]
-    held: Option<Entity>,
-    /// Where the particle was; none before.
+    /// The number of its hand, by which it is found on whatever piece it holds.
+    hand: u64,
+    /// Where the particle was; none before the hand has taken hold of it.
     from: Option<Vector>,
 }
 
+/// The least number of a hand of a script: pointers and games count from 0.
+const FIRST_HAND: u64 = 1 << 32;
+
 impl DragUnderWay {
     /// The drag that an action asks for, if it asks for one.
-    pub fn new(action: &Action, began: f64) -> Option<Self> {
+    pub fn new(action: &Action, began: f64, hand: u64) -> Option<Self> {
         let Action::Drag { of, point, radius, path, absolute, greatest_force } = action.clone() else {
             return None;
         };
@@ -39,9 +41,14 @@ impl DragUnderWay {
             is_absolute: absolute,
             greatest_force,
             began,
-            held: None,
+            hand,
             from: None,
         })
+    }
+
+    /// The number of a hand that none of `drags` has.
+    pub fn free_hand(drags: &[Self]) -> u64 {
+        drags.iter().map(|drag| drag.hand + 1).fold(FIRST_HAND, u64::max)
     }
 
     /// The way of the hand `time` seconds after it took hold at `start`.
@@ -70,39 +77,48 @@ impl ScenePlay {
     pub(super) fn drag(&mut self, world: &mut World, time: f64) {
         let mut drags = core::mem::take(&mut self.drags);
         drags.retain_mut(|drag| {
-            if drag.held.is_none()
-                && let Some((body, from)) = self.take_hold(world, drag)
-            {
-                (drag.held, drag.from) = (Some(body), drag.from.or(Some(from)));
+            if drag.from.is_none() {
+                drag.from = self.take_hold(world, drag);
             }
-            let (Some(body), Some(from)) = (drag.held, drag.from) else {
-                return self.stage.contains(&drag.of);
-            };
+            let Some(from) = drag.from else { return self.stage.contains(&drag.of) };
             let since = time - drag.began;
             let is_over = since > drag.end() + 1e-9;
             let target = from.get() + drag.way(from.get(), since);
-            let Ok(mut body) = world.get_entity_mut(body) else { return false };
-            if is_over {
-                body.remove::<Grab>();
-            } else if let Some(mut grab) = body.get_mut::<Grab>() {
-                grab.pull_to(target);
+            // A piece may have come off with it, so that it holds two.
+            let mut holds = false;
+            let mut empty = Vec::new();
+            for (body, mut grab) in world.query::<(Entity, &mut Grab)>().iter_mut(world) {
+                let Some(hand) = grab.hand_mut(drag.hand) else { continue };
+                hand.target = target;
+                holds = true;
+                if is_over {
+                    grab.hands.retain(|hand| hand.id != drag.hand);
+                    empty.extend(grab.hands.is_empty().then_some(body));
+                }
             }
-            !is_over
+            for body in empty {
+                world.entity_mut(body).remove::<Grab>();
+            }
+            holds && !is_over
         });
         self.drags = drags;
     }
 
-    fn take_hold(&self, world: &mut World, drag: &DragUnderWay) -> Option<(Entity, Vector)> {
+    /// Has the hand of a drag take hold, and tells where.
+    fn take_hold(&self, world: &mut World, drag: &DragUnderWay) -> Option<Vector> {
         let all = points::particles(world, &self.stage, &drag.of)?;
         let (body, index) = points::particle_at(world, &drag.point, &all)?;
-        // Of what was restored the hand has hold already.
-        if drag.from.is_none() || world.get::<Grab>(body).is_none() {
-            let mut grab = Grab::new(world.get::<Particles>(body)?, index, drag.radius.max(1e-3));
-            if let Some(force) = drag.greatest_force {
-                grab = grab.with_greatest_force(force.get());
-            }
-            world.entity_mut(body).insert(grab);
+        let mut hand = Hand::new(world.get::<Particles>(body)?, index, drag.radius.max(1e-3));
+        hand.id = drag.hand;
+        if let Some(force) = drag.greatest_force {
+            hand.greatest_force = force.get();
         }
-        Some((body, Vector::known(world.get::<Grab>(body)?.target()?)))
+        let from = Vector::known(hand.target);
+        let mut body = world.entity_mut(body);
+        match body.get_mut::<Grab>() {
+            Some(mut grab) => grab.hands.push(hand),
+            None => drop(body.insert(Grab { hands: vec![hand] })),
+        }
+        Some(from)
     }
 }

@@ -16,9 +16,20 @@ pub(super) struct CutUnderWay {
 impl ScenePlay {
     /// What was asked for in vain, in words; once the scene is over also what never came about.
     pub fn notes(&self) -> Vec<String> {
-        let never = self.schedule.iter().enumerate().filter(|(_, event)| self.is_over && event.is_waiting);
-        let never = never.map(|(event, _)| format!("timeline[{event}]: it was never set off"));
-        self.notes.iter().cloned().chain(never).collect()
+        let mut notes = self.notes.clone();
+        if !self.is_over {
+            return notes;
+        }
+        for (index, event) in self.schedule.iter().enumerate().filter(|(_, event)| event.done == 0) {
+            if event.is_waiting {
+                notes.push(format!("timeline[{index}]: it was never set off"));
+            } else if event.due.is_some() {
+                notes.push(format!("timeline[{index}]: the scene was over before"));
+            }
+        }
+        let orders = self.orders.iter().map(|order| &order.of);
+        notes.extend(orders.map(|of| format!("`{of}` never came to be pinned, let go or pushed")));
+        notes
     }
 
     /// Notes an event that has nothing to act on, and watches what comes of a cut.

@@ -481,12 +481,20 @@ pub(super) fn mark(
     layers: Option<&scene::Layers>,
     contacts: bool,
 ) {
+    world.entity_mut(entity).insert(Name::new(name.to_string()));
+    set_touch(world, entity, layers, contacts);
+}
+
+/// Gives an entity its layers and the mark of those whose contacts are told, or takes them away.
+pub(super) fn set_touch(world: &mut World, entity: Entity, layers: Option<&scene::Layers>, contacts: bool) {
     let mut entity = world.entity_mut(entity);
-    entity.insert(Name::new(name.to_string()));
-    if let Some(layers) = layers {
-        entity.insert(DrapeLayers::from(layers));
-    }
+    match layers.map(DrapeLayers::from) {
+        Some(layers) => entity.insert(layers),
+        None => entity.remove::<DrapeLayers>(),
+    };
     if contacts {
         entity.insert(ContactEvents);
+    } else {
+        entity.remove::<ContactEvents>();
     }
 }

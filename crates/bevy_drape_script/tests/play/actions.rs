@@ -266,3 +266,131 @@ fn what_cannot_be_cut_or_blown_is_refused() {
         assert!(error.contains(words), "{error} does not say {words}");
     }
 }
+
+/// The second hand took the curtain out of the first, and with the first both let go.
+#[test]
+fn two_hands_drag_one_curtain() {
+    run(r#"
+        settings: (duration: 1.2, solver: (drag: 3)),
+        bodies: { "curtain": Cloth(particles: (11, 11), at: (0, 2, 0)) },
+        timeline: [
+            (at: 0, do: Drag(of: "curtain", point: Particle(110), path: [(0.4, (0, 0.1, 0.2)), (0.6, (0, 0.1, 0.2))])),
+            (at: 0, do: Drag(of: "curtain", point: Particle(120), path: [(0.4, (0, 0.1, -0.2)), (1.2, (0, 0.1, -0.2))])),
+        ],
+        expectations: [
+            (when: At(0.55), probe: Position(of: "curtain", point: Particle(110), axis: Z), expect: Near(value: 0.2, tolerance: 0.05)),
+            (when: At(0.55), probe: Position(of: "curtain", point: Particle(120), axis: Z), expect: Near(value: -0.2, tolerance: 0.05)),
+            (when: At(1.1), probe: Position(of: "curtain", point: Particle(110), axis: Z), expect: AtMost(0.1)),
+            (when: At(1.1), probe: Position(of: "curtain", point: Particle(120), axis: Z), expect: Near(value: -0.2, tolerance: 0.05)),
+        ]"#)
+    .assert_passed();
+}
+
+/// The piece that came off in the hand hung in the air for ever.
+#[test]
+fn what_is_cut_off_in_the_hand_follows_it_and_is_let_go() {
+    run(r#"
+        settings: (duration: 2),
+        bodies: { "curtain": Cloth(particles: (11, 11), at: (0, 2, 0)) },
+        timeline: [
+            (at: 0, do: Drag(of: "curtain", point: Last, path: [(0.5, (0, 0, 0)), (1, (0, 0.3, 0))])),
+            (at: 0.4, do: Cut(of: "curtain", from: ((-2, 1.6, -1), (-2, 1.6, 1)), to: ((2, 1.6, -1), (2, 1.6, 1)))),
+        ],
+        expectations: [
+            (when: Always, probe: Pieces(of: "curtain"), expect: Between(1, 2)),
+            (when: At(0.95), probe: Greatest(of: "curtain#2", axis: Y), expect: AtLeast(1.2)),
+            (probe: Greatest(of: "curtain#2", axis: Y), expect: AtMost(-1)),
+        ]"#)
+    .assert_passed();
+}
+
+/// The clock stood still for good.
+#[test]
+fn another_scene_begins_in_the_pause_of_the_one_before() {
+    let mut runner = SceneRunner::headless(script(
+        r#"(version: 1, bodies: { "ball": Balls() }, timeline: [(at: 0.1, do: Pause(5))])"#,
+    ));
+    (0..12).for_each(|_| _ = runner.step());
+    let another = script(r#"(version: 1, settings: (duration: 1), bodies: { "ball": Balls() })"#);
+    bevy_drape_script::play::begin_scene(runner.world_mut(), another);
+    (0..10).for_each(|_| _ = runner.step());
+    assert!(runner.world().resource::<ScenePlay>().steps() >= 9);
+}
+
+/// What was due at the end had no step before which to happen.
+#[test]
+fn a_picture_is_taken_at_the_end() {
+    let mut runner = SceneRunner::headless(script(
+        r#"(version: 1, settings: (duration: 0.5), bodies: { "ball": Balls() }, cameras: { "eye": (at: (0, 0, 5), look_at: (0, 0, 0)) },
+        timeline: [(at: 0.5, do: Picture("eye"))])"#,
+    ));
+    let mut pictures = 0;
+    let mut goes_on = true;
+    while goes_on {
+        goes_on = runner.step();
+        pictures += runner
+            .world()
+            .resource::<bevy::ecs::message::Messages<PictureDue>>()
+            .iter_current_update_messages()
+            .count();
+    }
+    assert_eq!(pictures, 1);
+}
+
+#[test]
+fn what_a_stop_or_the_end_left_undone_is_noted() {
+    let report = run(r#"
+        settings: (duration: 1),
+        bodies: { "ball": Balls() },
+        cannons: { "cannon": () },
+        timeline: [
+            (at: 0.2, do: Push(of: "cannon#3", impulse: (0, 1, 0))),
+            (at: 0.3, do: Stop),
+            (at: 0.6, do: Fire("cannon")),
+        ],
+        expectations: [(probe: Count(Bodies), expect: Near(value: 1, tolerance: 0))]"#);
+    report.assert_passed();
+    let expected =
+        ["timeline[2]: the scene was over before", "`cannon#3` never came to be pinned, let go or pushed"];
+    assert_eq!(report.notes, expected);
+}
+
+/// A timeline that was set while it ran went out of bounds.
+#[test]
+fn what_cannot_change_or_be_kept_is_refused() {
+    let error = |event: &str| {
+        let text = format!(
+            r#"(version: 1, bodies: {{ "ball": Balls() }}, timeline: [{event}, (at: 0.1, do: Stop)])"#
+        );
+        SceneScript::parse(&text).expect_err("it cannot be").to_string()
+    };
+    for (event, words) in [
+        (r#"(at: 0.5, do: Set("timeline", []))"#, "does not change"),
+        (r#"(at: 0.5, do: Set("expectations[0].expect", 1))"#, "does not change"),
+        (r#"(at: 0, do: Checkpoint("start"))"#, "before the first step"),
+        (
+            r#"(when: Measured(probe: Position(of: "ball", axis: Y, since: 0), expect: AtMost(-0.5)), do: Stop)"#,
+            "no `since`",
+        ),
+    ] {
+        let error = error(event);
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn contacts_are_told_until_they_are_set_not_to_be() {
+    let report = run(r#"
+        settings: (duration: 1),
+        bodies: {
+            "one": Balls(at: (0, 0.5, 0), contacts: true),
+            "two": Balls(at: (2, 0.5, 0), contacts: true),
+        },
+        obstacles: { "ground": (shape: Ground) },
+        timeline: [(at: 0, do: Set("one.contacts", false))],
+        expectations: [
+            (probe: Contacts(of: "one"), expect: AtMost(0)),
+            (probe: Contacts(of: "two"), expect: AtLeast(1)),
+        ]"#);
+    report.assert_passed();
+}

@@ -323,3 +323,21 @@ fn winds_blow_where_and_while_they_are_there() {
         ]"#)
     .assert_passed();
 }
+
+/// Before its base was known the value itself was looked at: this held at once.
+#[test]
+fn what_counts_from_a_time_is_not_looked_at_before() {
+    let report = run(r#"
+        settings: (duration: 1, gravity: (0, 0, 0)),
+        bodies: { "ball": Balls(at: (0, -1, 0)) },
+        expectations: [
+            (when: Eventually(), probe: Position(of: "ball", axis: Y, since: 0.5), expect: AtMost(-0.5)),
+            (when: Always, probe: Position(of: "ball", axis: Y, since: 0.5), expect: AtLeast(-0.1)),
+        ]"#);
+    let passed: Vec<bool> = report.verdicts.iter().map(|verdict| verdict.passed).collect();
+    assert_eq!(passed, [false, true]);
+    let text = r#"(version: 1, bodies: { "ball": Balls() },
+        expectations: [(when: At(1), probe: Position(of: "ball", axis: Y, since: 2), expect: AtMost(0))])"#;
+    let error = SceneScript::parse(text).expect_err("it is never looked at").to_string();
+    assert!(error.contains("expectations[0].probe.since"), "{error}");
+}

@@ -67,6 +67,7 @@ fn bad_gravity_and_wind_are_refused() {
 
 /// Gravity and wind beyond all reason but finite are either refused or survived.
 #[test]
+#[cfg_attr(miri, ignore = "many substeps")]
 fn absurd_but_finite_environments_do_no_harm() {
     for size in [1e10, 1e20, f32::MAX] {
         for environment in [
@@ -204,6 +205,7 @@ fn bad_obstacles_are_refused_and_bad_moves_ignored() {
 
 /// Two particles put into one place, a ball put into the middle of another, an obstacle on top of a particle.
 #[test]
+#[cfg_attr(miri, ignore = "many substeps")]
 fn coincident_things_stay_finite() {
     let mut island = scene();
     let place = particles(&island).position(14);
@@ -219,6 +221,7 @@ fn coincident_things_stay_finite() {
 
 /// A frame hitch: ten seconds in one step stay finite, and the scene goes on.
 #[test]
+#[cfg_attr(miri, ignore = "many substeps")]
 fn a_step_of_ten_seconds_is_survived() {
     let mut island = scene();
     let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(10.0) };
