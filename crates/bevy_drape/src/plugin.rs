@@ -59,7 +59,7 @@ use crate::scene_manager::{SceneManager, Viewer, cull};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
 use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
 use crate::soft_ball::SoftBall;
-use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, make_cuts, tear_bodies};
+use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
 use crate::transforms::{have_loners_moved, have_trees_moved};
 use crate::waking::wake;
 use crate::winch::{Winch, turn_winches};
@@ -234,7 +234,7 @@ impl Plugin for SolverPlugin {
                         build_projectiles,
                     )
                         .chain(),
-                    (compile_rigs, make_cuts, choose_detail, inherit_motion).chain(),
+                    (compile_rigs, cut_bodies, choose_detail, inherit_motion).chain(),
                     (sync_obstacles, fly_dynamic_obstacles).chain(),
                     (
                         move_pins,

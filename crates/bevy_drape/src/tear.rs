@@ -192,18 +192,8 @@ pub(crate) struct Tearing<'w, 's> {
     splits: Local<'s, Vec<BodySplit>>,
 }
 
-/// Makes all cuts that were asked for, one after the other, so that each cuts the pieces of those before.
-pub(crate) fn make_cuts(world: &mut World) {
-    while !world.resource::<Pending<CutCloth>>().waiting.is_empty() {
-        // What is wrong with a system of our own would be told by the first cut of a test.
-        if world.run_system_cached(cut_bodies).is_err() {
-            return;
-        }
-    }
-}
-
-/// Makes the cuts up to the first that something comes off by, and forgets them.
-fn cut_bodies(
+/// Makes the cuts that were asked for. Those after one by which something comes off are made once that is a body, so that they cut it too.
+pub(crate) fn cut_bodies(
     mut cuts: ResMut<Pending<CutCloth>>,
     mut bodies: TornQuery,
     clock: Res<DrapeClock>,
@@ -235,6 +225,9 @@ fn cut_bodies(
     }
     cuts.waiting.drain(..made);
     tearing.tell_splits();
+    if !cuts.waiting.is_empty() {
+        tearing.commands.run_system_cached(cut_bodies);
+    }
 }
 
 /// Tears what this step has stretched too far.
