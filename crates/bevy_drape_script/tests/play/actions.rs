@@ -383,8 +383,8 @@ fn contacts_are_told_until_they_are_set_not_to_be() {
     let report = run(r#"
         settings: (duration: 1),
         bodies: {
-            "one": Balls(at: (0, 0.5, 0), contacts: true),
-            "two": Balls(at: (2, 0.5, 0), contacts: true),
+            "one": Cloth(size: (0.3, 0.3), particles: (4, 4), pins: None, at: (0, 0.5, 0), contacts: true),
+            "two": Cloth(size: (0.3, 0.3), particles: (4, 4), pins: None, at: (2, 0.5, 0), contacts: true),
         },
         obstacles: { "ground": (shape: Ground) },
         timeline: [(at: 0, do: Set("one.contacts", false))],

@@ -15,7 +15,7 @@ const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
 
 fn scene() -> Island {
     // Miri takes seconds for a substep.
-    let (count, duration) = if cfg!(miri) { (3, FRAME) } else { (6, 0.1) };
+    let (count, duration) = if cfg!(miri) { (5, FRAME) } else { (6, 0.1) };
     let curtain =
         ClothBuilder::new(1.0, 1.0, count, count).pin_edge(Edge::Top).build(SolverSettings::default());
     let mut island = Island::of_body(curtain.expect("valid"));
