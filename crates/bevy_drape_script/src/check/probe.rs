@@ -10,6 +10,10 @@ impl Checker<'_> {
         let field = format!("{field}.when");
         match when {
             When::End | When::Always => Ok(()),
+            When::At(time) if time.get() < 0.5 * self.script.settings.dt.get() => {
+                let first = self.script.settings.dt.get();
+                fail(&field, format!("expected {first} s or more: the first look is after the first step"))
+            }
             When::At(time) => self.within_duration(&field, time.get()),
             When::Eventually { within, after } => {
                 if let Some(within) = within {

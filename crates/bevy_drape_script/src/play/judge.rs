@@ -95,11 +95,10 @@ impl Judge {
         let is_eventually = matches!(self.expectation.when, When::Eventually { .. });
         let holds = excess <= 0.0;
         if is_eventually {
-            // The nearest so far, and the first that holds.
-            let is_nearer = self
-                .seen
-                .as_ref()
-                .is_none_or(|(_, seen)| excess < self.expectation.expect.excess(seen) || holds);
+            // The nearest so far, and the first that holds; of words that differ, which are all as far, the last.
+            let is_nearer = self.seen.as_ref().is_none_or(|(_, seen)| {
+                excess < self.expectation.expect.excess(seen) || holds || excess == f64::INFINITY
+            });
             if !self.has_held && is_nearer {
                 self.seen = Some((time, measured));
             }

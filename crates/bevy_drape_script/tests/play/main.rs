@@ -341,3 +341,23 @@ fn what_counts_from_a_time_is_not_looked_at_before() {
     let error = SceneScript::parse(text).expect_err("it is never looked at").to_string();
     assert!(error.contains("expectations[0].probe.since"), "{error}");
 }
+
+/// It was told as of the first step, as if nobody had waited.
+#[test]
+fn a_word_that_never_came_is_told_as_it_was_last() {
+    let report = run(r#"
+        settings: (duration: 1),
+        bodies: { "ball": Balls(at: (0, 99, 0)) },
+        expectations: [(when: Eventually(within: 0.5), probe: Activity(of: "ball"), expect: Is("Resting"))]"#);
+    let verdict = &report.verdicts[0];
+    assert!(!verdict.passed && verdict.time.is_some_and(|time| (time - 0.5).abs() < 0.01), "{verdict}");
+}
+
+/// "It was never there to be measured" was said of a ball that was there from the first.
+#[test]
+fn nothing_is_looked_at_before_the_first_step() {
+    let text = r#"(version: 1, bodies: { "ball": Balls() },
+        expectations: [(when: At(0), probe: Speed(of: "ball"), expect: AtMost(1))])"#;
+    let error = SceneScript::parse(text).expect_err("there is no such look").to_string();
+    assert!(error.contains("after the first step") && error.contains("expectations[0].when"), "{error}");
+}
