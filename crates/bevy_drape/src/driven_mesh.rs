@@ -121,9 +121,7 @@ pub(crate) fn build_driven_meshes(
             }
             Err((component, reason)) => {
                 refusals.entity(entity, component, reason);
-                // As of a body: it may show the copy of what it was.
-                let shown = made.and_then(|made| made.shown).filter(|&shown| shown == mesh.id());
-                driven.remove::<Surface>().insert(MeshSource { source, shown });
+                driven.remove::<Surface>().insert(MeshSource::refused(mesh, made));
             }
         }
         driven.insert(Binding { driver, topology: Arc::clone(&sticks.0) });

@@ -144,9 +144,7 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
                 refusals.entity(entity, component, reason);
                 remove_body(&mut commands, entity);
                 commands.entity(entity).remove::<(Surface, D::Parts, AnimatedPose)>();
-                // It may show the copy of what it was, which is not what it is made of.
-                let shown = made.and_then(|made| made.shown).filter(|&shown| shown == mesh.id());
-                commands.entity(entity).insert(MeshSource { source, shown });
+                commands.entity(entity).insert(MeshSource::refused(mesh, made));
             }
         }
     }

@@ -24,6 +24,12 @@ impl MeshSource {
             _ => given.0.clone(),
         }
     }
+
+    /// That of an entity of whose mesh nothing can be made. It may go on showing the copy of what it was, which is not what it is made of.
+    pub fn refused(given: &Mesh3d, made: Option<&Self>) -> Self {
+        let shown = made.and_then(|made| made.shown).filter(|&shown| shown == given.id());
+        Self { source: Self::of(given, made), shown }
+    }
 }
 
 /// The entities with a `D` whose `D` or mesh has changed.

@@ -13,8 +13,7 @@ use crate::scene_manager::Bounds;
 pub(crate) struct Sleepers {
     tree: Bvh,
     /// The entity of each leaf of the tree, and its box.
-    entities: Vec<Entity>,
-    bounds: Vec<Bounds>,
+    leaves: Vec<(Entity, Bounds)>,
     leaf_of: EntityHashMap<u32>,
     /// Leaves that are not in use.
     free: Vec<u32>,
@@ -25,24 +24,21 @@ pub(crate) struct Sleepers {
 
 impl Sleepers {
     /// Puts `entity` to rest at `bounds`, or moves it there. What has no bounds is never in the way.
-    pub fn insert(&mut self, entity: Entity, (low, high): Bounds) {
+    pub fn insert(&mut self, entity: Entity, bounds: Bounds) {
+        let (low, high) = bounds;
         if !(low.is_finite() && high.is_finite()) {
             self.remove(entity);
             return;
         }
-        let Self { entities, bounds, free, .. } = self;
+        let Self { leaves, free, .. } = self;
         let leaf = *self.leaf_of.entry(entity).or_insert_with(|| match free.pop() {
-            Some(leaf) => {
-                entities[leaf as usize] = entity;
-                leaf
-            }
+            Some(leaf) => leaf,
             None => {
-                entities.push(entity);
-                bounds.push((low, high));
-                (entities.len() - 1) as u32
+                leaves.push((entity, bounds));
+                (leaves.len() - 1) as u32
             }
         });
-        bounds[leaf as usize] = (low, high);
+        leaves[leaf as usize] = (entity, bounds);
         self.tree.insert(Aabb::new(low, high), leaf);
     }
 
@@ -53,17 +49,17 @@ impl Sleepers {
         self.free.push(leaf);
         self.removals += 1;
         // As many steps of tidying up as there were removals.
-        if self.removals > self.entities.len() {
+        if self.removals > self.leaves.len() {
             self.tree.refit(&mut self.workspace);
             self.removals = 0;
         }
-        Some(self.bounds[leaf as usize])
+        Some(self.leaves[leaf as usize].1)
     }
 
     /// Appends to `found` what may rest within `bounds`.
     pub fn find(&self, (low, high): Bounds, found: &mut Vec<Entity>) {
         let within = Aabb::new(low, high);
-        found.extend(self.tree.intersect_aabb(&within).map(|leaf| self.entities[leaf as usize]));
+        found.extend(self.tree.intersect_aabb(&within).map(|leaf| self.leaves[leaf as usize].0));
     }
 }
 

@@ -7,7 +7,7 @@ mod probe;
 use std::collections::BTreeMap;
 
 use crate::SceneError;
-use crate::scene::{Action, Body, Motion, Named, Point, SceneScript, Turn};
+use crate::scene::{Action, Body, Motion, Named, Point, SceneScript, Turn, whole};
 use crate::suggest::unknown;
 
 /// Checks what no field can know by itself.
@@ -119,8 +119,7 @@ impl Checker<'_> {
     }
 
     fn can_be_cut(&self, name: &str) -> bool {
-        let whole = name.split('#').next().unwrap_or(name);
-        self.script.bodies.get(whole).is_some_and(Body::can_be_cut)
+        self.script.bodies.get(whole(name)).is_some_and(Body::can_be_cut)
     }
 
     fn known(&self, field: &str, name: &str) -> Result<Kind, SceneError> {

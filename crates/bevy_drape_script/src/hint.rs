@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use crate::scene::{SceneScript, in_range};
+use crate::scene::{SceneScript, range_in_words};
 use crate::text::Step;
 
 static SCHEMA: LazyLock<Value> =
@@ -128,7 +128,7 @@ fn expected(schema: &'static Value) -> Option<String> {
     };
     let range = || {
         let [least, greatest] = ["minimum", "maximum"].map(|end| schema.get(end).and_then(Value::as_f64));
-        in_range(least.unwrap_or(f64::NEG_INFINITY), greatest.unwrap_or(f64::INFINITY))
+        range_in_words(least.unwrap_or(f64::NEG_INFINITY), greatest.unwrap_or(f64::INFINITY))
     };
     Some(match kind {
         "number" => format!("a number{}", range()),

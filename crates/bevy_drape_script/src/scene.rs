@@ -51,8 +51,9 @@ pub use literal::Literal;
 pub use material::Material;
 pub use mesh_source::MeshSource;
 pub use motion::{Dynamic, Keyframe, Keyframes, Motion, Steady};
+pub(crate) use named::whole;
 pub use named::{Named, Names};
-pub(crate) use number::in_range;
+pub(crate) use number::range_in_words;
 pub use number::{
     Bound, Fraction, NonNegative, Number, OutOfRange, Positive, Pressure, Seconds, StepLength, Tolerance,
     Vector, Whole,

@@ -2,7 +2,7 @@
 
 use super::{Checker, Kind, fail, point};
 use crate::SceneError;
-use crate::scene::{Action, Axis, Body, Expected, Names, Probe, SceneScript, SelfContact, When};
+use crate::scene::{Action, Axis, Body, Expected, Names, Probe, SceneScript, SelfContact, When, whole};
 use crate::suggest::unknown;
 
 impl Checker<'_> {
@@ -154,7 +154,7 @@ impl Checker<'_> {
                 || cannons.iter().any(|(_, cannon)| cannon.ball.contacts);
         }
         of.iter().chain(on.iter()).any(|name| {
-            let whole = name.split('#').next().unwrap_or(name);
+            let whole = whole(name);
             bodies.get(whole).is_some_and(Body::tells_contacts)
                 || obstacles.get(whole).is_some_and(|obstacle| obstacle.contacts)
                 || cannons.get(whole).is_some_and(|cannon| cannon.ball.contacts)
@@ -163,18 +163,17 @@ impl Checker<'_> {
 
     /// Of two bodies of particles that are to touch each other, one that has no contacts with its like.
     fn does_not_touch_its_like<'n>(&self, of: &'n Names, on: &'n Names) -> Option<&'n str> {
-        let whole = |name: &str| name.split('#').next().unwrap_or(name).to_string();
         let is_soft =
-            |name: &String| self.script.bodies.get(&whole(name)).is_some_and(|body| body.solver().is_some());
+            |name: &String| self.script.bodies.get(whole(name)).is_some_and(|body| body.solver().is_some());
         // Where one of many may be something else, nobody knows.
         if of.is_empty() || on.is_empty() || !of.iter().chain(on.iter()).all(is_soft) {
             return None;
         }
         let has_contact = |name: &String| {
-            let solver = self.script.bodies.get(&whole(name)).and_then(Body::solver);
+            let solver = self.script.bodies.get(whole(name)).and_then(Body::solver);
             let own = solver.and_then(|solver| solver.self_contact);
             let contact = own.or(self.script.settings.solver.self_contact).unwrap_or(SelfContact::Off);
-            contact != SelfContact::Off || self.is_set_later(&whole(name))
+            contact != SelfContact::Off || self.is_set_later(whole(name))
         };
         of.iter().chain(on.iter()).find(|name| !has_contact(name)).map(String::as_str)
     }

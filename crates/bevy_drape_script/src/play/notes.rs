@@ -1,7 +1,7 @@
 //! What a scene asked for in vain: no failure, but hardly what its author meant.
 
 use super::ScenePlay;
-use crate::scene::{Action, Names};
+use crate::scene::{Action, Names, whole};
 
 /// A cut whose step has not been taken yet.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ impl ScenePlay {
     /// Notes an event that has nothing to act on, and watches what comes of a cut.
     pub(super) fn note_event(&mut self, event: usize, time: f64) {
         let action = &self.script.timeline[event].action;
-        let is_there = |name: &str| self.stage.contains(name.split('#').next().unwrap_or(name));
+        let is_there = |name: &str| self.stage.contains(whole(name));
         let vain = match action {
             Action::Spawn(name) => is_there(name).then(|| format!("`{name}` is there already")),
             Action::Picture(_) => None,

@@ -6,7 +6,7 @@ use bevy_drape::prelude::*;
 use super::ScenePlay;
 use super::points;
 use super::stage::Actor;
-use crate::scene::{self, Body, Selection, Vector};
+use crate::scene::{self, Body, Selection, Vector, whole};
 use serde::{Deserialize, Serialize};
 
 /// Something that a body is to do.
@@ -135,9 +135,8 @@ impl ScenePlay {
 
     /// The inverse masses of a body as it was built, none of whose particles are pinned.
     fn free_inverse_masses(&self, name: &str) -> Option<Vec<f32>> {
-        let whole = name.split('#').next().unwrap_or(name);
         let files = &self.script.meshes;
-        let built = match self.script.bodies.get(whole)? {
+        let built = match self.script.bodies.get(whole(name))? {
             Body::Cloth(cloth) => {
                 Cloth::from(cloth).with_pins(ClothPins::None).build(&GlobalTransform::IDENTITY)
             }

@@ -7,7 +7,7 @@ use bevy_drape::snapshot::Key;
 use serde::{Deserialize, Serialize};
 
 use super::stage::Stage;
-use crate::scene::Names;
+use crate::scene::{Names, whole};
 
 /// Names of two that touch.
 type Pair = (String, String);
@@ -149,6 +149,5 @@ fn is_between((a, b): &Pair, of: &Names, on: &Names) -> bool {
 
 /// Whether `name` is one of `names`, or a ball or piece of one of them. No names are all names.
 fn matches(names: &Names, name: &str) -> bool {
-    let group = name.split_once('#').map_or(name, |(group, _)| group);
-    names.is_empty() || names.iter().any(|given| given == name || given == group)
+    names.is_empty() || names.iter().any(|given| given == name || given == whole(name))
 }

@@ -85,6 +85,11 @@ fn is_name(text: &str) -> bool {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deref, DerefMut)]
 pub struct Names(pub Vec<String>);
 
+/// The name without the number of a ball or piece: `cannon` of `cannon#1`.
+pub(crate) fn whole(name: &str) -> &str {
+    name.split_once('#').map_or(name, |(whole, _)| whole)
+}
+
 impl From<&str> for Names {
     fn from(name: &str) -> Self {
         Self(vec![name.to_string()])

@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 /// A number that is not in its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("expected a number{}, found {found}", in_range(*least, *greatest))]
+#[error("expected a number{}, found {found}", range_in_words(*least, *greatest))]
 pub struct OutOfRange {
     /// The least that is allowed.
     pub least: f64,
@@ -24,7 +24,7 @@ pub struct OutOfRange {
 }
 
 /// " from .. to ..", leaving out ends that are there only to keep out infinities.
-pub(crate) fn in_range(least: f64, greatest: f64) -> String {
+pub(crate) fn range_in_words(least: f64, greatest: f64) -> String {
     let is_end = |end: &f64| end.abs() < ENDLESS;
     let least = Some(least).filter(is_end).map(|least| format!(" from {least}"));
     let greatest = Some(greatest).filter(is_end).map(|greatest| format!(" to {greatest}"));
