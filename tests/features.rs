@@ -29,8 +29,8 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cape, cape_gltf, cloth_mesh, crates, curtain_2d, cut, detail, drape, fan, flag, folds,
-    jelly, layers, presets, ragdoll, soft_ball, tear, trampoline, winch,
+    balloon, bridge, cape, cape_gltf, cloth_mesh, crates, curtain_2d, cut, detail, drag, drape, fan, flag,
+    folds, jelly, knot, lamps, layers, presets, ragdoll, soft_ball, tear, trampoline, winch,
 }
 
 fn run(feature: &Feature) -> FeatureReport {

@@ -10,7 +10,7 @@ use drape_solver::StickKind;
 /// Sides of a cord.
 const SIDES: u32 = 6;
 /// Thickness of a cord: radius in metres.
-const RADIUS: f32 = 0.012;
+pub const RADIUS: f32 = 0.012;
 /// Colour of cords.
 pub const COLOUR: Color = Color::srgb(0.55, 0.40, 0.26);
 
@@ -31,13 +31,8 @@ pub fn empty() -> Mesh {
         .with_inserted_indices(Indices::U32(Vec::new()))
 }
 
-/// Makes `mesh` that of cords from end to end, a prism each.
-pub fn write(mesh: &mut Mesh, cords: impl IntoIterator<Item = [Vec3; 2]>) {
-    write_thick(mesh, cords, RADIUS);
-}
-
-/// The same with cords of this radius in metres.
-fn write_thick(mesh: &mut Mesh, cords: impl IntoIterator<Item = [Vec3; 2]>, radius: f32) {
+/// Makes `mesh` that of cords of this radius (in metres) from end to end, a prism each.
+pub fn write(mesh: &mut Mesh, cords: impl IntoIterator<Item = [Vec3; 2]>, radius: f32) {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for [from, to] in cords {
         let Some(along) = (to - from).try_normalize() else { continue };
@@ -112,7 +107,7 @@ fn write_cords(
             .map(|stick| sticks.stick(stick).map(|end| particles.position(end as usize)));
         // Limbs are as thick as they are simulated.
         let thickness = settings.map_or(0.0, |settings| settings.thickness);
-        write_thick(&mut mesh, ends, thickness.max(RADIUS));
+        write(&mut mesh, ends, thickness.max(RADIUS));
     }
 }
 

@@ -232,7 +232,8 @@ fn show(
             let Some(mut mesh) = mesh.and_then(|mesh| meshes.get_mut(mesh)) else { continue };
             if faces.is_empty() {
                 let place = |end: u32| places.get(end as usize).copied().unwrap_or_default();
-                cords::write(&mut mesh, sticks.iter().map(|ends| ends.map(place)));
+                let ends = sticks.iter().map(|ends| ends.map(place));
+                cords::write(&mut mesh, ends, cords::RADIUS);
             } else {
                 mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, places);
                 mesh.compute_smooth_normals();
