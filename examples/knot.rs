@@ -42,8 +42,14 @@ fn setup(mut commands: Commands) {
     let loose = (0.3, SelfContact::Off, Paint::rgb(0.24, 0.40, 0.58));
     for (x, self_contact, paint) in [knotted, loose] {
         let rope = Rope { end_mass: 0.5, ..Rope::new(Vec3::ZERO, Vec3::NEG_Y * LENGTH, 121) };
-        let settings =
-            SolverSettings { self_contact, thickness: RADIUS, friction: 0.3, substeps: 16, ..default() };
+        let settings = SolverSettings {
+            self_contact,
+            thickness: RADIUS,
+            friction: 0.3,
+            substeps: 16,
+            iterations: 4,
+            ..default()
+        };
         let place = Transform::from_xyz(x, 2.6, 0.0);
         let rope = commands.spawn((rope, settings, Straight, RopeMesh::new(RADIUS), paint, place)).id();
         // Only to look at: it touches nothing.

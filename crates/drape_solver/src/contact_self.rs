@@ -32,6 +32,11 @@ pub(crate) fn is_on(body: &Body) -> bool {
     body.settings.has_self_contact() && !body.particles.is_empty()
 }
 
+/// Whether a rope, or what else has no faces, is among those that touch themselves and others.
+pub(crate) fn is_on_ropes(island: &Island) -> bool {
+    island.bodies.iter().any(|body| is_on(body) && body.topology.faces().is_empty())
+}
+
 /// Whether it does so by its triangles, where the other does too.
 pub(crate) fn has_triangles(body: &Body) -> bool {
     is_on(body) && body.settings.self_contact == SelfContact::Triangles

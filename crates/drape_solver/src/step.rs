@@ -326,7 +326,7 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
 /// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and
 /// the cloth. `index` is the number of the projection in the substep.
 fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
-    if index == island.iterations() {
+    if index == island.iterations() || contact_self::is_on_ropes(island) {
         project_layers(island, environment, index);
     }
     ball_cloth::project(island);
@@ -342,7 +342,8 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
 }
 
 /// Cloth against cloth and the obstacles below, in turn: what lies in layers on an obstacle is held up by it through all
-/// layers below. Dear, and as good once a substep: after the sticks.
+/// layers below. Dear, and as good once a substep: after the sticks. But not for ropes, where one turn of a knot holds all that
+/// hangs on it.
 fn project_layers(island: &mut Island, environment: &Environment, index: u32) {
     contact_self::project(island);
     for _ in 1..ROUNDS_OF_LAYERS {
