@@ -1,8 +1,8 @@
 //! Every example of a feature runs without a window: nothing is refused, nothing leaves, nothing flies apart.
 
 use bevy::ecs::schedule::ScheduleLabel;
-use bevy::prelude::{FixedUpdate, Startup, Transform, Update};
-use bevy_drape::prelude::CurrentDetail;
+use bevy::prelude::{App, FixedUpdate, Startup, Transform, Update, Vec3};
+use bevy_drape::prelude::{Attachment, CurrentDetail, Particles};
 use drape_examples::feature::{Feature, FeatureReport, bare_app};
 
 #[path = "../examples/showcase.rs"]
@@ -78,6 +78,52 @@ fn every_example_is_run_here_or_elsewhere() {
 #[test]
 fn a_cut_curtain_is_in_pieces() {
     assert!(run(&showcase::cut::FEATURE).bodies >= 2, "what is cut off is a body of its own");
+}
+
+/// A feature's world at its moment.
+fn at_its_moment(feature: &Feature) -> App {
+    let mut app = feature.headless_app();
+    let steps = (feature.moment * 64.0) as u32;
+    (0..=steps).for_each(|_| app.update());
+    app
+}
+
+/// Of each body, how far `measure` says, the least first.
+fn of_bodies(app: &mut App, measure: impl Fn(&Particles) -> f32) -> Vec<f32> {
+    let mut found: Vec<f32> = app.world_mut().query::<&Particles>().iter(app.world()).map(measure).collect();
+    found.sort_unstable_by(f32::total_cmp);
+    found
+}
+
+#[test]
+fn a_strong_hand_takes_a_curtain_along_and_a_weak_one_does_not() {
+    let mut app = at_its_moment(&showcase::drag::FEATURE);
+    let farthest = |particles: &Particles| particles.positions().map(|place| place.z).fold(0.0, f32::max);
+    let farthest = of_bodies(&mut app, farthest);
+    assert!(farthest[0] > 0.1 && farthest[0] < 0.5, "0.8 N: {farthest:?}");
+    assert!(farthest[1] > 0.65 && farthest[1] < 0.8, "0.7 m off, as its hand: {farthest:?}");
+}
+
+#[test]
+fn a_knot_holds_only_where_the_rope_touches_itself() {
+    let mut app = at_its_moment(&showcase::knot::FEATURE);
+    let apart = |particles: &Particles| particles.position(0).distance(particles.position(120));
+    let apart = of_bodies(&mut app, apart);
+    assert!(apart[0] > 1.7 && apart[0] < 2.1, "a knot of 0.4 m of rope: {apart:?}");
+    assert!(apart[1] > 2.3, "{apart:?}");
+}
+
+#[test]
+fn a_rope_stays_tied_to_both_boats() {
+    let mut app = at_its_moment(&showcase::lamps::FEATURE);
+    let world = app.world_mut();
+    let (particles, ties) = world.query::<(&Particles, &Attachment)>().single(world).expect("one rope");
+    let ends = [particles.position(0), particles.position(60)];
+    for (tie, end) in ties.ties.iter().zip(ends) {
+        let boat = world.get::<Transform>(tie.entity).expect("a boat");
+        let top = boat.transform_point(Vec3::Y * 1.65);
+        assert!(end.distance(top) < 1e-4, "{end} is not at {top}");
+    }
 }
 
 #[test]
