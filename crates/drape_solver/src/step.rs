@@ -324,10 +324,13 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
 }
 
 /// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and
-/// the cloth. `index` is the number of the projection in the substep.
+/// the cloth. `index` is the number of the projection in the substep. Ropes meet in each: one turn of a knot holds all that hangs
+/// on it.
 fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
-    if index == island.iterations() || contact_self::is_on_ropes(island) {
+    if index == island.iterations() {
         project_layers(island, environment, index);
+    } else if contact_self::is_on_ropes(island) {
+        contact_self::project(island);
     }
     ball_cloth::project(island);
     ball_ball::project(island);
@@ -342,8 +345,7 @@ fn project_contacts(island: &mut Island, environment: &Environment, index: u32) 
 }
 
 /// Cloth against cloth and the obstacles below, in turn: what lies in layers on an obstacle is held up by it through all
-/// layers below. Dear, and as good once a substep: after the sticks. But not for ropes, where one turn of a knot holds all that
-/// hangs on it.
+/// layers below. Dear, and as good once a substep: after the sticks.
 fn project_layers(island: &mut Island, environment: &Environment, index: u32) {
     contact_self::project(island);
     for _ in 1..ROUNDS_OF_LAYERS {
