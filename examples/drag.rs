@@ -10,7 +10,7 @@ use drape_examples::feature::{Feature, Paint};
 /// The example.
 pub const FEATURE: Feature = Feature {
     title: "A strong hand and a weak one lift a curtain",
-    controls: "left button, or a finger  drag",
+    controls: "",
     eye: Vec3::new(2.9, 1.5, 2.3),
     target: Vec3::new(0.0, 1.15, 0.1),
     moment: 2.2,

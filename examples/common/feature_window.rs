@@ -55,5 +55,9 @@ fn show_strain(keys: Res<ButtonInput<KeyCode>>, mut gizmos: ResMut<GizmoConfigSt
 
 fn tell(shown: Res<Shown>, counts: Res<ActivityCounts>, mut panel: ResMut<Panel>) {
     let Feature { title, controls, .. } = shown.0;
-    panel.show(&format!("{title}\n{controls}\n{counts:?}"), HELP);
+    let ActivityCounts { active, resting, culled, frozen } = *counts;
+    let counts = format!("bodies: {active} active, {resting} resting, {culled} culled, {frozen} frozen");
+    let lines = [title, controls, &counts];
+    let told: Vec<&str> = lines.into_iter().filter(|line| !line.is_empty()).collect();
+    panel.show(&told.join("\n"), HELP);
 }
