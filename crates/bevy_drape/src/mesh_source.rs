@@ -1,6 +1,9 @@
 //! The mesh that a body or its shape was made of, and the copy that shows it.
 
+use core::marker::PhantomData;
+
 use bevy::asset::RenderAssetUsages;
+use bevy::ecs::message::MessageCursor;
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
@@ -32,15 +35,45 @@ impl MeshSource {
     }
 }
 
+/// The meshes that have changed since those with a `D` were last looked at. Bevy forgets messages after two ticks, and a game may be
+/// paused for longer.
+#[derive(Resource)]
+pub(crate) struct ModifiedMeshes<D: Component> {
+    cursor: MessageCursor<AssetEvent<Mesh>>,
+    /// In their order.
+    meshes: Vec<AssetId<Mesh>>,
+    of: PhantomData<D>,
+}
+
+impl<D: Component> Default for ModifiedMeshes<D> {
+    fn default() -> Self {
+        Self { cursor: MessageCursor::default(), meshes: Vec::new(), of: PhantomData }
+    }
+}
+
+/// Notes what has changed since it last ran. Runs in every tick.
+pub(crate) fn note_modified_meshes<D: Component>(
+    changes: Res<Messages<AssetEvent<Mesh>>>,
+    mut modified: ResMut<ModifiedMeshes<D>>,
+) {
+    let ModifiedMeshes { cursor, meshes, .. } = &mut *modified;
+    // Most of these are the copies, which are written each frame.
+    meshes.extend(cursor.read(&changes).filter_map(|change| match change {
+        AssetEvent::Modified { id } => Some(*id),
+        _ => None,
+    }));
+    meshes.sort_unstable();
+    meshes.dedup();
+}
+
 /// The entities with a `D` whose `D` or mesh has changed.
 #[derive(SystemParam)]
 pub(crate) struct ChangedMeshes<'w, 's, D: Component> {
     components: Query<'w, 's, (Entity, Ref<'static, D>)>,
     given: Query<'w, 's, (Entity, Ref<'static, Mesh3d>), With<D>>,
     made: Query<'w, 's, (Entity, &'static MeshSource), With<D>>,
-    changes: MessageReader<'w, 's, AssetEvent<Mesh>>,
+    modified: ResMut<'w, ModifiedMeshes<D>>,
     swapped: Local<'s, Vec<Entity>>,
-    modified: Local<'s, Vec<AssetId<Mesh>>>,
 }
 
 impl<D: Component> ChangedMeshes<'_, '_, D> {
@@ -53,16 +86,11 @@ impl<D: Component> ChangedMeshes<'_, '_, D> {
             let shown = self.made.get(entity).ok().and_then(|(_, mesh)| mesh.shown);
             self.given.get(entity).is_ok_and(|(_, mesh)| Some(mesh.id()) != shown)
         }));
-        // Most of these are the copies, which are written each frame.
-        self.modified.clear();
-        self.modified.extend(self.changes.read().filter_map(|change| match change {
-            AssetEvent::Modified { id } => Some(*id),
-            _ => None,
-        }));
-        self.modified.sort_unstable();
-        if !self.modified.is_empty() {
-            let is_modified = |mesh: &MeshSource| self.modified.binary_search(&mesh.source.id()).is_ok();
+        if !self.modified.meshes.is_empty() {
+            let modified = &self.modified.meshes;
+            let is_modified = |mesh: &MeshSource| modified.binary_search(&mesh.source.id()).is_ok();
             found.extend(self.made.iter().filter(|(_, mesh)| is_modified(mesh)).map(|(entity, _)| entity));
+            self.modified.meshes.clear();
         }
     }
 }

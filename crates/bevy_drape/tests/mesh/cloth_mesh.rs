@@ -303,6 +303,26 @@ fn what_is_changed_is_built_anew_from_the_mesh_as_it_was_made() {
     assert_eq!(vertices(&app, cloth), shown, "it stays as it was last");
 }
 
+/// Bevy had forgotten the message by the time of the next step, and the cloth stayed as it was.
+#[test]
+fn a_mesh_that_is_saved_anew_in_a_pause_is_taken_up_after_it() {
+    let mut app = app();
+    let handle = add(&mut app, pipe());
+    let cloth = app.world_mut().spawn((Mesh3d(handle.clone()), ClothMesh::default())).id();
+    start(&mut app);
+    (0..3).for_each(|_| frame(&mut app, 1.0));
+    let before = mass(&app, cloth);
+    app.world_mut().resource_mut::<DrapeClock>().paused = true;
+    frame(&mut app, 1.0);
+    let scaled = pipe().scaled_by(Vec3::splat(2.0));
+    app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, scaled).expect("there");
+    (0..5).for_each(|_| frame(&mut app, 1.0));
+    assert_eq!(mass(&app, cloth), before);
+    app.world_mut().resource_mut::<DrapeClock>().paused = false;
+    frame(&mut app, 1.0);
+    assert!((mass(&app, cloth) / before - 4.0).abs() < 1e-3, "of four times the area");
+}
+
 #[test]
 fn the_drape_is_the_same_whichever_way_vertices_are_split() {
     let end = |mesh: Mesh| {
