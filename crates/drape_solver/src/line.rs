@@ -184,7 +184,8 @@ pub(crate) fn solve(body: &mut Body, isa: Isa) {
     };
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let (position, scratch) = (&mut particles.position.cells, &mut context.lines);
-    let solve = LineSolve { grid, position, inverse_mass, scratch };
+    let lone_steps = if settings.iterations == 1 { 2 } else { 1 };
+    let solve = LineSolve { grid, position, inverse_mass, lone_steps, scratch };
     let lines = &context.plan.lines;
     match settings.projection {
         StickProjection::Exact => isa.run(SolveAll { solve, lines, projection: Exact }),
@@ -214,6 +215,9 @@ struct LineSolve<'a> {
     grid: Grid,
     position: &'a mut [Cell],
     inverse_mass: &'a [[f32; LANES]],
+    /// Newton steps on each lone line. A rope that is taut between two pins has hardly a curve to pull straight, so that its pull is far too
+    /// strong for the smallest waves on it: one step in a substep leaves them humming, the second takes them back.
+    lone_steps: u32,
     scratch: &'a mut LineScratch,
 }
 
@@ -231,16 +235,18 @@ impl LineSolve<'_> {
 
     #[inline(always)]
     fn lone(&mut self, lines: Lines, rest: f32, projection: impl Projection) {
-        let Self { grid, position, inverse_mass, scratch } = self;
+        let Self { grid, position, inverse_mass, lone_steps, scratch } = self;
         let LineScratch { lone, slots, .. } = &mut **scratch;
         for slots in slots[lines as usize].chunks_exact(lines.size(*grid).1) {
-            LoneChain { position, inverse_mass, slots }.solve(lone, rest, projection);
+            for _ in 0..*lone_steps {
+                LoneChain { position, inverse_mass, slots }.solve(lone, rest, projection);
+            }
         }
     }
 
     #[inline(always)]
     fn columns_in_place<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
-        let Self { grid, position, inverse_mass, scratch } = self;
+        let Self { grid, position, inverse_mass, scratch, .. } = self;
         for first in 0..grid.width {
             Chains { position, inverse_mass, first, stride: grid.width, count: grid.rows }.solve(
                 simd,
@@ -266,7 +272,7 @@ impl LineSolve<'_> {
     ///
     /// Each place in a patch is a cell of every row; after the turn, each patch is a cell of the chains.
     fn turn<S: Simd>(&mut self, simd: S, first: usize) {
-        let Self { grid, position, inverse_mass, scratch } = self;
+        let Self { grid, position, inverse_mass, scratch, .. } = self;
         let LineScratch { position: turned, inverse_mass: turned_mass, .. } = &mut **scratch;
         let (width, last) = (grid.width, grid.rows - 1);
         simd.vectorize(
@@ -324,7 +330,7 @@ impl LineSolve<'_> {
 
     #[inline(always)]
     fn gathered<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
-        let Self { grid, position, inverse_mass, scratch } = self;
+        let Self { grid, position, inverse_mass, scratch, .. } = self;
         let (number, count) = lines.size(*grid);
         let LineScratch { chain, position: gathered, inverse_mass: gathered_mass, slots, .. } =
             &mut **scratch;
