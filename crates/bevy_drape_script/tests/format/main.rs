@@ -6,7 +6,9 @@ mod refusals;
 
 use std::path::Path;
 
-use bevy_drape_script::scene::{Action, Body, Expected, Names, Probe, Seconds};
+use bevy_drape_script::scene::{
+    Action, Balls, Body, Cloth, Expected, Names, Pins, Probe, Rope, Seconds, SoftBall, Turn,
+};
 use bevy_drape_script::{Override, SceneError, SceneScript};
 
 const CURTAIN: &str = r#"(
@@ -110,6 +112,32 @@ fn what_is_written_reads_the_same() {
     let script = SceneScript::parse(CURTAIN).expect("a good scene");
     let text = script.to_ron().expect("written");
     assert_eq!(SceneScript::parse(&text).expect("read again"), script, "{text}");
+}
+
+#[test]
+fn the_readme_tells_what_is_left_out() {
+    let (cloth, rope, ball, jelly) =
+        (Cloth::default(), Rope::default(), Balls::default(), SoftBall::default());
+    let length = rope.end.get().distance(rope.start.get());
+    let told = format!(
+        "a `Cloth` is {} by {} m with {} by {} particles and {} kg/m², upright, hung by its top edge; a `Rope` is {length} m long with \
+         {} particles and {} kg/m; a ball has a radius of {} m and {} kg; a `SoftBall` has a radius of {} m and {} rings.",
+        cloth.size.0.get(),
+        cloth.size.1.get(),
+        cloth.particles.0.get(),
+        cloth.particles.1.get(),
+        cloth.areal_density.get(),
+        rope.particles.get(),
+        rope.linear_density.get(),
+        ball.radius.get(),
+        ball.mass.get(),
+        jelly.radius.get(),
+        jelly.rings.get(),
+    );
+    let readme = include_str!("../../README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(readme.contains(&told), "{told}");
+    assert!(matches!(cloth.pins, Pins::Top) && cloth.turn == Turn::default());
+    assert!(rope.pin_start && !rope.pin_end);
 }
 
 /// What the README shows are scenes that work: they are shipped as they stand there.
