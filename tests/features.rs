@@ -3,7 +3,7 @@
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::{App, FixedUpdate, Startup, Transform, Update, Vec3};
 use bevy_drape::prelude::{Attachment, CurrentDetail, Particles};
-use drape_examples::feature::{Feature, FeatureReport, bare_app};
+use drape_examples::feature::{Feature, FeatureReport, bare_app, steps_in};
 
 #[path = "../examples/showcase.rs"]
 #[expect(dead_code, reason = "the examples' own `main`")]
@@ -83,8 +83,8 @@ fn a_cut_curtain_is_in_pieces() {
 /// A feature's world at its moment.
 fn at_its_moment(feature: &Feature) -> App {
     let mut app = feature.headless_app();
-    let steps = (feature.moment * 64.0) as u32;
-    (0..=steps).for_each(|_| app.update());
+    // The first update takes no step.
+    (0..=steps_in(&app, feature.moment)).for_each(|_| app.update());
     app
 }
 

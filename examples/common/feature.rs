@@ -133,8 +133,7 @@ impl Feature {
     /// [`FeatureError`] if a body or obstacle is refused, a file or everything is missing, or something has no finite place.
     pub fn run_headless(&self, seconds: f32) -> Result<FeatureReport, FeatureError> {
         let mut app = self.headless_app();
-        let dt = app.world().resource::<Time<Fixed>>().timestep();
-        let steps = Duration::from_secs_f32(seconds.max(0.0)).div_duration_f64(dt).round() as u64;
+        let steps = steps_in(&app, seconds);
         let mut report = FeatureReport { steps, bodies: 0, particles: 0, balls: 0, greatest_speed: 0.0 };
         // The first update takes no step.
         for step in 0..=steps {
@@ -181,6 +180,12 @@ pub fn bare_app() -> App {
         .add_plugins(DrapePlugins::default())
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app
+}
+
+/// How many steps `app` takes in this long (simulated seconds).
+pub fn steps_in(app: &App, seconds: f32) -> u64 {
+    let dt = app.world().resource::<Time<Fixed>>().timestep();
+    Duration::from_secs_f32(seconds.max(0.0)).div_duration_f64(dt).round() as u64
 }
 
 /// Counts what is there after `step`, and checks that it is somewhere.

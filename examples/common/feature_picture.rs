@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
 
-use crate::feature::Feature;
+use crate::feature::{Feature, steps_in};
 use crate::feature_dress::FeatureDressPlugin;
 use crate::feature_files::wait_for_files;
 use crate::scene_view::View;
@@ -32,8 +32,7 @@ pub fn draw(feature: &Feature, path: &Path) -> Result<(), PictureError> {
         view.apply(&mut transform, &mut projection);
     }
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    let dt = app.world().resource::<Time<Fixed>>().timestep();
-    let steps = Duration::from_secs_f32(feature.moment).div_duration_f64(dt).round() as u64;
+    let steps = steps_in(&app, feature.moment);
     app.update();
     wait_for_files(&mut app)?;
     for _ in 0..steps {

@@ -28,7 +28,7 @@ use crate::driven_mesh::{
 };
 use crate::interpolation::step_fraction;
 use crate::mesh_body::{build_mesh_bodies, remove_mesh_body};
-use crate::mesh_source::{ModifiedMeshes, note_modified_meshes};
+use crate::mesh_source::mark_modified;
 use crate::particles::{Particles, Sticks};
 use crate::posed::AnimatedPose;
 use crate::projectile::build_projectiles;
@@ -78,17 +78,10 @@ impl Plugin for MeshPlugin {
             .add_observer(forget_removed::<ClothMesh>)
             .add_observer(forget_removed::<SoftBody>)
             .add_observer(forget_removed::<DrivenMesh>);
-        app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)))
-            .init_resource::<ModifiedMeshes<ClothMesh>>()
-            .init_resource::<ModifiedMeshes<SoftBody>>()
-            .init_resource::<ModifiedMeshes<DrivenMesh>>();
+        app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
         app.add_systems(
             self.schedule,
-            (
-                note_modified_meshes::<ClothMesh>,
-                note_modified_meshes::<SoftBody>,
-                note_modified_meshes::<DrivenMesh>,
-            )
+            (mark_modified::<ClothMesh>, mark_modified::<SoftBody>, mark_modified::<DrivenMesh>)
                 .run_if(resource_exists::<Messages<AssetEvent<Mesh>>>)
                 .before(run_drape_schedule),
         );

@@ -1,9 +1,7 @@
 //! The mesh that a body or its shape was made of, and the copy that shows it.
 
-use core::marker::PhantomData;
-
 use bevy::asset::RenderAssetUsages;
-use bevy::ecs::message::MessageCursor;
+use bevy::ecs::component::Mutable;
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
@@ -35,35 +33,28 @@ impl MeshSource {
     }
 }
 
-/// The meshes that have changed since those with a `D` were last looked at. Bevy forgets messages after two ticks, and a game may be
-/// paused for longer.
-#[derive(Resource)]
-pub(crate) struct ModifiedMeshes<D: Component> {
-    cursor: MessageCursor<AssetEvent<Mesh>>,
-    /// In their order.
-    meshes: Vec<AssetId<Mesh>>,
-    of: PhantomData<D>,
-}
-
-impl<D: Component> Default for ModifiedMeshes<D> {
-    fn default() -> Self {
-        Self { cursor: MessageCursor::default(), meshes: Vec::new(), of: PhantomData }
-    }
-}
-
-/// Notes what has changed since it last ran. Runs in every tick.
-pub(crate) fn note_modified_meshes<D: Component>(
-    changes: Res<Messages<AssetEvent<Mesh>>>,
-    mut modified: ResMut<ModifiedMeshes<D>>,
+/// Marks each `D` whose mesh has changed since this last ran, as if it had changed itself. Runs in every tick: Bevy forgets messages after
+/// two, and a game may be paused for longer.
+pub(crate) fn mark_modified<D: Component<Mutability = Mutable>>(
+    mut changes: MessageReader<AssetEvent<Mesh>>,
+    mut made: Query<(&MeshSource, &mut D)>,
+    mut modified: Local<Vec<AssetId<Mesh>>>,
 ) {
-    let ModifiedMeshes { cursor, meshes, .. } = &mut *modified;
     // Most of these are the copies, which are written each frame.
-    meshes.extend(cursor.read(&changes).filter_map(|change| match change {
+    modified.clear();
+    modified.extend(changes.read().filter_map(|change| match change {
         AssetEvent::Modified { id } => Some(*id),
         _ => None,
     }));
-    meshes.sort_unstable();
-    meshes.dedup();
+    modified.sort_unstable();
+    if modified.is_empty() {
+        return;
+    }
+    for (mesh, mut description) in &mut made {
+        if modified.binary_search(&mesh.source.id()).is_ok() {
+            description.set_changed();
+        }
+    }
 }
 
 /// The entities with a `D` whose `D` or mesh has changed.
@@ -72,13 +63,12 @@ pub(crate) struct ChangedMeshes<'w, 's, D: Component> {
     components: Query<'w, 's, (Entity, Ref<'static, D>)>,
     given: Query<'w, 's, (Entity, Ref<'static, Mesh3d>), With<D>>,
     made: Query<'w, 's, (Entity, &'static MeshSource), With<D>>,
-    modified: ResMut<'w, ModifiedMeshes<D>>,
     swapped: Local<'s, Vec<Entity>>,
 }
 
 impl<D: Component> ChangedMeshes<'_, '_, D> {
-    /// Appends to `found` the entities whose component was inserted or changed since the last step, that were given another mesh, or
-    /// whose asset has changed.
+    /// Appends to `found` the entities whose component was inserted, changed or [marked](mark_modified) since the last step, and those that
+    /// were given another mesh.
     pub fn collect(&mut self, found: &mut Vec<Entity>) {
         collect_changed(&self.components, found);
         collect_changed(&self.given, &mut self.swapped);
@@ -86,12 +76,6 @@ impl<D: Component> ChangedMeshes<'_, '_, D> {
             let shown = self.made.get(entity).ok().and_then(|(_, mesh)| mesh.shown);
             self.given.get(entity).is_ok_and(|(_, mesh)| Some(mesh.id()) != shown)
         }));
-        if !self.modified.meshes.is_empty() {
-            let modified = &self.modified.meshes;
-            let is_modified = |mesh: &MeshSource| modified.binary_search(&mesh.source.id()).is_ok();
-            found.extend(self.made.iter().filter(|(_, mesh)| is_modified(mesh)).map(|(entity, _)| entity));
-            self.modified.meshes.clear();
-        }
     }
 }
 

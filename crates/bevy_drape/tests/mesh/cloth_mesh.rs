@@ -29,12 +29,18 @@ fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
 
 /// An app with a cloth of `mesh` at `transform`, after a step.
 fn hung(mesh: Mesh, cloth: ClothMesh, transform: Transform) -> (App, Entity) {
+    let (app, entity, _) = hung_of_asset(mesh, cloth, transform);
+    (app, entity)
+}
+
+/// The same, and the asset that it was made of.
+fn hung_of_asset(mesh: Mesh, cloth: ClothMesh, transform: Transform) -> (App, Entity, Handle<Mesh>) {
     let mut app = app();
     let handle = add(&mut app, mesh);
-    let entity = app.world_mut().spawn((Mesh3d(handle), cloth, transform)).id();
+    let entity = app.world_mut().spawn((Mesh3d(handle.clone()), cloth, transform)).id();
     start(&mut app);
     frame(&mut app, 1.0);
-    (app, entity)
+    (app, entity, handle)
 }
 
 fn refusals(app: &App, entity: Entity) -> Vec<String> {
@@ -272,10 +278,7 @@ fn mass(app: &App, cloth: Entity) -> f64 {
 
 #[test]
 fn what_is_changed_is_built_anew_from_the_mesh_as_it_was_made() {
-    let mut app = app();
-    let handle = add(&mut app, pipe());
-    let cloth = app.world_mut().spawn((Mesh3d(handle.clone()), ClothMesh::default())).id();
-    start(&mut app);
+    let (mut app, cloth, handle) = hung_of_asset(pipe(), ClothMesh::default(), Transform::default());
     (0..30).for_each(|_| frame(&mut app, 1.0));
     let before = mass(&app, cloth);
     app.world_mut().get_mut::<ClothMesh>(cloth).expect("described").areal_density *= 2.0;
@@ -306,14 +309,9 @@ fn what_is_changed_is_built_anew_from_the_mesh_as_it_was_made() {
 /// Bevy had forgotten the message by the time of the next step, and the cloth stayed as it was.
 #[test]
 fn a_mesh_that_is_saved_anew_in_a_pause_is_taken_up_after_it() {
-    let mut app = app();
-    let handle = add(&mut app, pipe());
-    let cloth = app.world_mut().spawn((Mesh3d(handle.clone()), ClothMesh::default())).id();
-    start(&mut app);
-    (0..3).for_each(|_| frame(&mut app, 1.0));
+    let (mut app, cloth, handle) = hung_of_asset(pipe(), ClothMesh::default(), Transform::default());
     let before = mass(&app, cloth);
     app.world_mut().resource_mut::<DrapeClock>().paused = true;
-    frame(&mut app, 1.0);
     let scaled = pipe().scaled_by(Vec3::splat(2.0));
     app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, scaled).expect("there");
     (0..5).for_each(|_| frame(&mut app, 1.0));
