@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::StepTimes;
-use drape_solver::measure;
+use drape_solver::state::measure;
 
 use crate::controls::{Blowing, ClothView};
 use crate::scene::Curtain;

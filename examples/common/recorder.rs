@@ -5,7 +5,8 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::StepTimes;
-use drape_solver::{StateHasher, measure};
+use drape_solver::StateHasher;
+use drape_solver::state::measure;
 
 use crate::report::{ActivitySample, CurtainReport, Report, SceneReport, ShotReport, TimingReport, VERSION};
 use crate::scene::{CannonScene, Curtain, STEP, Shot};

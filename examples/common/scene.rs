@@ -9,7 +9,7 @@ use bevy_drape::prelude::*;
 use bevy_drape_script::play::{ScenePlay, ScenePlugin, begin_scene};
 use bevy_drape_script::scene::{Action, Body, Event, Positive, Repeat, SceneScript, Seconds, Whole};
 use bevy_drape_script::{Override, SceneError};
-use drape_solver::ballistics;
+use drape_solver::motion::ballistics;
 
 /// Length of a step in seconds.
 pub const STEP: f64 = 1.0 / 60.0;

@@ -7,7 +7,7 @@ use std::path::Path;
 use bevy::prelude::World;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
-use drape_solver::measure;
+use drape_solver::state::measure;
 use plotters::prelude::*;
 
 /// One value of every body, by name, over time.

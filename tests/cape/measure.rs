@@ -4,7 +4,7 @@ use bevy::math::Affine3A;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use drape_solver::measure::stretch;
+use drape_solver::state::measure::stretch;
 
 use drape_examples::character::{Character, FULL_DISTANCE, cape_mesh, capsule, inverse_bind_poses};
 

@@ -136,7 +136,7 @@ fn a_teleporting_obstacle_shoots_nothing_off() {
     }
     run(&mut app, 2.0);
     let stretch =
-        drape_solver::measure::stretch(get::<Particles>(&app, curtain), get::<Sticks>(&app, curtain));
+        drape_solver::state::measure::stretch(get::<Particles>(&app, curtain), get::<Sticks>(&app, curtain));
     assert!(stretch.max < 0.05, "{stretch:?}");
 }
 
@@ -149,7 +149,7 @@ fn a_teleporting_curtain_stays_in_one_piece() {
     run(&mut app, 5.0);
     let particles = get::<Particles>(&app, curtain);
     assert!(particles.is_finite());
-    let stretch = drape_solver::measure::stretch(particles, get::<Sticks>(&app, curtain));
+    let stretch = drape_solver::state::measure::stretch(particles, get::<Sticks>(&app, curtain));
     assert!(stretch.max < 0.05, "{stretch:?}");
     assert!(centre(&app, curtain).distance(Vec3::new(80.0, 30.0, 0.0)) < 0.6, "{}", centre(&app, curtain));
 }

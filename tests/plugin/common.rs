@@ -6,7 +6,8 @@ use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
-use drape_solver::{StateHasher, measure};
+use drape_solver::StateHasher;
+use drape_solver::state::measure;
 
 /// Length of a step in seconds.
 pub const STEP: f32 = 1.0 / 60.0;

@@ -128,7 +128,7 @@ fn a_culled_curtain_is_carried_along_by_its_rail() {
     run(&mut app, 1.0);
     assert_eq!(activity(&app, curtain), Activity::Active);
     let stretch =
-        drape_solver::measure::stretch(get::<Particles>(&app, curtain), get::<Sticks>(&app, curtain));
+        drape_solver::state::measure::stretch(get::<Particles>(&app, curtain), get::<Sticks>(&app, curtain));
     assert!(stretch.max < 0.01, "it was stretched by {}", stretch.max);
     assert!(centre(&app, curtain).distance(Vec3::new(0.0, 1.0, 0.0)) < 0.1);
 }

@@ -49,7 +49,7 @@ fn a_cloth_is_hit_and_takes_momentum() {
     let expected = f64::from((2.0 - 0.15 - settings.thickness) / 12.0);
     assert!((hits[0].time - expected).abs() < 1e-4, "{} s, expected {expected} s", hits[0].time);
     let particles = get::<Particles>(&app, cloth);
-    let taken = drape_solver::measure::momentum(particles).z;
+    let taken = drape_solver::state::measure::momentum(particles).z;
     let left = 2.0 * f64::from(get::<ProjectileState>(&app, ball).velocity().z);
     assert!(taken > 0.5, "the cloth took {taken} kg m/s");
     assert!((taken + left - 24.0).abs() < 24.0 * 1e-4, "{taken} + {left} kg m/s");

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::Snapshot;
-use drape_solver::measure;
+use drape_solver::state::measure;
 
 use crate::common::*;
 

@@ -2,7 +2,8 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use drape_solver::{StickKind, StickMaterial, TopologyBuilder, volume};
+use drape_solver::volume;
+use drape_solver::{StickKind, StickMaterial, TopologyBuilder};
 
 use crate::common::*;
 

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use drape_solver::measure;
+use drape_solver::state::measure;
 
 use crate::common::*;
 

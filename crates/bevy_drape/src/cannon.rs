@@ -1,7 +1,7 @@
 //! Cannons.
 
 use bevy::prelude::*;
-use drape_solver::ballistics;
+use drape_solver::motion::ballistics;
 
 use crate::pending::Pending;
 use crate::projectile::Projectile;

@@ -10,7 +10,8 @@ use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use drape_solver::{BodyContext, BuildError, Topology, measure};
+use drape_solver::state::measure;
+use drape_solver::{BodyContext, BuildError, Topology};
 
 use crate::activity::Activity;
 use crate::attachment::Attachment;

@@ -313,7 +313,7 @@ mod tests {
         let miss = particle(&app, cloth, middle).distance(target);
         assert!(miss < 0.05, "held {miss} m off the target");
         assert_eq!(app.world().get::<Activity>(cloth), Some(&Activity::Active), "a held cloth stays awake");
-        let stretch = drape_solver::measure::stretch(
+        let stretch = drape_solver::state::measure::stretch(
             app.world().get::<Particles>(cloth).expect("built"),
             app.world().get::<Sticks>(cloth).expect("built"),
         );

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use drape_solver::rigid_tetrahedron::placement_of;
+use drape_solver::build::rigid_tetrahedron::placement_of;
 use drape_solver::{BuildError, Placement, RigidTetrahedronBuilder, SolverSettings};
 
 use crate::activity::Activity;

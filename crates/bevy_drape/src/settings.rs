@@ -1,7 +1,7 @@
 //! How bodies are stepped: a component for one body, a resource for all others.
 
 use bevy::prelude::*;
-use drape_solver::settings as solver;
+use drape_solver::state::settings as solver;
 
 /// Which formula moves the ends of a stick to its rest length.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

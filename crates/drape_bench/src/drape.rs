@@ -4,10 +4,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use drape_solver::glam::Vec3;
+use drape_solver::state::measure;
 use drape_solver::{
     Body, BuildError, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StateHasher, StickMaterial, StickProjection, StructuralSolve, Threads, Topology, TopologyBuilder,
-    measure, step, step_on,
+    StateHasher, StickMaterial, StickProjection, StructuralSolve, Threads, Topology, TopologyBuilder, step,
+    step_on,
 };
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;

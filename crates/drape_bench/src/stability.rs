@@ -12,7 +12,8 @@ use std::fmt::{self, Display, Formatter};
 
 use comfy_table::{ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::Vec3;
-use drape_solver::{Body, Environment, Island, Particles, measure, step};
+use drape_solver::state::measure;
+use drape_solver::{Body, Environment, Island, Particles, step};
 use indicatif::{ParallelProgressIterator, ProgressBar};
 use rayon::prelude::*;
 

@@ -3,13 +3,13 @@
 use glam::{Quat, Vec2, Vec3};
 use parry3d::shape::SharedShape;
 
-use crate::cloth::{ClothBuilder, ClothMaterial, Edge};
+use crate::build::cloth::{ClothBuilder, ClothMaterial, Edge};
 use crate::error::StepError;
-use crate::island::{Environment, Island};
-use crate::obstacle::Obstacle;
-use crate::pose::Placement;
-use crate::settings::SolverSettings;
-use crate::shape::Shape;
+use crate::geometry::pose::Placement;
+use crate::geometry::shape::Shape;
+use crate::state::island::{Environment, Island};
+use crate::state::obstacle::Obstacle;
+use crate::state::settings::SolverSettings;
 use crate::step::step;
 
 /// Side of the cloth, and diameter of the disc that it hangs over, in metres: those of Cusick's apparatus.

@@ -15,26 +15,36 @@
 
 use glam::Vec3;
 
-use crate::body::Body;
+use crate::broad_phase::obstacle_search;
+use crate::broad_phase::obstacle_search::Span;
 use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS};
-use crate::crew::Crew;
+use crate::constraint::angular_momentum;
+use crate::constraint::motion_limit;
+use crate::constraint::stick;
+use crate::constraint::strain::greatest_strain;
+use crate::constraint::volume;
+use crate::contact::ball_ball;
+use crate::contact::ball_cloth;
+use crate::contact::ball_obstacle;
+use crate::contact::cloth_cloth as contact_self;
+use crate::contact::dynamic_obstacle;
+use crate::contact::embedded_obstacle;
+use crate::contact::face_obstacle;
+use crate::contact::impact_zone;
+use crate::contact::particle_dynamic;
+use crate::contact::reaction;
+use crate::contact::report as contact_report;
 use crate::error::{StepError, in_range};
-use crate::isa::Isa;
-use crate::island::{Environment, Island, IslandContext};
-use crate::obstacle_search::Span;
-use crate::strain::greatest_strain;
-use crate::sweep::{self, Surroundings};
-use crate::threads::{Alone, Threads};
-use crate::wind::WindZone;
-use crate::{
-    angular_momentum, contact_ball_ball as ball_ball, contact_ball_cloth as ball_cloth, contact_self,
-    dynamic_obstacle,
-};
-use crate::{
-    contact_ball_obstacle as ball_obstacle, contact_embedded_obstacle as embedded_obstacle,
-    contact_face_obstacle as face_obstacle, contact_particle_dynamic as particle_dynamic, contact_report,
-    force, impact_zone, integrate as verlet, motion_limit, obstacle_search, reaction, rest, stick, volume,
-};
+use crate::motion::force;
+use crate::motion::integrate as verlet;
+use crate::motion::rest;
+use crate::motion::wind::WindZone;
+use crate::parallel::threads::{Alone, Threads};
+use crate::parallel::workers::Crew;
+use crate::simd::isa::Isa;
+use crate::state::body::Body;
+use crate::state::island::{Environment, Island, IslandContext};
+use crate::substep::sweep::{self, Surroundings};
 
 /// Advances an island by `environment.dt` seconds, on this thread.
 ///

@@ -1,7 +1,7 @@
 //! Cannons.
 
 use bevy::math::DVec3;
-use bevy_drape::drape_solver::ballistics;
+use bevy_drape::drape_solver::motion::ballistics;
 use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,8 @@
 //! How far a shot goes.
 
 use drape_solver::glam::{DVec3, Vec3};
-use drape_solver::{Ball, Island, SolverSettings, ballistics};
+use drape_solver::motion::ballistics;
+use drape_solver::{Ball, Island, SolverSettings};
 
 use crate::common::*;
 

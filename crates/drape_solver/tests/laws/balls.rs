@@ -1,7 +1,7 @@
 //! S18: cannon balls.
 
-use drape_solver::ballistics::position_at;
 use drape_solver::glam::{DVec3, Quat, Vec3};
+use drape_solver::motion::ballistics::position_at;
 use drape_solver::{
     Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, Shape, SolverSettings,
 };
@@ -299,9 +299,9 @@ fn a_rope_catches_a_ball_between_its_particles() {
 #[test]
 fn a_shot_at_the_solved_elevation_meets_its_target() {
     let (distance, height, speed) = (12.0, 1.3, 18.0);
-    let elevation =
-        drape_solver::ballistics::elevation_for(distance, height, speed, f64::from(G)).expect("in range");
-    let velocity = drape_solver::ballistics::direction(elevation, 0.0) * speed;
+    let elevation = drape_solver::motion::ballistics::elevation_for(distance, height, speed, f64::from(G))
+        .expect("in range");
+    let velocity = drape_solver::motion::ballistics::direction(elevation, 0.0) * speed;
     let down = Vec3::NEG_Y * G;
     let launched = Ball::launch(smooth(0.15, 2.0), Vec3::ZERO, velocity.as_vec3(), down, FRAME);
     let mut island = Island::of_ball(launched.expect("valid"));

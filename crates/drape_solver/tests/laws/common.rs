@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::state::measure;
 use drape_solver::{
     Ball, BallMaterial, Body, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle, Particles,
     Placement, SelfContact, Shape, SolverSettings, StickKind, StickMaterial, StickProjection,
-    StructuralSolve, TopologyBuilder, measure, step,
+    StructuralSolve, TopologyBuilder, step,
 };
 
 /// Standard gravity of the tests in m/s^2.

@@ -1,9 +1,8 @@
 //! S2: drag, in 1/s and independent of the step.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{
-    BallMaterial, ClothBuilder, ClothMaterial, Environment, Island, SolverSettings, Wind, measure,
-};
+use drape_solver::state::measure;
+use drape_solver::{BallMaterial, ClothBuilder, ClothMaterial, Environment, Island, SolverSettings, Wind};
 
 use crate::common::*;
 

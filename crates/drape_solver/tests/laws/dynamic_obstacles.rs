@@ -2,9 +2,9 @@
 //! masses.
 
 use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::state::measure;
 use drape_solver::{
-    BallMaterial, ClothBuilder, Environment, Island, Obstacle, RigidBody, Shape, SolverSettings, measure,
-    step,
+    BallMaterial, ClothBuilder, Environment, Island, Obstacle, RigidBody, Shape, SolverSettings, step,
 };
 
 use crate::common::*;

@@ -1,9 +1,10 @@
 //! A frame that moves carries the cloth along, and the cloth does not know.
 
 use drape_solver::glam::{Quat, Vec3};
+use drape_solver::state::measure;
 use drape_solver::{
     Body, ClothBuilder, Edge, Environment, FrameMotion, Isa, Island, Placement, Shape, SolverSettings,
-    StateHasher, measure, step,
+    StateHasher, step,
 };
 
 use crate::common::*;

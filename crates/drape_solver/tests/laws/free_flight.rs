@@ -1,7 +1,8 @@
 //! S1: the Verlet step, in free flight.
 
 use drape_solver::glam::{DVec3, Vec3};
-use drape_solver::{Island, Particles, measure};
+use drape_solver::state::measure;
+use drape_solver::{Island, Particles};
 
 use crate::common::*;
 
@@ -27,7 +28,7 @@ fn free_flight_is_the_discrete_closed_form() {
         let case = format!("free flight in m, {dt:.4} s / {substeps}");
         law_of_error(&case, (found - expected).length(), 3e-5);
         // Trap 1: with `a dt^2 / 2` gravity would be halved, metres away from this.
-        let parabola = drape_solver::ballistics::position_at(
+        let parabola = drape_solver::motion::ballistics::position_at(
             start.as_dvec3(),
             velocity.as_dvec3(),
             DVec3::NEG_Y * f64::from(G),

@@ -1,9 +1,10 @@
 //! Lines: rows and columns of a grid, and ropes, solved as chains.
 
 use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::state::measure;
 use drape_solver::{
     BallMaterial, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island, Quality, RopeBuilder, Shape,
-    SolverSettings, StateHasher, StructuralSolve, measure, step,
+    SolverSettings, StateHasher, StructuralSolve, step,
 };
 
 use crate::common::*;

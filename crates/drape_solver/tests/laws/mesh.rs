@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use drape_solver::glam::Vec3;
+use drape_solver::state::measure;
 use drape_solver::{
     Body, Environment, Isa, Island, Obstacle, Particles, Shape, SolverSettings, StateHasher, StickKind,
-    StickMaterial, StickProjection, TopologyBuilder, measure, step,
+    StickMaterial, StickProjection, TopologyBuilder, step,
 };
 use proptest::prelude::*;
 

@@ -3,9 +3,10 @@
 use core::f32::consts::TAU;
 
 use drape_solver::glam::Vec3;
+use drape_solver::state::measure;
 use drape_solver::{
     BuildError, ClothMaterial, Island, MeshCloth, MeshClothBuilder, MeshError, MeshRepairs, SolverSettings,
-    StateHasher, StickKind, measure,
+    StateHasher, StickKind,
 };
 
 use crate::common::*;

@@ -1,7 +1,8 @@
 //! Momentum and energy across hits, without gravity: what contacts, friction and sticks may not make or lose.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{BallMaterial, ClothBuilder, ClothMaterial, Island, SolverSettings, measure};
+use drape_solver::state::measure;
+use drape_solver::{BallMaterial, ClothBuilder, ClothMaterial, Island, SolverSettings};
 
 use crate::common::*;
 

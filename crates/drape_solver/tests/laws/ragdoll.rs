@@ -1,9 +1,10 @@
 //! S31, S32: ragdolls, and motion that is inherited from an animation.
 
 use drape_solver::glam::{DVec3, Quat, Vec3};
+use drape_solver::state::measure;
 use drape_solver::{
     Body, Environment, Island, Obstacle, Placement, RagdollBuilder, RagdollStick, Shape, SolverSettings,
-    StickBound, measure,
+    StickBound,
 };
 
 use crate::common::*;

@@ -1,7 +1,8 @@
 //! Obstacles that are moved by what hits them: momentum is kept over the whole hit, and energy does not rise.
 
 use drape_solver::glam::{DVec3, Vec3};
-use drape_solver::{BallMaterial, Environment, Island, Obstacle, RigidBody, Shape, measure, step};
+use drape_solver::state::measure;
+use drape_solver::{BallMaterial, Environment, Island, Obstacle, RigidBody, Shape, step};
 
 use crate::common::*;
 

@@ -2,9 +2,10 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::parry3d::shape::SharedShape;
+use drape_solver::state::measure;
 use drape_solver::{
     Ball, BallMaterial, Body, ClothBuilder, Contact, Edge, Environment, Feature, Island, Layers, Obstacle,
-    Other, Party, Placement, RopeBuilder, SelfContact, Shape, SolverSettings, StateHasher, measure, step,
+    Other, Party, Placement, RopeBuilder, SelfContact, Shape, SolverSettings, StateHasher, step,
 };
 
 use crate::common::*;

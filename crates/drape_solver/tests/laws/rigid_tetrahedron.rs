@@ -1,10 +1,11 @@
 //! S30: rigid bodies of four particles and six sticks, which touch obstacles with the corners of a mesh that they carry.
 
+use drape_solver::build::rigid_tetrahedron::placement_of;
 use drape_solver::glam::{DVec3, Quat, Vec3};
-use drape_solver::rigid_tetrahedron::placement_of;
+use drape_solver::state::measure;
 use drape_solver::{
     Body, EmbeddedPoint, Environment, Isa, Island, Obstacle, Placement, RigidBody, RigidTetrahedronBuilder,
-    Shape, SolverSettings, StateHasher, measure, step,
+    Shape, SolverSettings, StateHasher, step,
 };
 
 use crate::common::*;

@@ -4,9 +4,11 @@ use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 use drape_solver::glam::{Affine3A, Mat3, Vec3};
+use drape_solver::state::measure;
+use drape_solver::volume;
 use drape_solver::{
     Body, Embedding, Environment, Island, Obstacle, SoftBallBuilder, SoftBodyBuilder, SolverSettings,
-    StickKind, StickMaterial, TopologyBuilder, measure, volume,
+    StickKind, StickMaterial, TopologyBuilder,
 };
 
 use crate::common::*;

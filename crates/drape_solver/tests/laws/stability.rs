@@ -1,7 +1,8 @@
 //! The order of relaxation does not gain energy: a hanging sheet only calms down.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{ClothBuilder, ClothMaterial, Edge, Environment, Island, SolverSettings, measure};
+use drape_solver::state::measure;
+use drape_solver::{ClothBuilder, ClothMaterial, Edge, Environment, Island, SolverSettings};
 
 use crate::common::*;
 

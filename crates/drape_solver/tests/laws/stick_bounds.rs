@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use drape_solver::glam::Vec3;
+use drape_solver::state::measure;
 use drape_solver::{
     Body, Isa, Island, Particles, SolverSettings, StateHasher, StickBound, StickKind, StickMaterial,
-    StickProjection, TopologyBuilder, measure, step,
+    StickProjection, TopologyBuilder, step,
 };
 
 use crate::common::*;

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::state::measure;
 use drape_solver::{
     Body, ClothBuilder, Edge, Isa, Island, Obstacle, RopeBuilder, SolverSettings, StateHasher, TearLimits,
-    Torn, measure, step,
+    Torn, step,
 };
 
 use crate::common::*;

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use drape_solver::glam::Vec3;
+use drape_solver::state::measure;
 use drape_solver::{
     BallMaterial, Body, Environment, Island, Particles, SolverSettings, StickKind, StickMaterial,
-    TopologyBuilder, Wind, measure,
+    TopologyBuilder, Wind,
 };
 
 use crate::common::*;

@@ -1,7 +1,7 @@
 //! S17: the time and place of first contact, interpolated within the step.
 
-use drape_solver::ballistics::position_at;
 use drape_solver::glam::Vec3;
+use drape_solver::motion::ballistics::position_at;
 use drape_solver::{Ball, ClothBuilder, Environment, Island, Obstacle, Other, Shape, SolverSettings};
 
 use crate::common::*;

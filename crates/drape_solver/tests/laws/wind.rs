@@ -1,10 +1,11 @@
 //! Air: drag, lift, gusts, zones and lee.
 
-use drape_solver::force::wind_force;
 use drape_solver::glam::{Quat, Vec3};
+use drape_solver::motion::force::wind_force;
+use drape_solver::state::measure;
 use drape_solver::{
     Body, ClothBuilder, Edge, Environment, Island, Placement, Shape, SolverSettings, Turbulence, Wind,
-    WindFlow, WindRegion, WindZone, measure,
+    WindFlow, WindRegion, WindZone,
 };
 
 use crate::common::*;

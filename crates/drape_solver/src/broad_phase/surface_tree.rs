@@ -1,0 +1,333 @@
+//! A body's surface for contacts at the level of triangles: its elements in a tree of patches.
+//!
+//! An *element* is a face, a link of a rope, or a particle that belongs to neither. Elements share corners and edges, and
+//! each corner and each edge is looked at by one of them alone, its owner (the representative triangles of Curtis et al.
+//! 2008): pairs of elements then stand for pairs of corners and faces, and of edges, each once.
+//!
+//! The tree is made once for a topology, from the rest positions. A node is a patch of neighbours:
+//!
+//! ```text
+//!            root            at each search nodes get boxes from the leaves up, around positions and around
+//!           /    \           normals. A patch in one piece whose normals all lean one way lies flat: it cannot meet
+//!        patch   patch       itself (Volino and Magnenat-Thalmann 1994), and is passed over whole.
+//! ```
+
+use glam::Vec3;
+
+use crate::constants::{ELEMENTS_OF_LEAF, LEAST_LEAN};
+use crate::state::topology::Topology;
+
+/// A face, or a link, which has its last corner twice, or a particle, which has it three times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Element {
+    /// Its corners, by slot and by index.
+    pub slots: [u32; 3],
+    pub indices: [u32; 3],
+    /// Which corners and edges it owns, by bits; edge `k` goes from corner `k` to the next.
+    pub corners: u8,
+    pub edges: u8,
+}
+
+impl Element {
+    /// Whether it has three corners.
+    pub fn is_face(&self) -> bool {
+        self.slots[1] != self.slots[2]
+    }
+
+    /// The places of the ends of its edge `k` among its corners.
+    pub fn edge(k: usize) -> [usize; 2] {
+        [k, (k + 1) % 3]
+    }
+
+    /// Bits of the edges that it has.
+    pub fn all_edges(&self) -> u8 {
+        if self.is_face() { 0b111 } else { 0b001 }
+    }
+}
+
+/// A patch: the elements `first..first + count`. The left half follows it in the list of nodes.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    first: u32,
+    count: u32,
+    /// The right half; 0 in a leaf.
+    right: u32,
+    /// Whether its elements hang together by their corners.
+    is_connected: bool,
+}
+
+/// The elements of a body, patch by patch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SurfaceTree {
+    pub elements: Vec<Element>,
+    nodes: Vec<Node>,
+    /// Length of the longest edge at rest, in metres.
+    pub longest_edge: f32,
+}
+
+/// A box in space, in metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub low: Vec3,
+    pub high: Vec3,
+}
+
+impl Bounds {
+    const NOTHING: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+
+    /// The box around some points.
+    pub fn of(points: &[Vec3]) -> Self {
+        points.iter().fold(Self::NOTHING, |all, &p| Self { low: all.low.min(p), high: all.high.max(p) })
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// The same, wider by `margin` on all sides.
+    pub fn grown(self, margin: f32) -> Self {
+        Self { low: self.low - margin, high: self.high + margin }
+    }
+
+    /// Whether the two meet.
+    pub fn meets(&self, other: &Self) -> bool {
+        (self.low.cmple(other.high) & self.high.cmpge(other.low)).all()
+    }
+}
+
+/// Where the patches of a body are now.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PlacedTree {
+    elements: Vec<Bounds>,
+    nodes: Vec<(Bounds, Bounds)>,
+}
+
+/// A body's tree and where its patches are.
+#[derive(Clone, Copy)]
+pub(crate) struct Placed<'a> {
+    pub tree: &'a SurfaceTree,
+    pub at: &'a PlacedTree,
+}
+
+impl SurfaceTree {
+    /// The tree of a topology.
+    pub fn new(topology: &Topology) -> Self {
+        let mut elements = elements(topology);
+        let rest = |index: u32| topology.rest.get(index as usize).copied().unwrap_or_default();
+        let mut builder = Builder {
+            centres: elements
+                .iter()
+                .map(|e| e.indices.iter().map(|&i| rest(i)).sum::<Vec3>() / 3.0)
+                .collect(),
+            groups: (0..topology.particle_count() as u32).collect(),
+            nodes: Vec::new(),
+        };
+        let mut order: Vec<u32> = (0..elements.len() as u32).collect();
+        if !order.is_empty() {
+            builder.split(&mut order, 0, &elements);
+        }
+        elements = order.iter().map(|&place| elements[place as usize]).collect();
+        let edges =
+            elements.iter().flat_map(|e| [0, 1, 2].map(|k| Element::edge(k).map(|c| rest(e.indices[c]))));
+        let longest_edge = edges.map(|[a, b]| a.distance(b)).fold(0.0, f32::max);
+        Self { elements, nodes: builder.nodes, longest_edge }
+    }
+
+    /// Puts boxes around the patches. `corners` gives the places that an element's corners take, now and at the start
+    /// of the substep.
+    pub fn place(&self, at: &mut PlacedTree, corners: impl Fn(&Element) -> [[Vec3; 3]; 2]) {
+        at.elements.clear();
+        at.nodes.clear();
+        at.nodes.resize(self.nodes.len(), (Bounds::NOTHING, Bounds::NOTHING));
+        at.elements.extend(self.elements.iter().map(|element| {
+            let [now, start] = corners(element);
+            Bounds::of(&now).and(Bounds::of(&start))
+        }));
+        for (place, node) in self.nodes.iter().enumerate().rev() {
+            at.nodes[place] = if node.right == 0 {
+                let range = node.first as usize..(node.first + node.count) as usize;
+                let boxes = at.elements[range.clone()].iter();
+                let lean = self.elements[range].iter().map(|element| lean(element, corners(element)[1]));
+                (
+                    boxes.fold(Bounds::NOTHING, |all, &b| all.and(b)),
+                    lean.fold(Bounds::NOTHING, |all, n| all.and(Bounds { low: n, high: n })),
+                )
+            } else {
+                let ((a, n), (b, m)) = (at.nodes[place + 1], at.nodes[node.right as usize]);
+                (a.and(b), n.and(m))
+            };
+        }
+    }
+}
+
+/// The unit normal of a face, or the direction of a link: a rope whose links all lean one way cannot meet itself either.
+fn lean(element: &Element, [a, b, c]: [Vec3; 3]) -> Vec3 {
+    let way = if element.is_face() { (b - a).cross(c - a) } else { b - a };
+    way.normalize_or_zero()
+}
+
+/// Whether all directions in the box lean to the same side.
+fn is_flat(lean: &Bounds) -> bool {
+    let way = lean.low + lean.high;
+    let least = (way * lean.low).min(way * lean.high);
+    least.x + least.y + least.z > LEAST_LEAN * way.length()
+}
+
+impl Placed<'_> {
+    /// Calls `meet` with any two elements of the body whose boxes, wider by `margin`, meet. Not those of flat patches.
+    pub fn own_pairs(&self, margin: f32, meet: &mut impl FnMut(usize, usize)) {
+        if !self.tree.nodes.is_empty() {
+            self.pairs_within(0, margin, meet);
+        }
+    }
+
+    fn pairs_within(&self, place: usize, margin: f32, meet: &mut impl FnMut(usize, usize)) {
+        let node = &self.tree.nodes[place];
+        if node.is_connected && is_flat(&self.at.nodes[place].1) {
+            return;
+        }
+        if node.right == 0 {
+            for a in node.first..node.first + node.count {
+                for b in a + 1..node.first + node.count {
+                    meet(a as usize, b as usize);
+                }
+            }
+            return;
+        }
+        let right = node.right as usize;
+        self.pairs_within(place + 1, margin, meet);
+        self.pairs_within(right, margin, meet);
+        self.pairs_between(place + 1, self, right, margin, meet);
+    }
+
+    /// Calls `meet` with any element of this body and any of another whose boxes, wider by `margin`, meet.
+    pub fn pairs_with(&self, other: &Placed, margin: f32, meet: &mut impl FnMut(usize, usize)) {
+        if !self.tree.nodes.is_empty() && !other.tree.nodes.is_empty() {
+            self.pairs_between(0, other, 0, margin, meet);
+        }
+    }
+
+    fn pairs_between(
+        &self,
+        here: usize,
+        other: &Placed,
+        there: usize,
+        margin: f32,
+        meet: &mut impl FnMut(usize, usize),
+    ) {
+        if !self.at.nodes[here].0.grown(margin).meets(&other.at.nodes[there].0) {
+            return;
+        }
+        let (a, b) = (&self.tree.nodes[here], &other.tree.nodes[there]);
+        if a.right == 0 && b.right == 0 {
+            for p in a.first..a.first + a.count {
+                let own = self.at.elements[p as usize].grown(margin);
+                for q in b.first..b.first + b.count {
+                    if own.meets(&other.at.elements[q as usize]) {
+                        meet(p as usize, q as usize);
+                    }
+                }
+            }
+        } else if b.right == 0 || (a.right != 0 && a.count >= b.count) {
+            self.pairs_between(here + 1, other, there, margin, meet);
+            self.pairs_between(a.right as usize, other, there, margin, meet);
+        } else {
+            self.pairs_between(here, other, there + 1, margin, meet);
+            self.pairs_between(here, other, b.right as usize, margin, meet);
+        }
+    }
+}
+
+/// Faces, links, and particles that have neither; each owns the corners and edges that none before it has.
+fn elements(topology: &Topology) -> Vec<Element> {
+    let links = topology.segments.iter().map(|&[a, b]| [a, b, b]);
+    let mut all: Vec<[u32; 3]> = topology.faces.iter().copied().chain(links).collect();
+    let mut has_owner = vec![false; topology.particle_count()];
+    all.iter().flatten().for_each(|&corner| has_owner[corner as usize] = true);
+    all.extend((0..).zip(&has_owner).filter(|(_, has)| !**has).map(|(corner, _)| [corner; 3]));
+    has_owner.fill(false);
+    // Edges, each with the element that has it: sorted, so that those of one edge follow each other.
+    let mut edges: Vec<([u32; 2], u32, u8)> = Vec::new();
+    let mut elements: Vec<Element> = Vec::with_capacity(all.len());
+    for (place, indices) in (0..).zip(all) {
+        let slots = indices.map(|index| topology.layout.slot(index as usize) as u32);
+        let mut element = Element { slots, indices, corners: 0, edges: 0 };
+        for (k, corner) in indices.into_iter().enumerate() {
+            let owner = &mut has_owner[corner as usize];
+            element.corners |= u8::from(!*owner) << k;
+            *owner = true;
+        }
+        for k in (0..3).filter(|k| element.all_edges() & (1 << k) != 0) {
+            let [a, b] = Element::edge(k).map(|c| indices[c]);
+            edges.push(([a.min(b), a.max(b)], place, k as u8));
+        }
+        elements.push(element);
+    }
+    edges.sort_unstable();
+    for (i, &(edge, element, k)) in edges.iter().enumerate() {
+        if i == 0 || edges[i - 1].0 != edge {
+            elements[element as usize].edges |= 1 << k;
+        }
+    }
+    elements
+}
+
+struct Builder {
+    /// Of the elements, at rest.
+    centres: Vec<Vec3>,
+    /// For each particle, one of the group that it belongs to.
+    groups: Vec<u32>,
+    nodes: Vec<Node>,
+}
+
+impl Builder {
+    /// Makes the node of these elements, the first of which is number `first`, and those below it.
+    fn split(&mut self, order: &mut [u32], first: usize, elements: &[Element]) {
+        let place = self.nodes.len();
+        let is_connected = self.is_connected(order, elements);
+        let (first_element, count) = (first as u32, order.len() as u32);
+        self.nodes.push(Node { first: first_element, count, right: 0, is_connected });
+        if order.len() <= ELEMENTS_OF_LEAF {
+            return;
+        }
+        let centres = &self.centres;
+        let around = order.iter().fold(Bounds::NOTHING, |all, &e| {
+            let centre = centres[e as usize];
+            all.and(Bounds { low: centre, high: centre })
+        });
+        let size = (around.high - around.low).to_array();
+        let axis = (1..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
+        let middle = order.len() / 2;
+        order.select_nth_unstable_by(middle, |&a, &b| {
+            centres[a as usize][axis].total_cmp(&centres[b as usize][axis]).then(a.cmp(&b))
+        });
+        let (left, right) = order.split_at_mut(middle);
+        self.split(left, first, elements);
+        self.nodes[place].right = self.nodes.len() as u32;
+        self.split(right, first + middle, elements);
+    }
+
+    /// Whether some elements hang together by their corners.
+    fn is_connected(&mut self, order: &[u32], elements: &[Element]) -> bool {
+        let groups = &mut self.groups;
+        let corners = || order.iter().flat_map(|&e| elements[e as usize].indices);
+        corners().for_each(|corner| groups[corner as usize] = corner);
+        for &element in order {
+            let [a, b, c] = elements[element as usize].indices.map(|corner| root(groups, corner));
+            let least = a.min(b).min(c);
+            [a, b, c].into_iter().for_each(|group| groups[group as usize] = least);
+        }
+        let mut roots = corners().map(|corner| root(groups, corner));
+        let first = roots.next();
+        roots.all(|group| Some(group) == first)
+    }
+}
+
+fn root(groups: &mut [u32], mut particle: u32) -> u32 {
+    while groups[particle as usize] != particle {
+        let parent = groups[particle as usize];
+        groups[particle as usize] = groups[parent as usize];
+        particle = groups[particle as usize];
+    }
+    particle
+}

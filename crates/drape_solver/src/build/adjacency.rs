@@ -1,0 +1,160 @@
+//! What a body is woven of: its faces, or a rope's links, and which of them meet at each particle.
+
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_3};
+
+use glam::Vec3;
+
+use crate::state::topology::Topology;
+
+/// The faces of a body, or where it has none its links, by the particles at their corners.
+pub(crate) struct Fabric<'a> {
+    topology: &'a Topology,
+    /// Place of each particle's first piece of fabric in `around`; one more at the end.
+    first: Vec<u32>,
+    around: Vec<u32>,
+}
+
+impl<'a> Fabric<'a> {
+    pub fn new(topology: &'a Topology) -> Self {
+        let empty = Self { topology, first: Vec::new(), around: Vec::new() };
+        let corners =
+            || (0..empty.len()).flat_map(|element| empty.corners(element).iter().map(move |&c| (element, c)));
+        let mut first = vec![0; topology.particle_count() + 1];
+        corners().for_each(|(_, corner)| first[corner as usize + 1] += 1);
+        for particle in 1..first.len() {
+            first[particle] += first[particle - 1];
+        }
+        let mut next = first.clone();
+        let mut around = vec![0; corners().count()];
+        for (element, corner) in corners() {
+            around[next[corner as usize] as usize] = element as u32;
+            next[corner as usize] += 1;
+        }
+        Self { first, around, ..empty }
+    }
+
+    pub fn topology(&self) -> &'a Topology {
+        self.topology
+    }
+
+    /// Whether it is of faces; else it is of links.
+    pub fn has_faces(&self) -> bool {
+        !self.topology.faces.is_empty()
+    }
+
+    /// The number of faces or links.
+    pub fn len(&self) -> usize {
+        if self.has_faces() { self.topology.faces.len() } else { self.topology.segments.len() }
+    }
+
+    /// The particles of face or link `element`.
+    #[inline]
+    pub fn corners(&self, element: usize) -> &'a [u32] {
+        if self.has_faces() { &self.topology.faces[element] } else { &self.topology.segments[element] }
+    }
+
+    /// The faces or links at a particle, in order.
+    #[inline]
+    pub fn around(&self, particle: u32) -> impl Iterator<Item = usize> + Clone + '_ {
+        let own = self.first[particle as usize] as usize..self.first[particle as usize + 1] as usize;
+        self.around[own].iter().map(|&element| element as usize)
+    }
+
+    /// Area of a face in square metres, or length of a link in metres, at rest.
+    pub fn size(&self, element: usize) -> f32 {
+        let rest = |corner: u32| self.topology.rest[corner as usize];
+        match *self.corners(element) {
+            [a, b, c] => 0.5 * (rest(b) - rest(a)).cross(rest(c) - rest(a)).length(),
+            [a, b] => rest(a).distance(rest(b)),
+            _ => 0.0,
+        }
+    }
+
+    /// The faces around a particle one after another, if they make one fan.
+    pub fn fan(&self, particle: u32) -> Option<Fan> {
+        if !self.has_faces() {
+            return None;
+        }
+        // Each face turned so that the particle comes first.
+        let sides: Vec<[u32; 2]> = self
+            .around(particle)
+            .filter_map(|face| match *self.corners(face) {
+                [a, b, c] if a == particle => Some([b, c]),
+                [a, b, c] if b == particle => Some([c, a]),
+                [a, b, c] if c == particle => Some([a, b]),
+                _ => None,
+            })
+            .collect();
+        let begins = |spoke: u32| sides.iter().find(|side| side[0] == spoke);
+        let rim = sides.iter().find(|side| sides.iter().all(|other| other[1] != side[0]));
+        let start = rim.or(sides.first())?[0];
+        let (mut spokes, mut angles) = (vec![start], vec![0.0]);
+        let (mut spoke, mut angle) = (start, 0.0);
+        let centre = self.topology.rest[particle as usize];
+        while let Some(&[from, to]) = begins(spoke) {
+            let [p, q] = [from, to].map(|end| self.topology.rest[end as usize] - centre);
+            angle += angle_between(p, q);
+            spokes.push(to);
+            angles.push(angle);
+            spoke = to;
+            if to == start || spokes.len() > sides.len() {
+                break;
+            }
+        }
+        (spokes.len() == sides.len() + 1).then_some(Fan { spokes, angles })
+    }
+}
+
+/// The angle between two directions in radians.
+fn angle_between(p: Vec3, q: Vec3) -> f32 {
+    libm::atan2f(p.cross(q).length(), p.dot(q))
+}
+
+/// The faces around a particle, laid out flat as they are at rest.
+///
+/// ```text
+///      s2   s1        spokes lead from the particle to the other corners; the fan is closed
+///        \  /         where the last of them is the first again, and open at the rim of
+///   s3 ---o--- s0     the cloth, and at the end of a tear
+/// ```
+pub(crate) struct Fan {
+    spokes: Vec<u32>,
+    /// Of each spoke, from the first, in radians.
+    angles: Vec<f32>,
+}
+
+impl Fan {
+    pub fn is_closed(&self) -> bool {
+        self.spokes.first() == self.spokes.last()
+    }
+
+    /// The spokes along which the fan parts when it is pulled at spoke `pulled`: those most nearly at right angles to it.
+    /// One of an open fan, two of a closed one; none where nothing parts.
+    pub fn cracks(&self, pulled: u32) -> Option<Vec<u32>> {
+        let last = self.spokes.len() - 1;
+        let pulled = self.spokes.iter().position(|&spoke| spoke == pulled)?;
+        let inner = if self.is_closed() { 0..last } else { 1..last };
+        let total = self.angles[last];
+        // How far each spoke is from `target`, the shorter way round.
+        let nearest = |target: f32| {
+            let miss = |&spoke: &usize| {
+                let miss = (self.angles[spoke] - target).abs();
+                if self.is_closed() { miss.min((total - miss).abs()) } else { miss }
+            };
+            let others = inner.clone().filter(|&spoke| spoke != pulled);
+            others.map(|spoke| (miss(&spoke), spoke)).min_by(|p, q| p.0.total_cmp(&q.0))
+        };
+        let angle = self.angles[pulled];
+        if self.is_closed() {
+            let quarter = 0.25 * total;
+            let [(_, left), (_, right)] =
+                [nearest((angle + quarter) % total)?, nearest((angle + 3.0 * quarter) % total)?];
+            return (left != right).then(|| vec![self.spokes[left], self.spokes[right]]);
+        }
+        let (miss, spoke) = [angle + FRAC_PI_2, angle - FRAC_PI_2]
+            .into_iter()
+            .filter_map(nearest)
+            .min_by(|p, q| p.0.total_cmp(&q.0))?;
+        (miss < FRAC_PI_3).then(|| vec![self.spokes[spoke]])
+    }
+}

@@ -1,0 +1,16 @@
+//! build.
+
+pub(crate) mod adjacency;
+pub mod cloth;
+pub mod embedding;
+pub mod mesh;
+pub mod preset;
+pub mod ragdoll;
+pub mod rigid_tetrahedron;
+pub mod rope;
+pub mod soft_ball;
+pub mod soft_body;
+pub mod soft_lattice;
+pub(crate) mod topology_builder;
+pub(crate) mod union_find;
+pub(crate) mod weave;

@@ -1,0 +1,166 @@
+//! The builder of rigid bodies from four particles and six sticks (Jakobsen 2001, section 5).
+//!
+//! ```text
+//!      +-----------o          The particles, of a quarter of the mass each, lie in every other corner of a box of half
+//!     /|    o     /|          sides s, where M s^2 is the second moment of the mass along that axis: so mass, centre of
+//!    o-----------+ |          mass and inertia are the body's. The corners of its collision mesh are carried by them.
+//!    | +---------|-+
+//!    |/          |/
+//!    +-----------o
+//! ```
+
+use std::sync::Arc;
+
+use glam::{DMat3, Quat, Vec3};
+
+use crate::build::topology_builder::TopologyBuilder;
+use crate::error::{BuildError, finite_vector, positive};
+use crate::geometry::pose::{Placement, Pose};
+use crate::state::body::Body;
+use crate::state::particles::Particles;
+use crate::state::settings::SolverSettings;
+use crate::state::topology::{EmbeddedPoint, StickKind, StickMaterial};
+
+/// A rigid body as a tetrahedron of particles, which carries the corners of a convex collision mesh.
+#[derive(Clone, Debug)]
+pub struct RigidTetrahedronBuilder {
+    mass: f32,
+    moments: Vec3,
+    corners: Vec<Vec3>,
+    placement: Placement,
+    velocity: Vec3,
+    angular_velocity: Vec3,
+}
+
+/// Every other corner of a cube.
+const CORNERS: [Vec3; 4] = [
+    Vec3::new(1.0, 1.0, 1.0),
+    Vec3::new(1.0, -1.0, -1.0),
+    Vec3::new(-1.0, 1.0, -1.0),
+    Vec3::new(-1.0, -1.0, 1.0),
+];
+
+/// The six sticks.
+const STICKS: [[u32; 2]; 6] = [[0, 1], [2, 3], [0, 2], [1, 3], [0, 3], [1, 2]];
+
+impl RigidTetrahedronBuilder {
+    /// A body of `mass` kilograms with these principal moments of inertia (kg m^2) about its centre of mass, along the axes
+    /// of its placement. It has no corners yet.
+    pub fn new(mass: f32, moments: Vec3) -> Self {
+        Self {
+            mass,
+            moments,
+            corners: Vec::new(),
+            placement: Placement::default(),
+            velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+        }
+    }
+
+    /// A solid box of even density with its eight corners.
+    pub fn cuboid(mass: f32, half_extents: Vec3) -> Self {
+        let squares = half_extents * half_extents;
+        let moments = Vec3::new(squares.y + squares.z, squares.z + squares.x, squares.x + squares.y);
+        let side = |bit: usize, i: usize| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+        let corner = |i| half_extents * Vec3::new(side(0, i), side(1, i), side(2, i));
+        Self { corners: (0..8).map(corner).collect(), ..Self::new(mass, moments * (mass / 3.0)) }
+    }
+
+    /// The corners of its collision mesh, from its centre of mass and along its axes, in metres. They touch obstacles; its
+    /// edges and sides do not.
+    pub fn corners(mut self, corners: impl IntoIterator<Item = Vec3>) -> Self {
+        self.corners = corners.into_iter().collect();
+        self
+    }
+
+    /// Principal moments of inertia in kg m^2.
+    pub fn inertia(&self) -> Vec3 {
+        self.moments
+    }
+
+    /// The corners of its collision mesh, from its centre of mass, in metres.
+    pub fn collision_mesh(&self) -> &[Vec3] {
+        &self.corners
+    }
+
+    /// Where its centre of mass is in the world, and how it is turned.
+    pub fn placed(mut self, placement: Placement) -> Self {
+        self.placement = placement;
+        self
+    }
+
+    /// Velocity of its centre of mass in m/s, and angular velocity in rad/s, in world axes.
+    pub fn moving(mut self, velocity: Vec3, angular_velocity: Vec3) -> Self {
+        (self.velocity, self.angular_velocity) = (velocity, angular_velocity);
+        self
+    }
+
+    /// Where the four particles are, from the centre of mass and along the axes, in metres.
+    ///
+    /// # Errors
+    /// [`BuildError`] if mass or inertia are those of no body: each moment must be less than the sum of the others.
+    pub fn particles(&self) -> Result<[Vec3; 4], BuildError> {
+        positive("mass", self.mass)?;
+        finite_vector("inertia", self.moments)?;
+        let Vec3 { x, y, z } = self.moments;
+        let second = Vec3::new(y + z - x, z + x - y, x + y - z) * (0.5 / self.mass);
+        positive("the sum of two moments of inertia less the third", second.min_element())?;
+        let half_sides = Vec3::new(second.x.sqrt(), second.y.sqrt(), second.z.sqrt());
+        Ok(CORNERS.map(|corner| corner * half_sides))
+    }
+
+    /// Builds the body: particles of equal mass, joined by rigid sticks.
+    ///
+    /// # Errors
+    /// [`BuildError`] naming what cannot be built.
+    pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
+        settings.validate()?;
+        let local = self.particles()?;
+        if !self.placement.is_valid() {
+            return Err(BuildError::BadShape { reason: "its placement is not finite" });
+        }
+        finite_vector("velocity", self.velocity)?;
+        finite_vector("angular velocity", self.angular_velocity)?;
+        let origin = self.placement.translation;
+        let pose = Pose::between(&self.placement, &self.placement, 1.0, Vec3::ZERO);
+        let positions = local.map(|place| pose.point_to_world(place));
+        let mut particles = Particles::new(origin, &positions, &[4.0 / self.mass; 4])?;
+        for (i, place) in local.into_iter().enumerate() {
+            let arm = pose.direction_to_world(place);
+            particles.set_velocity(i, self.velocity + self.angular_velocity.cross(arm));
+        }
+        // About the centre, where places are exact.
+        let mut builder = TopologyBuilder::new(&local);
+        builder.family(StickMaterial::rigid(StickKind::Structural), STICKS)?;
+        let mut points = Vec::with_capacity(self.corners.len());
+        for &corner in &self.corners {
+            finite_vector("a corner", corner)?;
+            let flat = BuildError::BadShape { reason: "it is too flat to be carried by four particles" };
+            points.push(EmbeddedPoint::new([0, 1, 2, 3], local, corner).ok_or(flat)?);
+        }
+        builder.embedded(points)?.segments(STICKS)?;
+        Ok(Body::new(particles, Arc::new(builder.build()?), settings))
+    }
+}
+
+/// Where a rigid body is whose four particles were in `rest`, in its own coordinates, and are in `now`: the rotation nearest
+/// to what has become of it (the polar decomposition, after Higham 1986), about the middle of the four. None where they lie
+/// in a plane. Rounding may depend on the machine: for what is shown, not for what is simulated.
+pub fn placement_of(rest: [Vec3; 4], now: [Vec3; 4]) -> Option<Placement> {
+    let middle = |places: [Vec3; 4]| places.into_iter().map(Vec3::as_dvec3).sum::<glam::DVec3>() * 0.25;
+    let edges = |places: [Vec3; 4]| {
+        let [origin, a, b, c] = places.map(Vec3::as_dvec3);
+        DMat3::from_cols(a - origin, b - origin, c - origin)
+    };
+    let mut turn = edges(now) * edges(rest).inverse();
+    for _ in 0..POLAR_ROUNDS {
+        turn = (turn + turn.inverse().transpose()) * 0.5;
+    }
+    let rotation = Quat::from_mat3(&turn.as_mat3()).normalize();
+    let translation = (middle(now) - turn * middle(rest)).as_vec3();
+    (rotation.is_finite() && translation.is_finite() && turn.determinant() > 0.0)
+        .then_some(Placement { translation, rotation })
+}
+
+/// Each squares what is left to do; four particles at nearly their distances are near to begin with.
+const POLAR_ROUNDS: u32 = 5;

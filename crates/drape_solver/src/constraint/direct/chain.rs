@@ -1,0 +1,404 @@
+//! Chains of sticks, solved directly: all sticks of a chain at once, sixteen chains side by side in the lanes.
+//!
+//! ```text
+//!   x0 o---C0---o x1 ---C1---o x2 --- ...      C_i = |x_{i+1} - x_i| - r,   n_i = (x_{i+1} - x_i) / |x_{i+1} - x_i|
+//! ```
+//!
+//! Moving the particles by `w_i (lambda_i n_i - lambda_{i-1} n_{i-1})` brings every `C_i` to zero, to first order, if
+//!
+//! ```text
+//!   - w_i n_{i-1}.n_i lambda_{i-1}  +  (w_i + w_{i+1}) lambda_i  -  w_{i+1} n_i.n_{i+1} lambda_{i+1}  =  C_i
+//! ```
+//!
+//! which is a tridiagonal system: one elimination down the chain and one substitution back up (Thomas). Sweeps carry a
+//! pull by a few sticks; this carries it through the whole chain. It is the projection onto the manifold of the
+//! constraints of Goldenthal et al. 2007, "Efficient Simulation of Inextensible Cloth", equation 9, with one Newton step,
+//! for a matrix that needs no sparse solver.
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+
+use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP};
+use crate::constraint::stick::Projection;
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::lanes::{Lanes3, load};
+
+/// Inverse masses beyond this count as this: the end of single precision is as far again.
+pub(crate) const GREATEST_INVERSE_MASS: f32 = 1e30;
+
+/// Sticks whose ends have less inverse mass than this together count as pinned at both.
+pub(crate) const LEAST_WEIGHT: f32 = 1e-30;
+
+/// Sixteen chains: particle `i` of the chain in lane `l` is in lane `l` of cell `first + i stride`.
+///
+/// A lane whose inverse masses are all zero stays as it is.
+pub(crate) struct Chains<'a> {
+    pub position: &'a mut [Cell],
+    pub inverse_mass: &'a [[f32; LANES]],
+    pub first: usize,
+    pub stride: usize,
+    /// Particles of a chain.
+    pub count: usize,
+}
+
+/// What a solve keeps of the stick below each particle.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+struct ChainSticks {
+    /// One over its length: what makes a direction of its separation.
+    scale: [f32; LANES],
+    /// Of the eliminated system: the factor of the next multiplier, and the right-hand side.
+    upper: [f32; LANES],
+    /// On the way down the right-hand side; on the way up the multiplier, times the scale.
+    right: [f32; LANES],
+}
+
+/// Scratch of a solve. Only its memory outlives the solve.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ChainScratch {
+    sticks: Vec<ChainSticks>,
+}
+
+impl ChainScratch {
+    /// Makes room for chains of `count` particles.
+    pub fn reserve(&mut self, count: usize) {
+        if self.sticks.len() < count {
+            self.sticks.resize(count, ChainSticks::default());
+        }
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.sticks)
+    }
+}
+
+impl Chains<'_> {
+    /// One Newton step on all sticks of these chains, of length `rest` (metres) at rest.
+    ///
+    /// Where the step is too long for the sticks to be taken as straight, a chain goes only a part of the way, and its
+    /// sticks are relaxed one by one from there.
+    pub fn solve<S: Simd>(
+        &mut self,
+        simd: S,
+        scratch: &mut ChainScratch,
+        rest: f32,
+        projection: impl Projection,
+    ) {
+        if self.count >= 2 {
+            simd.vectorize(
+                #[inline(always)]
+                || self.solve_lanes(simd, scratch, rest, projection),
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn solve_lanes<S: Simd>(
+        &mut self,
+        simd: S,
+        scratch: &mut ChainScratch,
+        rest: f32,
+        projection: impl Projection,
+    ) {
+        self.eliminate(simd, scratch, rest);
+        let turn = self.substitute(simd, scratch);
+        let limit = CHAIN_STEP * rest;
+        let is_too_long = turn.simd_gt(f32x16::splat(simd, limit * limit));
+        let one = f32x16::splat(simd, 1.0);
+        let part = is_too_long.select(limit / turn.max(f32x16::splat(simd, f32::MIN_POSITIVE)).sqrt(), one);
+        self.apply(simd, scratch, part);
+        if is_too_long.any_true() {
+            self.sweep(simd, is_too_long, rest, projection);
+        }
+    }
+
+    /// Down the chain: leaves `lambda_i = right_i + upper_i lambda_{i+1}`, and the direction of each stick.
+    #[inline(always)]
+    fn eliminate<S: Simd>(&self, simd: S, scratch: &mut ChainScratch, rest: f32) {
+        let zero = f32x16::splat(simd, 0.0);
+        let one = f32x16::splat(simd, 1.0);
+        let least = f32x16::splat(simd, LEAST_WEIGHT);
+        let sticks = &mut scratch.sticks[..self.count];
+        let mut a = Lanes3::load(simd, &self.position[self.first]);
+        let mut wa = self.inverse_mass(simd, 0);
+        let mut above = Lanes3 { x: zero, y: zero, z: zero };
+        let (mut inverse_above, mut right_above) = (zero, zero);
+        for i in 0..self.count - 1 {
+            let b = Lanes3::load(simd, &self.position[self.first + (i + 1) * self.stride]);
+            let wb = self.inverse_mass(simd, i + 1);
+            let delta = b.minus(a);
+            let length = delta.dot(delta).sqrt();
+            let weight = wa + wb;
+            // Without a length there is no direction, and where both ends are pinned nothing to be done.
+            let has_length: mask32x16<S> = length.simd_gt(zero);
+            let is_free: mask32x16<S> = weight.simd_gt(least);
+            let scale = has_length.select(one / length, zero);
+            let direction = delta.times(scale);
+            let error = (has_length & is_free).select(length - rest, zero);
+            let lower = wa * above.dot(direction);
+            let upper_above = lower * inverse_above;
+            let pivot = (weight * (1.0 + CHAIN_REGULARISER)).max(least) - lower * upper_above;
+            let inverse = one / pivot;
+            let right = (error + lower * right_above) * inverse;
+            if i > 0 {
+                sticks[i - 1].upper = upper_above.to_array();
+            }
+            sticks[i].scale = scale.to_array();
+            sticks[i].right = right.to_array();
+            (a, wa, above, inverse_above, right_above) = (b, wb, direction, inverse, right);
+        }
+        sticks[self.count - 2].upper = [0.0; LANES];
+    }
+
+    /// Up the chain: leaves each multiplier, times the scale of its stick. Gives the square of the most that any stick's
+    /// two ends would move against each other.
+    #[inline(always)]
+    fn substitute<S: Simd>(&self, simd: S, scratch: &mut ChainScratch) -> f32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let none = Lanes3 { x: zero, y: zero, z: zero };
+        let sticks = &mut scratch.sticks[..self.count];
+        let (mut multiplier, mut pull, mut step_below) = (zero, none, none);
+        let mut b = self.position(simd, self.count - 1);
+        let mut greatest = zero;
+        for i in (0..self.count - 1).rev() {
+            let a = self.position(simd, i);
+            multiplier = load(simd, &sticks[i].right) + load(simd, &sticks[i].upper) * multiplier;
+            let scaled = multiplier * load(simd, &sticks[i].scale);
+            sticks[i].right = scaled.to_array();
+            // The particle below is pulled down by the stick that was before, and up by this one.
+            let pull_up = b.minus(a).times(scaled);
+            let step = pull.minus(pull_up).times(self.inverse_mass(simd, i + 1));
+            if i + 2 < self.count {
+                let turn = step_below.minus(step);
+                greatest = greatest.max(turn.dot(turn));
+            }
+            (b, pull, step_below) = (a, pull_up, step);
+        }
+        let turn = step_below.minus(pull.times(self.inverse_mass(simd, 0)));
+        greatest.max(turn.dot(turn))
+    }
+
+    /// Down again: moves each particle by `part` of its step.
+    #[inline(always)]
+    fn apply<S: Simd>(&mut self, simd: S, scratch: &ChainScratch, part: f32x16<S>) {
+        let zero = f32x16::splat(simd, 0.0);
+        let sticks = &scratch.sticks[..self.count];
+        let mut a = self.position(simd, 0);
+        let mut pull_up = Lanes3 { x: zero, y: zero, z: zero };
+        for (i, stick) in sticks.iter().enumerate() {
+            let (mut b, mut pull) = (a, Lanes3 { x: zero, y: zero, z: zero });
+            if i + 1 < self.count {
+                b = self.position(simd, i + 1);
+                pull = b.minus(a).times(load(simd, &stick.right));
+            }
+            let step = pull.minus(pull_up).times(self.inverse_mass(simd, i) * part);
+            a.plus(step).store(&mut self.position[self.first + i * self.stride]);
+            (a, pull_up) = (b, pull);
+        }
+    }
+
+    /// Every second stick, then the others, in the lanes that `is_swept` has.
+    #[inline(always)]
+    fn sweep<S: Simd>(&mut self, simd: S, is_swept: mask32x16<S>, rest: f32, projection: impl Projection) {
+        let zero = f32x16::splat(simd, 0.0);
+        let least = f32x16::splat(simd, LEAST_WEIGHT);
+        for i in (0..self.count - 1).step_by(2).chain((1..self.count - 1).step_by(2)) {
+            let [a, b] = [i, i + 1].map(|i| self.first + i * self.stride);
+            let (wa, wb) = (self.inverse_mass(simd, i), self.inverse_mass(simd, i + 1));
+            let (p, q) = (Lanes3::load(simd, &self.position[a]), Lanes3::load(simd, &self.position[b]));
+            let delta = q.minus(p);
+            let error =
+                is_swept.select(projection.errors(simd, delta.dot(delta), f32x16::splat(simd, rest)), zero);
+            let scale = error / (wa + wb).max(least);
+            p.plus(delta.times(scale * wa)).store(&mut self.position[a]);
+            q.minus(delta.times(scale * wb)).store(&mut self.position[b]);
+        }
+    }
+
+    #[inline(always)]
+    fn position<S: Simd>(&self, simd: S, i: usize) -> Lanes3<S> {
+        Lanes3::load(simd, &self.position[self.first + i * self.stride])
+    }
+
+    #[inline(always)]
+    fn inverse_mass<S: Simd>(&self, simd: S, i: usize) -> f32x16<S> {
+        let greatest = f32x16::splat(simd, GREATEST_INVERSE_MASS);
+        load(simd, &self.inverse_mass[self.first + i * self.stride]).min(greatest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::miri::unless_miri;
+    use glam::{DVec3, Vec3};
+
+    use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
+    use crate::constraint::stick::Exact;
+    use crate::simd::isa::{Isa, Kernel};
+
+    const REST: f32 = 0.1;
+
+    /// One chain, in double precision and stick by stick.
+    fn solved(position: &[Vec3], inverse_mass: &[f32]) -> Vec<DVec3> {
+        let mut position: Vec<DVec3> = position.iter().map(|p| p.as_dvec3()).collect();
+        let w: Vec<f64> = inverse_mass.iter().copied().map(f64::from).collect();
+        let sticks = position.len() - 1;
+        let delta = |i: usize| position[i + 1] - position[i];
+        let n: Vec<DVec3> = (0..sticks).map(|i| delta(i).normalize_or_zero()).collect();
+        // Gauss on the whole matrix: slow, and with no thought about its shape.
+        let mut rows = vec![vec![0.0; sticks + 1]; sticks];
+        for i in 0..sticks {
+            let weight = w[i] + w[i + 1];
+            let is_alive = weight > 0.0 && n[i] != DVec3::ZERO;
+            rows[i][i] = if weight > 0.0 { weight * (1.0 + f64::from(CHAIN_REGULARISER)) } else { 1.0 };
+            rows[i][sticks] = if is_alive { delta(i).length() - f64::from(REST) } else { 0.0 };
+            if i > 0 {
+                rows[i][i - 1] = -w[i] * n[i - 1].dot(n[i]);
+                rows[i - 1][i] = rows[i][i - 1];
+            }
+        }
+        for i in 0..sticks {
+            let (above, below) = rows.split_at_mut(i + 1);
+            for row in below {
+                let factor = row[i] / above[i][i];
+                row.iter_mut().zip(&above[i]).for_each(|(entry, pivot)| *entry -= factor * pivot);
+            }
+        }
+        let mut lambda = vec![0.0; sticks];
+        for i in (0..sticks).rev() {
+            let known: f64 = (i + 1..sticks).map(|k| rows[i][k] * lambda[k]).sum();
+            lambda[i] = (rows[i][sticks] - known) / rows[i][i];
+        }
+        for i in 0..sticks {
+            position[i] += n[i] * (w[i] * lambda[i]);
+            position[i + 1] -= n[i] * (w[i + 1] * lambda[i]);
+        }
+        position
+    }
+
+    struct Solve<'a>(Chains<'a>);
+
+    impl Kernel for Solve<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<S: Simd>(mut self, simd: S) {
+            let mut scratch = ChainScratch::default();
+            scratch.reserve(self.0.count);
+            self.0.solve(simd, &mut scratch, REST, Exact);
+        }
+    }
+
+    /// Numbers from -1 to 1 that look random.
+    fn dice() -> impl FnMut() -> f32 {
+        let mut state = 1_u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 23) as f32 - 1.0
+        }
+    }
+
+    /// Sixteen crooked chains in every second cell of three, some of their particles pinned, heavy or in one place.
+    fn chains(count: usize, stretched: f32) -> (Vec<Cell>, Vec<[f32; LANES]>) {
+        let mut dice = dice();
+        let mut position = vec![Cell::default(); 2 * count + 1];
+        let mut inverse_mass = vec![[1.0; LANES]; 2 * count + 1];
+        let mut at = [Vec3::ZERO; LANES];
+        for i in 0..count {
+            let cell = 1 + 2 * i;
+            for (lane, at) in at.iter_mut().enumerate() {
+                let weight = 8.0 * (1.0 + dice());
+                position[cell].set(lane, *at);
+                inverse_mass[cell][lane] = if weight < 1.0 { 0.0 } else { weight };
+                let turn = Vec3::new(dice(), dice(), dice()) * 0.6;
+                let length = if i == 4 { 0.0 } else { REST * (1.0 + stretched * dice()) };
+                *at += (Vec3::X + turn).normalize() * length;
+            }
+        }
+        (position, inverse_mass)
+    }
+
+    fn lane_of<T>(count: usize, of: impl Fn(usize) -> T) -> Vec<T> {
+        (0..count).map(|i| of(1 + 2 * i)).collect()
+    }
+
+    #[test]
+    fn chains_go_where_the_whole_matrix_says() {
+        for isa in Isa::available() {
+            for count in [2, 3, unless_miri(8, 4), unless_miri(61, 5)] {
+                let (mut position, inverse_mass) = chains(count, 0.02);
+                let before = position.clone();
+                isa.run(Solve(Chains {
+                    position: &mut position,
+                    inverse_mass: &inverse_mass,
+                    first: 1,
+                    stride: 2,
+                    count,
+                }));
+                (0..LANES).for_each(|lane| {
+                    let start = lane_of(count, |cell| before[cell].get(lane));
+                    let weights = lane_of(count, |cell| inverse_mass[cell][lane]);
+                    for (i, expected) in solved(&start, &weights).into_iter().enumerate() {
+                        let found = position[1 + 2 * i].get(lane).as_dvec3();
+                        assert!(found.distance(expected) < 1e-5, "{} {count} {lane} {i}", isa.name());
+                    }
+                });
+                let untouched = (0..count).all(|i| position[2 * i] == before[2 * i]);
+                assert!(untouched, "cells of others stay as they are");
+            }
+        }
+    }
+
+    /// The scalar form, which ropes run: short and long steps, to the bit.
+    #[test]
+    fn each_lane_does_what_a_lone_chain_does() {
+        for stretched in [0.02, 1.0] {
+            for count in [2, 3, unless_miri(40, 5)] {
+                let (mut position, inverse_mass) = chains(count, stretched);
+                let mut lone = position.clone();
+                let mut sticks = vec![LoneStick::default(); count];
+                for lane in 0..LANES {
+                    let slots: Vec<u32> = lane_of(count, |cell| (cell * LANES + lane) as u32);
+                    LoneChain { position: &mut lone, inverse_mass: &inverse_mass, slots: &slots }.solve(
+                        &mut sticks,
+                        REST,
+                        Exact,
+                    );
+                }
+                let (first, stride) = (1, 2);
+                let chains =
+                    Chains { position: &mut position, inverse_mass: &inverse_mass, first, stride, count };
+                Isa::detected().run(Solve(chains));
+                assert!(position == lone, "{count} particles, {stretched}");
+            }
+        }
+    }
+
+    /// Chains bent to and fro and stretched to half as much again turn too far for one straight step.
+    #[test]
+    fn no_stick_turns_by_more_than_its_share() {
+        let count = unless_miri(40, 6);
+        let (mut position, inverse_mass) = chains(count, 1.0);
+        let before = position.clone();
+        Isa::detected().run(Solve(Chains {
+            position: &mut position,
+            inverse_mass: &inverse_mass,
+            first: 1,
+            stride: 2,
+            count,
+        }));
+        for lane in 0..LANES {
+            for i in 0..count - 1 {
+                let stick = |cells: &[Cell]| cells[3 + 2 * i].get(lane) - cells[1 + 2 * i].get(lane);
+                // The step itself turns it by half a rest length, and then its error is taken by the sweep.
+                let (turned, length) =
+                    ((stick(&position) - stick(&before)).length(), stick(&before).length());
+                assert!(turned < 2.0 * REST + length, "{lane} {i}: {turned}");
+            }
+        }
+        assert!(
+            position.iter().all(|cell| cell.axes().iter().all(|axis| axis.iter().all(|x| x.is_finite())))
+        );
+    }
+}

@@ -1,0 +1,359 @@
+//! Line solves: the rows and the columns of a grid, each solved as one [chain](crate::constraint::direct::chain).
+//!
+//! ```text
+//!   columns, patches side by side         rows, the same                         patches in a square
+//!   lane = column: solved in place        sixteen rows at a time are turned:     sixteen lines at a time are
+//!                                         lane = row; solved; turned back        gathered, solved, scattered
+//! ```
+//!
+//! Ropes, and other grids of very few lines, are solved one [line](crate::constraint::direct::lone_chain) at a time.
+
+use fearless_simd::{Simd, prelude::*};
+
+use crate::constraint::direct::chain::{ChainScratch, Chains};
+use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
+use crate::constraint::stick::{Exact, Projection, SquareRootFree};
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::isa::{Isa, Kernel};
+use crate::simd::lanes::load;
+use crate::simd::transpose::transpose;
+use crate::state::body::Body;
+use crate::state::layout::{Grid, Layout};
+use crate::state::settings::{SolverSettings, StickProjection, StructuralSolve};
+use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
+
+/// Which lines of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lines {
+    Rows,
+    Columns,
+}
+
+impl Lines {
+    /// The lines that the sticks of `batch` make, where they are to be solved as such: structural sticks of a grid that
+    /// lose all of their error, at a stiffness of `stiffness` an iteration.
+    pub fn of(batch: &StickBatch, stiffness: f32, settings: &SolverSettings) -> Option<Self> {
+        if settings.structural == StructuralSolve::Sweeps
+            || batch.material.kind != StickKind::Structural
+            || stiffness < 1.0
+        {
+            return None;
+        }
+        let BatchSticks::Grid { batch, .. } = &batch.sticks else {
+            return None;
+        };
+        match batch.offset() {
+            (1, 0) => Some(Self::Rows),
+            (0, 1) => Some(Self::Columns),
+            _ => None,
+        }
+    }
+
+    /// The length at rest of the sticks of these lines, in metres; none where there are no such sticks to be solved.
+    pub fn rest_length(
+        self,
+        topology: &Topology,
+        stiffness: &[f32],
+        settings: &SolverSettings,
+    ) -> Option<f32> {
+        let batches = topology.batches.iter().zip(stiffness);
+        let mut own =
+            batches.filter(|&(batch, &stiffness)| Self::of(batch, stiffness, settings) == Some(self));
+        own.find_map(|(batch, _)| match batch.sticks {
+            BatchSticks::Grid { rest_length, .. } => Some(rest_length),
+            BatchSticks::Listed(_) | BatchSticks::Loose(_) => None,
+        })
+    }
+
+    /// Number of lines, and of particles in a line.
+    fn size(self, grid: Grid) -> (usize, usize) {
+        match self {
+            Self::Rows => (grid.rows, grid.columns),
+            Self::Columns => (grid.columns, grid.rows),
+        }
+    }
+
+    fn way(self, grid: Grid) -> Way {
+        match self {
+            _ if self.size(grid).0 < LEAST_BUNDLED_LINES => Way::Lone,
+            _ if !Layout::Grid(grid).has_whole_rows() => Way::Gathered,
+            Self::Rows => Way::Turned,
+            Self::Columns => Way::InPlace,
+        }
+    }
+
+    /// The slot of particle `i` of line `line`.
+    fn slot(self, grid: Grid, line: usize, i: usize) -> usize {
+        match self {
+            Self::Rows => grid.slot(i, line),
+            Self::Columns => grid.slot(line, i),
+        }
+    }
+}
+
+/// How lines come into the lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// Columns, each of which is in a lane already.
+    InPlace,
+    /// Rows, which run through all lanes.
+    Turned,
+    /// Lines that run through some of the lanes.
+    Gathered,
+    /// Not at all: there are too few of them.
+    Lone,
+}
+
+/// Fewest lines that are solved side by side.
+const LEAST_BUNDLED_LINES: usize = 4;
+
+/// What line solves keep. Only its memory outlives a solve, and the list of slots the step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LineScratch {
+    chain: ChainScratch,
+    /// The particles of sixteen lines, lane by lane.
+    position: Vec<Cell>,
+    inverse_mass: Vec<[f32; LANES]>,
+    lone: Vec<LoneStick>,
+    /// Where lines are gathered, or lone: the slots of their first particles, then of their second, and so on, for up to sixteen
+    /// lines at a time.
+    slots: [Vec<u32>; 2],
+    grid: Option<Grid>,
+}
+
+impl LineScratch {
+    /// Makes room for the lines of a body.
+    pub fn reserve(&mut self, layout: &Layout) {
+        let &Layout::Grid(grid) = layout else {
+            return;
+        };
+        if self.grid == Some(grid) {
+            return;
+        }
+        for lines in [Lines::Rows, Lines::Columns] {
+            let (_, count) = lines.size(grid);
+            let way = lines.way(grid);
+            // Rows are turned with the ghosts at their end.
+            let turned = if way == Way::Turned { grid.across * grid.width } else { count };
+            match way {
+                Way::Lone => grow(&mut self.lone, count),
+                Way::InPlace => self.chain.reserve(count),
+                Way::Turned | Way::Gathered => {
+                    self.chain.reserve(count);
+                    grow(&mut self.position, turned);
+                    grow(&mut self.inverse_mass, turned);
+                }
+            }
+            self.slots[lines as usize] = slots(grid, lines);
+        }
+        self.grid = Some(grid);
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        let slots = self.slots.iter().map(|slots| size_of_val(&**slots)).sum::<usize>();
+        let lanes = size_of_val(&*self.position) + size_of_val(&*self.inverse_mass);
+        self.chain.bytes() + lanes + size_of_val(&*self.lone) + slots
+    }
+}
+
+/// Makes room for `count` values.
+fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
+    values.resize(count.max(values.len()), T::default());
+}
+
+/// The slots of the particles of all lines, where they must be gathered.
+fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
+    let lanes = match lines.way(grid) {
+        Way::Gathered => LANES,
+        Way::Lone => 1,
+        Way::InPlace | Way::Turned => return Vec::new(),
+    };
+    let (number, count) = lines.size(grid);
+    let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
+    let places = bundles.flat_map(|bundle| (0..count).map(move |i| (bundle.clone(), i)));
+    let slot = |line: usize, i: usize| lines.slot(grid, line, i) as u32;
+    places.flat_map(|(bundle, i)| bundle.map(move |line| slot(line, i))).collect()
+}
+
+/// Solves the lines of a body, as its plan lists them.
+pub(crate) fn solve(body: &mut Body, isa: Isa) {
+    let Body { particles, topology, settings, context, .. } = body;
+    let Layout::Grid(grid) = topology.layout else {
+        return;
+    };
+    let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
+    let (position, scratch) = (&mut particles.position.cells, &mut context.lines);
+    let lone_steps = if settings.iterations == 1 { 2 } else { 1 };
+    let solve = LineSolve { grid, position, inverse_mass, lone_steps, scratch };
+    let lines = &context.plan.lines;
+    match settings.projection {
+        StickProjection::Exact => isa.run(SolveAll { solve, lines, projection: Exact }),
+        StickProjection::SquareRootFree => isa.run(SolveAll { solve, lines, projection: SquareRootFree }),
+    }
+}
+
+struct SolveAll<'a, P> {
+    solve: LineSolve<'a>,
+    lines: &'a [(Lines, f32)],
+    projection: P,
+}
+
+impl<P: Projection> Kernel for SolveAll<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        for &(lines, rest) in self.lines {
+            self.solve.solve(simd, lines, rest, self.projection);
+        }
+    }
+}
+
+/// The particles whose lines are to be solved.
+struct LineSolve<'a> {
+    grid: Grid,
+    position: &'a mut [Cell],
+    inverse_mass: &'a [[f32; LANES]],
+    /// Newton steps on each lone line. A rope that is taut between two pins has hardly a curve to pull straight, so that its pull is far too
+    /// strong for the smallest waves on it: one step in a substep leaves them humming, the second takes them back.
+    lone_steps: u32,
+    scratch: &'a mut LineScratch,
+}
+
+impl LineSolve<'_> {
+    /// Solves all `lines`, whose sticks are `rest` metres long at rest.
+    #[inline(always)]
+    fn solve<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
+        match lines.way(self.grid) {
+            Way::InPlace => self.columns_in_place(simd, rest, projection),
+            Way::Turned => self.turned_rows(simd, rest, projection),
+            Way::Gathered => self.gathered(simd, lines, rest, projection),
+            Way::Lone => self.lone(lines, rest, projection),
+        }
+    }
+
+    #[inline(always)]
+    fn lone(&mut self, lines: Lines, rest: f32, projection: impl Projection) {
+        let Self { grid, position, inverse_mass, lone_steps, scratch } = self;
+        let LineScratch { lone, slots, .. } = &mut **scratch;
+        for slots in slots[lines as usize].chunks_exact(lines.size(*grid).1) {
+            for _ in 0..*lone_steps {
+                LoneChain { position, inverse_mass, slots }.solve(lone, rest, projection);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn columns_in_place<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
+        let Self { grid, position, inverse_mass, scratch, .. } = self;
+        for first in 0..grid.width {
+            Chains { position, inverse_mass, first, stride: grid.width, count: grid.rows }.solve(
+                simd,
+                &mut scratch.chain,
+                rest,
+                projection,
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn turned_rows<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
+        for first in (0..self.grid.rows).step_by(LANES) {
+            self.turn(simd, first);
+            let LineScratch { chain, position, inverse_mass, .. } = &mut *self.scratch;
+            Chains { position, inverse_mass, first: 0, stride: 1, count: self.grid.columns }
+                .solve(simd, chain, rest, projection);
+            self.turn_back(simd, first);
+        }
+    }
+
+    /// Sixteen rows from row `first` on become chains side by side. Lanes to spare take the last row again.
+    ///
+    /// Each place in a patch is a cell of every row; after the turn, each patch is a cell of the chains.
+    fn turn<S: Simd>(&mut self, simd: S, first: usize) {
+        let Self { grid, position, inverse_mass, scratch, .. } = self;
+        let LineScratch { position: turned, inverse_mass: turned_mass, .. } = &mut **scratch;
+        let (width, last) = (grid.width, grid.rows - 1);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for column in 0..width {
+                    let cell = |row: usize| (first + row).min(last) * width + column;
+                    for axis in 0..3 {
+                        transpose(
+                            #[inline(always)]
+                            |row| load(simd, position[cell(row)].axes()[axis]),
+                            #[inline(always)]
+                            |patch, of_rows| {
+                                *turned[patch * width + column].axes_mut()[axis] = of_rows.to_array();
+                            },
+                        );
+                    }
+                    transpose(
+                        #[inline(always)]
+                        |row| load(simd, &inverse_mass[cell(row)]),
+                        #[inline(always)]
+                        |patch, of_rows| turned_mass[patch * width + column] = of_rows.to_array(),
+                    );
+                }
+            },
+        );
+    }
+
+    /// The way back.
+    fn turn_back<S: Simd>(&mut self, simd: S, first: usize) {
+        let Self { grid, position, scratch, .. } = self;
+        let turned = &scratch.position;
+        let (width, rows) = (grid.width, grid.rows);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for column in 0..width {
+                    for axis in 0..3 {
+                        transpose(
+                            #[inline(always)]
+                            |patch| load(simd, turned[patch * width + column].axes()[axis]),
+                            #[inline(always)]
+                            |row, of_patches| {
+                                if first + row < rows {
+                                    let cell = (first + row) * width + column;
+                                    *position[cell].axes_mut()[axis] = of_patches.to_array();
+                                }
+                            },
+                        );
+                    }
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn gathered<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
+        let Self { grid, position, inverse_mass, scratch, .. } = self;
+        let (number, count) = lines.size(*grid);
+        let LineScratch { chain, position: gathered, inverse_mass: gathered_mass, slots, .. } =
+            &mut **scratch;
+        let mut slots = slots[lines as usize].as_slice();
+        for first in (0..number).step_by(LANES) {
+            let lanes = LANES.min(number - first);
+            let bundle;
+            (bundle, slots) = slots.split_at(lanes * count);
+            // Lanes to spare keep what is in them, and nobody looks.
+            for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
+                for (lane, &slot) in slots.iter().enumerate() {
+                    let (from, in_lane) = (slot as usize / LANES, slot as usize % LANES);
+                    gathered[i].set(lane, position[from].get(in_lane));
+                    gathered_mass[i][lane] = inverse_mass[from][in_lane];
+                }
+            }
+            Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count }
+                .solve(simd, chain, rest, projection);
+            for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
+                for (lane, &slot) in slots.iter().enumerate() {
+                    position[slot as usize / LANES].set(slot as usize % LANES, gathered[i].get(lane));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! One chain, stick by stick: what [`chain`](crate::constraint::direct::chain) does in each of its lanes, to the bit. Ropes run this, which
+//! have no other chains to fill the lanes with.
+
+use glam::Vec3;
+
+use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP};
+use crate::constraint::direct::chain::{GREATEST_INVERSE_MASS, LEAST_WEIGHT};
+use crate::constraint::stick::Projection;
+use crate::simd::columns::{Cell, LANES};
+
+/// What a solve keeps of a stick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LoneStick {
+    /// One over its length.
+    scale: f32,
+    /// Of the eliminated system: the factor of the next multiplier, and the right-hand side.
+    upper: f32,
+    /// On the way down the right-hand side; on the way up the multiplier, times the scale.
+    right: f32,
+}
+
+/// A chain of the particles in these slots.
+pub(crate) struct LoneChain<'a> {
+    pub position: &'a mut [Cell],
+    pub inverse_mass: &'a [[f32; LANES]],
+    pub slots: &'a [u32],
+}
+
+impl LoneChain<'_> {
+    /// One Newton step on all its sticks, of length `rest` (metres) at rest. `sticks` is scratch.
+    #[inline(always)]
+    pub fn solve(&mut self, sticks: &mut [LoneStick], rest: f32, projection: impl Projection) {
+        let Some(count) = self.slots.len().checked_sub(1).filter(|&count| count > 0) else {
+            return;
+        };
+        let sticks = &mut sticks[..count];
+        self.eliminate(sticks, rest);
+        let turn = self.substitute(sticks);
+        let limit = CHAIN_STEP * rest;
+        let is_too_long = turn > limit * limit;
+        self.apply(sticks, if is_too_long { limit / turn.sqrt() } else { 1.0 });
+        if is_too_long {
+            self.sweep(rest, projection);
+        }
+    }
+
+    #[inline(always)]
+    fn eliminate(&self, sticks: &mut [LoneStick], rest: f32) {
+        let (mut a, mut wa) = (self.position(0), self.inverse_mass(0));
+        let mut above = Vec3::ZERO;
+        let (mut inverse_above, mut right_above) = (0.0, 0.0);
+        for i in 0..sticks.len() {
+            let (b, wb) = (self.position(i + 1), self.inverse_mass(i + 1));
+            let delta = b - a;
+            let length = delta.length_squared().sqrt();
+            let weight = wa + wb;
+            let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
+            let direction = delta * scale;
+            let error = if length > 0.0 && weight > LEAST_WEIGHT { length - rest } else { 0.0 };
+            let lower = wa * above.dot(direction);
+            let upper_above = lower * inverse_above;
+            let pivot = (weight * (1.0 + CHAIN_REGULARISER)).max(LEAST_WEIGHT) - lower * upper_above;
+            let inverse = 1.0 / pivot;
+            let right = (error + lower * right_above) * inverse;
+            if i > 0 {
+                sticks[i - 1].upper = upper_above;
+            }
+            sticks[i] = LoneStick { scale, upper: 0.0, right };
+            (a, wa, above, inverse_above, right_above) = (b, wb, direction, inverse, right);
+        }
+    }
+
+    #[inline(always)]
+    fn substitute(&self, sticks: &mut [LoneStick]) -> f32 {
+        let (mut multiplier, mut greatest) = (0.0, 0.0_f32);
+        let (mut pull, mut step_below) = (Vec3::ZERO, None);
+        let mut b = self.position(sticks.len());
+        for (i, stick) in sticks.iter_mut().enumerate().rev() {
+            let a = self.position(i);
+            multiplier = stick.right + stick.upper * multiplier;
+            stick.right = multiplier * stick.scale;
+            let pull_up = (b - a) * stick.right;
+            let step = (pull - pull_up) * self.inverse_mass(i + 1);
+            greatest =
+                step_below.map_or(greatest, |below: Vec3| greatest.max((below - step).length_squared()));
+            (b, pull, step_below) = (a, pull_up, Some(step));
+        }
+        let step = pull * self.inverse_mass(0);
+        step_below.map_or(greatest, |below| greatest.max((below - step).length_squared()))
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, sticks: &[LoneStick], part: f32) {
+        let mut a = self.position(0);
+        let mut pull_up = Vec3::ZERO;
+        for i in 0..=sticks.len() {
+            let (mut b, mut pull) = (a, Vec3::ZERO);
+            if let Some(stick) = sticks.get(i) {
+                b = self.position(i + 1);
+                pull = (b - a) * stick.right;
+            }
+            self.set_position(i, a + (pull - pull_up) * (self.inverse_mass(i) * part));
+            (a, pull_up) = (b, pull);
+        }
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, rest: f32, projection: impl Projection) {
+        let count = self.slots.len() - 1;
+        for i in (0..count).step_by(2).chain((1..count).step_by(2)) {
+            let (p, q) = (self.position(i), self.position(i + 1));
+            let (wa, wb) = (self.inverse_mass(i), self.inverse_mass(i + 1));
+            let delta = q - p;
+            let scale = projection.error(delta.length_squared(), rest) / (wa + wb).max(LEAST_WEIGHT);
+            self.set_position(i, p + delta * (scale * wa));
+            self.set_position(i + 1, q - delta * (scale * wb));
+        }
+    }
+
+    #[inline(always)]
+    fn position(&self, i: usize) -> Vec3 {
+        let slot = self.slots[i] as usize;
+        self.position[slot / LANES].get(slot % LANES)
+    }
+
+    #[inline(always)]
+    fn set_position(&mut self, i: usize, position: Vec3) {
+        let slot = self.slots[i] as usize;
+        self.position[slot / LANES].set(slot % LANES, position);
+    }
+
+    #[inline(always)]
+    fn inverse_mass(&self, i: usize) -> f32 {
+        let slot = self.slots[i] as usize;
+        self.inverse_mass[slot / LANES][slot % LANES].min(GREATEST_INVERSE_MASS)
+    }
+}

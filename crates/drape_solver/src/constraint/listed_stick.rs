@@ -1,0 +1,487 @@
+//! Listed sticks: those of irregular meshes and rigs, whose ends are stored.
+//!
+//! The batches of a body are relaxed in one sweep through its memory. A batch has its sticks in the order of slots, cut
+//! into the blocks of particles where they begin, and works on a block as soon as the batch before is done with all
+//! blocks that its sticks reach. Each particle so sees its sticks in the order of the batches, as if each batch went
+//! through the whole body; but only a [window](crate::simd::rows) of the body is in use at a time.
+
+use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
+use glam::Vec3;
+
+use crate::constraint::stick::{OneSided, Projection};
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::rows::{BLOCK, Rows, Window, block_count, columns_of_eight, rows_of_eight};
+use crate::state::topology::StickBound;
+
+/// Sticks that are relaxed at once.
+pub(crate) const GROUP: usize = 8;
+
+/// The ends and lengths of some sticks, side by side, so that they come into the cache together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(32))]
+struct Group {
+    /// Where the rows of the two ends begin: four times their slots.
+    ends: [[u32; GROUP]; 2],
+    /// Metres.
+    rest_lengths: [f32; GROUP],
+}
+
+/// All listed sticks of a body, batch after batch. A batch begins with a new group.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ListedSticks {
+    groups: Vec<Group>,
+    /// Place of the next stick.
+    next: usize,
+}
+
+impl ListedSticks {
+    /// Whether there are no sticks.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// The place where a new batch begins.
+    pub fn begin_batch(&mut self) -> usize {
+        self.next = self.groups.len() * GROUP;
+        self.next
+    }
+
+    /// Adds a stick between two slots, `rest_length` metres apart.
+    pub fn push(&mut self, slots: [u32; 2], rest_length: f32) {
+        if self.next == self.groups.len() * GROUP {
+            self.groups.push(Group::default());
+        }
+        self.set(self.next, slots, rest_length);
+        self.next += 1;
+    }
+
+    fn set(&mut self, place: usize, slots: [u32; 2], rest_length: f32) {
+        let (group, lane) = (&mut self.groups[place / GROUP], place % GROUP);
+        for (ends, slot) in group.ends.iter_mut().zip(slots) {
+            ends[lane] = 4 * slot;
+        }
+        group.rest_lengths[lane] = rest_length;
+    }
+
+    /// Where the rows of the ends of the stick in this place begin.
+    #[inline(always)]
+    fn ends(&self, place: usize) -> [u32; 2] {
+        self.groups[place / GROUP].ends.map(|ends| ends[place % GROUP])
+    }
+
+    /// The slots of the stick in this place.
+    pub fn slots(&self, place: usize) -> [u32; 2] {
+        self.ends(place).map(|first| first / 4)
+    }
+
+    /// Its rest length in metres.
+    #[inline(always)]
+    pub fn rest_length(&self, place: usize) -> f32 {
+        self.groups[place / GROUP].rest_lengths[place % GROUP]
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.groups)
+    }
+}
+
+/// The sticks of one batch.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ListedBatch {
+    /// Place of the first in the list of all.
+    pub first: usize,
+    /// Whether no two of them share a particle.
+    pub is_independent: bool,
+    /// Place of the first stick of each block; one more at the end. A stick is in the block of its lower end, or, so that
+    /// groups stay whole, in one before.
+    first_of_block: Vec<u32>,
+    /// How many blocks a stick ends beyond the one that it is in, at most.
+    reach: usize,
+}
+
+impl ListedBatch {
+    /// A batch of sticks from place `first` on, yet to be [arranged](Self::arrange).
+    pub fn new(first: usize, is_independent: bool) -> Self {
+        Self { first, is_independent, first_of_block: Vec::new(), reach: 0 }
+    }
+
+    /// Brings the batch's sticks, `count` in number, into the order of their slots.
+    pub fn arrange(
+        &mut self,
+        sticks: &mut ListedSticks,
+        count: usize,
+        cells: usize,
+        slot: impl Fn(u32) -> u32,
+    ) {
+        let places = self.first..self.first + count;
+        let moved = |i: usize| (sticks.slots(i).map(&slot), sticks.rest_length(i));
+        let mut order: Vec<([u32; 2], f32)> = places.clone().map(moved).collect();
+        order.sort_by_key(|&([a, b], _)| (a.min(b), a.max(b)));
+        for (i, &(slots, rest_length)) in places.zip(&order) {
+            sticks.set(i, slots, rest_length);
+        }
+        let cuts = [1, GROUP].map(|group| cut(&order, block_count(cells), group));
+        let reaches = cuts.each_ref().map(|cuts| reach(&order, cuts));
+        // Groups are not cut, unless they are so long that they would reach farther.
+        let [anywhere, at_groups] = cuts;
+        let cuts = if reaches[1] > reaches[0] { anywhere } else { at_groups };
+        self.reach = reaches[0].min(reaches[1]);
+        self.first_of_block = cuts.into_iter().map(|place| (self.first + place) as u32).collect();
+    }
+
+    /// How many blocks a stick ends beyond the one that it is in, at most.
+    pub fn reach(&self) -> usize {
+        self.reach
+    }
+
+    /// Bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.first_of_block)
+    }
+}
+
+/// Where the sticks of each block begin, in sticks in order of their lower ends; one more at the end. Groups of so many
+/// are not cut.
+fn cut(order: &[([u32; 2], f32)], blocks: usize, group: usize) -> Vec<usize> {
+    let is_before = |block: usize| move |&([a, b], _): &([u32; 2], f32)| (a.min(b) as usize) < block * BLOCK;
+    let first = |block| order.partition_point(is_before(block)).next_multiple_of(group).min(order.len());
+    (0..=blocks).map(first).collect()
+}
+
+/// How many blocks a stick ends beyond the one that it was put into, at most.
+fn reach(order: &[([u32; 2], f32)], cuts: &[usize]) -> usize {
+    let block_of_end = |&([a, b], _): &([u32; 2], f32)| a.max(b) as usize / BLOCK;
+    let blocks = cuts.windows(2).enumerate();
+    let reaches = blocks.map(|(block, cut)| {
+        let last = order[cut[0]..cut[1]].iter().map(block_of_end).max();
+        last.map_or(0, |last| last.saturating_sub(block))
+    });
+    reaches.max().unwrap_or(0)
+}
+
+/// A batch on its way down a body.
+#[derive(Clone, Copy)]
+pub(crate) struct RelaxedBatch<'a> {
+    pub batch: &'a ListedBatch,
+    /// The part of the error that goes in one iteration.
+    pub stiffness: f32,
+    pub bound: StickBound,
+}
+
+/// The way of all batches down a body: the columns and lists that it reads and writes.
+pub(crate) struct Descent<'a> {
+    pub rows: &'a mut Rows,
+    pub position: &'a mut [Cell],
+    pub inverse_mass: &'a [[f32; LANES]],
+    pub sticks: &'a ListedSticks,
+}
+
+impl Descent<'_> {
+    /// Relaxes these batches in their order.
+    #[inline(always)]
+    pub fn relax<'b, S: Simd>(
+        self,
+        simd: S,
+        batches: impl Iterator<Item = RelaxedBatch<'b>> + Clone,
+        projection: impl Projection,
+    ) {
+        let Self { rows, position, inverse_mass, sticks } = self;
+        let blocks = block_count(position.len());
+        let last_lag: usize = batches.clone().map(|relaxed| relaxed.batch.reach).sum();
+        for time in 0..blocks + last_lag {
+            if time < blocks {
+                take(simd, rows, time, position, inverse_mass);
+            }
+            let mut lag = 0;
+            for RelaxedBatch { batch, stiffness, bound } in batches.clone() {
+                lag += batch.reach;
+                if let Some(block) = time.checked_sub(lag).filter(|&block| block < blocks) {
+                    match OneSided::of(bound, projection) {
+                        None => relax_block(simd, rows, sticks, batch, block, stiffness, projection),
+                        Some(one) => relax_block(simd, rows, sticks, batch, block, stiffness, one),
+                    }
+                }
+            }
+            if let Some(block) = time.checked_sub(last_lag) {
+                put_back(simd, rows, block, position);
+            }
+        }
+    }
+}
+
+/// [`Rows::take`] as a function of its own: one function of all kernels would take the compiler minutes.
+fn take<S: Simd>(simd: S, rows: &mut Rows, block: usize, position: &[Cell], inverse_mass: &[[f32; LANES]]) {
+    simd.vectorize(
+        #[inline(always)]
+        || rows.take(simd, block, position, inverse_mass),
+    );
+}
+
+/// [`Rows::put_back`] likewise.
+fn put_back<S: Simd>(simd: S, rows: &Rows, block: usize, position: &mut [Cell]) {
+    simd.vectorize(
+        #[inline(always)]
+        || rows.put_back(simd, block, position),
+    );
+}
+
+/// The sticks of a batch that begin in one block.
+fn relax_block<S: Simd>(
+    simd: S,
+    rows: &mut Rows,
+    sticks: &ListedSticks,
+    batch: &ListedBatch,
+    block: usize,
+    stiffness: f32,
+    projection: impl Projection,
+) {
+    let [first, end] = [block, block + 1].map(|block| batch.first_of_block[block] as usize);
+    let groups = first.div_ceil(GROUP)..end / GROUP;
+    let (before, groups, after) = if batch.is_independent && !groups.is_empty() {
+        (first..groups.start * GROUP, &sticks.groups[groups.clone()], groups.end * GROUP..end)
+    } else {
+        (first..end, &[][..], end..end)
+    };
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut window = rows.window();
+            for group in groups {
+                project_group(simd, &mut window, group, stiffness, projection);
+            }
+            for place in before.chain(after) {
+                let (ends, rest_length) = (sticks.ends(place), sticks.rest_length(place));
+                project_row(simd, &mut window, ends, rest_length, stiffness, projection);
+            }
+        },
+    );
+}
+
+/// One stick between `ends` with these inverse masses: the documentation of all kernels. Gives the places to which its
+/// ends move.
+#[inline(always)]
+pub(crate) fn project(
+    [p, q]: [Vec3; 2],
+    [wp, wq]: [f32; 2],
+    rest_length: f32,
+    stiffness: f32,
+    projection: impl Projection,
+) -> [Vec3; 2] {
+    let weight = wp + wq;
+    if weight > 0.0 {
+        let delta = q - p;
+        let error = projection.error(delta.length_squared(), rest_length);
+        // Equal masses are the rule, and halving is quicker than two divisions.
+        let [share_p, share_q] = if wp == wq { [0.5; 2] } else { [wp / weight, wq / weight] };
+        [p + delta * (error * (stiffness * share_p)), q - delta * (error * (stiffness * share_q))]
+    } else {
+        [p, q]
+    }
+}
+
+/// One stick in rows.
+#[inline(always)]
+fn project_row<S: Simd>(
+    simd: S,
+    window: &mut Window,
+    ends: [u32; 2],
+    rest_length: f32,
+    stiffness: f32,
+    projection: impl Projection,
+) {
+    let [a, b] = ends.map(|first| window.place(first));
+    let [[px, py, pz, wp], [qx, qy, qz, wq]] = [a, b].map(|place| window.get(simd, place).to_array());
+    let positions = [Vec3::new(px, py, pz), Vec3::new(qx, qy, qz)];
+    let masses = [wp, wq].map(|w| if w < f32::INFINITY { w } else { 0.0 });
+    let [p, q] = project(positions, masses, rest_length, stiffness, projection);
+    window.set(a, f32x4::load_array(simd, [p.x, p.y, p.z, wp]));
+    window.set(b, f32x4::load_array(simd, [q.x, q.y, q.z, wq]));
+}
+
+/// The kernel: eight sticks that share no particle. Differences and moves are worked out in rows, errors in lanes.
+///
+/// Where the two masses of each stick are equal, each end moves half the way. That is what the general formula gives,
+/// to the last bit, without its divisions.
+#[inline(always)]
+fn project_group<S: Simd>(
+    simd: S,
+    window: &mut Window,
+    group: &Group,
+    stiffness: f32,
+    projection: impl Projection,
+) {
+    let [a, b] = group.ends.map(|ends| ends.map(|first| window.place(first)));
+    let pairs = |places: [usize; GROUP]| {
+        [0, 2, 4, 6].map(|i| window.get(simd, places[i]).combine(window.get(simd, places[i + 1])))
+    };
+    let [p, q] = [a, b].map(pairs);
+    let delta: [_; 4] = core::array::from_fn(|i| q[i] - p[i]);
+    let [x, y, z, w] = columns_of_eight(delta);
+    let rest = f32x8::load_array_ref(simd, &group.rest_lengths);
+    let error = projection.errors_of_eight(simd, x * x + y * y + z * z, rest);
+    let zero = f32x8::splat(simd, 0.0);
+    if w.simd_eq(zero).all_true() {
+        let error = error * (stiffness * 0.5);
+        let errors = rows_of_eight([error; 4]);
+        for i in 0..4 {
+            // The fourth number, the inverse mass, moves by nothing.
+            let both = delta[i] * errors[i];
+            set_pair(window, a, i, p[i] + both);
+            set_pair(window, b, i, q[i] - both);
+        }
+        return;
+    }
+    let mass = |rows| {
+        let [_, _, _, w] = columns_of_eight(rows);
+        w.simd_lt(f32x8::splat(simd, f32::INFINITY)).select(w, zero)
+    };
+    let (wp, wq) = (mass(p), mass(q));
+    // Where both are pinned, nothing is divided by zero.
+    let weight = (wp + wq).max(f32x8::splat(simd, f32::MIN_POSITIVE));
+    let errors_p = rows_of_eight([error * (wp / weight * stiffness); 4]);
+    let errors_q = rows_of_eight([error * (wq / weight * stiffness); 4]);
+    let delta = rows_of_eight([x, y, z, zero]);
+    for i in 0..4 {
+        set_pair(window, a, i, p[i] + delta[i] * errors_p[i]);
+        set_pair(window, b, i, q[i] - delta[i] * errors_q[i]);
+    }
+}
+
+/// Stores rows 2 `i` and 2 `i` + 1 of eight.
+#[inline(always)]
+fn set_pair<S: Simd>(window: &mut Window, places: [usize; GROUP], i: usize, rows: f32x8<S>) {
+    let (first, second) = rows.split();
+    window.set(places[2 * i], first);
+    window.set(places[2 * i + 1], second);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constraint::stick::{Exact, SquareRootFree};
+    use crate::simd::isa::{Isa, Kernel};
+
+    const COUNT: u32 = 3 * BLOCK as u32 + 77;
+
+    struct Relax<'a, 'b, P>(Descent<'a>, &'b [RelaxedBatch<'b>], P);
+
+    impl<P: Projection> Kernel for Relax<'_, '_, P> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) {
+            self.0.relax(simd, self.1.iter().copied(), self.2);
+        }
+    }
+
+    /// Batches of `step` as the distance between the ends of a stick, each of which keeps its particles to itself.
+    fn batches(sticks: &mut ListedSticks, steps: &[u32]) -> Vec<ListedBatch> {
+        let cells = (COUNT as usize).div_ceil(LANES);
+        let batch = |&step: &u32| {
+            let first = sticks.begin_batch();
+            let starts = (0..COUNT - step).filter(|i| i / step % 2 == 0 && i % 9 != 4);
+            for i in starts {
+                sticks.push([i, i + step], 0.3 + (i % 5) as f32 * 0.1);
+            }
+            let mut batch = ListedBatch::new(first, true);
+            batch.arrange(sticks, sticks.next - first, cells, |slot| slot);
+            batch
+        };
+        steps.iter().map(batch).collect()
+    }
+
+    fn check(projection: impl Projection) {
+        let mut sticks = ListedSticks::default();
+        let batches = batches(&mut sticks, &[1, 3, 40, 600, 700, 2]);
+        let cells = (COUNT as usize).div_ceil(LANES);
+        let mut start = vec![Cell::default(); cells];
+        for slot in 0..COUNT as usize {
+            let spread = |k: f32| libm::sinf(slot as f32 * k) * 3.0;
+            start[slot / LANES].set(slot % LANES, Vec3::new(spread(0.7), spread(1.3), spread(2.9)));
+        }
+        let uneven = |slot: usize| if slot.is_multiple_of(7) { 0.0 } else { 1.0 + (slot % 4) as f32 };
+        for mass in [&|_| 2.5, &uneven, &|_| 0.0] as [&dyn Fn(usize) -> f32; 3] {
+            let masses: Vec<[f32; LANES]> =
+                (0..cells).map(|cell| core::array::from_fn(|lane| mass(cell * LANES + lane))).collect();
+            for backwards in [false, true] {
+                let relaxed = |(batch, (stiffness, bound))| RelaxedBatch { batch, stiffness, bound };
+                let bounds = [StickBound::Exact, StickBound::AtLeast, StickBound::AtMost].into_iter().cycle();
+                let stiffness = [0.9, 0.5, 1.0, 0.3, 0.8, 1.0];
+                let mut order: Vec<RelaxedBatch> =
+                    batches.iter().zip(stiffness.into_iter().zip(bounds)).map(relaxed).collect();
+                if backwards {
+                    order.reverse();
+                }
+                let mut expected = start.clone();
+                for &RelaxedBatch { batch, stiffness, bound } in &order {
+                    let last = batch.first_of_block.last().map_or(0, |&last| last as usize);
+                    for i in batch.first..last {
+                        let ends = sticks.slots(i).map(|slot| (slot as usize / LANES, slot as usize % LANES));
+                        let places = ends.map(|(cell, lane)| expected[cell].get(lane));
+                        let weights = ends.map(|(cell, lane)| masses[cell][lane]);
+                        let strain = places[0].distance(places[1]) - sticks.rest_length(i);
+                        if bound.violation(strain.into()) == 0.0 {
+                            continue;
+                        }
+                        let moved = project(places, weights, sticks.rest_length(i), stiffness, projection);
+                        for ((cell, lane), place) in ends.into_iter().zip(moved) {
+                            expected[cell].set(lane, place);
+                        }
+                    }
+                }
+                let window = 1 + batches.iter().map(ListedBatch::reach).sum::<usize>();
+                for (isa, window) in Isa::available().into_iter().flat_map(|isa| [(isa, window), (isa, 100)])
+                {
+                    let (mut position, mut rows) = (start.clone(), Rows::default());
+                    rows.reset(window, cells);
+                    let sweep = Descent {
+                        rows: &mut rows,
+                        position: &mut position,
+                        inverse_mass: &masses,
+                        sticks: &sticks,
+                    };
+                    isa.run(Relax(sweep, &order, projection));
+                    assert!(position == expected, "{} backwards: {backwards}", isa.name());
+                }
+            }
+        }
+    }
+
+    /// The sweep, eight sticks at a time and block after block, must move every particle as one stick after another does,
+    /// batch after batch, to the last bit.
+    #[test]
+    #[cfg_attr(miri, ignore = "it takes more than three blocks of particles")]
+    fn the_sweep_and_single_sticks_give_the_same_bits() {
+        check(Exact);
+        check(SquareRootFree);
+    }
+
+    /// A body longer than its window: blocks take turns in it.
+    #[test]
+    #[cfg_attr(miri, ignore = "it takes twenty blocks of particles")]
+    fn a_window_smaller_than_the_body_is_enough() {
+        let cells = 40 * BLOCK / LANES;
+        let mut sticks = ListedSticks::default();
+        let first = |i: u32| [2 * i, 2 * i + 1];
+        (0..20 * BLOCK as u32).for_each(|i| sticks.push(first(i), 1.0));
+        let mut batch = ListedBatch::new(0, true);
+        batch.arrange(&mut sticks, 20 * BLOCK, cells, |slot| slot);
+        let mut rows = Rows::default();
+        rows.reset(1 + batch.reach(), cells);
+        assert_eq!(rows.bytes(), BLOCK * size_of::<[f32; 4]>());
+        let mut position = vec![Cell::default(); cells];
+        for slot in 0..40 * BLOCK {
+            position[slot / LANES].set(slot % LANES, Vec3::X * (slot * 3) as f32);
+        }
+        let masses = vec![[1.0; LANES]; cells];
+        let sweep =
+            Descent { rows: &mut rows, position: &mut position, inverse_mass: &masses, sticks: &sticks };
+        let relaxed = RelaxedBatch { batch: &batch, stiffness: 1.0, bound: StickBound::Exact };
+        Isa::detected().run(Relax(sweep, &[relaxed], Exact));
+        for slot in (0..40 * BLOCK).step_by(2) {
+            let [a, b] = [slot, slot + 1].map(|slot| position[slot / LANES].get(slot % LANES));
+            assert!((a.distance(b) - 1.0).abs() < 0.01);
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Balls against balls.
+
+use glam::Vec3;
+
+use crate::contact::depenetration::{Overlap, Pace};
+use crate::contact::event::{Other, Projection, add_impulse, record};
+use crate::contact::restitution::Impact;
+use crate::state::ball::SURFACE_INVERSE_MASS;
+use crate::state::island::Island;
+
+/// Two balls that may touch in this step; `a < b`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BallPair {
+    a: usize,
+    b: usize,
+    depth: f32,
+    overlap: Overlap,
+    impact: Impact,
+    /// From `b` to `a`.
+    normal: Vec3,
+}
+
+/// Lists the pairs that can meet within `dt` seconds.
+pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
+    let pairs = &mut island.context.ball_pairs;
+    pairs.clear();
+    for (b, second) in island.balls.iter().enumerate() {
+        for (a, first) in island.balls[..b].iter().enumerate() {
+            let reach = first.reach(dt, gravity) + second.reach(dt, gravity);
+            let is_near = first.position.distance_squared(second.position) < reach * reach;
+            if is_near && first.layers.interact(second.layers) {
+                pairs.push(BallPair {
+                    a,
+                    b,
+                    depth: 0.0,
+                    overlap: Overlap::default(),
+                    impact: Impact::default(),
+                    normal: Vec3::ZERO,
+                });
+            }
+        }
+    }
+}
+
+/// Forgets the last substep's depths.
+pub(crate) fn begin_substep(island: &mut Island) {
+    for pair in &mut island.context.ball_pairs {
+        pair.depth = 0.0;
+        pair.overlap = Overlap::default();
+        pair.impact = Impact::default();
+    }
+}
+
+/// Moves overlapping balls apart, each by its share of inverse mass.
+pub(crate) fn project(island: &mut Island) {
+    let Island { balls, touches, context, .. } = island;
+    let pace = Pace::of(context);
+    for pair in &mut context.ball_pairs {
+        let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
+            continue;
+        };
+        let apart = a.position - b.position;
+        let distance = apart.length();
+        let depth = a.material.radius + b.material.radius - distance;
+        if depth <= 0.0 {
+            continue;
+        }
+        // Coincident centres have no direction of their own: one ball goes up.
+        pair.normal = if distance > 0.0 { apart / distance } else { Vec3::Y };
+        let travel = a.travel() - b.travel();
+        let gap_change = travel.dot(pair.normal);
+        let at_start = || a.material.radius + b.material.radius - (apart - travel).length();
+        let push = pair.overlap.split(depth, gap_change, at_start, pace);
+        pair.depth += push.fresh;
+        let weight = a.inverse_mass + b.inverse_mass;
+        let (contact, position_only) =
+            (pair.normal * (push.fresh / weight), pair.normal * (push.old / weight));
+        let sides = [(pair.a, pair.b, &*a, 1.0), (pair.b, pair.a, &*b, -1.0)];
+        for (ball_index, other, ball, sign) in sides {
+            let normal = pair.normal * sign;
+            let projection = Projection {
+                ball: ball_index,
+                other: Other::Ball(other),
+                gap: -depth,
+                gap_change,
+                ball_position: ball.position,
+                ball_travel: ball.travel(),
+                point: ball.position - normal * ball.material.radius,
+                normal,
+            };
+            let impulse = push.fresh / (weight * context.substep);
+            record(touches, &projection, impulse, context.substep_index, context.substep);
+            pair.impact.note(gap_change, projection.fraction());
+        }
+        a.project(contact * a.inverse_mass, position_only * a.inverse_mass);
+        b.project(contact * -b.inverse_mass, position_only * -b.inverse_mass);
+    }
+}
+
+/// Parts the balls that have met in this substep, as fast as their restitution has it.
+pub(crate) fn rebound(island: &mut Island) {
+    let Island { balls, touches, context, .. } = island;
+    for pair in &mut context.ball_pairs {
+        let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
+            continue;
+        };
+        let restitution = [a.material.restitution, b.material.restitution];
+        let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
+            continue;
+        };
+        let weight = a.inverse_mass + b.inverse_mass;
+        let change = rebound.displacement - (a.displacement - b.displacement).dot(pair.normal);
+        if change <= 0.0 {
+            // Other contacts have parted them already, and faster: none pulls.
+            continue;
+        }
+        pair.depth += change;
+        for (ball, other, sign) in [(pair.a, pair.b, 1.0), (pair.b, pair.a, -1.0)] {
+            add_impulse(touches, ball, Other::Ball(other), change / (weight * context.substep));
+            let ball = &mut balls[ball];
+            let share = pair.normal * (sign * ball.inverse_mass / weight);
+            ball.displacement += share * change;
+            ball.position += share * rebound.position;
+        }
+    }
+}
+
+/// Friction between the surfaces, which also turns the balls.
+pub(crate) fn apply_friction(island: &mut Island) {
+    let Island { balls, context, .. } = island;
+    for pair in &context.ball_pairs {
+        let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
+            continue;
+        };
+        if pair.depth == 0.0 {
+            continue;
+        }
+        let (arm_a, arm_b) = (pair.normal * -a.material.radius, pair.normal * b.material.radius);
+        let slip = a.surface_travel(arm_a) - b.surface_travel(arm_b);
+        let friction = a.material.surface_friction().with(b.material.surface_friction());
+        let taken = friction.scaled(SURFACE_INVERSE_MASS).slip_taken(slip, pair.normal, pair.depth);
+        let push = taken / (SURFACE_INVERSE_MASS * (a.inverse_mass + b.inverse_mass));
+        a.push_surface(arm_a, -push);
+        b.push_surface(arm_b, push);
+    }
+}

@@ -1,0 +1,404 @@
+//! Balls against cloth: by vertex, edge and face, two-way.
+//!
+//! The nearest point of a triangle to the ball's centre has barycentric weights `b_i`: one of them is 1 at a
+//! vertex, two are above 0 on an edge, three on the face. The same formula then serves all three:
+//!
+//! ```text
+//!        c   ball, radius R           C = n . (c - sum b_i x_i) - (R + t)
+//!        |                            if C < 0:  l = -C / (w_c + sum b_i^2 w_i)
+//!        | n                              c   += w_c l n
+//!   x1---+------x2                        x_i -= w_i b_i l n
+//!     \  p  ./
+//!      x3'                            momentum is kept exactly: the pushes sum to zero
+//! ```
+//!
+//! Contact with vertices alone would let a ball slip between them when R < spacing / sqrt(2).
+
+use glam::Vec3;
+
+use crate::broad_phase::ball_search::{BallAndBody, Corners};
+use crate::constants::{
+    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
+    TETHERLESS_REACH,
+};
+use crate::contact::ball_cloth_query::BallClothContact;
+use crate::contact::depenetration::{Overlap, Pace};
+use crate::contact::event::{Other, Projection, add_impulse, begin, is_known};
+use crate::contact::impact_zone::Placed;
+use crate::geometry::nearest_triangle::{on_segment, on_triangle};
+use crate::state::ball::{Ball, BallMaterial};
+use crate::state::body::Body;
+use crate::state::island::{Island, IslandContext};
+use crate::state::particle_stats::MassSurvey;
+use crate::state::particles::Particles;
+
+/// A ball and a face, or a segment, that may touch in this step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BallCloth {
+    pub ball: usize,
+    pub body: usize,
+    pub element: Element,
+    /// Where both were at the start of the substep.
+    pub start: Placed,
+    depth: f32,
+    overlap: Overlap,
+    normal: Vec3,
+    weights: [f32; 3],
+}
+
+impl BallCloth {
+    /// If it was pushed in the last substep: the slots of the element's corners (a segment has its last one twice), the
+    /// weights of the contact's point, and how deep it was in metres.
+    pub(crate) fn pushed(&self) -> Option<([usize; 3], [f32; 3], f32)> {
+        (self.depth > 0.0).then(|| (self.element.corners(), self.weights, self.depth))
+    }
+}
+
+/// A face, or a segment of a body that has no faces, by the slots of its corners.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Element {
+    Face([u32; 3]),
+    Segment([u32; 2]),
+}
+
+impl Element {
+    /// Its corners; a segment has its last one twice, with a weight of zero.
+    pub fn corners(self) -> [usize; 3] {
+        match self {
+            Self::Face(corners) => corners.map(|i| i as usize),
+            Self::Segment([a, b]) => [a as usize, b as usize, b as usize],
+        }
+    }
+
+    /// Weights of its middle.
+    pub fn middle(self) -> [f32; 3] {
+        match self {
+            Self::Face(_) => [1.0 / 3.0; 3],
+            Self::Segment(_) => [0.5, 0.5, 0.0],
+        }
+    }
+
+    /// Weights of the point nearest to `point`.
+    pub fn nearest(self, corners: [Vec3; 3], point: Vec3) -> [f32; 3] {
+        match self {
+            Self::Face(_) => on_triangle(corners, point),
+            Self::Segment(_) => on_segment([corners[0], corners[1]], point),
+        }
+    }
+}
+
+/// How many substeps a ball needs that may meet a cloth on its `path` (metres) in a step; 0 if it meets none.
+///
+/// In a substep `h` a projection gives the ball the momentum `m s / h` where sticks have pulled the patch of cloth in
+/// front of it, of mass `m`, back by `s`. N iterations make N + 1 projections: a spring of stiffness `(N + 1) m / h^2`.
+/// A ball of mass `M` and speed `v` stretches it by `v h sqrt(M / ((N + 1) m))` before it stops. More than a part of
+/// its radius, and the sticks pull the cloth past its middle, and the ball goes through.
+///
+/// The ball is slowed by the hit, and the number would fall while the cloth is still stretched: it is let go only
+/// slowly. It must not grow then, either: that would stiffen a stretched spring, and make energy.
+pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
+    let BallMaterial { radius, mass, .. } = ball.material;
+    let mut wanted = 0.0_f32;
+    for body in bodies.iter().filter(|body| body.layers.interact(ball.layers)) {
+        let (low, high) = body.particles.bounds();
+        let reach = radius + 2.0 * path + CONTACT_MARGIN;
+        if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
+            continue;
+        }
+        let MassSurvey { free_count, free_mass, .. } = &body.particles.masses;
+        if *free_count == 0 {
+            continue;
+        }
+        // The longest side of a face is the diagonal of its cell; a link of a rope has the ball's width.
+        let side = body.topology.longest_edge.max(f32::MIN_POSITIVE);
+        let covered = if body.topology.faces.is_empty() {
+            2.0 * radius / side
+        } else {
+            // A sweep carries a pull to the next particles only: of a large patch, its rim alone pulls.
+            let across = core::f32::consts::SQRT_2 * radius / side;
+            core::f32::consts::PI * (across * across).min(2.0 * across)
+        };
+        let patch = covered.max(1.0) * (free_mass / *free_count as f64) as f32;
+        let ratio = mass / (patch * (body.settings.iterations + 1) as f32);
+        wanted = wanted.max(path / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());
+        wanted = wanted.max(ball.hit_substeps * HIT_SUBSTEPS_KEPT);
+    }
+    wanted.min(MAX_HIT_SUBSTEPS)
+}
+
+/// Lists the faces and segments that each ball can meet within `dt` seconds, if no particle moves faster
+/// than `speed` (m/s).
+pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
+    let Island { bodies, balls, context, isa, .. } = island;
+    context.ball_cloth.clear();
+    context.ball_search.clear();
+    for (body_index, body) in bodies.iter().enumerate() {
+        let topology = &body.topology;
+        let (low, high) = body.particles.bounds();
+        let layers = body.layers;
+        for (ball_index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.layers.interact(layers)) {
+            // The ball's own reach, the cloth's, and from any point of a face to its nearest corner.
+            let reach =
+                ball.reach(dt, gravity) + speed * dt + body.settings.thickness + topology.longest_edge;
+            if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
+                continue;
+            }
+            let centre = ball.position - body.particles.origin;
+            let pair = BallAndBody { ball: ball_index, body: body_index };
+            let listed = context.ball_cloth.len();
+            context.ball_search.detect(pair, (centre, reach), (body, *isa), listed, |corners| {
+                context.ball_cloth.push(BallCloth {
+                    ball: ball_index,
+                    body: body_index,
+                    element: match corners {
+                        Corners::Face(slots) => Element::Face(slots),
+                        Corners::Segment(slots) => Element::Segment(slots),
+                    },
+                    start: Placed::default(),
+                    depth: 0.0,
+                    overlap: Overlap::default(),
+                    normal: Vec3::ZERO,
+                    weights: [0.0; 3],
+                });
+            });
+        }
+    }
+}
+
+/// Forgets the last substep's depths.
+pub(crate) fn begin_substep(island: &mut Island) {
+    for contact in &mut island.context.ball_cloth {
+        contact.depth = 0.0;
+        contact.overlap = Overlap::default();
+    }
+}
+
+/// A ball and an element that overlap: how they lie now, and how they lay at the start of the substep.
+struct Overlapping {
+    weights: [f32; 3],
+    normal: Vec3,
+    /// Negative.
+    gap: f32,
+    gap_change: f32,
+    point: Vec3,
+    start: Placed,
+    apart: f32,
+}
+
+impl Overlapping {
+    fn find(contact: &BallCloth, ball: &Ball, body: &Body) -> Option<Self> {
+        let corners = contact.element.corners();
+        let now = Placed::of(contact, ball, body);
+        let apart = ball.material.radius + body.settings.thickness;
+        let travels = corners.map(|i| body.travel(i));
+        let travel = ball.travel();
+        // Stretched or not, an element lies within its longest side of its first corner.
+        let sides = [now.corners[1], now.corners[2]].map(|corner| corner.distance_squared(now.corners[0]));
+        let far = apart + sides[0].max(sides[1]).sqrt() + (travel - travels[0]).length();
+        if now.corners[0].distance_squared(now.centre) > far * far {
+            return None;
+        }
+        let [a, b, c] = now.corners;
+        let start =
+            Placed { centre: now.centre - travel, corners: [a - travels[0], b - travels[1], c - travels[2]] };
+        let weights = contact.element.nearest(now.corners, now.centre);
+        let point = weighted(weights, now.corners);
+        let offset = now.centre - point;
+        let side = match contact.element {
+            Element::Face(_) => passed_side(&start, &now, PASSING_SLACK * ball.material.radius),
+            Element::Segment(_) => None,
+        };
+        let (normal, distance) = if let Some(side) = side {
+            let normal = face_normal(now.corners) * side;
+            (normal, normal.dot(offset))
+        } else {
+            let distance_squared = offset.length_squared();
+            if distance_squared >= apart * apart {
+                return None;
+            }
+            let distance = distance_squared.sqrt();
+            (if distance > 0.0 { offset / distance } else { face_normal(now.corners) }, distance)
+        };
+        let gap_change = (travel - weighted(weights, travels)).dot(normal);
+        Some(Self { weights, normal, gap: distance - apart, gap_change, point, start, apart })
+    }
+
+    /// Overlap at the start of the substep, negative if there was none.
+    fn at_start(&self, element: Element) -> f32 {
+        let Placed { centre, corners } = self.start;
+        self.apart - centre.distance(weighted(element.nearest(corners, centre), corners))
+    }
+
+    fn projection(&self, contact: &BallCloth, ball: &Ball, body: &Body) -> Projection {
+        Projection {
+            ball: contact.ball,
+            other: Other::Body(contact.body),
+            gap: self.gap,
+            gap_change: self.gap_change,
+            ball_position: ball.position,
+            ball_travel: ball.travel(),
+            point: self.point + body.particles.origin,
+            normal: self.normal,
+        }
+    }
+}
+
+/// Looks for overlaps right after integration without moving anything: what the first projection of a substep finds.
+/// Gives the number of faces and segments that were looked at.
+pub(crate) fn find_all(island: &mut Island, mut found: impl FnMut(BallClothContact)) -> usize {
+    let Island { bodies, balls, context, isa, .. } = island;
+    let search = &mut context.ball_search;
+    search.begin_round();
+    let mut count = 0;
+    while let Some(index) = search.next(balls, bodies, *isa) {
+        count += 1;
+        let contact = &context.ball_cloth[index];
+        let (ball, body) = (&balls[contact.ball], &bodies[contact.body]);
+        if let Some(overlapping) = Overlapping::find(contact, ball, body) {
+            let Overlapping { weights, normal, gap, .. } = overlapping;
+            let slots = contact.element.corners().map(|slot| slot as u32);
+            let (ball, body) = (contact.ball, contact.body);
+            found(BallClothContact { ball, body, slots, weights, normal, depth: -gap });
+        }
+    }
+    count
+}
+
+/// The side (1 or -1, along the face's normal) that a ball's centre came from if it has passed through the face
+/// between `start` and `now`. Sticks can pull a taut cloth past the middle of a fast ball within one sweep; then
+/// the nearest way out is the wrong one.
+fn passed_side(start: &Placed, now: &Placed, slack: f32) -> Option<f32> {
+    let height = |placed: &Placed| face_normal(placed.corners).dot(placed.centre - placed.corners[0]);
+    let (before, after) = (height(start), height(now));
+    if before * after >= 0.0 {
+        return None;
+    }
+    // Did it pass within the triangle, or beside it? Where the two met on the way, all taken to move straight.
+    let fraction = before / (before - after);
+    let between = |from: Vec3, to: Vec3| from + (to - from) * fraction;
+    let centre = between(start.centre, now.centre);
+    let corners = [0, 1, 2].map(|k| between(start.corners[k], now.corners[k]));
+    let nearest = weighted(on_triangle(corners, centre), corners);
+    (nearest.distance_squared(centre) <= slack * slack).then_some(before.signum())
+}
+
+/// Moves balls and cloth apart where they overlap.
+pub(crate) fn project(island: &mut Island) {
+    let Island { bodies, balls, touches, context, isa, .. } = island;
+    let pace = Pace::of(context);
+    context.ball_search.begin_round();
+    while let Some(index) = context.ball_search.next(balls, bodies, *isa) {
+        let contact = &context.ball_cloth[index];
+        let (ball_index, body_index) = (contact.ball, contact.body);
+        let (body, ball) = (&bodies[body_index], &balls[ball_index]);
+        let Some(found) = Overlapping::find(contact, ball, body) else {
+            continue;
+        };
+        if !is_known(touches, ball_index, Other::Body(body_index)) {
+            // Nothing was pushed yet: of all elements, the one that was met first tells when and where.
+            let of_pair = |c: &&BallCloth| c.ball == ball_index && c.body == body_index;
+            let all = context.ball_cloth.iter().filter(of_pair).filter_map(|c| {
+                Overlapping::find(c, ball, body).map(|found| found.projection(c, ball, body))
+            });
+            if let Some(first) = all.min_by(|p, q| p.fraction().total_cmp(&q.fraction())) {
+                begin(touches, &first, context.substep_index, context.substep);
+            }
+        }
+        let contact = &mut context.ball_cloth[index];
+        let (body, ball) = (&mut bodies[body_index], &mut balls[ball_index]);
+        let Overlapping { weights, normal, gap, gap_change, .. } = found;
+        let element = contact.element;
+        let push = contact.overlap.split(-gap, gap_change, || found.at_start(element), pace);
+        let corners = element.corners();
+        let total = ball.inverse_mass + felt(weights, corners, body);
+        add_impulse(touches, ball_index, Other::Body(body_index), push.fresh / (total * context.substep));
+        contact.normal = normal;
+        contact.weights = weights;
+        // Friction measures the normal push in terms of both sides' motion.
+        contact.depth += push.fresh;
+        let (fresh, old) = (normal * (push.fresh / total), normal * (push.old / total));
+        ball.project(fresh * ball.inverse_mass, old * ball.inverse_mass);
+        let heaviest_share =
+            corners.into_iter().zip(weights).map(|(i, w)| w * body.particles.inverse_mass[i]);
+        let nearer = ball.inverse_mass + heaviest_share.fold(0.0, f32::max);
+        context.ball_search.note_push((push.fresh + push.old) / total * nearer);
+        for (corner, weight) in corners.into_iter().zip(weights) {
+            let share = -weight * body.particles.inverse_mass[corner];
+            // Straight into the displacement, which is finer than the position: what the ball loses in momentum
+            // the cloth must gain.
+            body.particles.displacement.add(corner, fresh * share);
+            body.particles.position.add(corner, (fresh + old) * share);
+            body.context.integrated.add(corner, (fresh + old) * share);
+        }
+    }
+}
+
+/// Notes where the particles are that a ball touches in this substep.
+///
+/// Tethers are not to move them: they bring a particle all the way home at once, which may be through the middle of
+/// the ball. The particles around are tethered, and sticks hold on to those.
+pub(crate) fn note_touched(context: &mut IslandContext, balls: &[Ball], body: usize, particles: &Particles) {
+    context.touched.clear();
+    for contact in context.ball_cloth.iter().filter(|contact| contact.body == body) {
+        let ball = &balls[contact.ball];
+        let near = TETHERLESS_REACH * ball.material.radius;
+        let centre = ball.position - particles.origin;
+        let places = contact.element.corners().map(|i| (i, particles.position.get(i)));
+        let is_near = |&(_, p): &(usize, Vec3)| p.distance_squared(centre) < near * near;
+        context.touched.extend(places.into_iter().filter(is_near));
+    }
+}
+
+/// Undoes what has happened to the noted particles since.
+pub(crate) fn put_back(context: &IslandContext, particles: &mut Particles) {
+    for &(i, position) in &context.touched {
+        particles.position.set(i, position);
+    }
+}
+
+/// Inverse mass of the point of an element with these `weights`, in 1/kg.
+fn felt(weights: [f32; 3], corners: [usize; 3], body: &Body) -> f32 {
+    let mut sum = 0.0;
+    for (corner, weight) in corners.into_iter().zip(weights) {
+        sum += weight * weight * body.particles.inverse_mass[corner];
+    }
+    sum
+}
+
+/// Friction between the ball's surface and the cloth, which also spins the ball.
+pub(crate) fn apply_friction(island: &mut Island) {
+    let Island { bodies, balls, context, .. } = island;
+    for contact in &context.ball_cloth {
+        if contact.depth == 0.0 {
+            continue;
+        }
+        let (body, ball) = (&mut bodies[contact.body], &mut balls[contact.ball]);
+        let corners = contact.element.corners();
+        // To the middle of the cloth: there the two pushes act on one point, and keep the angular momentum.
+        let arm = contact.normal * -(ball.material.radius + body.settings.thickness);
+        let cloth_travel = weighted(contact.weights, corners.map(|i| body.particles.displacement.get(i)));
+        let slip = ball.surface_travel(arm) - cloth_travel;
+        let felt = felt(contact.weights, corners, body);
+        // Along the normal the pair has the inverse mass w + felt, along the surface about 3.5 w + felt: Coulomb's
+        // limit on the push, mu * depth / (w + felt), is turned into one on the slip.
+        let across = ball.surface_inverse_mass(arm) + felt;
+        let along = ball.inverse_mass + felt;
+        let friction = ball.material.surface_friction().with(body.settings.surface_friction());
+        let taken = friction.scaled(across / along).slip_taken(slip, contact.normal, contact.depth);
+        let push = taken / across;
+        ball.push_surface(arm, -push);
+        for (corner, weight) in corners.into_iter().zip(contact.weights) {
+            let shift = push * (weight * body.particles.inverse_mass[corner]);
+            body.particles.position.add(corner, shift);
+            body.particles.displacement.add(corner, shift);
+        }
+    }
+}
+
+pub(crate) fn weighted(weights: [f32; 3], vectors: [Vec3; 3]) -> Vec3 {
+    vectors[0] * weights[0] + vectors[1] * weights[1] + vectors[2] * weights[2]
+}
+
+fn face_normal([p, q, r]: [Vec3; 3]) -> Vec3 {
+    (q - p).cross(r - p).try_normalize().unwrap_or(Vec3::Y)
+}

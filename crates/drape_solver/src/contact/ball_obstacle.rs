@@ -1,0 +1,269 @@
+//! Balls against obstacles: projection, friction with spin, rolling resistance.
+
+use glam::Vec3;
+
+use crate::constants::BALL_TRAVEL_PER_SUBSTEP;
+use crate::contact::depenetration::{Overlap, Pace};
+use crate::contact::dynamic_obstacle::{Mover, mover_mut};
+use crate::contact::event::{Other, Projection, add_impulse, record};
+use crate::contact::reaction::Given;
+use crate::contact::restitution::Impact;
+use crate::geometry::pose::Pose;
+use crate::geometry::shape::{Plane, Shape, container_walls};
+use crate::state::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
+use crate::state::island::{Island, IslandContext};
+use crate::state::obstacle::Obstacle;
+use crate::state::obstacles::Obstacles;
+
+/// A ball and an obstacle that may touch in this step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BallObstacle {
+    ball: usize,
+    obstacle: usize,
+    plane: Option<Plane>,
+    /// The surface that the ball runs into in this substep, where it might be through and out on the other side.
+    ahead: Option<Plane>,
+    depth: f32,
+    overlap: Overlap,
+    impact: Impact,
+    normal: Vec3,
+    given: Push,
+    before: Pose,
+    now: Pose,
+}
+
+/// What an obstacle has given to a ball in a substep.
+#[derive(Clone, Copy, Debug, Default)]
+struct Push {
+    /// Mass times displacement, in kilogram metres.
+    push: Vec3,
+    /// The change of spin: moment of inertia times turn, in kg m^2.
+    moment: Vec3,
+}
+
+impl BallObstacle {
+    /// The obstacle, by its index.
+    pub(crate) fn obstacle(&self) -> usize {
+        self.obstacle
+    }
+
+    /// What the obstacle has given to the ball in the last substep, if anything.
+    pub(crate) fn given(&self, balls: &[Ball]) -> Option<Given> {
+        let Push { push, moment } = self.given;
+        (self.depth > 0.0).then(|| self.gives(&balls[self.ball], push, moment))
+    }
+
+    /// The obstacle, if it is moved by what hits it; the pair's poses then follow it.
+    fn follow<'a>(&mut self, movers: &'a mut [Mover]) -> Option<&'a mut Mover> {
+        let mover = mover_mut(movers, self.obstacle)?;
+        [self.before, self.now] = mover.poses(Vec3::ZERO);
+        Some(mover)
+    }
+
+    /// What it tells the obstacle, of a push (kg m) and a change of spin (kg m^2) that it gives to the ball.
+    fn gives(&self, ball: &Ball, push: Vec3, moment: Vec3) -> Given {
+        // A push adds to the whole way of the substep, and so acts where that began.
+        let point = (ball.position - ball.travel()).as_dvec3();
+        Given { obstacle: self.obstacle, point, push, moment }
+    }
+
+    /// The plane that a ball meets on its way through the obstacle's coordinates, if that way is so long that the ball may
+    /// have the obstacle behind it at the end of the substep.
+    fn look_ahead(&self, ball: &Ball, shape: &Shape) -> Option<Plane> {
+        let start = self.before.to_local(ball.position - ball.displacement);
+        let way = self.now.to_local(ball.position) - start;
+        let radius = ball.material.radius;
+        let is_far = way.length() > radius * BALL_TRAVEL_PER_SUBSTEP * 1.01 + shape.least_half_extent();
+        if !is_far || shape.surface(start).distance <= 0.0 {
+            return None;
+        }
+        shape.sweep_ball(radius, start, way).map(|meeting| meeting.plane)
+    }
+}
+
+/// Lists the pairs whose boxes come within `dt` seconds of each other.
+pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravity: f32) {
+    let IslandContext { ball_obstacle: pairs, near_obstacles: near, report, .. } = &mut island.context;
+    pairs.clear();
+    for (ball_index, ball) in island.balls.iter().enumerate() {
+        let reach = ball.reach(dt, gravity);
+        near.clear();
+        obstacles.near(ball.position - reach, ball.position + reach, near);
+        for obstacle_index in near.iter().map(|&index| index as usize) {
+            let obstacle = &obstacles[obstacle_index];
+            if !obstacle.stops(ball.layers) {
+                report.note_passable(ball_index, obstacle_index);
+                continue;
+            }
+            let pose = obstacle.pose_at(0.0, Vec3::ZERO);
+            let mut add = |plane| {
+                pairs.push(BallObstacle {
+                    ball: ball_index,
+                    obstacle: obstacle_index,
+                    plane,
+                    ahead: None,
+                    depth: 0.0,
+                    overlap: Overlap::default(),
+                    impact: Impact::default(),
+                    normal: Vec3::ZERO,
+                    given: Push::default(),
+                    before: pose,
+                    now: pose,
+                });
+            };
+            if let Shape::Container { half_extents } = obstacle.shape() {
+                container_walls(*half_extents).into_iter().for_each(|wall| add(Some(wall)));
+            } else {
+                add(None);
+            }
+        }
+    }
+}
+
+/// Brings the obstacles to the end of the current substep and forgets the last one's depths.
+pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
+    let Island { balls, context, .. } = island;
+    let (index, count) = (context.substep_index, context.substeps);
+    for pair in &mut context.ball_obstacle {
+        if pair.follow(&mut context.movers).is_none() {
+            let obstacle = &obstacles[pair.obstacle];
+            let pose_at = |k: u32| obstacle.pose_at(k as f32 / count as f32, Vec3::ZERO);
+            [pair.before, pair.now] = [index, index + 1].map(pose_at);
+        }
+        pair.depth = 0.0;
+        pair.overlap = Overlap::default();
+        pair.given = Push::default();
+        pair.impact = Impact::default();
+        pair.ahead = pair.look_ahead(&balls[pair.ball], obstacles[pair.obstacle].shape());
+    }
+}
+
+/// Moves every ball that lies inside an obstacle out to its surface.
+pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
+    let Island { balls, touches, context, .. } = island;
+    let pace = Pace::of(context);
+    for pair in &mut context.ball_obstacle {
+        let ball = &mut balls[pair.ball];
+        let mover = pair.follow(&mut context.movers);
+        let local = pair.now.to_local(ball.position);
+        let (plane, shape) = (pair.plane.or(pair.ahead), obstacles[pair.obstacle].shape());
+        let surface_at = |local: Vec3| match plane {
+            Some(plane) => plane.surface(local),
+            None => shape.surface(local),
+        };
+        let surface = surface_at(local);
+        let depth = ball.material.radius - surface.distance;
+        if depth > 0.0 {
+            pair.normal = pair.now.direction_to_world(surface.normal);
+            let travel = ball.travel();
+            let carried = pair.now.point_to_world(local) - pair.before.point_to_world(local);
+            let gap_change = (travel - carried).dot(pair.normal);
+            let start = pair.before.to_local(ball.position - travel);
+            let at_start = || ball.material.radius - surface_at(start).distance;
+            let push = pair.overlap.split(depth, gap_change, at_start, pace);
+            let point = ball.position - pair.normal * surface.distance;
+            let fresh = push.fresh * own_share(ball, mover.as_deref(), point, pair.normal);
+            pair.depth += fresh;
+            let projection = Projection {
+                ball: pair.ball,
+                other: Other::Obstacle(pair.obstacle),
+                gap: -depth,
+                gap_change,
+                ball_position: ball.position,
+                ball_travel: travel,
+                point,
+                normal: pair.normal,
+            };
+            let impulse = fresh * ball.material.mass / context.substep;
+            record(touches, &projection, impulse, context.substep_index, context.substep);
+            pair.impact.note(gap_change, projection.fraction());
+            let given = pair.normal * (fresh * ball.material.mass);
+            pair.given.push += given;
+            if let Some(mover) = mover {
+                mover.receive(pair.gives(ball, given, Vec3::ZERO), context.substep);
+            }
+            ball.project(pair.normal * fresh, pair.normal * push.old);
+        }
+    }
+}
+
+/// Throws back the balls that have met an obstacle in this substep, as fast as restitution has it.
+pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
+    let Island { balls, touches, context, .. } = island;
+    for pair in &mut context.ball_obstacle {
+        let (ball, obstacle) = (&mut balls[pair.ball], &obstacles[pair.obstacle]);
+        let restitution = [ball.material.restitution, obstacle.restitution()];
+        let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
+            continue;
+        };
+        let mover = pair.follow(&mut context.movers);
+        let point = ball.position - pair.normal * ball.material.radius;
+        let carried = point - pair.before.point_to_world(pair.now.to_local(point));
+        let share = own_share(ball, mover.as_deref(), point, pair.normal);
+        let change = share * (rebound.displacement - (ball.displacement - carried).dot(pair.normal));
+        if change <= 0.0 {
+            // Another contact has thrown it back already, and faster: none pulls.
+            continue;
+        }
+        pair.depth += change;
+        let impulse = change * ball.material.mass / context.substep;
+        add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);
+        let given = pair.normal * (change * ball.material.mass);
+        pair.given.push += given;
+        if let Some(mover) = mover {
+            mover.receive(pair.gives(ball, given, Vec3::ZERO), context.substep);
+        }
+        ball.displacement += pair.normal * change;
+        ball.position += pair.normal * (share * rebound.position);
+    }
+}
+
+/// Friction at the point of contact, which turns sliding into rolling, and the resistance that ends rolling.
+pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
+    let Island { balls, context, .. } = island;
+    for pair in &mut context.ball_obstacle {
+        if pair.depth == 0.0 {
+            continue;
+        }
+        let ball = &mut balls[pair.ball];
+        let mover = pair.follow(&mut context.movers);
+        let surface = obstacles[pair.obstacle].surface_friction();
+        let friction = ball.material.surface_friction().with(surface);
+        let arm = pair.normal * -ball.material.radius;
+        let point = ball.position + arm;
+        let carried = point - pair.before.point_to_world(pair.now.to_local(point));
+        // The whole slip of a sphere's surface takes a push of slip / (3.5 w); Coulomb's limit is in terms of
+        // the push on a mass point, mu * depth / w. In units of slip that limit is 3.5 times as long.
+        let slip = ball.surface_travel(arm) - carried;
+        let (friction, felt) =
+            (friction.scaled(SURFACE_INVERSE_MASS), SURFACE_INVERSE_MASS * ball.inverse_mass);
+        let push = match &mover {
+            Some(mover) => mover.slip_taken(friction, felt, slip, pair.normal, pair.depth, point).1,
+            None => -friction.slip_taken(slip, pair.normal, pair.depth) / felt,
+        };
+        let spin = ball.spin;
+        ball.push_surface(arm, push);
+        resist_rolling(ball, pair.depth);
+        let moment = (ball.spin - spin) * (ball.moment_of_inertia() * ball.substep);
+        pair.given.push += push;
+        pair.given.moment += moment;
+        if let Some(mover) = mover {
+            mover.receive(pair.gives(ball, push, moment), context.substep);
+        }
+    }
+}
+
+/// The part of a push along `normal` (a unit vector) that the ball takes; the rest is the obstacle's, if it gives way.
+fn own_share(ball: &Ball, mover: Option<&Mover>, point: Vec3, normal: Vec3) -> f32 {
+    mover.map_or(1.0, |mover| ball.inverse_mass / (ball.inverse_mass + mover.inverse_mass_at(point, normal)))
+}
+
+/// The ground's reaction acts ahead of the centre by `rolling_resistance` radii and so brakes the spin by the
+/// moment `resistance r N`, with `N h^2 = m depth`; it never reverses it. Spin about the normal is braked
+/// alike: a ball must not stand and whirl for ever.
+fn resist_rolling(ball: &mut Ball, depth: f32) {
+    let spin = ball.spin.length();
+    let BallMaterial { radius, rolling_resistance, .. } = ball.material;
+    let most = 2.5 * rolling_resistance * depth / (radius * ball.substep);
+    ball.spin = if spin <= most { Vec3::ZERO } else { ball.spin * (1.0 - most / spin) };
+}

@@ -1,0 +1,152 @@
+//! Overlaps that no motion made: what to do with an obstacle that appears inside a cloth.
+//!
+//! A projection moves a particle, and so gives it the velocity that a contact calls for, as long as the depth comes
+//! from the motion of the substep. An overlap that was there before the substep has no velocity to stop: taken out
+//! in the same way it would shoot the particle off at `depth / substep`. That part is moved without a velocity, and
+//! spread over the rest of the step, or over a reference step if that is longer, so that sticks can follow.
+//!
+//! ```text
+//!   start of the substep   o  . . . . . surface        old:   in already, moved in position only
+//!                          |  old                      fresh: moved in by the substep, a contact proper
+//!   end of the substep     o  ----
+//!                             fresh
+//! ```
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+
+use crate::constants::{GENTLE_PUSH_OUT_SPEED, PUSH_OUT_SPEED, REFERENCE_STEP};
+use crate::state::island::IslandContext;
+
+/// The overlap of one contact in one substep.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Overlap {
+    /// What may be left of the old part at the end of the substep, in metres; known after the first projection.
+    left: Option<f32>,
+}
+
+/// How far one projection moves things apart, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Push {
+    /// With a velocity: the part that the substep's motion made.
+    pub fresh: f32,
+    /// In position only.
+    pub old: f32,
+}
+
+/// How fast old overlaps are taken back.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pace {
+    /// The part of an old overlap that this substep takes.
+    share: f32,
+    /// Overlap that is taken back at once, in metres.
+    at_once: f32,
+    /// Length of a substep in seconds.
+    substep: f32,
+    /// Whether it is the first of its step.
+    is_first: bool,
+}
+
+impl Pace {
+    /// For the substep that runs now.
+    pub fn of(context: &IslandContext) -> Self {
+        Self::new(context.substep, context.substeps, context.substep_index)
+    }
+
+    /// For substep `index` of `substeps`, of `substep` seconds.
+    pub fn new(substep: f32, substeps: u32, index: u32) -> Self {
+        let left = substeps.saturating_sub(index).max(1) as f32;
+        // A hair less than a reference step, so that 1/60 s counts as one however it was rounded.
+        let short = substep * (substeps as f32) < 0.999 * REFERENCE_STEP;
+        let spread = if short { left.max(REFERENCE_STEP / substep) } else { left };
+        Self { share: 1.0 / spread, at_once: PUSH_OUT_SPEED * substep, substep, is_first: index == 0 }
+    }
+
+    /// For contacts whose place wanders over a face: what one place finds of the overlap that another left is no more
+    /// than noise, and to take it back quickly would shake the cloth.
+    pub fn gentle(substep: f32) -> Self {
+        Self { share: 0.0, at_once: GENTLE_PUSH_OUT_SPEED * substep, substep, is_first: false }
+    }
+}
+
+impl Pace {
+    /// Length of a substep in seconds.
+    pub fn substep(self) -> f32 {
+        self.substep
+    }
+
+    /// Whether the substep is the first of its step.
+    pub fn is_first(self) -> bool {
+        self.is_first
+    }
+
+    /// What may be left of `old` overlaps (metres) at the end of the substep, for the particles of a cell.
+    #[inline(always)]
+    pub fn left_in_lanes<S: Simd>(self, simd: S, old: f32x16<S>) -> f32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let even = old - old * self.share;
+        let quick = old - self.at_once;
+        let left = quick.simd_lt(even).select(quick, even);
+        left.simd_gt(zero).select(left, zero)
+    }
+}
+
+impl Overlap {
+    /// With what may be left at the end of the substep (metres), if that is known.
+    pub fn with_left(left: Option<f32>) -> Self {
+        Self { left }
+    }
+
+    /// What may be left at the end of the substep, in metres, once that is known.
+    pub fn left(self) -> Option<f32> {
+        self.left
+    }
+
+    /// Splits a `depth` above zero. `outward` is how far the two have moved apart along the normal in this substep so
+    /// far (metres; negative if they approached); `at_start` works out their overlap at its start, and is asked only
+    /// where the tangent plane does not rule one out.
+    pub fn split(&mut self, depth: f32, outward: f32, at_start: impl FnOnce() -> f32, pace: Pace) -> Push {
+        let old = if depth + outward > 0.0 { at_start().max(0.0).min(depth) } else { 0.0 };
+        let left = *self.left.get_or_insert_with(|| {
+            let even = old - old * pace.share;
+            even.min(old - pace.at_once).max(0.0)
+        });
+        Push { fresh: depth - old, old: (old - left).max(0.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depth_that_the_motion_made_is_a_contact_and_the_rest_is_not() {
+        let pace = Pace { share: 1.0, at_once: 0.0, substep: 0.01, is_first: true };
+        let split =
+            |depth: f32, outward: f32| Overlap::default().split(depth, outward, || depth + outward, pace);
+        assert_eq!(split(0.25, -0.5), Push { fresh: 0.25, old: 0.0 });
+        assert_eq!(split(0.75, -0.25), Push { fresh: 0.25, old: 0.5 });
+        assert_eq!(split(0.25, 0.0), Push { fresh: 0.0, old: 0.25 });
+        assert_eq!(split(0.25, 0.5), Push { fresh: 0.0, old: 0.25 });
+    }
+
+    #[test]
+    fn what_came_round_a_curve_was_not_inside_before() {
+        let pace = Pace { share: 1.0, at_once: 0.0, substep: 0.01, is_first: true };
+        let push = Overlap::default().split(0.25, 0.1, || -0.5, pace);
+        assert_eq!(push, Push { fresh: 0.25, old: 0.0 });
+    }
+
+    #[test]
+    fn an_old_overlap_is_taken_back_evenly_and_whole_within_the_step() {
+        let mut depth = 1.0;
+        for substeps_left in (1..=4).rev() {
+            let pace =
+                Pace { share: 1.0 / substeps_left as f32, at_once: 0.01, substep: 0.01, is_first: true };
+            let mut overlap = Overlap::default();
+            depth -= overlap.split(depth, 0.0, || depth, pace).old;
+            assert!((depth - 0.25 * (substeps_left - 1) as f32).abs() < 1e-6);
+            let again = overlap.split(depth.max(1e-3), 0.0, || depth.max(1e-3), pace);
+            assert!(again.old < 2e-3, "the second projection adds nothing");
+        }
+    }
+}

@@ -1,0 +1,522 @@
+//! Faces and segments against obstacles: what particles alone let through.
+//!
+//! A pole that is thinner than the spacing slides between particles; the edge of a box pokes through a coarse cloth whose
+//! particles lie on either side of it. There the point of the face that is deepest in the obstacle is a contact of its
+//! own, with barycentric weights `b_i`:
+//!
+//! ```text
+//!     x1 o--------p--------o x2      C = n . (sum b_i x_i - q) - t
+//!         \      _|_      /          if C < 0:  x_i -= b_i w_i C n / sum(b_i^2 w_i)
+//!          o    / q \    o
+//!              |     |  obstacle
+//! ```
+//!
+//! At the start of a step parry tells which point of the face is nearest to the shape; where the two overlap, a descent
+//! along the surface normal finds the deepest (after Macklin et al. 2020, "Local optimization for robust signed distance
+//! field collision"). Substeps follow it by projections to and fro. Faces of which all particles see about the same plane
+//! need none of this and are left to their particles.
+
+use glam::{DVec3, Vec3};
+
+use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
+use crate::contact::ball_cloth::{Element, weighted};
+use crate::contact::depenetration::{Overlap, Pace};
+use crate::contact::dynamic_obstacle::{Mover, mover, mover_mut};
+use crate::contact::effective_mass::felt;
+use crate::contact::friction::Friction;
+use crate::contact::reaction::Given;
+use crate::geometry::nearest::{Nearest, Piece};
+use crate::geometry::pose::Pose;
+use crate::geometry::shape::{Plane, Shape, Surface};
+use crate::state::body::Body;
+use crate::state::obstacle::Obstacle;
+use crate::state::particles::Particles;
+use crate::state::settings::SolverSettings;
+use crate::state::topology::Topology;
+use crate::substep::sweep::Surroundings;
+
+/// Faces and segments of one body that may touch obstacles in this step, obstacle by obstacle.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FaceContacts {
+    contacts: Vec<FaceContact>,
+    /// For each slot, the surface of the obstacle that is looked at, in its own coordinates.
+    seen: Vec<Surface>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct FaceContact {
+    element: Element,
+    /// Place of the element among the body's faces, then segments.
+    place: usize,
+    obstacle: usize,
+    friction: Friction,
+    /// Of the deepest point when last looked for.
+    weights: [f32; 3],
+    /// The surface there, in the obstacle's coordinates, where asking the shape each time would be slow.
+    plane: Option<Plane>,
+    /// Whether one may be through the other within a substep.
+    is_swift: bool,
+    /// The surface that the element runs into in this substep, where it might be through and out on the other side.
+    ahead: Option<Plane>,
+    depth: f32,
+    overlap: Overlap,
+    /// In the world, of the last projection.
+    normal: Vec3,
+    /// How far the deepest point was moved in this substep where that counts as velocity, times the mass it has: in
+    /// kilogram metres.
+    given: Vec3,
+}
+
+/// A face or segment that an obstacle has pushed.
+pub(crate) struct PushedElement {
+    pub element: Element,
+    /// Place of the element among the body's faces, then segments.
+    pub place: usize,
+    pub obstacle: usize,
+    /// Of the point that was pushed.
+    pub weights: [f32; 3],
+    /// In the world.
+    pub normal: Vec3,
+    /// Metres, summed over the projections of the substep.
+    pub depth: f32,
+}
+
+/// An obstacle as a body meets it in a step: all in its own coordinates, at the start of the step.
+#[derive(Clone, Copy)]
+pub(crate) struct Met<'a> {
+    pub shape: &'a Shape,
+    /// By index in the environment.
+    pub obstacle: usize,
+    pub friction: Friction,
+    pub pose: Pose,
+    /// How far apart they may be to touch within the step, in metres.
+    pub reach: f32,
+    /// Whether one may be through the other within a substep.
+    pub is_swift: bool,
+}
+
+/// How deep a shape can reach between the corners of a face with sides of `side` metres that all see the same distance, if
+/// that is told without a look: `None` where it depends on the place.
+fn poke(shape: &Shape, side: f32) -> Option<f32> {
+    match shape {
+        Shape::HalfSpace { .. } | Shape::Container { .. } => Some(0.0),
+        // The rise of an arc over its chord.
+        Shape::Sphere { radius } | Shape::Capsule { radius, .. } => {
+            (side < *radius).then(|| side * side / (4.0 * radius))
+        }
+        Shape::Cuboid { .. } | Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) => None,
+    }
+}
+
+impl FaceContacts {
+    pub fn is_empty(&self) -> bool {
+        self.contacts.is_empty()
+    }
+
+    /// Obstacles that have contacts, by index.
+    pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
+        self.contacts.iter().map(|contact| contact.obstacle)
+    }
+
+    /// What was pushed in the last substep.
+    pub fn pushed(&self) -> impl Iterator<Item = PushedElement> + '_ {
+        self.contacts.iter().filter(|contact| contact.depth > 0.0).map(|contact| {
+            let &FaceContact { element, place, obstacle, weights, normal, depth, .. } = contact;
+            PushedElement { element, place, obstacle, weights, normal, depth }
+        })
+    }
+
+    /// What obstacles have given in the last substep: to the corners that are not held, by their weights.
+    pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = Given> + 'a {
+        self.contacts.iter().filter(|contact| contact.given != Vec3::ZERO).map(|contact| {
+            let (mut free, mut moment) = (0.0, DVec3::ZERO);
+            for (slot, weight) in contact.element.corners().into_iter().zip(contact.weights) {
+                if particles.inverse_mass[slot] > 0.0 {
+                    free += weight;
+                    moment += particles.position.get(slot).as_dvec3() * f64::from(weight);
+                }
+            }
+            Given {
+                obstacle: contact.obstacle,
+                point: particles.origin.as_dvec3() + moment / f64::from(free),
+                push: contact.given * free,
+                moment: Vec3::ZERO,
+            }
+        })
+    }
+
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+    }
+
+    /// Lists the faces and segments that may touch an obstacle between their particles.
+    pub fn search(
+        &mut self,
+        particles: &Particles,
+        topology: &Topology,
+        settings: &SolverSettings,
+        met: Met,
+    ) {
+        let side = topology.longest_edge;
+        let most = POKING * settings.thickness;
+        // A body without thickness is met at its particles alone.
+        let is_fine = || poke(met.shape, side).is_some_and(|depth| depth <= most);
+        if most == 0.0 || side == 0.0 || is_fine() {
+            return;
+        }
+        // Where an obstacle has appeared around particles, those are to find their way out first.
+        let nearest = self.look(particles, met, met.reach + side);
+        if nearest >= met.reach + side || nearest < -INTRUSION * side {
+            return;
+        }
+        // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
+        self.contacts.reserve(topology.faces.len() + topology.segments.len());
+        let slot = |i: u32| particles.layout.slot(i as usize) as u32;
+        let faces = topology.faces.iter().map(|face| Element::Face(face.map(slot)));
+        let segments = topology.segments.iter().map(|ends| Element::Segment(ends.map(slot)));
+        for (place, element) in faces.chain(segments).enumerate() {
+            self.add(element, place, particles, met, side, most);
+        }
+    }
+
+    /// Asks the shape for the surface next to every particle within `reach`, and tells the least distance.
+    fn look(&mut self, particles: &Particles, met: Met, reach: f32) -> f32 {
+        let (low, high) = met.shape.local_bounds();
+        let (low, high) = (low - reach, high + reach);
+        let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
+        self.seen.clear();
+        self.seen.resize(particles.inverse_mass.len(), away);
+        let mut nearest = f32::INFINITY;
+        for slot in particles.layout.slots() {
+            let local = met.pose.to_local(particles.position.get(slot));
+            if local.cmpge(low).all() && local.cmple(high).all() {
+                let surface = met.shape.surface(local);
+                nearest = nearest.min(surface.distance);
+                self.seen[slot] = surface;
+            }
+        }
+        nearest
+    }
+
+    fn add(&mut self, element: Element, place: usize, particles: &Particles, met: Met, side: f32, most: f32) {
+        let corners = element.corners();
+        let seen = corners.map(|slot| self.seen[slot]);
+        let nearest = seen.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
+        let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
+        // Where a particle is inside already, that comes first.
+        if nearest < 0.0
+            || nearest >= met.reach + side
+            || is_held
+            || !met.is_swift && !may_poke(seen.map(|s| s.normal), side, most)
+        {
+            return;
+        }
+        let local = corners.map(|slot| met.pose.to_local(particles.position.get(slot)));
+        if met.shape.is_convex() && least_distance(seen, local) >= met.reach {
+            return;
+        }
+        let (weights, surface) = match met.shape.nearest_on(element.piece(local), met.reach) {
+            Nearest::Apart => return,
+            Nearest::At(_, point) => {
+                let weights = element.nearest(local, point);
+                (weights, met.shape.surface(weighted(weights, local)))
+            }
+            Nearest::Through => {
+                deepest(met.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
+            }
+        };
+        if surface.distance >= met.reach {
+            return;
+        }
+        let plane = surface.plane_at(weighted(weights, local));
+        self.contacts.push(FaceContact {
+            element,
+            place,
+            obstacle: met.obstacle,
+            friction: met.friction,
+            weights,
+            plane: (!met.shape.has_formula()).then_some(plane),
+            is_swift: met.is_swift,
+            ahead: None,
+            depth: 0.0,
+            overlap: Overlap::default(),
+            normal: Vec3::ZERO,
+            given: Vec3::ZERO,
+        });
+    }
+}
+
+impl Element {
+    fn piece(self, corners: [Vec3; 3]) -> Piece {
+        match self {
+            Self::Face(_) => Piece::Triangle(corners),
+            Self::Segment(_) => Piece::Segment([corners[0], corners[1]]),
+        }
+    }
+}
+
+/// Whether a surface with these normals next to the corners may rise between them by more than `most` metres. Two planes
+/// that meet at an angle `a` rise by `side / 2 tan(a / 2)`, and any rounder surface by less.
+fn may_poke([a, b, c]: [Vec3; 3], side: f32, most: f32) -> bool {
+    if a == Vec3::ZERO || b == Vec3::ZERO || c == Vec3::ZERO {
+        // One is too far away to see anything.
+        return true;
+    }
+    let cosine = a.dot(b).min(b.dot(c)).min(c.dot(a));
+    // tan^2 (a / 2) = (1 - cos a) / (1 + cos a)
+    0.25 * side * side * (1.0 - cosine) > most * most * (1.0 + cosine)
+}
+
+/// A bound on how near an element can be to a convex shape, from the `surfaces` next to its corners: the shape lies behind
+/// the tangent plane of each.
+fn least_distance(surfaces: [Surface; 3], corners: [Vec3; 3]) -> f32 {
+    let bounds = [0, 1, 2].map(|k| {
+        let Surface { distance, normal } = surfaces[k];
+        let rises = corners.map(|corner| normal.dot(corner - corners[k]));
+        if distance < f32::INFINITY { distance + rises[0].min(rises[1]).min(rises[2]) } else { 0.0 }
+    });
+    bounds[0].max(bounds[1]).max(bounds[2])
+}
+
+/// Weights of the point of an element that is deepest in a shape, and the surface next to it. `corners` are in the shape's
+/// coordinates; `stride` (metres) is how far the first round goes.
+fn deepest(
+    shape: &Shape,
+    element: Element,
+    corners: [Vec3; 3],
+    mut weights: [f32; 3],
+    mut stride: f32,
+    rounds: u32,
+) -> ([f32; 3], Surface) {
+    if let Shape::Sphere { .. } = shape {
+        weights = element.nearest(corners, Vec3::ZERO);
+        return (weights, shape.surface(weighted(weights, corners)));
+    }
+    let mut best = shape.surface(weighted(weights, corners));
+    for round in 0..rounds {
+        // First down the slope; then, as for the nearest points of two convex bodies, to and fro between the two.
+        let is_late = 2 * round >= rounds || stride == 0.0;
+        let way = if is_late { best.distance.abs() } else { stride };
+        let inwards = weighted(weights, corners) - best.normal * way;
+        let trial = element.nearest(corners, inwards);
+        let surface = shape.surface(weighted(trial, corners));
+        if surface.distance < best.distance {
+            (weights, best) = (trial, surface);
+        } else {
+            stride *= 0.5;
+        }
+    }
+    (weights, best)
+}
+
+/// Forgets the last substep's depths, and follows the deepest points.
+pub(crate) fn begin_substep(body: &mut Body, around: Surroundings, movers: &[Mover]) {
+    let Body { particles, context, .. } = body;
+    let mut poses = None;
+    for contact in &mut context.faces.contacts {
+        let mover = mover(movers, contact.obstacle);
+        let poses = kept(&mut poses, contact.obstacle, mover, around, particles.origin);
+        contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
+        contact.depth = 0.0;
+        contact.given = Vec3::ZERO;
+        contact.overlap = Overlap::default();
+    }
+}
+
+/// The poses of the obstacle that was asked for last, at the start and the end of the substep.
+pub(crate) struct Poses {
+    obstacle: usize,
+    pub before: Pose,
+    pub now: Pose,
+}
+
+impl Poses {
+    fn of(obstacle: usize, around: Surroundings, origin: Vec3) -> Self {
+        let pose_at = |k: u32| around.obstacles[obstacle].pose_at(k as f32 / around.substeps as f32, origin);
+        Self { obstacle, before: pose_at(around.substep_index), now: pose_at(around.substep_index + 1) }
+    }
+
+    fn of_mover(obstacle: usize, mover: &Mover, origin: Vec3) -> Self {
+        let [before, now] = mover.poses(origin);
+        Self { obstacle, before, now }
+    }
+}
+
+/// Moves the faces that an obstacle pokes into out to its surface.
+pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
+    let mut contacts = core::mem::take(&mut body.context.faces.contacts);
+    let pace = Pace::gentle(around.substep);
+    let mut poses = None;
+    for contact in &mut contacts {
+        let mover = mover_mut(movers, contact.obstacle);
+        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, body.particles.origin);
+        contact.project(body, around.obstacles, poses, mover, pace);
+    }
+    body.context.faces.contacts = contacts;
+}
+
+/// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
+pub(crate) fn kept<'a>(
+    poses: &'a mut Option<Poses>,
+    obstacle: usize,
+    mover: Option<&Mover>,
+    around: Surroundings,
+    origin: Vec3,
+) -> &'a Poses {
+    if let Some(mover) = mover {
+        return poses.insert(Poses::of_mover(obstacle, mover, origin));
+    }
+    if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
+        *poses = None;
+    }
+    poses.get_or_insert_with(|| Poses::of(obstacle, around, origin))
+}
+
+impl FaceContact {
+    /// Follows the deepest point, and keeps the surface there as a plane.
+    fn look(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) {
+        self.ahead = None;
+        if self.is_swift && self.look_ahead(particles, shape, poses) {
+            return;
+        }
+        let corners = self.element.corners().map(|slot| poses.now.to_local(particles.position.get(slot)));
+        let (weights, surface) = deepest(shape, self.element, corners, self.weights, 0.0, LOOKS_AGAIN);
+        self.weights = weights;
+        if let Some(plane) = &mut self.plane {
+            *plane = surface.plane_at(weighted(weights, corners));
+        }
+    }
+
+    /// Looks for what the element runs into on its way through the obstacle's coordinates: all of it as its middle does.
+    /// Where it lay on the obstacle at the start of the substep, it is held by the surface there.
+    fn look_ahead(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) -> bool {
+        let was_touching = self.depth > 0.0;
+        let corners = self.element.corners();
+        let end = corners.map(|slot| poses.now.to_local(particles.position.get(slot)));
+        let start = corners.map(|slot| {
+            poses.before.to_local(particles.position.get(slot) - particles.displacement.get(slot))
+        });
+        let places = || start.iter().chain(&end).copied();
+        let (low, high) = shape.local_bounds();
+        let (least, most) = places().fold((start[0], start[0]), |(a, b), place| (a.min(place), b.max(place)));
+        if least.cmpgt(high).any() || most.cmplt(low).any() {
+            return false;
+        }
+        let middle = self.element.middle();
+        let way = weighted(middle, end) - weighted(middle, start);
+        let is_outside = || shape.surface(weighted(middle, start)).distance > 0.0;
+        let piece = self.element.piece(start);
+        // What is through the shape already has no side to be swept from, and makes parry allocate.
+        let is_before = matches!(shape.nearest_on(piece, way.length()), Nearest::At(..));
+        let met = if is_before { shape.sweep_piece(piece, way) } else { None };
+        let (weights, plane) = match met {
+            Some(meeting) if is_outside() => {
+                let there = start.map(|corner| corner + way * meeting.fraction);
+                (self.element.nearest(there, meeting.point), meeting.plane)
+            }
+            _ if was_touching => {
+                let (weights, surface) = deepest(shape, self.element, start, self.weights, 0.0, LOOKS_AGAIN);
+                (weights, surface.plane_at(weighted(weights, start)))
+            }
+            _ => return false,
+        };
+        self.weights = weights;
+        self.ahead = Some(plane);
+        true
+    }
+
+    fn project(
+        &mut self,
+        body: &mut Body,
+        obstacles: &[Obstacle],
+        poses: &Poses,
+        mover: Option<&mut Mover>,
+        pace: Pace,
+    ) {
+        let corners = self.element.corners();
+        let thickness = FACE_THICKNESS * body.settings.thickness;
+        let places = corners.map(|slot| body.particles.position.get(slot));
+        let local = places.map(|place| poses.now.to_local(place));
+        let shape = obstacles[self.obstacle].shape();
+        let plane = self.ahead.or(self.plane);
+        let surface_at = |local: Vec3| match plane {
+            Some(plane) => plane.surface(local),
+            None => shape.surface(local),
+        };
+        let surface = surface_at(weighted(self.weights, local));
+        let depth = thickness - surface.distance;
+        // A corner is met as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
+        let most = INTRUSION * body.topology.longest_edge;
+        let is_corner = || self.weights.iter().any(|&weight| weight > VERTEX_WEIGHT);
+        if depth <= 0.0 || self.ahead.is_none() && (depth > most + thickness || is_corner()) {
+            return;
+        }
+        let felt = self.felt(&body.particles);
+        if felt == 0.0 {
+            return;
+        }
+        let normal = poses.now.direction_to_world(surface.normal);
+        let point = weighted(self.weights, places);
+        let travel = weighted(self.weights, corners.map(|slot| body.travel(slot)));
+        let carried = point - poses.before.point_to_world(poses.now.to_local(point));
+        let start = poses.before.to_local(point - travel);
+        let at_start = || thickness - surface_at(start).distance;
+        let mut push = self.overlap.split(depth, (travel - carried).dot(normal), at_start, pace);
+        if let Some(mover) = mover {
+            let contact = body.particles.origin + point;
+            push.fresh *= felt / (felt + mover.inverse_mass_at(contact, normal));
+            let given = normal * (push.fresh / felt);
+            mover.receive(Given::at((contact - travel).as_dvec3(), self.obstacle, given), pace.substep());
+        }
+        self.depth += push.fresh;
+        self.normal = normal;
+        self.given += normal * (push.fresh / felt);
+        for (slot, weight) in corners.into_iter().zip(self.weights) {
+            let share = weight * body.particles.inverse_mass[slot] / felt;
+            let (fresh, all) = (normal * (push.fresh * share), normal * ((push.fresh + push.old) * share));
+            body.particles.displacement.add(slot, fresh);
+            body.particles.position.add(slot, all);
+            body.context.integrated.add(slot, all);
+        }
+    }
+
+    /// Inverse mass of the deepest point, in 1/kg.
+    fn felt(&self, particles: &Particles) -> f32 {
+        felt(self.weights, self.element.corners().map(|slot| particles.inverse_mass[slot]))
+    }
+}
+
+/// Friction at the deepest points, on what they have slipped in this substep. Corners that go with the point may lie around
+/// an edge: by more than a thickness it moves none.
+pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
+    let Body { particles, context, settings, .. } = body;
+    let mut poses = None;
+    for contact in context.faces.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
+        let mover = mover_mut(movers, contact.obstacle);
+        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, particles.origin);
+        let corners = contact.element.corners();
+        let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
+        let moved = weighted(contact.weights, corners.map(|slot| particles.displacement.get(slot)));
+        let carried = point - poses.before.point_to_world(poses.now.to_local(point));
+        let depth = contact.depth.min(settings.thickness);
+        let felt = contact.felt(particles);
+        let slip = moved - carried;
+        let taken = match mover {
+            Some(mover) => {
+                let place = particles.origin + point;
+                let (taken, push) =
+                    mover.slip_taken(contact.friction, felt, slip, contact.normal, depth, place);
+                let given = Given::at((place - moved).as_dvec3(), contact.obstacle, push);
+                mover.receive(given, around.substep);
+                taken
+            }
+            None => contact.friction.slip_taken(slip, contact.normal, depth),
+        };
+        contact.given -= taken / felt;
+        for (slot, weight) in corners.into_iter().zip(contact.weights) {
+            let shift = taken * (-weight * particles.inverse_mass[slot] / felt);
+            particles.position.add(slot, shift);
+            particles.displacement.add(slot, shift);
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Particles against obstacles that are moved by what hits them: one by one, each push shared out by inverse masses.
+//!
+//! As [`contact_particle_obstacle`](crate::contact::particle_obstacle) has it, but for the normal push: the particle, of
+//! inverse mass `w`, takes the part `w / (w + W)` of the depth, where `W` is the obstacle's inverse mass at the point of
+//! contact, and the obstacle the rest. The next particle meets the obstacle where that has brought it. Where many push at
+//! once, the first have pushed too much: later projections take that back, down to no push at all (projected Gauss-Seidel).
+
+use glam::Vec3;
+
+use crate::contact::depenetration::{Overlap, Pace, Push};
+use crate::contact::dynamic_obstacle::{Mover, mover_mut};
+use crate::contact::particle_obstacle::{ObstacleContacts, Pushes};
+use crate::contact::reaction::Given;
+use crate::simd::columns::{Cell, LANES};
+use crate::state::body::Body;
+use crate::substep::sweep::Surroundings;
+
+/// Moves particles out of the obstacles that they are in, and those back.
+pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover], is_first: bool) {
+    if movers.is_empty() {
+        return;
+    }
+    let Body { particles, context, settings, .. } = body;
+    let (origin, thickness) = (particles.origin, settings.thickness);
+    let pace = Pace::new(around.substep, around.substeps, around.substep_index);
+    let ObstacleContacts { groups, candidates, pushes, given, planes, .. } = &mut context.contacts;
+    for ((candidate, pushes), given) in candidates.iter_mut().zip(pushes).zip(given) {
+        let group = &groups[usize::from(candidate.group)];
+        let Some(mover) = group.is_dynamic.then(|| mover_mut(movers, group.obstacle)).flatten() else {
+            continue;
+        };
+        if is_first {
+            candidate.is_touching = false;
+            *given = Cell::default();
+        }
+        let shape = around.obstacles[group.obstacle].shape();
+        let mut poses = mover.poses(origin);
+        for lane in (0..LANES).filter(|lane| candidate.lanes >> lane & 1 != 0) {
+            let slot = candidate.cell as usize * LANES + lane;
+            let [before, now] = poses;
+            let position = particles.position.get(slot);
+            let surface_at = |local: Vec3| match candidate.planes {
+                Some(place) => planes[place as usize].get(lane).surface(local),
+                None => shape.surface(local),
+            };
+            let local = now.to_local(position);
+            let surface = surface_at(local);
+            let depth = thickness - surface.distance;
+            let pushed = if candidate.is_touching { pushes.depth[lane] } else { 0.0 };
+            if depth <= 0.0 && pushed == 0.0 {
+                continue;
+            }
+            if !candidate.is_touching {
+                *pushes = Pushes::NONE;
+                candidate.is_touching = true;
+            }
+            let normal = now.direction_to_world(surface.normal);
+            let travel = particles.displacement.get(slot) + (position - context.integrated.get(slot));
+            let outward = (travel - (position - before.point_to_world(local))).dot(normal);
+            let push = if depth > 0.0 {
+                let start = before.to_local(position - travel);
+                let mut overlap = Overlap::with_left((pushes.left[lane] >= 0.0).then_some(pushes.left[lane]));
+                let push = overlap.split(depth, outward, || thickness - surface_at(start).distance, pace);
+                pushes.left[lane] = overlap.left().unwrap_or(-1.0);
+                push
+            } else {
+                Push { fresh: depth, old: 0.0 }
+            };
+            let inverse_mass = particles.inverse_mass[slot];
+            let place = origin + position;
+            let share = inverse_mass / (inverse_mass + mover.inverse_mass_at(place, normal));
+            // Others have pushed the obstacle away since: what was too much is taken back.
+            let fresh = (push.fresh * share).max(-pushed);
+            let moved = normal * fresh;
+            pushes.depth[lane] += fresh;
+            pushes.normal.set(lane, normal);
+            given.set(lane, given.get(lane) + moved);
+            particles.displacement.add(slot, moved);
+            let out = normal * (fresh + push.old);
+            particles.position.add(slot, out);
+            context.integrated.add(slot, out);
+            // A push adds to the whole way of the substep, and so acts where that began.
+            let begun = (place - travel).as_dvec3();
+            mover.receive(Given::at(begun, group.obstacle, moved / inverse_mass), around.substep);
+            poses = mover.poses(origin);
+        }
+    }
+}
+
+/// Friction on what particles have slipped on such obstacles in this substep.
+pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
+    if movers.is_empty() {
+        return;
+    }
+    let Body { particles, context, .. } = body;
+    let origin = particles.origin;
+    let ObstacleContacts { groups, candidates, pushes, given, .. } = &mut context.contacts;
+    let touching =
+        candidates.iter().zip(pushes).zip(given).filter(|((candidate, _), _)| candidate.is_touching);
+    for ((candidate, pushes), given) in touching {
+        let group = &groups[usize::from(candidate.group)];
+        let Some(mover) = group.is_dynamic.then(|| mover_mut(movers, group.obstacle)).flatten() else {
+            continue;
+        };
+        for lane in (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0) {
+            let slot = candidate.cell as usize * LANES + lane;
+            let [before, now] = mover.poses(origin);
+            let (position, displacement) = (particles.position.get(slot), particles.displacement.get(slot));
+            let slip = displacement - (position - before.point_to_world(now.to_local(position)));
+            let (normal, depth) = (pushes.normal.get(lane), pushes.depth[lane]);
+            let inverse_mass = particles.inverse_mass[slot];
+            let place = origin + position;
+            let (taken, push) = mover.slip_taken(group.friction, inverse_mass, slip, normal, depth, place);
+            given.set(lane, given.get(lane) - taken);
+            particles.position.add(slot, -taken);
+            particles.displacement.add(slot, -taken);
+            let begun = (place - displacement).as_dvec3();
+            mover.receive(Given::at(begun, group.obstacle, push), around.substep);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! What bodies and balls do to obstacles: the exact opposite of every push that contacts and friction gave them.
+//!
+//! A push changes a displacement by `d`, and so the momentum by `m d / h` with the substep `h`. For obstacles that ask,
+//! contacts sum up these `m d` as they push; after each substep the sums are added up here in double precision, with the
+//! moments of their points. Overlaps that are taken out in position only change no momentum and do not count.
+
+use glam::{DVec3, Vec3};
+
+use crate::contact::ball_obstacle::BallObstacle;
+use crate::contact::dynamic_obstacle::{Mover, mover};
+use crate::simd::columns::Cell;
+use crate::state::island::{Environment, Island};
+use crate::state::obstacles::Obstacles;
+
+/// What the bodies and balls of an island did to an obstacle in the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reaction {
+    /// The obstacle, by its index in the environment.
+    pub obstacle: usize,
+    /// Change of its momentum in newton seconds.
+    pub impulse: Vec3,
+    /// Change of its angular momentum in newton metre seconds, in world axes, about the place of its origin at the end of
+    /// the step: where the impulse is to be given to it.
+    pub angular_impulse: Vec3,
+}
+
+/// The sums of one step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Reactions {
+    /// Whether anything near an obstacle that asks may be pushed in this step.
+    is_on: bool,
+    /// In order of the obstacles.
+    sums: Vec<Sum>,
+}
+
+/// What was given to bodies and balls by one obstacle.
+#[derive(Clone, Copy, Debug)]
+struct Sum {
+    obstacle: usize,
+    /// In newton seconds.
+    impulse: DVec3,
+    /// About the world's origin.
+    angular_impulse: DVec3,
+    /// Where the obstacle is at the end of the step, if nothing moves it.
+    end: DVec3,
+}
+
+/// A push on a body or ball.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given {
+    pub obstacle: usize,
+    /// In the world.
+    pub point: DVec3,
+    /// Mass times displacement, in kilogram metres.
+    pub push: Vec3,
+    /// Its moment about that point, in kg m^2.
+    pub moment: Vec3,
+}
+
+impl Given {
+    /// A push in the middle of a point: no moment comes with it.
+    pub fn at(point: DVec3, obstacle: usize, push: Vec3) -> Self {
+        Self { obstacle, point, push, moment: Vec3::ZERO }
+    }
+}
+
+impl Reactions {
+    pub fn clear(&mut self) {
+        self.is_on = false;
+        self.sums.clear();
+    }
+
+    /// Whether the step has to be taken substep by substep.
+    pub fn is_on(&self) -> bool {
+        self.is_on
+    }
+
+    fn add(&mut self, obstacles: &Obstacles, substep: f32, given: Given) {
+        let Given { obstacle, point, push, moment } = given;
+        let [impulse, couple] = [push, moment].map(|sum| sum.as_dvec3() / f64::from(substep));
+        let angular_impulse = point.cross(impulse) + couple;
+        // What is lost in a body that has to be left out is lost with it.
+        if !(impulse.is_finite() && angular_impulse.is_finite()) {
+            return;
+        }
+        match self.sums.binary_search_by_key(&obstacle, |sum| sum.obstacle) {
+            Ok(place) => {
+                self.sums[place].impulse += impulse;
+                self.sums[place].angular_impulse += angular_impulse;
+            }
+            Err(place) => {
+                let end = obstacles[obstacle].placement().translation.as_dvec3();
+                self.sums.insert(place, Sum { obstacle, impulse, angular_impulse, end });
+            }
+        }
+    }
+}
+
+/// Finds out whether anything may touch an obstacle that asks.
+pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles) {
+    let Island { bodies, context, .. } = island;
+    let asks = |index: usize| obstacles[index].keeps_account();
+    for body in bodies {
+        context.reactions.is_on |= body.context.contacts.keep_given(asks);
+        context.reactions.is_on |= body.context.faces.obstacles().any(asks);
+        context.reactions.is_on |= body.context.embedded.obstacles().any(asks);
+    }
+    context.reactions.is_on |= context.ball_obstacle.iter().map(BallObstacle::obstacle).any(asks);
+}
+
+/// Adds what was given in the substep that has just been taken.
+pub(crate) fn gather(island: &mut Island, environment: &Environment) {
+    let Island { bodies, balls, context, .. } = island;
+    if !context.reactions.is_on {
+        return;
+    }
+    let (obstacles, substep) = (&environment.obstacles, context.substep);
+    let mut add = |given: Given| {
+        if obstacles[given.obstacle].reports_reaction() {
+            context.reactions.add(obstacles, substep, given);
+        }
+    };
+    for body in bodies {
+        let particles = &body.particles;
+        let origin = particles.origin.as_dvec3();
+        for (obstacle, slot, moved) in body.context.contacts.given() {
+            let point = origin + particles.position.get(slot).as_dvec3();
+            add(Given::at(point, obstacle, moved / particles.inverse_mass[slot]));
+        }
+        body.context.faces.given(particles).for_each(&mut add);
+        body.context.embedded.given(particles).for_each(&mut add);
+    }
+    context.ball_obstacle.iter().filter_map(|pair| pair.given(balls)).for_each(add);
+}
+
+/// Puts the reactions of the step into the island, in order of the obstacles.
+pub(crate) fn finish(island: &mut Island) {
+    let Island { reactions, context, .. } = island;
+    reactions.clear();
+    reactions.extend(context.reactions.sums.iter().map(|sum| {
+        let end = mover(&context.movers, sum.obstacle).map_or(sum.end, Mover::centre);
+        let angular_impulse = sum.angular_impulse - end.cross(sum.impulse);
+        Reaction {
+            obstacle: sum.obstacle,
+            impulse: -sum.impulse.as_vec3(),
+            angular_impulse: -angular_impulse.as_vec3(),
+        }
+    }));
+}
+
+/// Adds to a lane-wise sum what has been given to those lanes.
+#[inline(always)]
+pub(crate) fn add_to(sum: &mut Cell, before: &Cell, after: &Cell) {
+    for (sum, (before, after)) in sum.axes_mut().into_iter().zip(before.axes().into_iter().zip(after.axes()))
+    {
+        for lane in 0..sum.len() {
+            sum[lane] += after[lane] - before[lane];
+        }
+    }
+}

@@ -1,0 +1,380 @@
+//! What bodies and balls touched over a step, pair by pair: kept for those that ask for it.
+//!
+//! Contacts themselves know the last substep only. After each substep what was pushed in it is added up here; what asks
+//! for no report costs nothing. Sensors, which push nothing, are looked for here alone.
+
+use glam::Vec3;
+
+use crate::contact::ball_cloth::{Element, weighted};
+use crate::contact::ball_obstacle::BallObstacle;
+use crate::contact::cloth_cloth as contact_self;
+use crate::contact::event::{Contact, Feature, Other, Party, Touch, pair_without};
+use crate::contact::face_obstacle::PushedElement;
+use crate::geometry::shape::Shape;
+use crate::simd::columns::LANES;
+use crate::state::island::{Environment, Island, IslandContext};
+use crate::state::obstacle::Obstacle;
+
+/// The account of one step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactReport {
+    /// Whether there is something to look for after each substep.
+    is_on: bool,
+    /// In order of the pairs.
+    accounts: Vec<Account>,
+    /// Who may touch which sensor.
+    watches: Vec<Watch>,
+    /// The cells of bodies that may touch sensors.
+    watched_cells: Vec<u32>,
+    /// Pairs of a ball and an obstacle that is near and does not stop it.
+    passable: Vec<(usize, usize)>,
+    /// Obstacles near balls that ask for a report, in order.
+    reporting: Vec<usize>,
+}
+
+/// What has happened to a pair since the step began.
+#[derive(Clone, Copy, Debug)]
+struct Account {
+    pair: (Party, Other),
+    contact: Contact,
+    /// Corners of the face that the contact is on.
+    face: Option<[u32; 3]>,
+    /// The hardest push on one particle or face so far: its place is the contact's.
+    hardest: f32,
+}
+
+/// Somebody who may touch a sensor in this step.
+#[derive(Clone, Copy, Debug)]
+struct Watch {
+    party: Party,
+    sensor: usize,
+    /// The first of a body's cells in the list, and the one after the last.
+    cells: [usize; 2],
+}
+
+/// A push on a particle or face.
+struct Push {
+    pair: (Party, Other),
+    point: Vec3,
+    normal: Vec3,
+    /// In newton seconds.
+    impulse: f32,
+    feature: Option<Feature>,
+    face: Option<[u32; 3]>,
+}
+
+impl ContactReport {
+    /// Begins the account of a step.
+    pub fn clear(&mut self) {
+        self.is_on = false;
+        self.accounts.clear();
+        self.watches.clear();
+        self.watched_cells.clear();
+        self.passable.clear();
+        self.reporting.clear();
+    }
+
+    /// Notes an obstacle that is near a ball and does not stop it: it may be a sensor.
+    pub fn note_passable(&mut self, ball: usize, obstacle: usize) {
+        self.passable.push((ball, obstacle));
+    }
+
+    /// Whether the step has to be taken substep by substep.
+    pub fn is_on(&self) -> bool {
+        self.is_on
+    }
+
+    /// Leaves out a body or ball that was taken out of the island.
+    pub fn forget(&mut self, gone: Other) {
+        self.watches.clear();
+        self.accounts.retain_mut(|account| {
+            let left = pair_without(account.pair, gone);
+            if let Some(pair) = left {
+                account.pair = pair;
+                (account.contact.party, account.contact.other) = pair;
+            }
+            left.is_some()
+        });
+    }
+
+    /// Leaves out a body that is empty from now on.
+    pub fn vacate(&mut self, body: usize) {
+        let is_it = |party: Party| party == Party::Body(body);
+        self.watches.retain(|watch| !is_it(watch.party));
+        self.accounts.retain(|account| !is_it(account.pair.0) && account.pair.1 != Other::Body(body));
+    }
+
+    fn is_known(&self, pair: (Party, Other)) -> bool {
+        self.accounts.binary_search_by_key(&pair, |account| account.pair).is_ok()
+    }
+
+    fn add(&mut self, push: Push, time: f32) {
+        let Push { pair, point, normal, impulse, feature, face } = push;
+        let place = match self.accounts.binary_search_by_key(&pair, |account| account.pair) {
+            Ok(place) => place,
+            Err(place) => {
+                let (party, other) = pair;
+                let contact = Contact { party, other, time, point, normal, impulse: 0.0, feature };
+                self.accounts.insert(place, Account { pair, contact, face, hardest: impulse });
+                place
+            }
+        };
+        let account = &mut self.accounts[place];
+        account.contact.impulse += impulse;
+        if impulse > account.hardest {
+            account.hardest = impulse;
+            account.face = face;
+            account.contact = Contact { point, normal, feature, ..account.contact };
+        }
+    }
+}
+
+/// Finds out what is to be accounted for in this step, in which no particle moves more than `reach` metres.
+pub(crate) fn detect(island: &mut Island, environment: &Environment, reach: f32) {
+    let Island { bodies, balls, context, .. } = island;
+    let report = &mut context.report;
+    let obstacles = &environment.obstacles;
+    for (index, body) in bodies.iter().enumerate() {
+        let contacts = &body.context.contacts;
+        let is_reported = |obstacle: &Obstacle| body.reports_contacts || obstacle.reports_contacts();
+        let mut met = contacts.obstacles().chain(body.context.faces.obstacles());
+        let is_touched = met.any(|index| is_reported(&obstacles[index]));
+        report.is_on |= is_touched || (body.reports_contacts && !balls.is_empty());
+        let reach = reach + body.settings.thickness;
+        for sensor in contacts.near.iter().map(|&index| index as usize) {
+            let obstacle = &obstacles[sensor];
+            if !(obstacle.senses(body.layers) && is_reported(obstacle)) {
+                continue;
+            }
+            let pose = obstacle.pose_at(0.0, body.particles.origin);
+            let (low, high) = obstacle.shape().local_bounds();
+            let reach = reach + obstacle.travel();
+            let is_near = |position: Vec3| {
+                let local = pose.to_local(position);
+                local.cmpge(low - reach).all() && local.cmple(high + reach).all()
+            };
+            let first = report.watched_cells.len();
+            let cells = body.particles.position.cells.iter().enumerate();
+            let near = cells.filter(|(_, cell)| (0..LANES).any(|lane| is_near(cell.get(lane))));
+            report.watched_cells.extend(near.map(|(cell, _)| cell as u32));
+            let cells = [first, report.watched_cells.len()];
+            report.watches.push(Watch { party: Party::Body(index), sensor, cells });
+        }
+    }
+    for &(index, sensor) in &report.passable {
+        let (ball, obstacle) = (&balls[index], &obstacles[sensor]);
+        if obstacle.senses(ball.layers) && (ball.reports_contacts || obstacle.reports_contacts()) {
+            report.watches.push(Watch { party: Party::Ball(index), sensor, cells: [0; 2] });
+        }
+    }
+    let is_in_company = bodies.iter().filter(|body| contact_self::is_on(body)).nth(1).is_some();
+    report.is_on |= is_in_company && bodies.iter().any(|body| body.reports_contacts);
+    let near_balls = context.ball_obstacle.iter().map(BallObstacle::obstacle);
+    report.reporting.extend(near_balls.filter(|&index| obstacles[index].reports_contacts()));
+    report.reporting.sort_unstable();
+    report.is_on |= !report.watches.is_empty() || balls.iter().any(|ball| ball.reports_contacts);
+}
+
+/// Adds what was pushed in the substep that has just been taken.
+pub(crate) fn gather(island: &mut Island, environment: &Environment) {
+    if !island.context.report.is_on {
+        return;
+    }
+    gather_particles(island, environment);
+    gather_bodies(island);
+    gather_faces(island);
+    sense(island, environment);
+}
+
+/// Particles and faces that obstacles have pushed.
+fn gather_particles(island: &mut Island, environment: &Environment) {
+    let Island { bodies, context, .. } = island;
+    let time = context.substep_index as f32 * context.substep;
+    for (index, body) in bodies.iter().enumerate() {
+        let particles = &body.particles;
+        for (obstacle, slot, normal, depth) in body.context.contacts.pushed() {
+            if !(body.reports_contacts || environment.obstacles[obstacle].reports_contacts()) {
+                continue;
+            }
+            let surface = particles.position.get(slot) - normal * body.settings.thickness;
+            let push = Push {
+                pair: (Party::Body(index), Other::Obstacle(obstacle)),
+                point: surface + particles.origin,
+                normal,
+                // What was pushed out in one substep was that fast, and weighed this much.
+                impulse: depth / (particles.inverse_mass[slot] * context.substep),
+                feature: particles.layout.index(slot).map(Feature::Particle),
+                face: None,
+            };
+            context.report.add(push, time);
+        }
+        for PushedElement { element, place, obstacle, weights, normal, depth } in body.context.faces.pushed()
+        {
+            if !(body.reports_contacts || environment.obstacles[obstacle].reports_contacts()) {
+                continue;
+            }
+            let corners = element.corners();
+            let point = weighted(weights, corners.map(|slot| particles.position.get(slot)));
+            let felt = corners.iter().zip(weights).map(|(&slot, b)| b * b * particles.inverse_mass[slot]);
+            let feature = match element {
+                Element::Face(_) => Some(Feature::Face(place)),
+                Element::Segment(_) => {
+                    let nearest_end = if weights[0] >= weights[1] { corners[0] } else { corners[1] };
+                    particles.layout.index(nearest_end).map(Feature::Particle)
+                }
+            };
+            let push = Push {
+                pair: (Party::Body(index), Other::Obstacle(obstacle)),
+                point: point - normal * body.settings.thickness + particles.origin,
+                normal,
+                impulse: depth / (felt.sum::<f32>() * context.substep),
+                feature,
+                face: None,
+            };
+            context.report.add(push, time);
+        }
+    }
+}
+
+/// Particles of bodies that have pushed each other.
+fn gather_bodies(island: &mut Island) {
+    let Island {
+        bodies, context: IslandContext { self_contacts, report, substep, substep_index, .. }, ..
+    } = island;
+    let time = *substep_index as f32 * *substep;
+    for (ends, normal, depth) in self_contacts.pushed_bodies() {
+        if !ends.iter().any(|&(body, _)| bodies[body].reports_contacts) {
+            continue;
+        }
+        // The body that comes first is the party.
+        let is_turned = ends[0].0 > ends[1].0;
+        let [(first, slot), (second, other_slot)] = if is_turned { [ends[1], ends[0]] } else { ends };
+        let normal = if is_turned { -normal } else { normal };
+        let (particles, other) = (&bodies[first].particles, &bodies[second]);
+        let surface = other.particles.position.get(other_slot) + normal * other.settings.thickness;
+        let felt = particles.inverse_mass[slot] + other.particles.inverse_mass[other_slot];
+        let push = Push {
+            pair: (Party::Body(first), Other::Body(second)),
+            point: surface + other.particles.origin,
+            normal,
+            impulse: depth / (felt * *substep),
+            feature: particles.layout.index(slot).map(Feature::Particle),
+            face: None,
+        };
+        report.add(push, time);
+    }
+}
+
+/// Faces and segments that balls have pushed. The ball's [touch](Touch) has all else about the pair.
+fn gather_faces(island: &mut Island) {
+    let Island { bodies, balls, context, .. } = island;
+    for contact in &context.ball_cloth {
+        let (ball, body) = (contact.ball, contact.body);
+        let Some((corners, weights, depth)) = contact.pushed() else { continue };
+        if !(balls[ball].reports_contacts || bodies[body].reports_contacts) {
+            continue;
+        }
+        let corners = corners.map(|slot| bodies[body].particles.layout.index(slot));
+        let [Some(a), Some(b), Some(c)] = corners else { continue };
+        let is_face = b != c;
+        let nearest_end = if weights[0] >= weights[1] { a } else { b };
+        context.report.add(
+            Push {
+                pair: (Party::Ball(ball), Other::Body(body)),
+                point: Vec3::ZERO,
+                normal: Vec3::ZERO,
+                impulse: depth,
+                feature: (!is_face).then_some(Feature::Particle(nearest_end)),
+                face: is_face.then_some([a, b, c].map(|corner| corner as u32)),
+            },
+            0.0,
+        );
+    }
+}
+
+/// Looks for whoever is within a sensor.
+fn sense(island: &mut Island, environment: &Environment) {
+    let Island { bodies, balls, context, .. } = island;
+    let report = &mut context.report;
+    let fraction = (context.substep_index + 1) as f32 / context.substeps as f32;
+    let time = context.substep_index as f32 * context.substep;
+    for place in 0..report.watches.len() {
+        let Watch { party, sensor, cells } = report.watches[place];
+        let pair = (party, Other::Obstacle(sensor));
+        if report.is_known(pair) {
+            continue;
+        }
+        let obstacle = &environment.obstacles[sensor];
+        let within = |position: Vec3, origin: Vec3, distance: f32| {
+            let local = obstacle.pose_at(fraction, origin).to_local(position);
+            is_within(obstacle.shape(), local, distance)
+        };
+        let found = match party {
+            Party::Ball(index) => {
+                let ball = &balls[index];
+                within(ball.position, Vec3::ZERO, ball.material.radius).then_some((ball.position, None))
+            }
+            Party::Body(index) => {
+                let body = &bodies[index];
+                let particles = &body.particles;
+                let slots = report.watched_cells[cells[0]..cells[1]].iter().flat_map(|&cell| {
+                    let first = cell as usize * LANES;
+                    first..first + LANES
+                });
+                let mut known = slots
+                    .filter_map(|slot| Some((particles.position.get(slot), particles.layout.index(slot)?)));
+                known
+                    .find(|&(position, _)| within(position, particles.origin, body.settings.thickness))
+                    .map(|(position, index)| (position + particles.origin, Some(Feature::Particle(index))))
+            }
+        };
+        if let Some((point, feature)) = found {
+            let normal = (point - obstacle.placement().translation).try_normalize().unwrap_or(Vec3::Y);
+            report.add(Push { pair, point, normal, impulse: 0.0, feature, face: None }, time);
+        }
+    }
+}
+
+/// Whether a point, in the shape's coordinates, is inside it or nearer to it than `distance` metres.
+fn is_within(shape: &Shape, point: Vec3, distance: f32) -> bool {
+    match shape {
+        // Its nearest point of the surface costs memory where the point is inside.
+        Shape::Parry(shape) => shape.distance_to_local_point(point, true) < distance,
+        shape => shape.surface(point).distance < distance,
+    }
+}
+
+/// Puts the contacts of the step into the island, in order of their pairs.
+pub(crate) fn finish(island: &mut Island) {
+    let Island { bodies, balls, touches, contacts, context, .. } = island;
+    let report = &context.report;
+    contacts.clear();
+    let reports = |other: Other| match other {
+        Other::Body(i) => bodies[i].reports_contacts,
+        Other::Ball(i) => balls[i].reports_contacts,
+        Other::Obstacle(i) => report.reporting.binary_search(&i).is_ok(),
+    };
+    for touch in touches.iter() {
+        let Touch { ball, other, time, point, normal, impulse, .. } = *touch;
+        // Two balls have a touch each.
+        let is_second = matches!(other, Other::Ball(second) if second < ball);
+        if is_second || !(balls[ball].reports_contacts || reports(other)) {
+            continue;
+        }
+        let party = Party::Ball(ball);
+        contacts.push(Contact { party, other, time, point, normal, impulse, feature: None });
+    }
+    contacts.sort_unstable_by_key(Contact::pair);
+    // Of a ball and a cloth the account has the place only: the touch has all else.
+    for account in &report.accounts {
+        match (account.pair, contacts.binary_search_by_key(&account.pair, Contact::pair)) {
+            ((Party::Ball(_), Other::Body(body)), Ok(place)) => {
+                let index_of = |face| bodies[body].topology.faces.iter().position(|known| known == face);
+                let face = account.face.as_ref().and_then(index_of).map(Feature::Face);
+                contacts[place].feature = face.or(account.contact.feature);
+            }
+            ((Party::Ball(_), Other::Body(_)), Err(_)) | (_, Ok(_)) => {}
+            (_, Err(place)) => contacts.insert(place, account.contact),
+        }
+    }
+}

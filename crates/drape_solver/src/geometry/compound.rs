@@ -1,0 +1,143 @@
+//! Several shapes as one obstacle.
+
+use glam::Vec3;
+use parry3d::shape::Compound;
+
+use crate::error::BuildError;
+use crate::geometry::nearest::{Nearest, Piece};
+use crate::geometry::pose::{Placement, Pose};
+use crate::geometry::shape::{Plane, Shape, Surface};
+use crate::geometry::sweep::Meeting;
+
+/// Shapes that are moved as one. Made by [`Shape::from_parry`](crate::Shape::from_parry).
+#[derive(Clone, Debug)]
+pub struct CompoundShape {
+    parts: Vec<Part>,
+    low: Vec3,
+    high: Vec3,
+}
+
+#[derive(Clone, Debug)]
+struct Part {
+    shape: Shape,
+    placement: Placement,
+    pose: Pose,
+}
+
+impl CompoundShape {
+    pub(crate) fn of_compound(compound: &Compound) -> Result<Self, BuildError> {
+        let parts = compound.shapes().iter().map(|(pose, shape)| {
+            let placement = Placement { translation: pose.translation, rotation: pose.rotation };
+            Ok((Shape::from_parry(shape.clone())?, placement))
+        });
+        Self::of_parts(parts.collect::<Result<_, BuildError>>()?)
+    }
+
+    fn of_parts(parts: Vec<(Shape, Placement)>) -> Result<Self, BuildError> {
+        if parts.is_empty() || !parts.iter().all(|(_, placement)| placement.is_valid()) {
+            return Err(BuildError::BadShape { reason: "it has no parts, or one without a place" });
+        }
+        let (mut low, mut high) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
+        let mut placed = Vec::with_capacity(parts.len());
+        for (shape, placement) in parts {
+            let pose = Pose::between(&placement, &placement, 1.0, Vec3::ZERO);
+            let (own_low, own_high) = shape.local_bounds();
+            if !(own_low.is_finite() && own_high.is_finite()) {
+                return Err(BuildError::BadShape { reason: "a part of it has no end" });
+            }
+            for corner in 0..8 {
+                let pick = |axis: usize| if corner >> axis & 1 == 0 { own_low[axis] } else { own_high[axis] };
+                let point = pose.point_to_world(Vec3::new(pick(0), pick(1), pick(2)));
+                (low, high) = (low.min(point), high.max(point));
+            }
+            placed.push(Part { shape, placement, pose });
+        }
+        Ok(Self { parts: placed, low, high })
+    }
+
+    /// Each part is scaled along its own axes: parts that are turned keep their form only under an even scale.
+    pub(crate) fn scaled(&self, scale: Vec3) -> Result<Self, BuildError> {
+        let parts = self.parts.iter().map(|part| {
+            let placement = Placement { translation: part.placement.translation * scale, ..part.placement };
+            Ok((part.shape.scaled(scale)?, placement))
+        });
+        Self::of_parts(parts.collect::<Result<_, BuildError>>()?)
+    }
+
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+        (self.low, self.high)
+    }
+
+    /// That of the part which the point is deepest in or nearest to.
+    pub(crate) fn surface(&self, point: Vec3) -> Surface {
+        let mut nearest = Surface { distance: f32::INFINITY, normal: Vec3::Y };
+        for part in &self.parts {
+            let local = part.pose.to_local(point);
+            let (low, high) = part.shape.local_bounds();
+            let beyond = (low - local).max(local - high).max(Vec3::ZERO);
+            if nearest.distance >= 0.0 && beyond.length_squared() > nearest.distance * nearest.distance {
+                continue;
+            }
+            let surface = part.shape.surface(local);
+            if surface.distance < nearest.distance {
+                let normal = part.pose.direction_to_world(surface.normal);
+                nearest = Surface { normal, ..surface };
+            }
+        }
+        nearest
+    }
+
+    /// The point of `piece` that is nearest to any part.
+    pub(crate) fn nearest_on(&self, piece: Piece, reach: f32) -> Nearest {
+        let mut nearest = Nearest::Apart;
+        let mut reach = reach;
+        for part in &self.parts {
+            match part.shape.nearest_on(piece.map(|corner| part.pose.to_local(corner)), reach) {
+                Nearest::Apart => {}
+                Nearest::Through => return Nearest::Through,
+                Nearest::At(distance, point) => {
+                    reach = distance;
+                    nearest = Nearest::At(distance, part.pose.point_to_world(point));
+                }
+            }
+        }
+        nearest
+    }
+
+    /// Where a ball that flies from `start` by `way` first meets a part.
+    pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, way: Vec3) -> Option<Meeting> {
+        let sweep = |shape: &Shape, pose: &Pose| {
+            let from = pose.to_local(start);
+            shape.sweep_ball(radius, from, pose.to_local(start + way) - from)
+        };
+        self.first_met(sweep)
+    }
+
+    /// Where a triangle or a segment that flies by `way` first meets a part.
+    pub(crate) fn sweep_piece(&self, piece: Piece, way: Vec3) -> Option<Meeting> {
+        let sweep = |shape: &Shape, pose: &Pose| {
+            let way = pose.to_local(way) - pose.to_local(Vec3::ZERO);
+            shape.sweep_piece(piece.map(|corner| pose.to_local(corner)), way)
+        };
+        self.first_met(sweep)
+    }
+
+    fn first_met(&self, sweep: impl Fn(&Shape, &Pose) -> Option<Meeting>) -> Option<Meeting> {
+        let meetings = self.parts.iter().filter_map(|Part { shape, pose, .. }| {
+            let Meeting { fraction, point, plane } = sweep(shape, pose)?;
+            let (point, normal) = (pose.point_to_world(point), pose.direction_to_world(plane.normal));
+            Some(Meeting { fraction, point, plane: Plane { normal, offset: normal.dot(point) } })
+        });
+        meetings.min_by(|a, b| a.fraction.total_cmp(&b.fraction))
+    }
+
+    /// Where the way from `start` first enters a part: the part of the way, and the normal there.
+    pub(crate) fn cast(&self, start: Vec3, way: Vec3) -> Option<(f32, Vec3)> {
+        let hits = self.parts.iter().filter_map(|part| {
+            let (from, to) = (part.pose.to_local(start), part.pose.to_local(start + way));
+            let (fraction, normal) = part.shape.cast(from, to - from)?;
+            Some((fraction, part.pose.direction_to_world(normal)))
+        });
+        hits.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}

@@ -1,0 +1,12 @@
+//! geometry.
+
+pub mod compound;
+pub mod mesh;
+pub(crate) mod nearest;
+pub(crate) mod nearest_segments;
+pub(crate) mod nearest_triangle;
+pub(crate) mod pose;
+pub(crate) mod separation;
+pub mod shape;
+pub(crate) mod surface_lanes;
+pub(crate) mod sweep;

@@ -1,0 +1,140 @@
+//! The Verlet step with drag.
+//!
+//! Position Verlet `x' = x + (1 - c)(x - x*) + a dt^2; x* = x` (Liu 2019, section 1.2; with `c = 0.01` its
+//! `1.99x - 0.99x*`), in displacement form. Some copies have `a dt^2 / 2` here: that halves gravity.
+
+use core::ops::Range;
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use glam::Vec3;
+
+use crate::simd::lanes::{Lanes3, load};
+use crate::state::body::Body;
+use crate::substep::work::{Common, Moving};
+
+/// What drag does to a displacement and to an acceleration in one substep.
+///
+/// A drag of `c` (1/s) multiplies the velocity by `f = exp(-c h)` in a substep `h`; an acceleration then acts
+/// for the mean of that decay, `g = (1 - f) / (c h)`. The terminal velocity is `a / c` for every `h`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drag {
+    decay: f32,
+    gain: f32,
+}
+
+impl Default for Drag {
+    fn default() -> Self {
+        Self { decay: 1.0, gain: 1.0 }
+    }
+}
+
+impl Drag {
+    /// For a drag in 1/s and a substep in seconds.
+    pub fn new(drag: f32, substep: f32) -> Self {
+        let exponent = f64::from(drag) * f64::from(substep);
+        if exponent == 0.0 {
+            return Self::default();
+        }
+        let lost = -libm::expm1(-exponent);
+        Self { decay: (1.0 - lost) as f32, gain: (lost / exponent) as f32 }
+    }
+
+    /// The substep, in seconds, as a load feels it: where drag takes a part of what an acceleration gives, it must
+    /// take the same part of what a soft stick gives back, or drag would change how far a load stretches it.
+    pub(crate) fn felt_substep(self, substep: f32) -> f32 {
+        substep * self.gain.sqrt()
+    }
+
+    /// The displacement of the next substep.
+    pub(crate) fn step(self, displacement: Vec3, acceleration: Vec3, substep: f32) -> Vec3 {
+        displacement * self.decay + acceleration * (self.gain * substep * substep)
+    }
+}
+
+/// One substep of free flight for all particles of a body.
+#[derive(Clone, Copy)]
+pub(crate) struct Flight {
+    pub drag: Drag,
+    /// Seconds.
+    pub substep: f32,
+    /// The acceleration that all particles share, in m/s^2; some have others besides.
+    pub uniform: Vec3,
+}
+
+impl Flight {
+    /// Flies the free particles of `cells`, which are at `places` in the columns that move. Pinned ones stay: their pins
+    /// have taken them where they go.
+    #[inline(always)]
+    pub fn integrate<S: Simd>(
+        self,
+        simd: S,
+        moving: &mut Moving,
+        places: Range<usize>,
+        rest: &Common,
+        cells: Range<usize>,
+    ) {
+        let gain = self.drag.gain * self.substep * self.substep;
+        let uniform = Lanes3::splat(simd, self.uniform * gain);
+        let zero = f32x16::splat(simd, 0.0);
+        let still = Lanes3 { x: zero, y: zero, z: zero };
+        let decay = f32x16::splat(simd, self.drag.decay);
+        for (place, cell) in places.zip(cells) {
+            let position = Lanes3::load(simd, &moving.position[place]);
+            let mut next = Lanes3::load(simd, &moving.displacement[place]).times(decay).plus(uniform);
+            if let Some(varying) = rest.varying.get(cell) {
+                next = next.plus(Lanes3::load(simd, varying).times(f32x16::splat(simd, gain)));
+            }
+            if rest.common_mass[cell] == 0.0 {
+                let is_free: mask32x16<S> = load(simd, &rest.inverse_mass[cell]).simd_gt(zero);
+                next = next.or(is_free, still);
+            }
+            let position = position.plus(next);
+            next.store(&mut moving.displacement[place]);
+            position.store(&mut moving.position[place]);
+            position.store(&mut moving.integrated[place]);
+        }
+    }
+}
+
+/// Carries what the projections moved into the displacements of these cells: this is where a contact takes the normal
+/// part of the velocity, and where restitution zero falls out by itself.
+#[inline(always)]
+pub(crate) fn update_displacements<S: Simd>(simd: S, places: Range<usize>, moving: &mut Moving, drift: Vec3) {
+    let drift = Lanes3::splat(simd, drift);
+    for cell in places {
+        let position = Lanes3::load(simd, &moving.position[cell]);
+        let moved = position.minus(Lanes3::load(simd, &moving.integrated[cell])).minus(drift);
+        Lanes3::load(simd, &moving.displacement[cell]).plus(moved).store(&mut moving.displacement[cell]);
+    }
+}
+
+/// How far sticks seem to have moved the centre of mass of a free body, which they cannot: it is rounding, the same way
+/// in substep after substep. Contacts have written their part into the displacements already.
+pub(crate) fn drift(body: &Body) -> Vec3 {
+    let Body { particles, context, .. } = body;
+    if particles.masses.has_pins {
+        return Vec3::ZERO;
+    }
+    let mut sum = glam::DVec3::ZERO;
+    for slot in particles.layout.slots() {
+        let moved =
+            (particles.position.get(slot) - context.integrated.get(slot)) / particles.inverse_mass[slot];
+        sum += moved.as_dvec3();
+    }
+    (sum / particles.masses.free_mass).as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drag_compounds_to_the_same_decay_for_every_substep() {
+        let whole = Drag::new(2.0, 1.0 / 60.0);
+        let part = Drag::new(2.0, 1.0 / 960.0);
+        assert!((libm::powf(part.decay, 16.0) - whole.decay).abs() < 1e-6);
+        assert_eq!(Drag::new(0.0, 0.01), Drag::default());
+        // For a tiny product the gain must go to one and not to 0/0.
+        assert!((Drag::new(1e-6, 1e-4).gain - 1.0).abs() < 1e-6);
+    }
+}

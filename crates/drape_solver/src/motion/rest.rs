@@ -1,0 +1,32 @@
+//! When a body or ball has come to rest, and where its origin belongs.
+
+use crate::constants::{RECENTRE_DISTANCE, REST_SPEED};
+use crate::state::ball::Ball;
+use crate::state::body::Body;
+use crate::state::measure::mean_square_speed;
+use crate::state::particles::Particles;
+
+/// Counts the time for which the body's kinetic energy has stayed below the threshold of rest. One step above
+/// it starts the count anew: a curtain at its turning point is slow for a moment only. So does an edit or a force:
+/// what was just woken has not had the time to pick up speed.
+pub(crate) fn account_body(body: &mut Body, dt: f32) {
+    let still = !body.particles.disturbed && mean_square_speed(&body.particles) < REST_SPEED * REST_SPEED;
+    body.context.still_for = if still { body.context.still_for + dt } else { 0.0 };
+}
+
+/// The same for a ball, whose spin counts as the speed of its surface.
+pub(crate) fn account_ball(ball: &mut Ball, dt: f32) {
+    let surface = ball.spin.length_squared() * ball.material.radius * ball.material.radius;
+    let still = !ball.disturbed && ball.velocity().length_squared() + surface < REST_SPEED * REST_SPEED;
+    ball.still_for = if still { ball.still_for + dt } else { 0.0 };
+}
+
+/// Gives particles that travelled far a new local origin, on whole metres so that little is rounded.
+pub(crate) fn recentre(particles: &mut Particles) {
+    let (low, high) = particles.bounds();
+    let middle = (low + high) * 0.5;
+    let away = (middle - particles.origin).abs().max_element();
+    if away > RECENTRE_DISTANCE && away.is_finite() {
+        particles.recentre(middle.round());
+    }
+}

@@ -1,0 +1,344 @@
+//! Air that moves: a wind, its gusts, and zones with a wind of their own.
+
+use core::f64::consts::TAU;
+
+use glam::{DVec3, Vec3};
+
+use crate::error::{StepError, finite_vector, in_range, positive};
+use crate::geometry::pose::{Placement, Pose};
+use crate::state::obstacles::Obstacles;
+
+/// A wind that pushes on faces, and on the links of ropes.
+///
+/// With `u` the wind relative to a face of area `A` and unit normal `n`, the face feels the pressure of a flow on a plate,
+/// `F = 1/2 rho c_d A (u . n)|u . n| n`, and, at right angles to `u`, the lift
+/// `F = 1/2 rho c_l A (u . n) (n |u|^2 - u (u . n)) / |u|`, which is zero on a plate square to the flow or along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wind {
+    /// Velocity of the air in m/s. Zero is no wind at all: still air brakes by the bodies' own drag.
+    pub velocity: Vec3,
+    /// Density of the air in kg/m^3.
+    pub air_density: f32,
+    /// Drag coefficient `c_d` of a plate square to the wind; 1.2 for a flat one.
+    pub drag_coefficient: f32,
+    /// Lift coefficient `c_l`; 0 by default. With some 1 a flag flutters more, and cloth that falls glides.
+    pub lift_coefficient: f32,
+    /// How the wind differs from place to place and from moment to moment.
+    pub turbulence: Turbulence,
+    /// The part of the wind that the lee of an obstacle is spared, from 0, the default, to 1. A ray goes from the
+    /// cloth against the wind; what it meets within [`SHELTER_REACH`] shelters.
+    pub shelter: f32,
+}
+
+/// How far an obstacle shelters from the wind, in metres.
+pub const SHELTER_REACH: f32 = 10.0;
+
+impl Default for Wind {
+    fn default() -> Self {
+        Self {
+            velocity: Vec3::ZERO,
+            air_density: 1.2,
+            drag_coefficient: 1.2,
+            lift_coefficient: 0.0,
+            turbulence: Turbulence::default(),
+            shelter: 0.0,
+        }
+    }
+}
+
+impl Wind {
+    /// A wind of `velocity` (m/s) in ordinary air.
+    pub fn new(velocity: Vec3) -> Self {
+        Self { velocity, ..Self::default() }
+    }
+
+    /// Checks that everything is finite and in its range.
+    ///
+    /// # Errors
+    /// [`StepError::BadEnvironment`].
+    pub fn validate(&self) -> Result<(), StepError> {
+        let Self { velocity, air_density, drag_coefficient, lift_coefficient, turbulence, shelter } = *self;
+        let scalars = [Vec3::new(air_density, drag_coefficient, lift_coefficient), velocity];
+        let are_finite = scalars.into_iter().all(|vector| finite_vector("wind", vector).is_ok());
+        let is_good = are_finite
+            && in_range("turbulence", turbulence.speed, 0.0, 1e6).is_ok()
+            && positive("turbulence", turbulence.length).is_ok()
+            && in_range("shelter", shelter, 0.0, 1.0).is_ok();
+        if is_good { Ok(()) } else { Err(StepError::BadEnvironment("wind")) }
+    }
+}
+
+/// Gusts: waves of all directions that the wind carries along, the same in every run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turbulence {
+    /// Root mean square of the gusts' speed in m/s; 0, the default, is a steady wind.
+    pub speed: f32,
+    /// Size of the greatest gusts in metres; 4 by default.
+    pub length: f32,
+    /// Another seed is another day.
+    pub seed: u32,
+}
+
+impl Default for Turbulence {
+    fn default() -> Self {
+        Self { speed: 0.0, length: 4.0, seed: 0 }
+    }
+}
+
+/// Waves that a gust is made of, each shorter than the one before.
+const WAVES: usize = 6;
+
+/// The length of each wave in parts of that of the one before.
+const SHORTER: f64 = 0.7;
+
+/// One wave of a gust: air that moves at right angles to the way in which it changes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wave {
+    /// Radians per metre.
+    number: DVec3,
+    /// Metres per second.
+    amplitude: DVec3,
+    /// Radians per second, in air that stands still.
+    frequency: f64,
+    phase: f64,
+}
+
+impl Turbulence {
+    fn waves(&self) -> [Wave; WAVES] {
+        let mut dice = Dice(u64::from(self.seed));
+        let mut length = f64::from(self.length);
+        let speed = f64::from(self.speed) * (2.0 / WAVES as f64).sqrt();
+        core::array::from_fn(|_| {
+            let along = dice.direction();
+            let across = along.cross(dice.direction());
+            let number = along * (TAU / length);
+            let wave = Wave {
+                number,
+                amplitude: across.normalize_or(along.any_orthonormal_vector()) * speed,
+                // Gusts last about as long as they take to pass themselves.
+                frequency: TAU * f64::from(self.speed) / length,
+                phase: TAU * dice.unit(),
+            };
+            length *= SHORTER;
+            wave
+        })
+    }
+}
+
+/// Numbers without order that follow from a seed (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
+/// generators").
+struct Dice(u64);
+
+impl Dice {
+    /// From 0 to 1.
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A unit vector, all directions alike.
+    fn direction(&mut self) -> DVec3 {
+        let (height, angle) = (2.0 * self.unit() - 1.0, TAU * self.unit());
+        let across = (1.0 - height * height).max(0.0).sqrt();
+        DVec3::new(across * libm::cos(angle), across * libm::sin(angle), height)
+    }
+}
+
+/// A place with a wind of its own, on top of that which blows everywhere: a fan, a draught, an explosion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindZone {
+    /// How far it reaches.
+    pub region: WindRegion,
+    /// Where it is.
+    pub placement: Placement,
+    /// Where the air goes.
+    pub flow: WindFlow,
+    /// The outer part of the region, from 0 to 1, in which the wind falls off to nothing.
+    pub falloff: f32,
+}
+
+/// The shape of a [`WindZone`] in its own coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WindRegion {
+    /// A ball of this radius in metres.
+    Sphere(f32),
+    /// A box of these half extents in metres.
+    Cuboid(Vec3),
+}
+
+/// How the air of a [`WindZone`] moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WindFlow {
+    /// With this velocity in m/s, in the zone's own coordinates.
+    Along(Vec3),
+    /// Away from the middle, or towards it if negative, at so many m/s.
+    Outwards(f32),
+}
+
+impl WindZone {
+    /// Checks that everything is finite and in its range.
+    ///
+    /// # Errors
+    /// [`StepError::BadEnvironment`].
+    pub fn validate(&self) -> Result<(), StepError> {
+        let Self { region, placement, flow, falloff } = *self;
+        let is_region_good = match region {
+            WindRegion::Sphere(radius) => positive("radius", radius).is_ok(),
+            WindRegion::Cuboid(half_extents) => {
+                finite_vector("half extents", half_extents).is_ok() && half_extents.min_element() > 0.0
+            }
+        };
+        let speed = match flow {
+            WindFlow::Along(velocity) => velocity,
+            WindFlow::Outwards(speed) => Vec3::X * speed,
+        };
+        let is_flow_good =
+            finite_vector("velocity", speed).is_ok() && in_range("falloff", falloff, 0.0, 1.0).is_ok();
+        if is_region_good && placement.is_valid() && is_flow_good {
+            Ok(())
+        } else {
+            Err(StepError::BadEnvironment("a wind zone"))
+        }
+    }
+
+    /// The velocity of the air in m/s that it adds at a place in the world.
+    pub fn velocity_at(&self, place: Vec3) -> Vec3 {
+        let pose = Pose::between(&self.placement, &self.placement, 1.0, Vec3::ZERO);
+        let local = pose.to_local(place);
+        // From 0 in the middle to 1 at the rim.
+        let outwards = match self.region {
+            WindRegion::Sphere(radius) => local.length() / radius,
+            WindRegion::Cuboid(half_extents) => (local.abs() / half_extents).max_element(),
+        };
+        let strength =
+            if outwards > 1.0 { 0.0 } else { ((1.0 - outwards) / self.falloff.max(1e-6)).min(1.0) };
+        let velocity = match self.flow {
+            WindFlow::Along(velocity) => velocity,
+            WindFlow::Outwards(speed) => local.normalize_or_zero() * speed,
+        };
+        pose.direction_to_world(velocity * strength)
+    }
+
+    /// Whether it may reach into a box.
+    fn meets(&self, [low, high]: [Vec3; 2]) -> bool {
+        let reach = match self.region {
+            WindRegion::Sphere(radius) => radius,
+            WindRegion::Cuboid(half_extents) => half_extents.length(),
+        };
+        let middle = self.placement.translation;
+        (middle + reach).cmpge(low).all() && (middle - reach).cmple(high).all()
+    }
+}
+
+/// Most places along an axis at which gusts and shelter are worked out for a body; between them they are interpolated.
+const MOST_PLACES: usize = 4;
+
+/// The air around one body in one step.
+pub(crate) struct Air<'a> {
+    wind: &'a Wind,
+    zones: &'a [WindZone],
+    low: Vec3,
+    /// From one place of the lattice to the next, in metres.
+    spacing: Vec3,
+    counts: [usize; 3],
+    /// The velocity of the air in m/s, where gusts or shelter make it differ; x runs fastest.
+    lattice: [Vec3; MOST_PLACES * MOST_PLACES * MOST_PLACES],
+    has_lattice: bool,
+    has_zones: bool,
+}
+
+impl<'a> Air<'a> {
+    /// The air around a body in the box between `bounds` (world, metres), `time` seconds after the start; none if it does
+    /// not move.
+    pub fn new(
+        wind: &'a Wind,
+        zones: &'a [WindZone],
+        obstacles: &Obstacles,
+        time: f64,
+        bounds: [Vec3; 2],
+    ) -> Option<Self> {
+        let has_gusts = wind.turbulence.speed > 0.0;
+        let has_zones = zones.iter().any(|zone| zone.meets(bounds));
+        if wind.velocity == Vec3::ZERO && !has_gusts && !has_zones {
+            return None;
+        }
+        let [low, high] = bounds;
+        let wanted = (high - low) / (0.25 * wind.turbulence.length);
+        let counts =
+            wanted.to_array().map(|count| (count.ceil() as usize).saturating_add(1).clamp(2, MOST_PLACES));
+        let cells = Vec3::from(counts.map(|count| count as f32 - 1.0));
+        let mut air = Self {
+            wind,
+            zones,
+            low,
+            spacing: ((high - low) / cells).max(Vec3::splat(f32::MIN_POSITIVE)),
+            counts,
+            lattice: [wind.velocity; MOST_PLACES * MOST_PLACES * MOST_PLACES],
+            has_lattice: has_gusts || wind.shelter > 0.0,
+            has_zones,
+        };
+        if air.has_lattice {
+            air.fill(obstacles, time);
+        }
+        Some(air)
+    }
+
+    fn fill(&mut self, obstacles: &Obstacles, time: f64) {
+        let Wind { velocity, turbulence, shelter, .. } = *self.wind;
+        let waves = turbulence.waves();
+        let [across, deep, _] = self.counts;
+        for i in 0..self.counts.iter().product() {
+            let steps = [i % across, i / across % deep, i / (across * deep)].map(|step| step as f32);
+            let place = self.low + self.spacing * Vec3::from(steps);
+            // Gusts go with the wind.
+            let carried = place.as_dvec3() - velocity.as_dvec3() * time;
+            let gust = |wave: &Wave| {
+                wave.amplitude * libm::cos(wave.number.dot(carried) + wave.frequency * time + wave.phase)
+            };
+            let mut here = velocity + waves.iter().map(gust).sum::<DVec3>().as_vec3();
+            if shelter > 0.0 && is_in_lee(place, velocity, obstacles) {
+                here *= 1.0 - shelter;
+            }
+            self.lattice[i] = here;
+        }
+    }
+
+    /// The velocity of the air at a place in the world, in m/s.
+    #[inline]
+    pub fn velocity_at(&self, place: Vec3) -> Vec3 {
+        let mut velocity = if self.has_lattice { self.interpolated(place) } else { self.wind.velocity };
+        if self.has_zones {
+            velocity += self.zones.iter().map(|zone| zone.velocity_at(place)).sum::<Vec3>();
+        }
+        velocity
+    }
+
+    fn interpolated(&self, place: Vec3) -> Vec3 {
+        let last = Vec3::from(self.counts.map(|count| count as f32 - 1.0));
+        let steps = ((place - self.low) / self.spacing).clamp(Vec3::ZERO, last);
+        let cell = steps.floor().min(last - 1.0);
+        let part = steps - cell;
+        let [across, deep, _] = self.counts;
+        let [x, y, z] = cell.to_array().map(|step| step as usize);
+        let at = |x: usize, y: usize, z: usize| self.lattice[x + across * (y + deep * z)];
+        let row = |y: usize, z: usize| at(x, y, z).lerp(at(x + 1, y, z), part.x);
+        let plane = |z: usize| row(y, z).lerp(row(y + 1, z), part.y);
+        plane(z).lerp(plane(z + 1), part.z)
+    }
+}
+
+/// Whether an obstacle stands between a place and where the wind comes from.
+fn is_in_lee(place: Vec3, velocity: Vec3, obstacles: &Obstacles) -> bool {
+    let Some(direction) = velocity.try_normalize() else { return false };
+    let way = direction * -SHELTER_REACH;
+    let (low, high) = (place.min(place + way), place.max(place + way));
+    obstacles.iter().filter(|obstacle| !obstacle.is_sensor()).any(|obstacle| {
+        let bounds = obstacle.swept_bounds();
+        let is_near = bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
+        let pose = obstacle.pose_at(1.0, Vec3::ZERO);
+        let local = [place, place + way].map(|point| pose.to_local(point));
+        is_near && obstacle.shape().cast(local[0], local[1] - local[0]).is_some()
+    })
+}

@@ -1,0 +1,4 @@
+//! parallel.
+
+pub mod threads;
+pub(crate) mod workers;

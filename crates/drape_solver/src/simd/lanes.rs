@@ -1,0 +1,91 @@
+//! Vectors of [`LANES`](crate::simd::columns::LANES) vectors: what kernels compute with.
+//!
+//! Every operation is one of `+ - * /`, a square root, a comparison or a choice, lane by lane: exact in IEEE
+//! arithmetic, whatever the width of the registers. Products are never fused with sums.
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use glam::Vec3;
+
+use crate::simd::columns::{Cell, LANES};
+
+/// A vector in each lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Lanes3<S: Simd> {
+    pub x: f32x16<S>,
+    pub y: f32x16<S>,
+    pub z: f32x16<S>,
+}
+
+impl<S: Simd> Lanes3<S> {
+    #[inline(always)]
+    pub fn load(simd: S, cell: &Cell) -> Self {
+        Self { x: load(simd, &cell.x), y: load(simd, &cell.y), z: load(simd, &cell.z) }
+    }
+
+    #[inline(always)]
+    pub fn store(self, cell: &mut Cell) {
+        cell.x = self.x.to_array();
+        cell.y = self.y.to_array();
+        cell.z = self.z.to_array();
+    }
+
+    #[inline(always)]
+    pub fn splat(simd: S, v: Vec3) -> Self {
+        Self { x: f32x16::splat(simd, v.x), y: f32x16::splat(simd, v.y), z: f32x16::splat(simd, v.z) }
+    }
+
+    #[inline(always)]
+    pub fn plus(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+
+    #[inline(always)]
+    pub fn minus(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+
+    #[inline(always)]
+    pub fn times(self, factor: f32x16<S>) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> f32x16<S> {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
+    /// The vectors of the lanes `SHIFT` higher; the highest lanes get those of the lowest.
+    #[inline(always)]
+    pub fn shifted<const SHIFT: usize>(self) -> Self {
+        Self {
+            x: self.x.slide::<SHIFT>(self.x),
+            y: self.y.slide::<SHIFT>(self.y),
+            z: self.z.slide::<SHIFT>(self.z),
+        }
+    }
+
+    /// `self` where `mask` holds, else `other`.
+    #[inline(always)]
+    pub fn or(self, mask: mask32x16<S>, other: Self) -> Self {
+        Self {
+            x: mask.select(self.x, other.x),
+            y: mask.select(self.y, other.y),
+            z: mask.select(self.z, other.z),
+        }
+    }
+}
+
+/// The numbers of one column of a cell.
+#[inline(always)]
+pub(crate) fn load<S: Simd>(simd: S, values: &[f32; LANES]) -> f32x16<S> {
+    f32x16::load_array_ref(simd, values)
+}

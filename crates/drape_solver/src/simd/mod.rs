@@ -1,0 +1,9 @@
+//! simd.
+
+pub(crate) mod columns;
+pub mod isa;
+pub(crate) mod lanes;
+#[cfg(test)]
+pub(crate) mod miri;
+pub(crate) mod rows;
+pub(crate) mod transpose;

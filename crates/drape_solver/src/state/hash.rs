@@ -1,0 +1,56 @@
+//! A fingerprint of states: equal bits give equal hashes on every machine.
+
+use core::hash::Hasher;
+
+use twox_hash::XxHash3_64;
+
+use crate::state::ball::Ball;
+use crate::state::particles::Particles;
+
+/// Collects states, in the order given, into one 64-bit hash.
+#[derive(Default)]
+pub struct StateHasher(XxHash3_64);
+
+impl StateHasher {
+    /// An empty one.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds positions, displacements and inverse masses of a body.
+    pub fn particles(&mut self, particles: &Particles) -> &mut Self {
+        self.values(&particles.origin.to_array());
+        for slot in particles.layout.slots() {
+            self.values(&particles.position.get(slot).to_array())
+                .values(&particles.displacement.get(slot).to_array())
+                .values(&[particles.inverse_mass[slot]]);
+        }
+        self
+    }
+
+    /// Adds position, displacement, rotation and spin of a ball, and the substeps that it asks for.
+    pub fn ball(&mut self, ball: &Ball) -> &mut Self {
+        self.values(&ball.position.to_array())
+            .values(&ball.displacement.to_array())
+            .values(&ball.rotation.to_array())
+            .values(&ball.spin.to_array())
+            .values(&[ball.hit_substeps])
+    }
+
+    /// Adds numbers of any other state, such as that of a rigid body.
+    pub fn numbers(&mut self, numbers: &[f32]) -> &mut Self {
+        self.values(numbers)
+    }
+
+    /// The hash of all that was added.
+    pub fn finish(&self) -> u64 {
+        self.0.finish()
+    }
+
+    fn values(&mut self, values: &[f32]) -> &mut Self {
+        for value in values {
+            self.0.write(&value.to_bits().to_le_bytes());
+        }
+        self
+    }
+}

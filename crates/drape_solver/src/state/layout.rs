@@ -1,0 +1,258 @@
+//! Where a body keeps its particles: the way from a particle's index to its slot in the columns, and back.
+//!
+//! Columns are stored in cells of [`LANES`] particles, and kernels work on whole cells. Particles that are neighbours
+//! on a grid must therefore *not* be neighbours in a cell: a stick would join two lanes of one vector. Each lane
+//! keeps a patch of the grid to itself instead, and the same place in every patch makes a cell:
+//!
+//! ```text
+//!   one row of 16 columns in 4 patches          cells of the row
+//!   | 0 1 2 3 | 4 5 6 7 | 8 9 a b | c d e f |   (0 4 8 c) (1 5 9 d) (2 6 a e) (3 7 b f)
+//!     lane 0    lane 1    lane 2    lane 3      sticks 0-1, 4-5, 8-9, c-d: two aligned vectors
+//! ```
+//!
+//! A stick from one patch into the next joins a lane to the next lane: the vector is shifted. Where the grid does not
+//! fill the patches, the slots left over are *ghosts*: they have no mass, and no stick reaches them.
+
+use std::sync::Arc;
+
+use crate::constants::CELLS_AT_ONCE;
+use crate::simd::columns::LANES;
+use crate::state::renumbering::Renumbering;
+use crate::state::torn_grid::TornGrid;
+
+/// The arrangement of a body's particles in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Layout {
+    /// In order of the index.
+    Linear { count: usize },
+    /// So that particles joined by sticks are near each other.
+    Renumbered(Arc<Renumbering>),
+    /// A grid, in patches.
+    Grid(Grid),
+    /// What is left of one, and what was split from it.
+    Torn(Arc<TornGrid>),
+}
+
+/// A grid of particles, one patch a lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Grid {
+    pub columns: usize,
+    pub rows: usize,
+    /// Patches side by side, and one below another: their product is at most [`LANES`].
+    pub across: usize,
+    pub down: usize,
+    /// Columns and rows of one patch.
+    pub width: usize,
+    pub height: usize,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self::Linear { count: 0 }
+    }
+}
+
+impl Layout {
+    /// The number of particles.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Linear { count } => *count,
+            Self::Renumbered(renumbering) => renumbering.count(),
+            Self::Grid(grid) => grid.columns * grid.rows,
+            Self::Torn(torn) => torn.count(),
+        }
+    }
+
+    /// The number of cells that hold them.
+    pub fn cells(&self) -> usize {
+        match self {
+            Self::Linear { .. } | Self::Renumbered(_) => self.count().div_ceil(LANES),
+            Self::Grid(grid) => grid.width * grid.height,
+            Self::Torn(torn) => torn.cells(),
+        }
+    }
+
+    /// The number of cells in a strip, and the number of strips. The last one may have fewer cells.
+    pub fn strips(&self) -> (usize, usize) {
+        match self {
+            Self::Linear { .. } | Self::Renumbered(_) => {
+                let cells = self.cells().clamp(1, CELLS_AT_ONCE);
+                (cells, self.cells().div_ceil(cells))
+            }
+            Self::Grid(grid) => (grid.cells_of_strip(), grid.height.div_ceil(ROWS_OF_STRIP)),
+            // What has no place in the grid goes on behind its last strip.
+            Self::Torn(torn) => {
+                let cells = torn.grid.cells_of_strip();
+                (cells, torn.cells().div_ceil(cells))
+            }
+        }
+    }
+
+    /// Whether a row of the grid is a row of cells, so that a sweep may run down the strips.
+    pub fn has_whole_rows(&self) -> bool {
+        matches!(self.grid(), Some(grid) if grid.down == 1)
+    }
+
+    /// Whether it is a grid with empty places, or with particles that have none.
+    pub fn is_torn(&self) -> bool {
+        matches!(self, Self::Torn(_))
+    }
+
+    /// The grid, whole or torn, that decides where particles are.
+    pub fn grid(&self) -> Option<Grid> {
+        match self {
+            Self::Grid(grid) => Some(*grid),
+            Self::Torn(torn) => Some(torn.grid),
+            Self::Linear { .. } | Self::Renumbered(_) => None,
+        }
+    }
+
+    /// The slot of particle `index`.
+    #[inline]
+    pub fn slot(&self, index: usize) -> usize {
+        match self {
+            Self::Linear { .. } => index,
+            Self::Renumbered(renumbering) => renumbering.slot(index),
+            Self::Grid(grid) => grid.slot(index % grid.columns, index / grid.columns),
+            Self::Torn(torn) => torn.slot(index),
+        }
+    }
+
+    /// The slots of all particles, in order of their indices.
+    pub fn slots(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
+        (0..self.count()).map(move |index| self.slot(index))
+    }
+
+    /// The particle in `slot`; none in a ghost.
+    pub fn index(&self, slot: usize) -> Option<usize> {
+        match self {
+            Self::Linear { count } => (slot < *count).then_some(slot),
+            Self::Renumbered(renumbering) => renumbering.index(slot),
+            Self::Grid(grid) => grid.index(slot),
+            Self::Torn(torn) => torn.index(slot),
+        }
+    }
+
+    /// Which lanes of `cell` hold a particle, lane 0 in the lowest bit.
+    pub fn real_lanes(&self, cell: usize) -> u16 {
+        match self {
+            Self::Grid(grid) if grid.is_full() => u16::MAX,
+            Self::Torn(torn) => torn.lanes(cell),
+            Self::Linear { .. } | Self::Renumbered(_) if (cell + 1) * LANES <= self.count() => u16::MAX,
+            _ => self.real_lanes_one_by_one(cell),
+        }
+    }
+
+    fn real_lanes_one_by_one(&self, cell: usize) -> u16 {
+        let is_real = |lane: usize| self.index(cell * LANES + lane).is_some();
+        (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_real(lane)) << lane))
+    }
+}
+
+/// Rows of cells in a strip, the unit of a sweep: sticks down the rows begin in every second row, or in two of four.
+const ROWS_OF_STRIP: usize = 2;
+
+/// Fewest columns or rows of a patch: a skip-one stick must not come back into its own cell.
+const LEAST_PATCH: usize = 3;
+
+/// The ways to cut a grid into patches: all in a row, which lets a sweep run down the rows; as a square, for grids
+/// too small for that; all in a column.
+const CUTS: [[usize; 2]; 3] = [[16, 1], [4, 4], [1, 16]];
+
+impl Grid {
+    /// The patches for a grid of this size; none if it is too small to be cut.
+    pub fn new(columns: usize, rows: usize) -> Option<Self> {
+        let cut = |&[across, down]: &[usize; 2]| {
+            let (width, height) = (columns.div_ceil(across), rows.div_ceil(down));
+            let is_fit = |patches, size, count: usize| {
+                // No empty patch in the middle of a row of few columns, and no more than a third of ghosts.
+                patches == 1 || (size >= LEAST_PATCH && 2 * size * patches <= 3 * count)
+            };
+            (is_fit(across, width, columns) && is_fit(down, height, rows)).then_some(Self {
+                columns,
+                rows,
+                across,
+                down,
+                width,
+                height,
+            })
+        };
+        CUTS.iter().find_map(cut)
+    }
+
+    /// The slot of the particle in this column and row.
+    pub fn slot(self, column: usize, row: usize) -> usize {
+        let lane = row / self.height * self.across + column / self.width;
+        (row % self.height * self.width + column % self.width) * LANES + lane
+    }
+
+    /// Column and row of a slot.
+    pub fn place(self, slot: usize) -> [usize; 2] {
+        let (cell, lane) = (slot / LANES, slot % LANES);
+        let column = lane % self.across * self.width + cell % self.width;
+        let row = lane / self.across * self.height + cell / self.width;
+        [column, row]
+    }
+
+    fn index(self, slot: usize) -> Option<usize> {
+        let [column, row] = self.place(slot);
+        (column < self.columns && row < self.rows).then_some(row * self.columns + column)
+    }
+
+    /// Whether there are no ghosts.
+    fn is_full(self) -> bool {
+        self.across * self.width == self.columns && self.down * self.height == self.rows
+    }
+
+    /// The number of cells in a strip.
+    pub fn cells_of_strip(self) -> usize {
+        ROWS_OF_STRIP * self.width
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::miri::unless_miri;
+
+    #[test]
+    fn every_particle_has_a_slot_of_its_own_and_finds_back() {
+        let sizes = [(16, 16), (48, 1), (13, 17), (64, 64), (4, 60), (100, 33), (67, 5)];
+        for (columns, rows) in sizes.into_iter().take(unless_miri(7, 3)) {
+            let layout = Layout::Grid(Grid::new(columns, rows).expect("large enough"));
+            let mut slots: Vec<usize> = layout.slots().collect();
+            for (index, &slot) in slots.iter().enumerate() {
+                assert_eq!(layout.index(slot), Some(index));
+                assert!(layout.real_lanes(slot / LANES) & (1 << (slot % LANES)) != 0);
+            }
+            let real: u32 = (0..layout.cells()).map(|cell| layout.real_lanes(cell).count_ones()).sum();
+            assert_eq!(real as usize, layout.count());
+            slots.sort_unstable();
+            slots.dedup();
+            assert_eq!(slots.len(), columns * rows);
+            assert!(slots.last().is_some_and(|&last| last < layout.cells() * LANES));
+        }
+    }
+
+    #[test]
+    fn neighbours_are_never_in_one_cell() {
+        for (columns, rows) in [(16, 16), (33, 40), (128, 9), (3, 48)].into_iter().take(unless_miri(4, 1)) {
+            let grid = Grid::new(columns, rows).expect("large enough");
+            for (column, row) in (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))) {
+                for (right, down) in [(1, 0), (0, 1), (1, 1), (2, 0), (0, 2)] {
+                    if column + right < columns && row + down < rows {
+                        let cells = [grid.slot(column, row), grid.slot(column + right, row + down)];
+                        assert_ne!(cells[0] / LANES, cells[1] / LANES);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn grids_too_small_to_cut_are_not_cut() {
+        for (columns, rows) in [(8, 8), (2, 2), (3, 10), (1, 1)] {
+            assert_eq!(Grid::new(columns, rows), None);
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The motion of one free rigid body: what an obstacle needs to be moved by what hits it.
+
+use glam::Vec3;
+
+use crate::contact::reaction::Reaction;
+use crate::error::{BuildError, finite_vector, positive};
+use crate::geometry::pose::{Placement, Pose, turned};
+
+/// A rigid body between two steps. Its centre of mass is the origin of its [`Placement`], its principal axes are the
+/// placement's.
+///
+/// ```
+/// use drape_solver::{Environment, Island, Obstacle, Placement, RigidBody, Shape, step};
+/// use drape_solver::glam::Vec3;
+///
+/// let shape_of_2_kg = Obstacle::new(Shape::Cuboid { half_extents: Vec3::splat(0.2) }, Placement::default(), 0.5)?;
+/// let mut body = RigidBody::new(2.0, Vec3::splat(0.05))?;
+/// let mut environment = Environment::default();
+/// let index = environment.obstacles.push(shape_of_2_kg.reporting_reaction());
+/// let mut island = Island::default();
+/// for _ in 0..10 {
+///     body.accelerate(environment.gravity, environment.dt);
+///     let next = body.advance(environment.obstacles[index].placement(), environment.dt);
+///     environment.obstacles[index].move_to(next, environment.dt);
+///     step(&mut island, &environment)?;
+///     for reaction in &island.reactions {
+///         body.receive(reaction, environment.obstacles[reaction.obstacle].placement());
+///     }
+/// }
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidBody {
+    mass: f32,
+    moments: Vec3,
+    /// Of the centre of mass, in m/s.
+    pub velocity: Vec3,
+    /// Angular velocity in rad/s, in world axes.
+    pub angular_velocity: Vec3,
+}
+
+impl RigidBody {
+    /// A body at rest, of `mass` kilograms and with these principal moments of inertia (kg m^2).
+    ///
+    /// # Errors
+    /// [`BuildError`] if one of them is not positive.
+    pub fn new(mass: f32, moments: Vec3) -> Result<Self, BuildError> {
+        positive("mass", mass)?;
+        finite_vector("inertia", moments)?;
+        positive("inertia", moments.min_element())?;
+        Ok(Self { mass, moments, velocity: Vec3::ZERO, angular_velocity: Vec3::ZERO })
+    }
+
+    /// Mass in kilograms.
+    pub fn mass(&self) -> f32 {
+        self.mass
+    }
+
+    /// Changes the velocity by what `acceleration` (m/s^2) does in `dt` seconds.
+    pub fn accelerate(&mut self, acceleration: Vec3, dt: f32) {
+        self.velocity += acceleration * dt;
+    }
+
+    /// Where it is `dt` seconds after it was at `from`, free of forces: linear and angular momentum stay.
+    pub fn advance(&mut self, from: Placement, dt: f32) -> Placement {
+        let momentum = self.angular_momentum(from);
+        let mut to = Placement { translation: from.translation + self.velocity * dt, ..from };
+        if momentum != Vec3::ZERO {
+            // A turn is exact for small angles only.
+            for _ in 0..TURNS {
+                to.rotation = turned(to.rotation, self.angular_velocity * (dt / TURNS as f32));
+                self.angular_velocity = self.scaled(to, momentum, self.moments.recip());
+            }
+        }
+        to
+    }
+
+    /// Gives it what was done to it in a step that ended with it at `placement`.
+    pub fn receive(&mut self, reaction: &Reaction, placement: Placement) {
+        self.push(reaction.impulse, reaction.angular_impulse, placement);
+    }
+
+    /// Gives it an impulse (newton seconds) at its centre, and an angular impulse (newton metre seconds) about that.
+    pub fn push(&mut self, impulse: Vec3, angular_impulse: Vec3, placement: Placement) {
+        self.velocity += impulse / self.mass;
+        self.angular_velocity += self.scaled(placement, angular_impulse, self.moments.recip());
+    }
+
+    /// Inverse mass of the point at `arm` (metres) from the centre, against a push along a unit vector: in 1/kg.
+    pub(crate) fn inverse_mass_at(&self, placement: Placement, arm: Vec3, direction: Vec3) -> f32 {
+        let lever = arm.cross(direction);
+        self.mass.recip() + lever.dot(self.scaled(placement, lever, self.moments.recip()))
+    }
+
+    /// Keeps its angular momentum as it is turned from one placement to another.
+    pub(crate) fn turn_to(&mut self, from: Placement, to: Placement) {
+        let momentum = self.angular_momentum(from);
+        self.angular_velocity = self.scaled(to, momentum, self.moments.recip());
+    }
+
+    /// Angular momentum about its centre of mass, in kg m^2/s.
+    pub fn angular_momentum(&self, placement: Placement) -> Vec3 {
+        self.scaled(placement, self.angular_velocity, self.moments)
+    }
+
+    /// Kinetic energy in joules.
+    pub fn kinetic_energy(&self, placement: Placement) -> f32 {
+        let turning = self.angular_velocity.dot(self.angular_momentum(placement));
+        0.5 * (self.mass * self.velocity.length_squared() + turning)
+    }
+
+    /// A world vector, scaled along the principal axes.
+    fn scaled(&self, placement: Placement, vector: Vec3, by: Vec3) -> Vec3 {
+        let pose = Pose::between(&placement, &placement, 1.0, placement.translation);
+        pose.direction_to_world(pose.to_local(vector) * by)
+    }
+}
+
+/// Small turns in a step.
+const TURNS: u32 = 16;

@@ -1,0 +1,294 @@
+//! The state of bodies and balls as plain numbers: all that decides what they do next, to be kept or written anywhere.
+//!
+//! Nothing else of a body outlives a step but its settings, its topology and the time that it has been still
+//! ([`BodyContext::still_for`]).
+
+use glam::{Quat, Vec3};
+
+use crate::error::{BuildError, in_range, positive};
+use crate::motion::frame_motion::FrameMotion;
+use crate::simd::columns::LANES;
+use crate::state::ball::{Ball, BallMaterial};
+use crate::state::body::BodyContext;
+use crate::state::layers::Layers;
+use crate::state::particle_stats::MassSurvey;
+use crate::state::particles::Particles;
+
+/// The state of a body's [`Particles`], by index.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ParticlesSnapshot {
+    origin: [f32; 3],
+    substep: f32,
+    positions: Vec<[f32; 3]>,
+    displacements: Vec<[f32; 3]>,
+    inverse_masses: Vec<f32>,
+    forces: Vec<[f32; 3]>,
+    pin_targets: Vec<(u32, [f32; 3])>,
+    /// Index, centre, target and distance of each limit on motion.
+    limits: Vec<(u32, [f32; 3], [f32; 3], f32)>,
+    /// Pivot, turn and translation of the frame in the next step.
+    frame: Option<[[f32; 3]; 3]>,
+    is_disturbed: bool,
+}
+
+impl ParticlesSnapshot {
+    /// The number of particles.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there are no particles.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Checks that [`Particles::restore`] can put it on a body of `count` particles.
+    ///
+    /// # Errors
+    /// [`BuildError`] if it is of another number of particles, or a number in it cannot be.
+    pub fn validate(&self, count: usize) -> Result<(), BuildError> {
+        let Self { substep, displacements, inverse_masses, forces, pin_targets, .. } = self;
+        let lengths = [self.len(), displacements.len(), inverse_masses.len()];
+        let force_count = if forces.is_empty() { count } else { forces.len() };
+        for length in lengths.into_iter().chain([force_count]) {
+            if length != count {
+                return Err(no_such_particle(length, count));
+            }
+        }
+        positive("substep", *substep)?;
+        for &inverse_mass in inverse_masses {
+            in_range("inverse mass", inverse_mass, 0.0, f32::MAX)?;
+        }
+        let limited = self.limits.iter().map(|&(index, ..)| index);
+        for index in pin_targets.iter().map(|&(index, _)| index).chain(limited) {
+            if index as usize >= count {
+                return Err(no_such_particle(index as usize, count));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn no_such_particle(index: usize, count: usize) -> BuildError {
+    BuildError::NoSuchParticle { what: "the snapshot", index: index as u32, count: count as u32 }
+}
+
+impl Particles {
+    /// All that decides what they do next.
+    pub fn snapshot(&self) -> ParticlesSnapshot {
+        let column = |columns: &crate::simd::columns::Columns| {
+            if columns.is_empty() {
+                return Vec::new();
+            }
+            self.layout.slots().map(|slot| columns.get(slot).to_array()).collect()
+        };
+        let target = |&(slot, target): &(u32, Vec3)| {
+            Some((self.layout.index(slot as usize)? as u32, target.to_array()))
+        };
+        let limit = |(index, slot): (usize, usize)| {
+            let (centre, target, reach) = self.limits.get(slot)?;
+            Some((index as u32, centre.to_array(), target.to_array(), reach))
+        };
+        ParticlesSnapshot {
+            origin: self.origin.to_array(),
+            substep: self.substep,
+            positions: column(&self.position),
+            displacements: column(&self.displacement),
+            inverse_masses: self.layout.slots().map(|slot| self.inverse_mass[slot]).collect(),
+            forces: column(&self.force),
+            pin_targets: self.pin_targets.iter().filter_map(target).collect(),
+            limits: self.layout.slots().enumerate().filter_map(limit).collect(),
+            frame: self.frame.map(|m| [m.pivot, m.turn, m.translation].map(|v| v.to_array())),
+            is_disturbed: self.disturbed,
+        }
+    }
+
+    /// Puts them back to where and how they were, to the last bit.
+    ///
+    /// # Errors
+    /// [`BuildError`] as [`ParticlesSnapshot::validate`]; nothing has changed then.
+    pub fn restore(&mut self, snapshot: &ParticlesSnapshot) -> Result<(), BuildError> {
+        snapshot.validate(self.len())?;
+        let cells = self.layout.cells();
+        self.origin = Vec3::from_array(snapshot.origin);
+        self.substep = snapshot.substep;
+        self.position.reset(cells);
+        self.displacement.reset(cells);
+        self.force.reset(if snapshot.forces.is_empty() { 0 } else { cells });
+        self.inverse_mass.clear();
+        self.inverse_mass.resize(cells * LANES, 0.0);
+        for (i, slot) in self.layout.slots().enumerate() {
+            self.position.set(slot, Vec3::from_array(snapshot.positions[i]));
+            self.displacement.set(slot, Vec3::from_array(snapshot.displacements[i]));
+            self.inverse_mass[slot] = snapshot.inverse_masses[i];
+            if let Some(&force) = snapshot.forces.get(i) {
+                self.force.set(slot, Vec3::from_array(force));
+            }
+        }
+        let slot_of = |&(index, target): &(u32, [f32; 3])| {
+            (self.layout.slot(index as usize) as u32, Vec3::from_array(target))
+        };
+        self.pin_targets = snapshot.pin_targets.iter().map(slot_of).collect();
+        self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
+        self.limits.clear();
+        if !snapshot.limits.is_empty() {
+            self.limits.reset(cells);
+            for &(index, centre, target, reach) in &snapshot.limits {
+                let slot = self.layout.slot(index as usize);
+                self.limits.set(slot, centre.into(), target.into(), reach.max(0.0));
+            }
+        }
+        self.frame = snapshot.frame.map(|motion| {
+            let [pivot, turn, translation] = motion.map(Vec3::from_array);
+            FrameMotion { pivot, turn, translation }
+        });
+        self.disturbed = snapshot.is_disturbed;
+        self.survey = None;
+        self.masses = MassSurvey::default();
+        Ok(())
+    }
+}
+
+/// The state of a [`Ball`].
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BallSnapshot {
+    material: BallMaterial,
+    position: [f32; 3],
+    displacement: [f32; 3],
+    substep: f32,
+    rotation: [f32; 4],
+    spin: [f32; 3],
+    force: [f32; 3],
+    layers: Layers,
+    reports_contacts: bool,
+    is_disturbed: bool,
+    still_for: f32,
+    hit_substeps: f32,
+}
+
+impl Ball {
+    /// All that decides what it does next.
+    pub fn snapshot(&self) -> BallSnapshot {
+        BallSnapshot {
+            material: self.material,
+            position: self.position.to_array(),
+            displacement: self.displacement.to_array(),
+            substep: self.substep,
+            rotation: self.rotation.to_array(),
+            spin: self.spin.to_array(),
+            force: self.force.to_array(),
+            layers: self.layers,
+            reports_contacts: self.reports_contacts,
+            is_disturbed: self.disturbed,
+            still_for: self.still_for,
+            hit_substeps: self.hit_substeps,
+        }
+    }
+
+    /// The ball as it was, to the last bit.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the material or the substep cannot be.
+    pub fn from_snapshot(snapshot: &BallSnapshot) -> Result<Self, BuildError> {
+        positive("substep", snapshot.substep)?;
+        Ok(Self {
+            position: Vec3::from_array(snapshot.position),
+            displacement: Vec3::from_array(snapshot.displacement),
+            substep: snapshot.substep,
+            rotation: Quat::from_array(snapshot.rotation),
+            spin: Vec3::from_array(snapshot.spin),
+            force: Vec3::from_array(snapshot.force),
+            layers: snapshot.layers,
+            reports_contacts: snapshot.reports_contacts,
+            disturbed: snapshot.is_disturbed,
+            still_for: snapshot.still_for,
+            hit_substeps: snapshot.hit_substeps,
+            ..Self::new(snapshot.material, Vec3::ZERO, Vec3::ZERO)?
+        })
+    }
+}
+
+impl BodyContext {
+    /// Sets how long the body has been slower than the threshold of rest, in seconds: for one that is restored.
+    pub fn set_still_for(&mut self, seconds: f32) {
+        self.still_for = seconds;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::miri::unless_miri;
+    use crate::{ClothBuilder, Edge, Environment, Island, SolverSettings, StateHasher, step};
+
+    fn hash(island: &Island) -> u64 {
+        let mut hasher = StateHasher::new();
+        island.bodies.iter().for_each(|body| _ = hasher.particles(&body.particles));
+        island.balls.iter().for_each(|ball| _ = hasher.ball(ball));
+        hasher.finish()
+    }
+
+    fn run(island: &mut Island, steps: usize) {
+        for _ in 0..steps {
+            step(island, &Environment::default()).expect("a valid step");
+        }
+    }
+
+    /// A cloth in patches, a ball on it, a pin on its way and a force.
+    fn island() -> Island {
+        let cloth = ClothBuilder::new(1.0, 1.0, unless_miri(20, 5), unless_miri(17, 4))
+            .pin_edge(Edge::Top)
+            .build(SolverSettings::default());
+        let mut island = Island::of_body(cloth.expect("a cloth"));
+        let ball = Ball::new(BallMaterial::default(), Vec3::new(0.1, 0.0, 0.4), Vec3::NEG_Z * 5.0);
+        island.balls.push(ball.expect("a ball"));
+        island
+    }
+
+    #[test]
+    fn a_restored_island_goes_on_with_the_same_bits() {
+        let mut island = island();
+        run(&mut island, unless_miri(20, 1));
+        let body = &mut island.bodies[0];
+        let pin = (0..body.particles.len()).find(|&i| body.particles.is_pinned(i)).expect("a pin");
+        body.particles.set_pin_target(pin, body.particles.position(pin) + Vec3::Y * 0.01);
+        body.particles.add_force(7, Vec3::X);
+        let particles = body.particles.snapshot();
+        let (ball, still_for) = (island.balls[0].snapshot(), body.still_for());
+        run(&mut island, unless_miri(20, 1));
+
+        let mut other = self::island();
+        run(&mut other, unless_miri(3, 2));
+        let body = &mut other.bodies[0];
+        body.particles.restore(&particles).expect("of the same cloth");
+        body.context = BodyContext::default();
+        body.context.set_still_for(still_for);
+        other.balls[0] = Ball::from_snapshot(&ball).expect("a ball that was");
+        run(&mut other, unless_miri(20, 1));
+        assert_eq!(hash(&other), hash(&island));
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_and_changes_nothing() {
+        let mut particles = Particles::new(Vec3::ZERO, &[Vec3::X, Vec3::Y], &[1.0, 0.0]).expect("valid");
+        let (good, before) = (particles.snapshot(), particles.clone());
+        let bad = [
+            ParticlesSnapshot::default(),
+            ParticlesSnapshot { substep: 0.0, ..good.clone() },
+            ParticlesSnapshot { substep: f32::NAN, ..good.clone() },
+            ParticlesSnapshot { inverse_masses: vec![-1.0, 0.0], ..good.clone() },
+            ParticlesSnapshot { displacements: vec![[0.0; 3]], ..good.clone() },
+            ParticlesSnapshot { forces: vec![[0.0; 3]], ..good.clone() },
+            ParticlesSnapshot { pin_targets: vec![(2, [0.0; 3])], ..good.clone() },
+        ];
+        for snapshot in bad {
+            assert!(particles.restore(&snapshot).is_err(), "{snapshot:?}");
+            assert_eq!(particles, before);
+        }
+        assert_eq!(particles.restore(&good), Ok(()));
+        let ball = Ball::new(BallMaterial::default(), Vec3::ZERO, Vec3::ZERO).expect("a ball").snapshot();
+        assert!(Ball::from_snapshot(&BallSnapshot { substep: -1.0, ..ball }).is_err());
+    }
+}

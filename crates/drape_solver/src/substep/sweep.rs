@@ -1,0 +1,395 @@
+//! A body's way through its substeps: which stage runs on which strip, in which order.
+//!
+//! The plan lists the stages once. They can be run one by one over the whole body, which is what a schedule does that
+//! lets others in between; or in a sweep: a stage may work on a strip as soon as the stage before it is far enough
+//! ahead that none of its sticks reaches a strip the other has not finished. Each particle then sees the same work in
+//! the same order, and ends at the same bits, but one trip through memory carries a whole substep, or several.
+//!
+//! ```text
+//!   strips 0..4 | integrate contacts rows(even) rows(odd) columns(even) ... friction integrate ...
+//!          4..8 |   integrate contacts rows(even) ...      time runs to the right;
+//!         8..12 |     integrate contacts ...               a stage lags behind the one before
+//!        12..16 |       integrate ...                      by as many strips as its sticks reach down
+//! ```
+//!
+//! Two threads share a body that is cut between two strips. Above the cut each stage ends the earlier the later it
+//! comes, below it each begins the later, so that neither half ever needs what the other has; the wedge that is left
+//! is done when both are through.
+//!
+//! ```text
+//!   strip     | integrate . . . . friction
+//!             |  a b o v e        .
+//!             |              .
+//!     cut ----|---------.  wedge
+//!             |              .
+//!             |  b e l o w        .
+//! ```
+
+use core::ops::Range;
+
+use fearless_simd::Simd;
+use glam::Vec3;
+
+use crate::constants::{BYTES_OF_CELL, LEAST_SHARED_CELLS, LEAST_STRIPS_PER_LAG, SWEPT_BYTES, TETHER_SPEED};
+use crate::constraint::direct::line;
+use crate::constraint::stick::{Exact, Projection, SquareRootFree};
+use crate::contact::cloth_cloth as contact_self;
+use crate::motion::integrate::{Flight, drift};
+use crate::parallel::workers::Crew;
+use crate::simd::columns::LANES;
+use crate::simd::isa::{Isa, Kernel};
+use crate::state::body::Body;
+use crate::state::obstacle::Obstacle;
+use crate::state::settings::StickProjection;
+use crate::substep::plan::{Plan, Stage};
+use crate::substep::work::{Common, Moving, Work};
+
+/// What is the same for all stages of a substep, and comes from outside the body.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Surroundings<'a> {
+    pub obstacles: &'a [Obstacle],
+    /// The substep, from 0, and the number of substeps.
+    pub substep_index: u32,
+    pub substeps: u32,
+    /// Seconds.
+    pub substep: f32,
+    pub isa: Isa,
+}
+
+/// Free flight for one substep.
+pub(crate) fn integrate(body: &mut Body, around: Surroundings) {
+    begin(body);
+    let [contacts, ..] = body.context.plan.places(0);
+    run(body, around, 0..contacts);
+    body.note_pin_travel();
+}
+
+/// Contacts with obstacles, before the sticks of projection `index` or, after the last, at the end of the substep.
+pub(crate) fn project_contacts(body: &mut Body, around: Surroundings, index: u32) {
+    let [contacts, sticks, _] = body.context.plan.places(index);
+    run(body, around, contacts..sticks);
+}
+
+/// The sticks of projection `index`.
+pub(crate) fn relax(body: &mut Body, around: Surroundings, index: u32) {
+    let [_, sticks, tethers] = body.context.plan.places(index);
+    run(body, around, sticks..tethers);
+}
+
+/// The tethers of projection `index`.
+pub(crate) fn tether(body: &mut Body, around: Surroundings, index: u32) {
+    let plan = &body.context.plan;
+    let [_, _, tethers] = plan.places(index);
+    if plan.stages.get(tethers) == Some(&Stage::Tethers) {
+        run(body, around, tethers..tethers + 1);
+    }
+}
+
+/// The lines of projection `index`.
+pub(crate) fn solve_lines(body: &mut Body, around: Surroundings, index: u32) {
+    if (index as usize) < body.context.plan.places_of_lines.len() {
+        line::solve(body, around.isa);
+    }
+}
+
+/// Velocities follow positions.
+pub(crate) fn update(body: &mut Body, around: Surroundings) {
+    let update = body.context.plan.update();
+    run(body, around, update..update + 1);
+}
+
+/// Friction against obstacles.
+pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
+    let update = body.context.plan.update();
+    run(body, around, update + 1..update + 2);
+}
+
+/// What comes last of all: limits on motion; and the frame is left.
+pub(crate) fn finish(body: &mut Body, around: Surroundings) {
+    let plan = &body.context.plan;
+    let last = plan.update() + 2..plan.stages.len();
+    run(body, around, last);
+}
+
+/// Whether [`substeps`] may be called for the body.
+pub(crate) fn is_all_stages(body: &Body) -> bool {
+    // Damping is no stage, and how many iterations a tolerance takes is not known beforehand.
+    let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
+    // Self-contact meets all of the body at once, and faces more than a strip of it.
+    let is_in_strips =
+        !contact_self::is_on(body) && body.context.faces.is_empty() && body.context.embedded.is_empty();
+    // Pressure is felt by the whole body.
+    let has_pressure = body.pressure > 0.0;
+    is_fixed && is_in_strips && !has_pressure && body.context.damping.iter().all(|&d| d == 0.0)
+}
+
+/// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.
+pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
+    let count = body.context.plan.stages.len();
+    if count == 0 {
+        // Taken out in the middle of the step.
+        return;
+    }
+    let at_once = substeps_at_once(body, crew);
+    let stages = |body: &mut Body, around: Surroundings, stages: Range<usize>| {
+        if body.context.plan.can_sweep {
+            sweep(body, around, stages, crew);
+        } else {
+            run(body, around, stages);
+        }
+    };
+    // Stages of the substep that the sweep before has done already.
+    let mut done = 0;
+    while around.substep_index < around.substeps {
+        let taken = at_once.min(around.substeps - around.substep_index);
+        if done == 0 {
+            begin(body);
+        }
+        // Lines are solved between sweeps.
+        for projection in 0..body.context.plan.places_of_lines.len() {
+            let place = body.context.plan.places_of_lines[projection];
+            stages(body, around, done..place);
+            line::solve(body, around.isa);
+            done = place;
+        }
+        let next = match body.context.plan.places_of_lines.first() {
+            // The first of these sweeps goes together with the last of the substep before.
+            Some(&place)
+                if body.context.plan.can_sweep
+                    && may_join(body)
+                    && around.substep_index + 1 < around.substeps =>
+            {
+                place
+            }
+            _ => 0,
+        };
+        if body.particles.masses.has_pins {
+            stages(body, around, done..taken as usize * count + next);
+        } else {
+            // The drift of a free body is a sum over all of it.
+            let update = body.context.plan.update();
+            stages(body, around, done..update);
+            stages(body, around, update..count);
+        }
+        body.note_pin_travel();
+        around.substep_index += taken;
+        done = next;
+    }
+}
+
+/// Whether a sweep may go from one substep into the next.
+fn may_join(body: &Body) -> bool {
+    let Body { particles, context, .. } = body;
+    context.plan.can_sweep && particles.masses.has_pins && context.pin_shifts.is_empty()
+}
+
+/// How many substeps one trip through memory carries: as many as the strips between its first stage and its last fit
+/// the cache.
+fn substeps_at_once(body: &Body, crew: &Crew) -> u32 {
+    let plan = &body.context.plan;
+    if !plan.can_sweep || !may_join(body) || !plan.lines.is_empty() {
+        return 1;
+    }
+    let lag = plan.lag_of_substep().max(1);
+    let strips = SWEPT_BYTES / (BYTES_OF_CELL * plan.cells_of_strip);
+    let by_cache = strips.saturating_sub(plan.strips_at_once()) / lag;
+    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * crew.most() * lag);
+    let most = if crew.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
+    most.max(1) as u32
+}
+
+/// Takes pins to the end of the substep.
+fn begin(body: &mut Body) {
+    body.move_pins();
+    body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
+}
+
+/// Some stages of a substep, pass after pass over the whole body.
+fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
+    // A body that was taken out in the middle of the step has no plan.
+    if stages.is_empty() || stages.end > body.context.plan.stages.len() {
+        return;
+    }
+    with_work(body, around, stages.start, |work, plan, projection| {
+        let (top, bottom) = (Edge::level(0), Edge::level(plan.strips));
+        for stages in plan.passes(stages) {
+            // Listed sticks go down the body by themselves.
+            let at_once = if stages.len() == 1 { plan.strips } else { plan.strips_at_once() };
+            Region { stages, top, bottom }.sweep(work, plan, projection, at_once);
+        }
+    });
+}
+
+/// Some stages, counted through several substeps, in a sweep.
+fn sweep(body: &mut Body, around: Surroundings, stages: Range<usize>, crew: &Crew) {
+    if stages.is_empty() {
+        return;
+    }
+    with_work(body, around, stages.start, |work, plan, projection| {
+        let region = Region { stages, top: Edge::level(0), bottom: Edge::level(plan.strips) };
+        region.share(work, plan, projection, crew, crew.count());
+    });
+}
+
+/// Lays out what the stages from `first` on read and write.
+fn with_work(
+    body: &mut Body,
+    around: Surroundings,
+    first: usize,
+    run: impl FnOnce(&mut Work, &Plan, StickProjection),
+) {
+    let is_update = body.context.plan.stages.get(first) == Some(&Stage::Update);
+    let drift = if is_update { drift(body) } else { Vec3::ZERO };
+    let Body { particles, topology, settings, context, .. } = body;
+    let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
+    let mut work = Work {
+        first_strip: 0,
+        cells_of_strip: context.plan.cells_of_strip,
+        moving: Moving {
+            position: &mut particles.position.cells,
+            displacement: &mut particles.displacement.cells,
+            integrated: &mut context.integrated.cells,
+        },
+        contacts: context.contacts.rows(),
+        rows: Some(&mut context.rows),
+        rest: Common {
+            inverse_mass,
+            common_mass: &particles.masses.common,
+            topology,
+            stiffness: &context.stiffness,
+            flight: Flight {
+                drag: context.drag,
+                substep: particles.substep,
+                uniform: context.uniform_acceleration,
+            },
+            varying: &context.acceleration.cells,
+            anchors: &context.anchors.cells,
+            around,
+            origin: particles.origin,
+            thickness: settings.thickness,
+            drift,
+            limits: &particles.limits,
+            frame: context.frame.as_ref(),
+            tether_reach: TETHER_SPEED * particles.substep,
+        },
+    };
+    run(&mut work, &context.plan, settings.projection);
+}
+
+/// Some stages, each on the strips between two edges.
+#[derive(Clone)]
+struct Region {
+    /// Counted through several substeps.
+    stages: Range<usize>,
+    top: Edge,
+    bottom: Edge,
+}
+
+/// Where the strips of a region begin or end, stage by stage.
+#[derive(Clone, Copy)]
+struct Edge {
+    strip: usize,
+    slope: Slope,
+}
+
+#[derive(Clone, Copy)]
+enum Slope {
+    /// The same strip for all stages.
+    Level,
+    /// Higher by each stage's lag: above it, no stage touches a strip below the cut.
+    Up,
+    /// Lower by the lag of the stage before: below it, no stage touches a strip above the cut, or one that it has not
+    /// finished.
+    Down,
+}
+
+impl Edge {
+    fn level(strip: usize) -> Self {
+        Self { strip, slope: Slope::Level }
+    }
+}
+
+impl Region {
+    /// Strips that stage `place` stays behind the first.
+    fn lag(&self, plan: &Plan, place: usize) -> usize {
+        plan.lag_of(place) - plan.lag_of(self.stages.start)
+    }
+
+    fn strips_of(&self, plan: &Plan, place: usize) -> Range<usize> {
+        let at = |edge: Edge| match edge.slope {
+            Slope::Level => edge.strip,
+            Slope::Up => edge.strip - self.lag(plan, place),
+            Slope::Down => edge.strip + self.lag(plan, place.max(self.stages.start + 1) - 1),
+        };
+        at(self.top)..at(self.bottom)
+    }
+
+    /// Sweeps it on up to `count` threads.
+    fn share(&self, work: &mut Work, plan: &Plan, projection: StickProjection, crew: &Crew, count: usize) {
+        let (top, bottom) = (self.top.strip, self.bottom.strip);
+        let steepest = self.lag(plan, self.stages.end - 1) + 1;
+        let is_small = (bottom - top) * plan.cells_of_strip < count * LEAST_SHARED_CELLS;
+        if count < 2 || is_small || bottom - top < 4 * steepest {
+            return self.sweep(work, plan, projection, plan.strips_at_once());
+        }
+        let above = count / 2;
+        // Each half must hold its two slopes.
+        let strip = work
+            .balanced_cut(top..bottom, above as f32 / count as f32)
+            .clamp(top + 2 * steepest, bottom - 2 * steepest);
+        let (up, down) = (Edge { strip, slope: Slope::Up }, Edge { strip, slope: Slope::Down });
+        let [upper, lower, wedge] = [(self.top, up), (down, self.bottom), (up, down)]
+            .map(|(top, bottom)| Self { stages: self.stages.clone(), top, bottom });
+        let (mut work_above, mut work_below) = work.split_at(strip);
+        crew.join(&mut || upper.share(&mut work_above, plan, projection, crew, above), &mut || {
+            lower.share(&mut work_below, plan, projection, crew, count - above);
+        });
+        wedge.sweep(work, plan, projection, plan.strips_at_once());
+    }
+
+    /// Sweeps it, `at_once` strips at a time.
+    fn sweep(&self, work: &mut Work, plan: &Plan, projection: StickProjection, at_once: usize) {
+        let isa = work.rest.around.isa;
+        let region = self;
+        match projection {
+            StickProjection::Exact => isa.run(Sweep { region, work, plan, at_once, projection: Exact }),
+            StickProjection::SquareRootFree => {
+                isa.run(Sweep { region, work, plan, at_once, projection: SquareRootFree });
+            }
+        }
+    }
+}
+
+struct Sweep<'r, 'w, P> {
+    region: &'r Region,
+    work: &'r mut Work<'w>,
+    plan: &'r Plan,
+    at_once: usize,
+    projection: P,
+}
+
+impl<P: Projection> Kernel for Sweep<'_, '_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { region, work, plan, at_once, projection } = self;
+        let stages = region.stages.clone();
+        let count = plan.stages.len();
+        let last = stages.end - 1;
+        // Until the last stage has come to its end.
+        let end = region.strips_of(plan, last).end + region.lag(plan, last);
+        for ahead in (region.top.strip..end).step_by(at_once) {
+            for place in stages.clone() {
+                let lag = region.lag(plan, place);
+                let of_stage = region.strips_of(plan, place);
+                let from = ahead.saturating_sub(lag).max(of_stage.start);
+                let to = (ahead + at_once).saturating_sub(lag).min(of_stage.end);
+                if from < to {
+                    let substep = work.rest.around.substep_index + (place / count) as u32;
+                    work.stage(simd, plan.stages[place % count], substep, from..to, projection);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! What the stages of a substep read and write, and what each does to some strips of a body.
+
+use core::ops::Range;
+
+use fearless_simd::Simd;
+use glam::Vec3;
+
+use crate::constants::WORK_OF_CONTACTS;
+use crate::constraint::listed_stick::{Descent, RelaxedBatch};
+use crate::constraint::motion_limit::MotionLimits;
+use crate::constraint::stick::{Alike, Joined, OneSided, Projection, project_loose, project_runs};
+use crate::contact::particle_obstacle::{Meeting, ObstacleRows};
+use crate::motion::frame_motion::SubstepMotion;
+use crate::motion::integrate::{Flight, update_displacements};
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::rows::Rows;
+use crate::state::topology::{BatchSticks, StickBatch, Topology};
+use crate::substep::plan::Stage;
+use crate::substep::sweep::Surroundings;
+
+/// The columns of some cells that a substep changes.
+pub(crate) struct Moving<'a> {
+    pub position: &'a mut [Cell],
+    pub displacement: &'a mut [Cell],
+    /// Positions after integration.
+    pub integrated: &'a mut [Cell],
+}
+
+/// Some strips of a body at work: all, or those above or below a cut.
+pub(crate) struct Work<'a> {
+    /// Of the body's, the first strip here.
+    pub first_strip: usize,
+    pub cells_of_strip: usize,
+    pub moving: Moving<'a>,
+    pub contacts: ObstacleRows<'a>,
+    /// What listed sticks are relaxed in; none where the body is cut, as one with listed sticks never is.
+    pub rows: Option<&'a mut Rows>,
+    pub rest: Common<'a>,
+}
+
+/// What all strips share. Columns are those of the whole body.
+#[derive(Clone, Copy)]
+pub(crate) struct Common<'a> {
+    pub inverse_mass: &'a [[f32; LANES]],
+    /// For each cell the inverse mass that all its particles share, or 0.
+    pub common_mass: &'a [f32],
+    pub topology: &'a Topology,
+    pub stiffness: &'a [f32],
+    pub flight: Flight,
+    pub varying: &'a [Cell],
+    pub anchors: &'a [Cell],
+    pub around: Surroundings<'a>,
+    /// Where the body's own coordinates begin, in the world.
+    pub origin: Vec3,
+    /// Metres.
+    pub thickness: f32,
+    pub drift: Vec3,
+    pub limits: &'a MotionLimits,
+    pub frame: Option<&'a SubstepMotion>,
+    /// How far a tether may pull in one substep, in metres.
+    pub tether_reach: f32,
+}
+
+impl Work<'_> {
+    /// The strip above which there is this `part` of the work of some strips.
+    pub fn balanced_cut(&self, strips: Range<usize>, part: f32) -> usize {
+        let work_above = |strip: usize| {
+            let cells = (strip * self.cells_of_strip) as f32;
+            cells + self.contacts.candidates_above(strip) as f32 * WORK_OF_CONTACTS
+        };
+        let [first, last] = [strips.start, strips.end].map(work_above);
+        let wanted = first + (last - first) * part;
+        let (mut low, mut high) = (strips.start, strips.end);
+        while low < high {
+            let middle = low.midpoint(high);
+            if work_above(middle) < wanted { low = middle + 1 } else { high = middle }
+        }
+        low
+    }
+
+    /// Cuts it in two above `strip`.
+    pub fn split_at(&mut self, strip: usize) -> (Work<'_>, Work<'_>) {
+        let &mut Self { first_strip, cells_of_strip, rest, .. } = self;
+        let cells = ((strip - first_strip) * cells_of_strip).min(self.moving.position.len());
+        let Moving { position, displacement, integrated } = &mut self.moving;
+        let position = position.split_at_mut(cells);
+        let displacement = displacement.split_at_mut(cells);
+        let integrated = integrated.split_at_mut(cells);
+        let contacts = self.contacts.split_at(strip);
+        let above = Moving { position: position.0, displacement: displacement.0, integrated: integrated.0 };
+        let below = Moving { position: position.1, displacement: displacement.1, integrated: integrated.1 };
+        (
+            Work { first_strip, cells_of_strip, moving: above, contacts: contacts.0, rows: None, rest },
+            Work {
+                first_strip: strip,
+                cells_of_strip,
+                moving: below,
+                contacts: contacts.1,
+                rows: None,
+                rest,
+            },
+        )
+    }
+
+    /// One stage on some strips of the body, in substep `substep` of the step.
+    #[inline(always)]
+    pub fn stage<S: Simd>(
+        &mut self,
+        simd: S,
+        stage: Stage,
+        substep: u32,
+        strips: Range<usize>,
+        projection: impl Projection,
+    ) {
+        let Self { first_strip, cells_of_strip, ref mut moving, ref mut contacts, ref mut rows, rest } =
+            *self;
+        let first_cell = first_strip * cells_of_strip;
+        let last_cell = first_cell + moving.position.len();
+        // Of the body, and here.
+        let cells = strips.start * cells_of_strip..(strips.end * cells_of_strip).min(last_cell);
+        let places = cells.start - first_cell..cells.end - first_cell;
+        match stage {
+            Stage::Integrate => simd.vectorize(
+                #[inline(always)]
+                || rest.flight.integrate(simd, moving, places, &rest, cells),
+            ),
+            Stage::Contacts { is_first } if !contacts.is_empty() => {
+                let meeting = Meeting::new(&rest, substep, is_first);
+                simd.vectorize(
+                    #[inline(always)]
+                    || contacts.project(simd, strips, moving, first_cell, &meeting),
+                );
+            }
+            Stage::Friction if !contacts.is_empty() => {
+                let meeting = Meeting::new(&rest, substep, false);
+                simd.vectorize(
+                    #[inline(always)]
+                    || contacts.apply_friction(simd, strips, moving, first_cell, &meeting),
+                );
+            }
+            Stage::Contacts { .. } | Stage::Friction => {}
+            Stage::Sticks(batch) => {
+                let stiffness = rest.stiffness[batch];
+                let mut joined = Joined::new(moving.position, &rest, first_cell);
+                if let BatchSticks::Grid { ref runs, rest_length, .. } = rest.topology.batches[batch].sticks {
+                    let alike = Alike { rest_length, stiffness, projection };
+                    for (band, runs) in runs.bands() {
+                        let first_cells =
+                            band.among(&strips).map(|strip| (strip - first_strip) * cells_of_strip);
+                        project_runs(simd, &mut joined, runs, first_cells, alike);
+                    }
+                }
+            }
+            Stage::Listed { first, end, backwards } => {
+                let Common { topology, stiffness, inverse_mass, .. } = rest;
+                let batches = (first..end).map(move |i| if backwards { end - 1 - (i - first) } else { i });
+                let batches = batches.filter_map(move |place| {
+                    let StickBatch { material, sticks, .. } = &topology.batches[place];
+                    let (stiffness, bound) = (stiffness[place], material.bound);
+                    match sticks {
+                        BatchSticks::Listed(batch) if stiffness > 0.0 => {
+                            Some(RelaxedBatch { batch, stiffness, bound })
+                        }
+                        _ => None,
+                    }
+                });
+                if let Some(rows) = rows.as_deref_mut().filter(|_| strips.start == 0) {
+                    let (position, sticks) = (&mut *moving.position, &topology.listed);
+                    Descent { rows, position, inverse_mass, sticks }.relax(simd, batches, projection);
+                }
+            }
+            Stage::Loose { first, end, backwards } => {
+                let batches = (first..end).map(|i| if backwards { end - 1 - (i - first) } else { i });
+                for batch in batches.filter(|&batch| rest.stiffness[batch] > 0.0) {
+                    if let BatchSticks::Loose(loose) = &rest.topology.batches[batch].sticks {
+                        let mut joined = Joined::new(moving.position, &rest, first_cell);
+                        let (stiffness, bound) =
+                            (rest.stiffness[batch], rest.topology.batches[batch].material.bound);
+                        match OneSided::of(bound, projection) {
+                            None => project_loose(&mut joined, loose, backwards, stiffness, projection),
+                            Some(one) => project_loose(&mut joined, loose, backwards, stiffness, one),
+                        }
+                    }
+                }
+            }
+            Stage::Tethers => {
+                let mut joined = Joined::new(moving.position, &rest, first_cell);
+                let (tethers, most) = (&rest.topology.tethers, rest.tether_reach);
+                simd.vectorize(
+                    #[inline(always)]
+                    || tethers.project(simd, cells, places, &mut joined, rest.anchors, most, projection),
+                );
+            }
+            Stage::Carry | Stage::Leave => {
+                if let Some(frame) = rest.frame {
+                    let is_start = stage == Stage::Carry;
+                    simd.vectorize(
+                        #[inline(always)]
+                        || {
+                            if is_start {
+                                frame.carry(simd, moving, places, &rest, cells, substep);
+                            } else {
+                                frame.leave(simd, moving, places, &rest, cells, substep);
+                            }
+                        },
+                    );
+                }
+            }
+            Stage::Limits => {
+                let fraction = (substep + 1) as f32 / rest.around.substeps as f32;
+                simd.vectorize(
+                    #[inline(always)]
+                    || rest.limits.enforce(simd, moving, places, &rest, cells, fraction),
+                );
+            }
+            Stage::Update => simd.vectorize(
+                #[inline(always)]
+                || update_displacements(simd, places, moving, rest.drift),
+            ),
+        }
+    }
+}

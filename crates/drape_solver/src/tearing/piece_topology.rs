@@ -1,0 +1,290 @@
+//! How the particles of a piece are joined.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::build::topology_builder::TopologyBuilder;
+use crate::constraint::tether::{TetherPlan, Tethers};
+use crate::constraint::tether_crossing::Crossing;
+use crate::error::BuildError;
+use crate::state::grid::GridBatch;
+use crate::state::layout::{Grid, Layout};
+use crate::state::topology::{BatchSticks, LooseStick, StickBatch, StickMaterial, Topology};
+use crate::state::torn_grid::TornGrid;
+use crate::tearing::pieces::Rejoined;
+use crate::tearing::split::Split;
+
+/// What a piece is made from.
+pub(crate) struct PieceTopology<'a> {
+    split: &'a Split<'a>,
+    batches: &'a [Rejoined<'a>],
+    crossing: &'a Crossing,
+    members: &'a [u32],
+    /// The index that each split particle has in the piece; [`ELSEWHERE`] for those of others.
+    indices: Vec<u32>,
+}
+
+const ELSEWHERE: u32 = u32::MAX;
+
+impl<'a> PieceTopology<'a> {
+    pub fn new(
+        split: &'a Split<'a>,
+        batches: &'a [Rejoined<'a>],
+        crossing: &'a Crossing,
+        members: &'a [u32],
+    ) -> Self {
+        let mut indices = vec![ELSEWHERE; split.origins.len()];
+        for (index, &member) in members.iter().enumerate() {
+            indices[member as usize] = index as u32;
+        }
+        Self { split, batches, crossing, members, indices }
+    }
+
+    fn old(&self) -> &'a Topology {
+        self.split.fabric.topology()
+    }
+
+    fn origin(&self, member: u32) -> usize {
+        self.split.origins[member as usize] as usize
+    }
+
+    /// The same particles by their indices in the piece, if all are of it.
+    fn own<const N: usize>(&self, particles: [u32; N]) -> Option<[u32; N]> {
+        let own = particles.map(|particle| self.indices[particle as usize]);
+        (!own.contains(&ELSEWHERE)).then_some(own)
+    }
+
+    fn rest(&self) -> Vec<Vec3> {
+        self.members.iter().map(|&member| self.old().rest[self.origin(member)]).collect()
+    }
+
+    /// The slot of the old grid at which a split particle was when it was made.
+    fn home(&self, member: u32) -> u32 {
+        match &self.old().layout {
+            Layout::Torn(torn) => torn.home(self.origin(member)),
+            layout => layout.slot(self.origin(member)) as u32,
+        }
+    }
+
+    /// Of a body that holds together, though it has been slit: a grid keeps its places, and only what is near the cracks
+    /// is looked at.
+    pub fn of_slit_body(&self) -> Result<Topology, BuildError> {
+        let Some(grid) = self.old().layout.grid() else {
+            return self.irregular();
+        };
+        let torn = TornGrid::new(grid, self.members.iter().map(|&member| self.home(member)).collect());
+        let (mut batches, mut loose) = (Batches::default(), LooseSticks::default());
+        for rejoined in self.batches {
+            let material = rejoined.batch.material;
+            let BatchSticks::Grid { batch, runs, rest_length, severed } = &rejoined.batch.sticks else {
+                for (ends, rest_length) in rejoined.sticks() {
+                    loose.push(material, ends.map(|end| torn.slot(end as usize)), rest_length);
+                }
+                continue;
+            };
+            let stick = |&i: &usize| rejoined.batch.place_in_family(i, severed) as u32;
+            let mut gone: Vec<u32> = rejoined.gone.iter().map(stick).collect();
+            for &(ends, rest_length) in &rejoined.changed {
+                let slots = ends.map(|end| torn.slot(end as usize));
+                let stick = batch.stick_between(slots).filter(|_| torn.are_home(ends));
+                match stick.and_then(|stick| gone.binary_search(&(stick as u32)).ok()) {
+                    Some(place) => drop(gone.remove(place)),
+                    None => loose.push(material, slots, rest_length),
+                }
+            }
+            let runs = if gone.is_empty() { runs.clone() } else { batch.without(runs, &gone) };
+            gone.extend(severed);
+            gone.sort_unstable();
+            let (batch, rest_length, severed) = (*batch, *rest_length, gone.into());
+            batches.push_family(material, BatchSticks::Grid { batch, runs, rest_length, severed });
+        }
+        Ok(self.finish(torn, batches, loose))
+    }
+
+    /// Of one of several pieces: a grid of the size of the piece if it fills at least half of that, else without order.
+    pub fn of_part(&self) -> Result<Topology, BuildError> {
+        let frame = self.old().layout.grid().and_then(|grid| Frame::new(grid, || self.homes()));
+        match frame {
+            Some(frame) if 2 * self.members.len() >= frame.grid.columns * frame.grid.rows => {
+                Ok(self.of_grid(frame))
+            }
+            _ => self.irregular(),
+        }
+    }
+
+    fn homes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.members.iter().map(|&member| self.home(member) as usize)
+    }
+
+    fn of_grid(&self, frame: Frame) -> Topology {
+        let homes = self.homes().map(|home| frame.slot(home) as u32).collect();
+        let torn = TornGrid::new(frame.grid, homes);
+        let mut families: Vec<Family> = Vec::new();
+        for rejoined in self.batches {
+            if let BatchSticks::Grid { batch, rest_length, .. } = &rejoined.batch.sticks {
+                let (right, down) = batch.offset();
+                let material = rejoined.batch.material;
+                // Both halves of a family have the same offset.
+                if !families.iter().any(|family| family.batch.offset() == (right, down)) {
+                    families.extend(
+                        GridBatch::halves(frame.grid, right, down)
+                            .map(|batch| Family::new(material, batch, *rest_length)),
+                    );
+                }
+            }
+        }
+        let mut loose = LooseSticks::default();
+        for rejoined in self.batches {
+            let material = rejoined.batch.material;
+            for (ends, rest_length) in rejoined.sticks() {
+                let Some(ends) = self.own(ends) else { continue };
+                let slots = ends.map(|end| torn.slot(end as usize));
+                let is_taken = torn.are_home(ends)
+                    && families.iter_mut().any(|family| family.take(material, rest_length, slots));
+                if !is_taken {
+                    loose.push(material, slots, rest_length);
+                }
+            }
+        }
+        let mut batches = Batches::default();
+        for family in families {
+            let severed: Box<[u32]> =
+                (0..family.has.len()).filter(|&k| !family.has[k]).map(|k| k as u32).collect();
+            let (batch, rest_length) = (family.batch, family.rest_length);
+            let runs = batch.runs(&severed);
+            batches.push_family(family.material, BatchSticks::Grid { batch, runs, rest_length, severed });
+        }
+        self.finish(torn, batches, loose)
+    }
+
+    /// The topology of a torn grid.
+    fn finish(&self, torn: TornGrid, mut batches: Batches, loose: LooseSticks) -> Topology {
+        for (material, sticks) in loose.0 {
+            batches.push(material, sticks.len(), BatchSticks::Loose(sticks.into()));
+        }
+        let faces = self.split.faces().iter().filter_map(|&face| self.own(face));
+        let segments = self.split.segments().filter_map(|ends| self.own(ends));
+        let mut topology = Topology {
+            layout: Layout::Torn(Arc::new(torn)),
+            batches: batches.list,
+            stick_count: batches.count,
+            faces: faces.collect(),
+            segments: segments.collect(),
+            longest_edge: self.old().longest_edge,
+            rest: self.rest(),
+            ..Topology::default()
+        };
+        let tethers = self.crossing.uncrossed(self.split, self.members, &self.indices);
+        topology.tethers = TetherPlan::new(&tethers, &topology.layout);
+        topology
+    }
+
+    /// A body of listed sticks.
+    fn irregular(&self) -> Result<Topology, BuildError> {
+        let mut builder = TopologyBuilder::new(&self.rest());
+        for same in self.batches.chunk_by(|p, q| p.batch.material == q.batch.material) {
+            let sticks = same.iter().flat_map(Rejoined::sticks);
+            let sticks = sticks.filter_map(|(ends, length)| Some((self.own(ends)?, length)));
+            builder.family_with_lengths(same[0].batch.material, sticks)?;
+        }
+        builder.faces(self.split.faces().iter().filter_map(|&face| self.own(face)))?;
+        builder.segments(self.split.segments().filter_map(|ends| self.own(ends)))?;
+        let old = self.old();
+        let mut is_pin = vec![false; old.particle_count()];
+        old.tethers.list(&old.layout).iter().for_each(|&(_, pin, _)| is_pin[pin as usize] = true);
+        let members = 0..self.members.len() as u32;
+        let pins: Vec<u32> =
+            members.filter(|&index| is_pin[self.origin(self.members[index as usize])]).collect();
+        if !pins.is_empty() {
+            let tethers = Tethers::geodesic(self.members.len(), builder.edges(), &pins);
+            builder.tethers(tethers)?;
+        }
+        builder.build()
+    }
+}
+
+/// The part of a grid that a piece needs, as a grid of its own.
+struct Frame {
+    old: Grid,
+    grid: Grid,
+    /// Column and row of the old grid where it begins.
+    first: [usize; 2],
+}
+
+impl Frame {
+    /// Around the places with these slots; none where that is too small for a grid.
+    fn new<I: Iterator<Item = usize>>(old: Grid, slots: impl Fn() -> I) -> Option<Self> {
+        let places = || slots().map(|slot| old.place(slot));
+        let range = |axis: usize| {
+            let along = || places().map(move |place| place[axis]);
+            Some((along().min()?, along().max()?))
+        };
+        let [(left, right), (top, bottom)] = [range(0)?, range(1)?];
+        let grid = Grid::new(right - left + 1, bottom - top + 1)?;
+        Some(Self { old, grid, first: [left, top] })
+    }
+
+    /// The slot of the place that has this slot in the old grid.
+    fn slot(&self, old: usize) -> usize {
+        let [column, row] = self.old.place(old);
+        self.grid.slot(column - self.first[0], row - self.first[1])
+    }
+}
+
+/// Half a family of a grid's sticks, and which of them a piece has.
+struct Family {
+    material: StickMaterial,
+    batch: GridBatch,
+    rest_length: f32,
+    has: Vec<bool>,
+}
+
+impl Family {
+    fn new(material: StickMaterial, batch: GridBatch, rest_length: f32) -> Self {
+        Self { material, batch, rest_length, has: vec![false; batch.count()] }
+    }
+
+    /// Takes in a stick, if it is one of the family's.
+    fn take(&mut self, material: StickMaterial, rest_length: f32, slots: [usize; 2]) -> bool {
+        let is_alike = (material, rest_length) == (self.material, self.rest_length);
+        let stick = if is_alike { self.batch.stick_between(slots) } else { None };
+        stick.is_some_and(|stick| !core::mem::replace(&mut self.has[stick], true))
+    }
+}
+
+/// Batches one after another.
+#[derive(Default)]
+struct Batches {
+    list: Vec<StickBatch>,
+    count: usize,
+}
+
+impl Batches {
+    fn push(&mut self, material: StickMaterial, count: usize, sticks: BatchSticks) {
+        if count > 0 {
+            self.list.push(StickBatch { material, first: self.count, count, sticks });
+            self.count += count;
+        }
+    }
+
+    fn push_family(&mut self, material: StickMaterial, sticks: BatchSticks) {
+        if let BatchSticks::Grid { batch, severed, .. } = &sticks {
+            self.push(material, batch.count() - severed.len(), sticks);
+        }
+    }
+}
+
+/// Sticks that belong to no family of a grid, by material.
+#[derive(Default)]
+struct LooseSticks(Vec<(StickMaterial, Vec<LooseStick>)>);
+
+impl LooseSticks {
+    fn push(&mut self, material: StickMaterial, slots: [usize; 2], rest_length: f32) {
+        let stick = LooseStick { slots: slots.map(|slot| slot as u32), rest_length };
+        match self.0.iter_mut().find(|(other, _)| *other == material) {
+            Some((_, sticks)) => sticks.push(stick),
+            None => self.0.push((material, vec![stick])),
+        }
+    }
+}
