@@ -3,10 +3,10 @@
 use glam::Vec3;
 
 use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::event::{Other, Projection, add_impulse, record};
+use crate::contact::event::{Other, Projection, Touch, add_impulse, record};
 use crate::contact::restitution::Impact;
-use crate::state::ball::SURFACE_INVERSE_MASS;
-use crate::state::island::Island;
+use crate::state::ball::{Ball, SURFACE_INVERSE_MASS};
+use crate::state::substep::Substep;
 
 /// Two balls that may touch in this step; `a < b`.
 #[derive(Clone, Copy, Debug)]
@@ -21,11 +21,10 @@ pub(crate) struct BallPair {
 }
 
 /// Lists the pairs that can meet within `dt` seconds.
-pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
-    let pairs = &mut island.context.ball_pairs;
+pub(crate) fn detect(pairs: &mut Vec<BallPair>, balls: &[Ball], dt: f32, gravity: f32) {
     pairs.clear();
-    for (b, second) in island.balls.iter().enumerate() {
-        for (a, first) in island.balls[..b].iter().enumerate() {
+    for (b, second) in balls.iter().enumerate() {
+        for (a, first) in balls[..b].iter().enumerate() {
             let reach = first.reach(dt, gravity) + second.reach(dt, gravity);
             let is_near = first.position.distance_squared(second.position) < reach * reach;
             if is_near && first.layers.interact(second.layers) {
@@ -43,8 +42,8 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
 }
 
 /// Forgets the last substep's depths.
-pub(crate) fn begin_substep(island: &mut Island) {
-    for pair in &mut island.context.ball_pairs {
+pub(crate) fn begin_substep(pairs: &mut [BallPair]) {
+    for pair in pairs {
         pair.depth = 0.0;
         pair.overlap = Overlap::default();
         pair.impact = Impact::default();
@@ -52,10 +51,14 @@ pub(crate) fn begin_substep(island: &mut Island) {
 }
 
 /// Moves overlapping balls apart, each by its share of inverse mass.
-pub(crate) fn project(island: &mut Island) {
-    let Island { balls, touches, context, .. } = island;
-    let pace = Pace::of(context);
-    for pair in &mut context.ball_pairs {
+pub(crate) fn project(
+    pairs: &mut [BallPair],
+    balls: &mut [Ball],
+    touches: &mut Vec<Touch>,
+    substep: Substep,
+) {
+    let pace = Pace::of(substep);
+    for pair in pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
         };
@@ -88,8 +91,8 @@ pub(crate) fn project(island: &mut Island) {
                 point: ball.position - normal * ball.material.radius,
                 normal,
             };
-            let impulse = push.fresh / (weight * context.substep);
-            record(touches, &projection, impulse, context.substep_index, context.substep);
+            let impulse = push.fresh / (weight * substep.duration);
+            record(touches, &projection, impulse, substep.index, substep.duration);
             pair.impact.note(gap_change, projection.fraction());
         }
         a.project(contact * a.inverse_mass, position_only * a.inverse_mass);
@@ -98,14 +101,13 @@ pub(crate) fn project(island: &mut Island) {
 }
 
 /// Parts the balls that have met in this substep, as fast as their restitution has it.
-pub(crate) fn rebound(island: &mut Island) {
-    let Island { balls, touches, context, .. } = island;
-    for pair in &mut context.ball_pairs {
+pub(crate) fn rebound(pairs: &mut [BallPair], balls: &mut [Ball], touches: &mut [Touch], substep: Substep) {
+    for pair in pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
         };
         let restitution = [a.material.restitution, b.material.restitution];
-        let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
+        let Some(rebound) = pair.impact.rebound(restitution, substep.duration) else {
             continue;
         };
         let weight = a.inverse_mass + b.inverse_mass;
@@ -116,7 +118,7 @@ pub(crate) fn rebound(island: &mut Island) {
         }
         pair.depth += change;
         for (ball, other, sign) in [(pair.a, pair.b, 1.0), (pair.b, pair.a, -1.0)] {
-            add_impulse(touches, ball, Other::Ball(other), change / (weight * context.substep));
+            add_impulse(touches, ball, Other::Ball(other), change / (weight * substep.duration));
             let ball = &mut balls[ball];
             let share = pair.normal * (sign * ball.inverse_mass / weight);
             ball.displacement += share * change;
@@ -126,9 +128,8 @@ pub(crate) fn rebound(island: &mut Island) {
 }
 
 /// Friction between the surfaces, which also turns the balls.
-pub(crate) fn apply_friction(island: &mut Island) {
-    let Island { balls, context, .. } = island;
-    for pair in &context.ball_pairs {
+pub(crate) fn apply_friction(pairs: &[BallPair], balls: &mut [Ball]) {
+    for pair in pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
         };

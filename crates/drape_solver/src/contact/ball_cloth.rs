@@ -16,21 +16,44 @@
 
 use glam::Vec3;
 
-use crate::broad_phase::ball_search::{BallAndBody, Corners};
+use crate::broad_phase::ball_search::{BallAndBody, BallSearch, Corners};
 use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
     TETHERLESS_REACH,
 };
 use crate::contact::ball_cloth_query::BallClothContact;
 use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::event::{Other, Projection, add_impulse, begin, is_known};
+use crate::contact::event::{Other, Projection, Touch, add_impulse, begin, is_known};
 use crate::contact::impact_zone::Placed;
-use crate::geometry::nearest_triangle::{on_segment, on_triangle};
+use crate::geometry::nearest_triangle::{on_segment, on_triangle, weighted};
+use crate::simd::isa::Isa;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::Body;
-use crate::state::island::{Island, IslandContext};
 use crate::state::particle_stats::MassSurvey;
 use crate::state::particles::Particles;
+use crate::state::substep::Substep;
+
+/// The contacts of an island's balls with its cloths and ropes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BallClothContacts {
+    pub pairs: Vec<BallCloth>,
+    search: BallSearch,
+    /// Places of the particles that a ball touches, while tethers are projected.
+    touched: Vec<(usize, Vec3)>,
+}
+
+impl BallClothContacts {
+    /// Drops the contacts of a body that was taken out of the island.
+    pub fn forget(&mut self, body: usize) {
+        self.pairs.retain(|contact| contact.body != body);
+        self.forget_search();
+    }
+
+    /// Makes the next round look at every pair.
+    pub fn forget_search(&mut self) {
+        self.search.forget(self.pairs.len());
+    }
+}
 
 /// A ball and a face, or a segment, that may touch in this step.
 #[derive(Clone, Copy, Debug)]
@@ -128,10 +151,16 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
 
 /// Lists the faces and segments that each ball can meet within `dt` seconds, if no particle moves faster
 /// than `speed` (m/s).
-pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
-    let Island { bodies, balls, context, isa, .. } = island;
-    context.ball_cloth.clear();
-    context.ball_search.clear();
+pub(crate) fn detect(
+    contacts: &mut BallClothContacts,
+    bodies: &[Body],
+    balls: &[Ball],
+    isa: Isa,
+    [dt, gravity, speed]: [f32; 3],
+) {
+    let BallClothContacts { pairs, search, .. } = contacts;
+    pairs.clear();
+    search.clear();
     for (body_index, body) in bodies.iter().enumerate() {
         let topology = &body.topology;
         let (low, high) = body.particles.bounds();
@@ -145,9 +174,9 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
             }
             let centre = ball.position - body.particles.origin;
             let pair = BallAndBody { ball: ball_index, body: body_index };
-            let listed = context.ball_cloth.len();
-            context.ball_search.detect(pair, (centre, reach), (body, *isa), listed, |corners| {
-                context.ball_cloth.push(BallCloth {
+            let listed = pairs.len();
+            search.detect(pair, (centre, reach), (body, isa), listed, |corners| {
+                pairs.push(BallCloth {
                     ball: ball_index,
                     body: body_index,
                     element: match corners {
@@ -166,8 +195,8 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
 }
 
 /// Forgets the last substep's depths.
-pub(crate) fn begin_substep(island: &mut Island) {
-    for contact in &mut island.context.ball_cloth {
+pub(crate) fn begin_substep(contacts: &mut BallClothContacts) {
+    for contact in &mut contacts.pairs {
         contact.depth = 0.0;
         contact.overlap = Overlap::default();
     }
@@ -245,14 +274,19 @@ impl Overlapping {
 
 /// Looks for overlaps right after integration without moving anything: what the first projection of a substep finds.
 /// Gives the number of faces and segments that were looked at.
-pub(crate) fn find_all(island: &mut Island, mut found: impl FnMut(BallClothContact)) -> usize {
-    let Island { bodies, balls, context, isa, .. } = island;
-    let search = &mut context.ball_search;
+pub(crate) fn find_all(
+    contacts: &mut BallClothContacts,
+    bodies: &[Body],
+    balls: &[Ball],
+    isa: Isa,
+    mut found: impl FnMut(BallClothContact),
+) -> usize {
+    let BallClothContacts { pairs, search, .. } = contacts;
     search.begin_round();
     let mut count = 0;
-    while let Some(index) = search.next(balls, bodies, *isa) {
+    while let Some(index) = search.next(balls, bodies, isa) {
         count += 1;
-        let contact = &context.ball_cloth[index];
+        let contact = &pairs[index];
         let (ball, body) = (&balls[contact.ball], &bodies[contact.body]);
         if let Some(overlapping) = Overlapping::find(contact, ball, body) {
             let Overlapping { weights, normal, gap, .. } = overlapping;
@@ -283,12 +317,18 @@ fn passed_side(start: &Placed, now: &Placed, slack: f32) -> Option<f32> {
 }
 
 /// Moves balls and cloth apart where they overlap.
-pub(crate) fn project(island: &mut Island) {
-    let Island { bodies, balls, touches, context, isa, .. } = island;
-    let pace = Pace::of(context);
-    context.ball_search.begin_round();
-    while let Some(index) = context.ball_search.next(balls, bodies, *isa) {
-        let contact = &context.ball_cloth[index];
+pub(crate) fn project(
+    contacts: &mut BallClothContacts,
+    bodies: &mut [Body],
+    balls: &mut [Ball],
+    touches: &mut Vec<Touch>,
+    substep: Substep,
+) {
+    let pace = Pace::of(substep);
+    let BallClothContacts { pairs, search, .. } = contacts;
+    search.begin_round();
+    while let Some(index) = search.next(balls, bodies, substep.isa) {
+        let contact = &pairs[index];
         let (ball_index, body_index) = (contact.ball, contact.body);
         let (body, ball) = (&bodies[body_index], &balls[ball_index]);
         let Some(found) = Overlapping::find(contact, ball, body) else {
@@ -297,21 +337,21 @@ pub(crate) fn project(island: &mut Island) {
         if !is_known(touches, ball_index, Other::Body(body_index)) {
             // Nothing was pushed yet: of all elements, the one that was met first tells when and where.
             let of_pair = |c: &&BallCloth| c.ball == ball_index && c.body == body_index;
-            let all = context.ball_cloth.iter().filter(of_pair).filter_map(|c| {
+            let all = pairs.iter().filter(of_pair).filter_map(|c| {
                 Overlapping::find(c, ball, body).map(|found| found.projection(c, ball, body))
             });
             if let Some(first) = all.min_by(|p, q| p.fraction().total_cmp(&q.fraction())) {
-                begin(touches, &first, context.substep_index, context.substep);
+                begin(touches, &first, substep.index, substep.duration);
             }
         }
-        let contact = &mut context.ball_cloth[index];
+        let contact = &mut pairs[index];
         let (body, ball) = (&mut bodies[body_index], &mut balls[ball_index]);
         let Overlapping { weights, normal, gap, gap_change, .. } = found;
         let element = contact.element;
         let push = contact.overlap.split(-gap, gap_change, || found.at_start(element), pace);
         let corners = element.corners();
         let total = ball.inverse_mass + felt(weights, corners, body);
-        add_impulse(touches, ball_index, Other::Body(body_index), push.fresh / (total * context.substep));
+        add_impulse(touches, ball_index, Other::Body(body_index), push.fresh / (total * substep.duration));
         contact.normal = normal;
         contact.weights = weights;
         // Friction measures the normal push in terms of both sides' motion.
@@ -321,7 +361,7 @@ pub(crate) fn project(island: &mut Island) {
         let heaviest_share =
             corners.into_iter().zip(weights).map(|(i, w)| w * body.particles.inverse_mass[i]);
         let nearer = ball.inverse_mass + heaviest_share.fold(0.0, f32::max);
-        context.ball_search.note_push((push.fresh + push.old) / total * nearer);
+        search.note_push((push.fresh + push.old) / total * nearer);
         for (corner, weight) in corners.into_iter().zip(weights) {
             let share = -weight * body.particles.inverse_mass[corner];
             // Straight into the displacement, which is finer than the position: what the ball loses in momentum
@@ -337,21 +377,27 @@ pub(crate) fn project(island: &mut Island) {
 ///
 /// Tethers are not to move them: they bring a particle all the way home at once, which may be through the middle of
 /// the ball. The particles around are tethered, and sticks hold on to those.
-pub(crate) fn note_touched(context: &mut IslandContext, balls: &[Ball], body: usize, particles: &Particles) {
-    context.touched.clear();
-    for contact in context.ball_cloth.iter().filter(|contact| contact.body == body) {
+pub(crate) fn note_touched(
+    contacts: &mut BallClothContacts,
+    balls: &[Ball],
+    body: usize,
+    particles: &Particles,
+) {
+    let BallClothContacts { pairs, touched, .. } = contacts;
+    touched.clear();
+    for contact in pairs.iter().filter(|contact| contact.body == body) {
         let ball = &balls[contact.ball];
         let near = TETHERLESS_REACH * ball.material.radius;
         let centre = ball.position - particles.origin;
         let places = contact.element.corners().map(|i| (i, particles.position.get(i)));
         let is_near = |&(_, p): &(usize, Vec3)| p.distance_squared(centre) < near * near;
-        context.touched.extend(places.into_iter().filter(is_near));
+        touched.extend(places.into_iter().filter(is_near));
     }
 }
 
 /// Undoes what has happened to the noted particles since.
-pub(crate) fn put_back(context: &IslandContext, particles: &mut Particles) {
-    for &(i, position) in &context.touched {
+pub(crate) fn put_back(contacts: &BallClothContacts, particles: &mut Particles) {
+    for &(i, position) in &contacts.touched {
         particles.position.set(i, position);
     }
 }
@@ -366,9 +412,8 @@ fn felt(weights: [f32; 3], corners: [usize; 3], body: &Body) -> f32 {
 }
 
 /// Friction between the ball's surface and the cloth, which also spins the ball.
-pub(crate) fn apply_friction(island: &mut Island) {
-    let Island { bodies, balls, context, .. } = island;
-    for contact in &context.ball_cloth {
+pub(crate) fn apply_friction(contacts: &BallClothContacts, bodies: &mut [Body], balls: &mut [Ball]) {
+    for contact in &contacts.pairs {
         if contact.depth == 0.0 {
             continue;
         }
@@ -393,10 +438,6 @@ pub(crate) fn apply_friction(island: &mut Island) {
             body.particles.displacement.add(corner, shift);
         }
     }
-}
-
-pub(crate) fn weighted(weights: [f32; 3], vectors: [Vec3; 3]) -> Vec3 {
-    vectors[0] * weights[0] + vectors[1] * weights[1] + vectors[2] * weights[2]
 }
 
 fn face_normal([p, q, r]: [Vec3; 3]) -> Vec3 {

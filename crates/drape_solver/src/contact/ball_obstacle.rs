@@ -5,15 +5,36 @@ use glam::Vec3;
 use crate::constants::BALL_TRAVEL_PER_SUBSTEP;
 use crate::contact::depenetration::{Overlap, Pace};
 use crate::contact::dynamic_obstacle::{Mover, mover_mut};
-use crate::contact::event::{Other, Projection, add_impulse, record};
+use crate::contact::event::{Other, Projection, Touch, add_impulse, record};
 use crate::contact::reaction::Given;
 use crate::contact::restitution::Impact;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape, container_walls};
 use crate::state::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
-use crate::state::island::{Island, IslandContext};
-use crate::state::obstacle::Obstacle;
 use crate::state::obstacles::Obstacles;
+use crate::state::substep::Substep;
+
+/// The contacts of an island's balls with obstacles.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BallObstacleContacts {
+    pub pairs: Vec<BallObstacle>,
+    /// Pairs of a ball and an obstacle that is near and does not stop it: it may be a sensor.
+    pub passable: Vec<(usize, usize)>,
+    /// Obstacles near the ball that the search looks at.
+    near: Vec<u32>,
+}
+
+impl BallObstacleContacts {
+    /// Obstacles that a ball may touch, by index; one for each pair.
+    pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
+        self.pairs.iter().map(|pair| pair.obstacle)
+    }
+
+    /// The momentum that obstacles gave in the last substep.
+    pub fn given<'a>(&'a self, balls: &'a [Ball]) -> impl Iterator<Item = Given> + 'a {
+        self.pairs.iter().filter_map(|pair| pair.given(balls))
+    }
+}
 
 /// A ball and an obstacle that may touch in this step.
 #[derive(Clone, Copy, Debug)]
@@ -42,13 +63,8 @@ struct Push {
 }
 
 impl BallObstacle {
-    /// The obstacle, by its index.
-    pub(crate) fn obstacle(&self) -> usize {
-        self.obstacle
-    }
-
     /// What the obstacle has given to the ball in the last substep, if anything.
-    pub(crate) fn given(&self, balls: &[Ball]) -> Option<Given> {
+    fn given(&self, balls: &[Ball]) -> Option<Given> {
         let Push { push, moment } = self.given;
         (self.depth > 0.0).then(|| self.gives(&balls[self.ball], push, moment))
     }
@@ -82,17 +98,24 @@ impl BallObstacle {
 }
 
 /// Lists the pairs whose boxes come within `dt` seconds of each other.
-pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravity: f32) {
-    let IslandContext { ball_obstacle: pairs, near_obstacles: near, report, .. } = &mut island.context;
+pub(crate) fn detect(
+    contacts: &mut BallObstacleContacts,
+    balls: &[Ball],
+    obstacles: &Obstacles,
+    dt: f32,
+    gravity: f32,
+) {
+    let BallObstacleContacts { pairs, passable, near } = contacts;
     pairs.clear();
-    for (ball_index, ball) in island.balls.iter().enumerate() {
+    passable.clear();
+    for (ball_index, ball) in balls.iter().enumerate() {
         let reach = ball.reach(dt, gravity);
         near.clear();
         obstacles.near(ball.position - reach, ball.position + reach, near);
         for obstacle_index in near.iter().map(|&index| index as usize) {
             let obstacle = &obstacles[obstacle_index];
             if !obstacle.stops(ball.layers) {
-                report.note_passable(ball_index, obstacle_index);
+                passable.push((ball_index, obstacle_index));
                 continue;
             }
             let pose = obstacle.pose_at(0.0, Vec3::ZERO);
@@ -121,11 +144,15 @@ pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravit
 }
 
 /// Brings the obstacles to the end of the current substep and forgets the last one's depths.
-pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
-    let Island { balls, context, .. } = island;
-    let (index, count) = (context.substep_index, context.substeps);
-    for pair in &mut context.ball_obstacle {
-        if pair.follow(&mut context.movers).is_none() {
+pub(crate) fn begin_substep(
+    contacts: &mut BallObstacleContacts,
+    balls: &[Ball],
+    movers: &mut [Mover],
+    substep: Substep,
+) {
+    let Substep { obstacles, index, count, .. } = substep;
+    for pair in &mut contacts.pairs {
+        if pair.follow(movers).is_none() {
             let obstacle = &obstacles[pair.obstacle];
             let pose_at = |k: u32| obstacle.pose_at(k as f32 / count as f32, Vec3::ZERO);
             [pair.before, pair.now] = [index, index + 1].map(pose_at);
@@ -139,12 +166,17 @@ pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
 }
 
 /// Moves every ball that lies inside an obstacle out to its surface.
-pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
-    let Island { balls, touches, context, .. } = island;
-    let pace = Pace::of(context);
-    for pair in &mut context.ball_obstacle {
+pub(crate) fn project(
+    contacts: &mut BallObstacleContacts,
+    balls: &mut [Ball],
+    movers: &mut [Mover],
+    touches: &mut Vec<Touch>,
+    substep: Substep,
+) {
+    let (pace, obstacles) = (Pace::of(substep), substep.obstacles);
+    for pair in &mut contacts.pairs {
         let ball = &mut balls[pair.ball];
-        let mover = pair.follow(&mut context.movers);
+        let mover = pair.follow(movers);
         let local = pair.now.to_local(ball.position);
         let (plane, shape) = (pair.plane.or(pair.ahead), obstacles[pair.obstacle].shape());
         let surface_at = |local: Vec3| match plane {
@@ -174,13 +206,13 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
                 point,
                 normal: pair.normal,
             };
-            let impulse = fresh * ball.material.mass / context.substep;
-            record(touches, &projection, impulse, context.substep_index, context.substep);
+            let impulse = fresh * ball.material.mass / substep.duration;
+            record(touches, &projection, impulse, substep.index, substep.duration);
             pair.impact.note(gap_change, projection.fraction());
             let given = pair.normal * (fresh * ball.material.mass);
             pair.given.push += given;
             if let Some(mover) = mover {
-                mover.receive(pair.gives(ball, given, Vec3::ZERO), context.substep);
+                mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
             }
             ball.project(pair.normal * fresh, pair.normal * push.old);
         }
@@ -188,15 +220,20 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
 }
 
 /// Throws back the balls that have met an obstacle in this substep, as fast as restitution has it.
-pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
-    let Island { balls, touches, context, .. } = island;
-    for pair in &mut context.ball_obstacle {
-        let (ball, obstacle) = (&mut balls[pair.ball], &obstacles[pair.obstacle]);
+pub(crate) fn rebound(
+    contacts: &mut BallObstacleContacts,
+    balls: &mut [Ball],
+    movers: &mut [Mover],
+    touches: &mut [Touch],
+    substep: Substep,
+) {
+    for pair in &mut contacts.pairs {
+        let (ball, obstacle) = (&mut balls[pair.ball], &substep.obstacles[pair.obstacle]);
         let restitution = [ball.material.restitution, obstacle.restitution()];
-        let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
+        let Some(rebound) = pair.impact.rebound(restitution, substep.duration) else {
             continue;
         };
-        let mover = pair.follow(&mut context.movers);
+        let mover = pair.follow(movers);
         let point = ball.position - pair.normal * ball.material.radius;
         let carried = point - pair.before.point_to_world(pair.now.to_local(point));
         let share = own_share(ball, mover.as_deref(), point, pair.normal);
@@ -206,12 +243,12 @@ pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
             continue;
         }
         pair.depth += change;
-        let impulse = change * ball.material.mass / context.substep;
+        let impulse = change * ball.material.mass / substep.duration;
         add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);
         let given = pair.normal * (change * ball.material.mass);
         pair.given.push += given;
         if let Some(mover) = mover {
-            mover.receive(pair.gives(ball, given, Vec3::ZERO), context.substep);
+            mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
         }
         ball.displacement += pair.normal * change;
         ball.position += pair.normal * (share * rebound.position);
@@ -219,15 +256,19 @@ pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
 }
 
 /// Friction at the point of contact, which turns sliding into rolling, and the resistance that ends rolling.
-pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
-    let Island { balls, context, .. } = island;
-    for pair in &mut context.ball_obstacle {
+pub(crate) fn apply_friction(
+    contacts: &mut BallObstacleContacts,
+    balls: &mut [Ball],
+    movers: &mut [Mover],
+    substep: Substep,
+) {
+    for pair in &mut contacts.pairs {
         if pair.depth == 0.0 {
             continue;
         }
         let ball = &mut balls[pair.ball];
-        let mover = pair.follow(&mut context.movers);
-        let surface = obstacles[pair.obstacle].surface_friction();
+        let mover = pair.follow(movers);
+        let surface = substep.obstacles[pair.obstacle].surface_friction();
         let friction = ball.material.surface_friction().with(surface);
         let arm = pair.normal * -ball.material.radius;
         let point = ball.position + arm;
@@ -248,7 +289,7 @@ pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
         pair.given.push += push;
         pair.given.moment += moment;
         if let Some(mover) = mover {
-            mover.receive(pair.gives(ball, push, moment), context.substep);
+            mover.receive(pair.gives(ball, push, moment), substep.duration);
         }
     }
 }

@@ -16,8 +16,8 @@ use crate::contact::particle_particle::ParticlePairs;
 use crate::contact::triangle_triangle::TrianglePairs;
 pub(crate) use crate::contact::triangle_triangle::hit_substeps;
 use crate::state::body::Body;
-use crate::state::island::{Island, IslandContext};
 use crate::state::settings::SelfContact;
+use crate::state::substep::Substep;
 
 /// The contacts of an island's cloths and ropes with themselves and each other.
 #[derive(Clone, Debug, Default)]
@@ -33,8 +33,8 @@ pub(crate) fn is_on(body: &Body) -> bool {
 }
 
 /// Whether a rope, or what else has no faces, is among those that touch themselves and others.
-pub(crate) fn is_on_ropes(island: &Island) -> bool {
-    island.bodies.iter().any(|body| is_on(body) && body.topology.faces().is_empty())
+pub(crate) fn is_on_ropes(bodies: &[Body]) -> bool {
+    bodies.iter().any(|body| is_on(body) && body.topology.faces().is_empty())
 }
 
 /// Whether it does so by its triangles, where the other does too.
@@ -43,17 +43,16 @@ pub(crate) fn has_triangles(body: &Body) -> bool {
 }
 
 /// Forgets the last substep's contacts, and finds those of this one, once all have flown.
-pub(crate) fn begin_substep(island: &mut Island) {
-    let Island { bodies, context, isa, .. } = island;
-    let pace = Pace::of(context);
-    let SelfContacts { motion, particles, triangles } = &mut context.self_contacts;
+pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
+    let pace = Pace::of(substep);
+    let SelfContacts { motion, particles, triangles } = contacts;
     if !bodies.iter().any(is_on) {
         particles.clear();
         triangles.clear();
         motion.forget();
         return;
     }
-    if !motion.follow(bodies, *isa, pace.is_first()) {
+    if !motion.follow(bodies, substep.isa, pace.is_first()) {
         particles.clear();
         triangles.clear();
     }
@@ -62,19 +61,17 @@ pub(crate) fn begin_substep(island: &mut Island) {
 }
 
 /// Moves apart what overlaps.
-pub(crate) fn project(island: &mut Island) {
-    let Island { bodies, context, .. } = island;
-    let pace = Pace::of(context);
-    let SelfContacts { particles, triangles, .. } = &mut context.self_contacts;
+pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
+    let pace = Pace::of(substep);
+    let SelfContacts { particles, triangles, .. } = contacts;
     particles.project(bodies, pace);
     triangles.project(bodies, pace);
 }
 
 /// Friction between all that touched, on what it has slipped past each other in this substep.
-pub(crate) fn apply_friction(island: &mut Island) {
-    let Island { bodies, context: IslandContext { self_contacts, .. }, .. } = island;
-    self_contacts.particles.apply_friction(bodies);
-    self_contacts.triangles.apply_friction(bodies);
+pub(crate) fn apply_friction(contacts: &SelfContacts, bodies: &mut [Body]) {
+    contacts.particles.apply_friction(bodies);
+    contacts.triangles.apply_friction(bodies);
 }
 
 impl SelfContacts {

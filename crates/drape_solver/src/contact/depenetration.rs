@@ -15,7 +15,7 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::constants::{GENTLE_PUSH_OUT_SPEED, PUSH_OUT_SPEED, REFERENCE_STEP};
-use crate::state::island::IslandContext;
+use crate::state::substep::Substep;
 
 /// The overlap of one contact in one substep.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,8 +48,8 @@ pub(crate) struct Pace {
 
 impl Pace {
     /// For the substep that runs now.
-    pub fn of(context: &IslandContext) -> Self {
-        Self::new(context.substep, context.substeps, context.substep_index)
+    pub fn of(substep: Substep) -> Self {
+        Self::new(substep.duration, substep.count, substep.index)
     }
 
     /// For substep `index` of `substeps`, of `substep` seconds.

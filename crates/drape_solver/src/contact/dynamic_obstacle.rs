@@ -6,25 +6,14 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::contact::ball_obstacle::BallObstacle;
-use crate::contact::friction::Friction;
+use crate::contact::body_contacts::BodyContacts;
+use crate::contact::island_contacts::IslandContacts;
 use crate::contact::reaction::Given;
 use crate::geometry::pose::{Placement, Pose, turned};
-use crate::state::island::Island;
+use crate::state::friction::Friction;
 use crate::state::obstacle::Obstacle;
-use crate::state::obstacles::Obstacles;
+use crate::state::obstacle_motion::MovedObstacle;
 use crate::state::rigid_body::RigidBody;
-
-/// Where a step has brought an obstacle with a [`RigidBody`] that something was near.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MovedObstacle {
-    /// The obstacle, by its index in the environment.
-    pub obstacle: usize,
-    /// Its place at the end of the step.
-    pub placement: Placement,
-    /// Its motion there.
-    pub body: RigidBody,
-}
 
 /// An obstacle with a rigid body, on its way through a step.
 #[derive(Clone, Copy, Debug)]
@@ -132,34 +121,26 @@ pub(crate) fn mover_mut(movers: &mut [Mover], obstacle: usize) -> Option<&mut Mo
 }
 
 /// Lists the obstacles with rigid bodies that something may touch in this step.
-pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles) {
-    let Island { bodies, context, .. } = island;
-    let movers = &mut context.movers;
+pub(crate) fn detect(contacts: &mut IslandContacts, obstacles: &[Obstacle]) {
+    let IslandContacts { bodies, ball_obstacle, movers, .. } = contacts;
     movers.clear();
-    let mut meet = |index: usize| {
-        let Some(body) = obstacles[index].starts_with() else { return };
+    for index in bodies.iter().flat_map(BodyContacts::obstacles).chain(ball_obstacle.obstacles()) {
+        let Some(body) = obstacles[index].starts_with() else { continue };
         if let Err(place) = movers.binary_search_by_key(&index, |mover| mover.obstacle) {
             movers.insert(place, Mover::new(index, &obstacles[index], body));
         }
-    };
-    for body in bodies {
-        body.context.contacts.obstacles().for_each(&mut meet);
-        body.context.faces.obstacles().for_each(&mut meet);
-        body.context.embedded.obstacles().for_each(&mut meet);
     }
-    context.ball_obstacle.iter().map(BallObstacle::obstacle).for_each(meet);
 }
 
-/// Brings the movers to the end of the coming substep, if nothing touches them.
-pub(crate) fn begin_substep(island: &mut Island) {
-    let substep = island.context.substep;
-    island.context.movers.iter_mut().for_each(|mover| mover.begin_substep(substep));
+/// Brings the movers to the end of the coming substep of so many seconds, if nothing touches them.
+pub(crate) fn begin_substep(movers: &mut [Mover], substep: f32) {
+    movers.iter_mut().for_each(|mover| mover.begin_substep(substep));
 }
 
-/// Tells where the movers are.
-pub(crate) fn finish(island: &mut Island) {
-    island.moved.clear();
-    island.moved.extend(island.context.movers.iter().map(|mover| MovedObstacle {
+/// Gives the places and motions of the movers at the end of the step.
+pub(crate) fn finish(movers: &[Mover], moved: &mut Vec<MovedObstacle>) {
+    moved.clear();
+    moved.extend(movers.iter().map(|mover| MovedObstacle {
         obstacle: mover.obstacle,
         placement: mover.to,
         body: mover.end,

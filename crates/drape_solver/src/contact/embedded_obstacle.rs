@@ -18,14 +18,14 @@ use crate::contact::depenetration::{Overlap, Pace};
 use crate::contact::dynamic_obstacle::{Mover, mover_mut};
 use crate::contact::effective_mass::felt;
 use crate::contact::face_obstacle::{Met, Poses, kept};
-use crate::contact::friction::Friction;
 use crate::contact::reaction::Given;
 use crate::geometry::shape::Plane;
 use crate::state::body::Body;
+use crate::state::friction::Friction;
 use crate::state::obstacle::Obstacle;
 use crate::state::particles::Particles;
+use crate::state::substep::Substep;
 use crate::state::topology::{EmbeddedPoint, Topology};
-use crate::substep::sweep::Surroundings;
 
 /// Points of one body that may touch obstacles in this step, obstacle by obstacle.
 #[derive(Clone, Debug, Default)]
@@ -126,8 +126,8 @@ fn weighted(weights: [f32; 4], [a, b, c, d]: [Vec3; 4]) -> Vec3 {
 }
 
 /// Forgets the last substep's depths.
-pub(crate) fn begin_substep(body: &mut Body) {
-    for contact in &mut body.context.embedded.contacts {
+pub(crate) fn begin_substep(contacts: &mut EmbeddedContacts) {
+    for contact in &mut contacts.contacts {
         contact.depth = 0.0;
         contact.given = Vec3::ZERO;
         contact.overlap = Overlap::default();
@@ -135,16 +135,19 @@ pub(crate) fn begin_substep(body: &mut Body) {
 }
 
 /// Moves the points that are in an obstacle out to its surface.
-pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
-    let mut contacts = core::mem::take(&mut body.context.embedded.contacts);
-    let pace = Pace::new(around.substep, around.substeps, around.substep_index);
+pub(crate) fn project(
+    contacts: &mut EmbeddedContacts,
+    body: &mut Body,
+    substep: Substep,
+    movers: &mut [Mover],
+) {
+    let pace = Pace::of(substep);
     let mut poses = None;
-    for contact in &mut contacts {
+    for contact in &mut contacts.contacts {
         let mover = mover_mut(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, body.particles.origin);
-        contact.project(body, around.obstacles, poses, mover, pace);
+        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), substep, body.particles.origin);
+        contact.project(body, substep.obstacles, poses, mover, pace);
     }
-    body.context.embedded.contacts = contacts;
 }
 
 impl EmbeddedContact {
@@ -216,12 +219,17 @@ impl EmbeddedContact {
 }
 
 /// Friction at the points, on what they have slipped in this substep.
-pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
-    let Body { particles, context, .. } = body;
+pub(crate) fn apply_friction(
+    contacts: &mut EmbeddedContacts,
+    body: &mut Body,
+    substep: Substep,
+    movers: &mut [Mover],
+) {
+    let particles = &mut body.particles;
     let mut poses = None;
-    for contact in context.embedded.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
+    for contact in contacts.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
         let mover = mover_mut(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, particles.origin);
+        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), substep, particles.origin);
         let (carriers, weights) = (contact.carriers, contact.weights);
         let point = weighted(weights, carriers.map(|slot| particles.position.get(slot)));
         let moved = weighted(weights, carriers.map(|slot| particles.displacement.get(slot)));
@@ -232,7 +240,7 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut
                 let place = particles.origin + point;
                 let (taken, push) =
                     mover.slip_taken(contact.friction, felt, slip, contact.normal, contact.depth, place);
-                mover.receive(contact.shared(particles, push), around.substep);
+                mover.receive(contact.shared(particles, push), substep.duration);
                 taken
             }
             None => contact.friction.slip_taken(slip, contact.normal, contact.depth),

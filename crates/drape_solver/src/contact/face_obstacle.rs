@@ -19,21 +19,22 @@
 use glam::{DVec3, Vec3};
 
 use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
-use crate::contact::ball_cloth::{Element, weighted};
+use crate::contact::ball_cloth::Element;
 use crate::contact::depenetration::{Overlap, Pace};
 use crate::contact::dynamic_obstacle::{Mover, mover, mover_mut};
 use crate::contact::effective_mass::felt;
-use crate::contact::friction::Friction;
 use crate::contact::reaction::Given;
 use crate::geometry::nearest::{Nearest, Piece};
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape, Surface};
 use crate::state::body::Body;
+use crate::state::friction::Friction;
 use crate::state::obstacle::Obstacle;
 use crate::state::particles::Particles;
 use crate::state::settings::SolverSettings;
+use crate::state::substep::Substep;
 use crate::state::topology::Topology;
-use crate::substep::sweep::Surroundings;
 
 /// Faces and segments of one body that may touch obstacles in this step, obstacle by obstacle.
 #[derive(Clone, Debug, Default)]
@@ -310,13 +311,13 @@ fn deepest(
 }
 
 /// Forgets the last substep's depths, and follows the deepest points.
-pub(crate) fn begin_substep(body: &mut Body, around: Surroundings, movers: &[Mover]) {
-    let Body { particles, context, .. } = body;
+pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: Substep, movers: &[Mover]) {
+    let particles = &body.particles;
     let mut poses = None;
-    for contact in &mut context.faces.contacts {
+    for contact in &mut contacts.contacts {
         let mover = mover(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover, around, particles.origin);
-        contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
+        let poses = kept(&mut poses, contact.obstacle, mover, substep, particles.origin);
+        contact.look(particles, substep.obstacles[contact.obstacle].shape(), poses);
         contact.depth = 0.0;
         contact.given = Vec3::ZERO;
         contact.overlap = Overlap::default();
@@ -331,9 +332,9 @@ pub(crate) struct Poses {
 }
 
 impl Poses {
-    fn of(obstacle: usize, around: Surroundings, origin: Vec3) -> Self {
-        let pose_at = |k: u32| around.obstacles[obstacle].pose_at(k as f32 / around.substeps as f32, origin);
-        Self { obstacle, before: pose_at(around.substep_index), now: pose_at(around.substep_index + 1) }
+    fn of(obstacle: usize, substep: Substep, origin: Vec3) -> Self {
+        let pose_at = |k: u32| substep.obstacles[obstacle].pose_at(k as f32 / substep.count as f32, origin);
+        Self { obstacle, before: pose_at(substep.index), now: pose_at(substep.index + 1) }
     }
 
     fn of_mover(obstacle: usize, mover: &Mover, origin: Vec3) -> Self {
@@ -343,16 +344,14 @@ impl Poses {
 }
 
 /// Moves the faces that an obstacle pokes into out to its surface.
-pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
-    let mut contacts = core::mem::take(&mut body.context.faces.contacts);
-    let pace = Pace::gentle(around.substep);
+pub(crate) fn project(contacts: &mut FaceContacts, body: &mut Body, substep: Substep, movers: &mut [Mover]) {
+    let pace = Pace::gentle(substep.duration);
     let mut poses = None;
-    for contact in &mut contacts {
+    for contact in &mut contacts.contacts {
         let mover = mover_mut(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, body.particles.origin);
-        contact.project(body, around.obstacles, poses, mover, pace);
+        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), substep, body.particles.origin);
+        contact.project(body, substep.obstacles, poses, mover, pace);
     }
-    body.context.faces.contacts = contacts;
 }
 
 /// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
@@ -360,7 +359,7 @@ pub(crate) fn kept<'a>(
     poses: &'a mut Option<Poses>,
     obstacle: usize,
     mover: Option<&Mover>,
-    around: Surroundings,
+    substep: Substep,
     origin: Vec3,
 ) -> &'a Poses {
     if let Some(mover) = mover {
@@ -369,7 +368,7 @@ pub(crate) fn kept<'a>(
     if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
         *poses = None;
     }
-    poses.get_or_insert_with(|| Poses::of(obstacle, around, origin))
+    poses.get_or_insert_with(|| Poses::of(obstacle, substep, origin))
 }
 
 impl FaceContact {
@@ -488,12 +487,17 @@ impl FaceContact {
 
 /// Friction at the deepest points, on what they have slipped in this substep. Corners that go with the point may lie around
 /// an edge: by more than a thickness it moves none.
-pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
-    let Body { particles, context, settings, .. } = body;
+pub(crate) fn apply_friction(
+    contacts: &mut FaceContacts,
+    body: &mut Body,
+    substep: Substep,
+    movers: &mut [Mover],
+) {
+    let Body { particles, settings, .. } = body;
     let mut poses = None;
-    for contact in context.faces.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
+    for contact in contacts.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
         let mover = mover_mut(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, particles.origin);
+        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), substep, particles.origin);
         let corners = contact.element.corners();
         let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
         let moved = weighted(contact.weights, corners.map(|slot| particles.displacement.get(slot)));
@@ -507,7 +511,7 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut
                 let (taken, push) =
                     mover.slip_taken(contact.friction, felt, slip, contact.normal, depth, place);
                 let given = Given::at((place - moved).as_dvec3(), contact.obstacle, push);
-                mover.receive(given, around.substep);
+                mover.receive(given, substep.duration);
                 taken
             }
             None => contact.friction.slip_taken(slip, contact.normal, depth),

@@ -20,12 +20,12 @@
 use glam::{DVec3, Vec3};
 
 use crate::constants::{CLEARANCE, PASSAGE_HALVINGS};
-use crate::contact::ball_cloth::{BallCloth, Element, weighted};
+use crate::contact::ball_cloth::{BallCloth, Element};
 use crate::contact::event::{Other, Touch, add_impulse};
 use crate::geometry::nearest_triangle::on_triangle;
+use crate::geometry::nearest_triangle::weighted;
 use crate::state::ball::Ball;
 use crate::state::body::Body;
-use crate::state::island::Island;
 
 /// A ball's centre and the corners of a face, relative to the body's origin, in metres.
 #[derive(Clone, Copy, Debug, Default)]
@@ -195,21 +195,29 @@ impl ImpactZones {
 }
 
 /// Notes where all is that may touch, at the start of the step.
-pub(crate) fn begin_step(island: &mut Island) {
-    note_starts(island);
-    let Island { balls, context, .. } = island;
-    let zones = &mut context.impact_zones;
+pub(crate) fn begin_step(
+    zones: &mut ImpactZones,
+    contacts: &mut [BallCloth],
+    bodies: &[Body],
+    balls: &[Ball],
+) {
+    note_starts(zones, contacts, bodies, balls);
     zones.zone_of_ball.clear();
     zones.zone_of_ball.resize(balls.len(), None);
 }
 
 /// Ends the substep: where a ball's centre has passed through a face, both go on as one.
-pub(crate) fn enforce(island: &mut Island) {
-    let Island { bodies, balls, touches, context, .. } = island;
-    let zones = &mut context.impact_zones;
+pub(crate) fn enforce(
+    zones: &mut ImpactZones,
+    contacts: &mut [BallCloth],
+    bodies: &mut [Body],
+    balls: &mut [Ball],
+    touches: &mut [Touch],
+    substep: f32,
+) {
     loop {
         let mut has_grown = false;
-        for contact in &context.ball_cloth {
+        for contact in &*contacts {
             if contact.has_passed(&balls[contact.ball], &bodies[contact.body]) {
                 has_grown |= zones.join(contact);
             }
@@ -218,31 +226,31 @@ pub(crate) fn enforce(island: &mut Island) {
         if !has_grown {
             break;
         }
-        zones.carry(bodies, balls, touches, context.substep);
+        zones.carry(bodies, balls, touches, substep);
     }
     if !zones.members.is_empty() {
         zones.members.clear();
         zones.zone_of_ball.fill(None);
     }
-    note_starts(island);
+    note_starts(zones, contacts, bodies, balls);
 }
 
-fn note_starts(island: &mut Island) {
-    let Island { bodies, balls, context, .. } = island;
-    for contact in &mut context.ball_cloth {
+fn note_starts(zones: &mut ImpactZones, contacts: &mut [BallCloth], bodies: &[Body], balls: &[Ball]) {
+    for contact in contacts {
         contact.start = Placed::of(contact, &balls[contact.ball], &bodies[contact.body]);
     }
-    let starts = &mut context.impact_zones.ball_starts;
-    starts.clear();
-    starts.extend(balls.iter().map(|ball| ball.position));
+    zones.ball_starts.clear();
+    zones.ball_starts.extend(balls.iter().map(|ball| ball.position));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::build::cloth::ClothBuilder;
+    use crate::contact::island_contacts::IslandContacts;
+    use crate::island::Island;
+    use crate::motion::environment::Environment;
     use crate::state::ball::BallMaterial;
-    use crate::state::island::Environment;
     use crate::state::measure;
     use crate::state::settings::SolverSettings;
     use crate::step;
@@ -300,7 +308,9 @@ mod tests {
                 + f64::from(ball.velocity().z * ball.material.mass)
         };
         let before = momentum(&island);
-        enforce(&mut island);
+        let Island { bodies, balls, touches, context, .. } = &mut island;
+        let IslandContacts { impact_zones, ball_cloth, .. } = &mut context.contacts;
+        enforce(impact_zones, &mut ball_cloth.pairs, bodies, balls, touches, context.substep);
         let ball = island.balls[0].clone();
         assert!((momentum(&island) - before).abs() < 1e-6 * before.abs());
         let sheet = &island.bodies[0].particles;

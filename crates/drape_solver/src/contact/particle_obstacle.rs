@@ -15,19 +15,19 @@ use core::ops::Range;
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
+use crate::broad_phase::obstacle_search::{Candidate, Found};
 use crate::constants::LEAST_OVERLAP;
 use crate::contact::depenetration::Pace;
-use crate::contact::friction::Friction;
 use crate::contact::reaction::add_to;
 use crate::geometry::pose::Pose;
 use crate::geometry::surface_lanes::{LanePlanes, LanePose, Solid};
+use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
-use crate::state::body::BodyContext;
+use crate::state::friction::Friction;
 use crate::state::layout::Layout;
 use crate::state::obstacle::Obstacle;
-use crate::substep::sweep::Surroundings;
-use crate::substep::work::{Common, Moving};
+use crate::state::substep::Substep;
 
 /// The particles of one body that may touch obstacles in this step.
 #[derive(Clone, Debug, Default)]
@@ -62,19 +62,6 @@ pub(crate) struct Group {
     pub pose: Pose,
 }
 
-/// The particles of one cell that may touch one obstacle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Candidate {
-    pub cell: u32,
-    pub group: u16,
-    pub lanes: u16,
-    /// Whether any of them has been pushed in this substep.
-    pub is_touching: bool,
-    /// The surface near each particle as a plane, by its place in the list, where asking the shape each time would be
-    /// slow or wrong.
-    pub planes: Option<u32>,
-}
-
 /// How far the particles of a candidate were pushed in this substep.
 #[derive(Clone, Debug)]
 pub(crate) struct Pushes {
@@ -95,17 +82,18 @@ impl Pushes {
     };
 }
 
-impl BodyContext {
+impl ObstacleContacts {
+    /// The lists for a search to fill.
+    pub fn found(&mut self) -> Found<'_> {
+        Found { candidates: &mut self.candidates, planes: &mut self.planes }
+    }
+
     /// Particles that obstacles pushed out in the last substep: the particle's index, the unit normal of the
     /// surface in the world, and the depth in metres, summed over the projections of the substep.
-    pub fn contacts(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
-        let layout = &self.contacts.layout;
-        let pushed = self.contacts.pushed();
-        pushed.filter_map(|(_, slot, normal, depth)| Some((layout.index(slot)?, normal, depth)))
+    pub fn pushed_particles(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
+        self.pushed().filter_map(|(_, slot, normal, depth)| Some((self.layout.index(slot)?, normal, depth)))
     }
-}
 
-impl ObstacleContacts {
     /// Obstacles that have candidates, by index.
     pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
         self.groups.iter().map(|group| group.obstacle)
@@ -224,9 +212,9 @@ pub(crate) struct Meeting<'a> {
 }
 
 impl<'a> Meeting<'a> {
-    pub fn new(rest: &Common<'a>, substep: u32, is_first: bool) -> Self {
-        let Surroundings { obstacles, substeps, .. } = rest.around;
-        let pace = Pace::new(rest.around.substep, substeps, substep);
+    pub fn new(rest: &BodyColumns<'a>, substep: u32, is_first: bool) -> Self {
+        let Substep { obstacles, count: substeps, .. } = rest.substep;
+        let pace = Pace::new(rest.substep.duration, substeps, substep);
         Self { obstacles, origin: rest.origin, substep, substeps, thickness: rest.thickness, pace, is_first }
     }
 
@@ -296,7 +284,7 @@ impl ObstacleRows<'_> {
         &mut self,
         simd: S,
         strips: Range<usize>,
-        moving: &mut Moving,
+        moving: &mut MovingColumns,
         first_cell: usize,
         meeting: &Meeting,
     ) {
@@ -336,7 +324,7 @@ impl ObstacleRows<'_> {
         &mut self,
         simd: S,
         strips: Range<usize>,
-        moving: &mut Moving,
+        moving: &mut MovingColumns,
         first_cell: usize,
         meeting: &Meeting,
     ) {
@@ -395,7 +383,7 @@ impl<S: Simd> Contact<'_, S> {
         simd: S,
         candidate: &mut Candidate,
         pushes: &mut Pushes,
-        moving: &mut Moving,
+        moving: &mut MovingColumns,
         first_cell: usize,
     ) {
         let zero = f32x16::splat(simd, 0.0);

@@ -18,7 +18,7 @@
 use glam::Vec3;
 
 use crate::broad_phase::relative_motion::{Motion, RelativeMotion};
-use crate::broad_phase::surface_tree::{Element, Placed, PlacedTree};
+use crate::broad_phase::surface_pairs::{Placed, PlacedTree};
 use crate::constants::{
     CONTACT_SLACK, NEIGHBOURS_AT_REST, SKIN, SKIN_OF_EDGE, SLACK_OF_SUBSTEPS, UNTANGLING_SPEED,
 };
@@ -30,6 +30,7 @@ use crate::geometry::nearest_segments::between_segments;
 use crate::geometry::nearest_triangle::on_triangle;
 use crate::geometry::separation::separation;
 use crate::state::body::Body;
+use crate::state::surface_tree::Element;
 
 /// The triangles of an island that may touch each other.
 #[derive(Clone, Debug, Default)]

@@ -16,10 +16,10 @@
 
 use glam::Vec3;
 
-use crate::broad_phase::surface_tree::Element;
 use crate::contact::cloth_cloth::Corner;
 use crate::contact::effective_mass::felt;
 use crate::state::body::Body;
+use crate::state::surface_tree::Element;
 
 /// An edge of one triangle through the face of another.
 #[derive(Clone, Copy, Debug)]

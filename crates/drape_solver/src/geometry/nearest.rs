@@ -6,7 +6,7 @@ use parry3d::query::details::closest_points_support_map_support_map;
 use parry3d::query::{ClosestPoints, closest_points};
 use parry3d::shape::{Cuboid, Segment, Shape as ParryShape, SupportMap, Triangle};
 
-use crate::contact::ball_cloth::weighted;
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::nearest_triangle::{on_segment, on_triangle};
 use crate::geometry::shape::Shape;
 

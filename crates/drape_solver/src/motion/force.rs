@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use crate::motion::environment::Environment;
 use crate::motion::wind::{Air, Wind};
 use crate::state::body::Body;
-use crate::state::island::Environment;
 use crate::state::particles::Particles;
 use crate::state::topology::Topology;
 

@@ -3,12 +3,11 @@
 use glam::Vec3;
 
 use crate::constants::INITIAL_SUBSTEP;
-use crate::constraint::motion_limit::MotionLimits;
 use crate::error::{BuildError, finite_vector};
-use crate::motion::frame_motion::FrameMotion;
-use crate::parallel::workers::Crew;
-use crate::simd::columns::{Cell, Columns, LANES};
+use crate::simd::columns::{Columns, LANES};
+use crate::state::frame_motion::FrameMotion;
 use crate::state::layout::Layout;
+use crate::state::motion_limits::MotionLimits;
 use crate::state::particle_stats::{MassSurvey, Survey};
 
 /// Positions, displacements and inverse masses of a body's particles, as columns.
@@ -302,50 +301,9 @@ impl Particles {
         self.disturbed
     }
 
-    /// Whether every position, velocity, force and pin target is finite.
-    pub fn is_finite(&self) -> bool {
-        let forces = self.force.cells.iter().flat_map(Cell::axes);
-        self.surveyed().is_finite
-            && forces.flatten().all(|value| value.is_finite())
-            && self.origin.is_finite()
-            && self.limits.is_finite()
-            && self.pin_targets.iter().all(|(_, target)| target.is_finite())
-    }
-
-    /// Greatest speed of a particle in m/s.
-    pub fn greatest_speed(&self) -> f32 {
-        self.surveyed().greatest_displacement / self.substep
-    }
-
     /// Mean velocity of all particles, each counted alike, in m/s.
     pub(crate) fn mean_velocity(&self) -> Vec3 {
         self.velocities().sum::<Vec3>() / self.len().max(1) as f32
-    }
-
-    /// The smallest box around all particles, as (least, greatest) corner in the world.
-    pub fn bounds(&self) -> (Vec3, Vec3) {
-        let Survey { low, high, .. } = self.surveyed();
-        (self.origin + low, self.origin + high)
-    }
-
-    /// Mean of the squared speeds of the free particles in (m/s)^2; 0 where all are pinned.
-    pub fn mean_square_speed(&self) -> f32 {
-        self.surveyed().mean_square_displacement / (self.substep * self.substep)
-    }
-
-    /// What a look at all particles shows.
-    pub(crate) fn surveyed(&self) -> Survey {
-        self.survey.unwrap_or_else(|| Survey::of(self))
-    }
-
-    /// Takes that look, and keeps what it shows.
-    pub(crate) fn take_survey(&mut self) {
-        self.survey = Some(self.surveyed());
-    }
-
-    /// Takes a new look, with the crew's help.
-    pub(crate) fn renew_survey(&mut self, crew: &Crew) {
-        self.survey = Some(Survey::of_shared(self, crew));
     }
 
     /// Brings displacements to the substep `substep` (seconds), so that velocities stay what they are when

@@ -6,10 +6,10 @@
 use glam::{Quat, Vec3};
 
 use crate::error::{BuildError, in_range, positive};
-use crate::motion::frame_motion::FrameMotion;
 use crate::simd::columns::LANES;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::BodyContext;
+use crate::state::frame_motion::FrameMotion;
 use crate::state::layers::Layers;
 use crate::state::particle_stats::MassSurvey;
 use crate::state::particles::Particles;

@@ -5,15 +5,15 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::build::topology_builder::TopologyBuilder;
-use crate::constraint::tether::{TetherPlan, Tethers};
-use crate::constraint::tether_crossing::Crossing;
 use crate::error::BuildError;
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
+use crate::state::tethers::{TetherPlan, Tethers};
 use crate::state::topology::{BatchSticks, LooseStick, StickBatch, StickMaterial, Topology};
 use crate::state::torn_grid::TornGrid;
 use crate::tearing::pieces::Rejoined;
 use crate::tearing::split::Split;
+use crate::tearing::tether_crossing::Crossing;
 
 /// What a piece is made from.
 pub(crate) struct PieceTopology<'a> {

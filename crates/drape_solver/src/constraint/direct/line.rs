@@ -177,16 +177,15 @@ fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
 }
 
 /// Solves the lines of a body, as its plan lists them.
-pub(crate) fn solve(body: &mut Body, isa: Isa) {
-    let Body { particles, topology, settings, context, .. } = body;
+pub(crate) fn solve(body: &mut Body, lines: &[(Lines, f32)], scratch: &mut LineScratch, isa: Isa) {
+    let Body { particles, topology, settings, .. } = body;
     let Layout::Grid(grid) = topology.layout else {
         return;
     };
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
-    let (position, scratch) = (&mut particles.position.cells, &mut context.lines);
+    let position = &mut particles.position.cells;
     let lone_steps = if settings.iterations == 1 { 2 } else { 1 };
     let solve = LineSolve { grid, position, inverse_mass, lone_steps, scratch };
-    let lines = &context.plan.lines;
     match settings.projection {
         StickProjection::Exact => isa.run(SolveAll { solve, lines, projection: Exact }),
         StickProjection::SquareRootFree => isa.run(SolveAll { solve, lines, projection: SquareRootFree }),

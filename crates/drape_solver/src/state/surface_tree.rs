@@ -1,20 +1,15 @@
-//! A body's surface for contacts at the level of triangles: its elements in a tree of patches.
+//! The surface of a topology for contacts at the level of triangles: its elements in a tree of patches.
 //!
 //! An *element* is a face, a link of a rope, or a particle that belongs to neither. Elements share corners and edges, and
 //! each corner and each edge is looked at by one of them alone, its owner (the representative triangles of Curtis et al.
 //! 2008): pairs of elements then stand for pairs of corners and faces, and of edges, each once.
 //!
 //! The tree is made once for a topology, from the rest positions. A node is a patch of neighbours:
-//!
-//! ```text
-//!            root            at each search nodes get boxes from the leaves up, around positions and around
-//!           /    \           normals. A patch in one piece whose normals all lean one way lies flat: it cannot meet
-//!        patch   patch       itself (Volino and Magnenat-Thalmann 1994), and is passed over whole.
-//! ```
+//! `broad_phase/surface_pairs.rs` puts boxes around the patches and finds the pairs that could touch.
 
 use glam::Vec3;
 
-use crate::constants::{ELEMENTS_OF_LEAF, LEAST_LEAN};
+use crate::constants::ELEMENTS_OF_LEAF;
 use crate::state::topology::Topology;
 
 /// A face, or a link, which has its last corner twice, or a particle, which has it three times.
@@ -47,66 +42,22 @@ impl Element {
 
 /// A patch: the elements `first..first + count`. The left half follows it in the list of nodes.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    first: u32,
-    count: u32,
+pub(crate) struct Node {
+    pub first: u32,
+    pub count: u32,
     /// The right half; 0 in a leaf.
-    right: u32,
+    pub right: u32,
     /// Whether its elements hang together by their corners.
-    is_connected: bool,
+    pub is_connected: bool,
 }
 
 /// The elements of a body, patch by patch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceTree {
     pub elements: Vec<Element>,
-    nodes: Vec<Node>,
+    pub nodes: Vec<Node>,
     /// Length of the longest edge at rest, in metres.
     pub longest_edge: f32,
-}
-
-/// A box in space, in metres.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
-    pub low: Vec3,
-    pub high: Vec3,
-}
-
-impl Bounds {
-    const NOTHING: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
-
-    /// The box around some points.
-    pub fn of(points: &[Vec3]) -> Self {
-        points.iter().fold(Self::NOTHING, |all, &p| Self { low: all.low.min(p), high: all.high.max(p) })
-    }
-
-    fn and(self, other: Self) -> Self {
-        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
-    }
-
-    /// The same, wider by `margin` on all sides.
-    pub fn grown(self, margin: f32) -> Self {
-        Self { low: self.low - margin, high: self.high + margin }
-    }
-
-    /// Whether the two meet.
-    pub fn meets(&self, other: &Self) -> bool {
-        (self.low.cmple(other.high) & self.high.cmpge(other.low)).all()
-    }
-}
-
-/// Where the patches of a body are now.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct PlacedTree {
-    elements: Vec<Bounds>,
-    nodes: Vec<(Bounds, Bounds)>,
-}
-
-/// A body's tree and where its patches are.
-#[derive(Clone, Copy)]
-pub(crate) struct Placed<'a> {
-    pub tree: &'a SurfaceTree,
-    pub at: &'a PlacedTree,
 }
 
 impl SurfaceTree {
@@ -132,109 +83,35 @@ impl SurfaceTree {
         let longest_edge = edges.map(|[a, b]| a.distance(b)).fold(0.0, f32::max);
         Self { elements, nodes: builder.nodes, longest_edge }
     }
-
-    /// Puts boxes around the patches. `corners` gives the places that an element's corners take, now and at the start
-    /// of the substep.
-    pub fn place(&self, at: &mut PlacedTree, corners: impl Fn(&Element) -> [[Vec3; 3]; 2]) {
-        at.elements.clear();
-        at.nodes.clear();
-        at.nodes.resize(self.nodes.len(), (Bounds::NOTHING, Bounds::NOTHING));
-        at.elements.extend(self.elements.iter().map(|element| {
-            let [now, start] = corners(element);
-            Bounds::of(&now).and(Bounds::of(&start))
-        }));
-        for (place, node) in self.nodes.iter().enumerate().rev() {
-            at.nodes[place] = if node.right == 0 {
-                let range = node.first as usize..(node.first + node.count) as usize;
-                let boxes = at.elements[range.clone()].iter();
-                let lean = self.elements[range].iter().map(|element| lean(element, corners(element)[1]));
-                (
-                    boxes.fold(Bounds::NOTHING, |all, &b| all.and(b)),
-                    lean.fold(Bounds::NOTHING, |all, n| all.and(Bounds { low: n, high: n })),
-                )
-            } else {
-                let ((a, n), (b, m)) = (at.nodes[place + 1], at.nodes[node.right as usize]);
-                (a.and(b), n.and(m))
-            };
-        }
-    }
 }
 
-/// The unit normal of a face, or the direction of a link: a rope whose links all lean one way cannot meet itself either.
-fn lean(element: &Element, [a, b, c]: [Vec3; 3]) -> Vec3 {
-    let way = if element.is_face() { (b - a).cross(c - a) } else { b - a };
-    way.normalize_or_zero()
+/// A box in space, in metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub low: Vec3,
+    pub high: Vec3,
 }
 
-/// Whether all directions in the box lean to the same side.
-fn is_flat(lean: &Bounds) -> bool {
-    let way = lean.low + lean.high;
-    let least = (way * lean.low).min(way * lean.high);
-    least.x + least.y + least.z > LEAST_LEAN * way.length()
-}
+impl Bounds {
+    pub const NOTHING: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
 
-impl Placed<'_> {
-    /// Calls `meet` with any two elements of the body whose boxes, wider by `margin`, meet. Not those of flat patches.
-    pub fn own_pairs(&self, margin: f32, meet: &mut impl FnMut(usize, usize)) {
-        if !self.tree.nodes.is_empty() {
-            self.pairs_within(0, margin, meet);
-        }
+    /// The box around some points.
+    pub fn of(points: &[Vec3]) -> Self {
+        points.iter().fold(Self::NOTHING, |all, &p| Self { low: all.low.min(p), high: all.high.max(p) })
     }
 
-    fn pairs_within(&self, place: usize, margin: f32, meet: &mut impl FnMut(usize, usize)) {
-        let node = &self.tree.nodes[place];
-        if node.is_connected && is_flat(&self.at.nodes[place].1) {
-            return;
-        }
-        if node.right == 0 {
-            for a in node.first..node.first + node.count {
-                for b in a + 1..node.first + node.count {
-                    meet(a as usize, b as usize);
-                }
-            }
-            return;
-        }
-        let right = node.right as usize;
-        self.pairs_within(place + 1, margin, meet);
-        self.pairs_within(right, margin, meet);
-        self.pairs_between(place + 1, self, right, margin, meet);
+    pub fn and(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// Calls `meet` with any element of this body and any of another whose boxes, wider by `margin`, meet.
-    pub fn pairs_with(&self, other: &Placed, margin: f32, meet: &mut impl FnMut(usize, usize)) {
-        if !self.tree.nodes.is_empty() && !other.tree.nodes.is_empty() {
-            self.pairs_between(0, other, 0, margin, meet);
-        }
+    /// The same, wider by `margin` on all sides.
+    pub fn grown(self, margin: f32) -> Self {
+        Self { low: self.low - margin, high: self.high + margin }
     }
 
-    fn pairs_between(
-        &self,
-        here: usize,
-        other: &Placed,
-        there: usize,
-        margin: f32,
-        meet: &mut impl FnMut(usize, usize),
-    ) {
-        if !self.at.nodes[here].0.grown(margin).meets(&other.at.nodes[there].0) {
-            return;
-        }
-        let (a, b) = (&self.tree.nodes[here], &other.tree.nodes[there]);
-        if a.right == 0 && b.right == 0 {
-            for p in a.first..a.first + a.count {
-                let own = self.at.elements[p as usize].grown(margin);
-                for q in b.first..b.first + b.count {
-                    if own.meets(&other.at.elements[q as usize]) {
-                        meet(p as usize, q as usize);
-                    }
-                }
-            }
-        } else if b.right == 0 || (a.right != 0 && a.count >= b.count) {
-            self.pairs_between(here + 1, other, there, margin, meet);
-            self.pairs_between(a.right as usize, other, there, margin, meet);
-        } else {
-            self.pairs_between(here, other, there + 1, margin, meet);
-            self.pairs_between(here, other, b.right as usize, margin, meet);
-        }
+    /// Whether the two meet.
+    pub fn meets(&self, other: &Self) -> bool {
+        (self.low.cmple(other.high) & self.high.cmpge(other.low)).all()
     }
 }
 

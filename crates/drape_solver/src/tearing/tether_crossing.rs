@@ -9,7 +9,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::constraint::tether::Tethers;
+use crate::state::tethers::Tethers;
 use crate::state::topology::Topology;
 use crate::tearing::split::{Cracks, Split};
 
