@@ -397,7 +397,7 @@ fn project_layers(island: &mut Island, environment: &Environment) {
             return;
         }
         let all = bodies.iter_mut().zip(contacts.iter_mut()).zip(&context.plans);
-        for ((body, contacts), plan) in all.filter(|((body, _), _)| cloth_cloth::is_on(body)) {
+        for ((body, contacts), plan) in all.filter(|((body, _), _)| body.has_self_contact()) {
             let last = plan.plan.last_contacts.clone();
             sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, last);
             particle_dynamic::project(&mut contacts.obstacles, body, substep, movers, false);

@@ -357,9 +357,9 @@ mod tests {
     use crate::simd::isa::{Isa, Kernel};
     use crate::state::body::Body;
     use crate::state::settings::{SolverSettings, StickProjection};
-    use crate::state::substep::Substep;
     use crate::state::topology::StickKind;
-    use crate::substep::sweep;
+    use crate::substep::order::BodyStage;
+    use crate::substep::testing::run_stages;
 
     fn stick_of_rest_length_one() -> Topology {
         let mut builder = TopologyBuilder::new(&[Vec3::ZERO, Vec3::X]);
@@ -372,9 +372,7 @@ mod tests {
         let particles = Particles::new(Vec3::ZERO, &positions, &w).expect("valid");
         let settings = SolverSettings { projection, tethers: false, ..SolverSettings::default() };
         let mut body = Body::new(particles, Arc::new(stick_of_rest_length_one()), settings);
-        body.prepare();
-        body.begin_step(1.0, 1, 1);
-        sweep::relax(&mut body, Substep::default(), 0);
+        run_stages(&mut body, 1.0, &[BodyStage::Sticks]);
         [body.particles.position(0), body.particles.position(1)]
     }
 

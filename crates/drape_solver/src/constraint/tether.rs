@@ -85,9 +85,9 @@ mod tests {
     use crate::build::topology_builder::TopologyBuilder;
     use crate::state::body::Body;
     use crate::state::settings::SolverSettings;
-    use crate::state::substep::Substep;
     use crate::state::tethers::Tethers;
-    use crate::substep::sweep;
+    use crate::substep::order::BodyStage;
+    use crate::substep::testing::run_stages;
 
     #[test]
     fn geodesic_tethers_run_along_the_chain_and_not_through_the_air() {
@@ -118,10 +118,7 @@ mod tests {
         let topology = Arc::new(builder.build().expect("valid"));
         let mut body = Body::new(particles, topology, SolverSettings::default());
         let project = |body: &mut Body| {
-            body.prepare();
-            body.begin_step(1.0, 1, 1);
-            sweep::integrate(body, Substep::default());
-            sweep::tether(body, Substep::default(), 0);
+            run_stages(body, 1.0, &[BodyStage::Integrate, BodyStage::Tethers]);
             body.particles.position(1)
         };
         assert!((project(&mut body) - Vec3::new(1.5, 2.0, 0.0)).length() < 1e-6);

@@ -22,6 +22,7 @@ use crate::constants::{
     TETHERLESS_REACH,
 };
 use crate::contact::ball_cloth_query::BallClothContact;
+use crate::contact::ccd::Passage;
 use crate::contact::depenetration::{Overlap, Pace};
 use crate::contact::event::{Other, Projection, Touch, add_impulse, begin, is_known};
 use crate::contact::impact_zone::Placed;
@@ -303,17 +304,12 @@ pub(crate) fn find_all(
 /// the nearest way out is the wrong one.
 fn passed_side(start: &Placed, now: &Placed, slack: f32) -> Option<f32> {
     let height = |placed: &Placed| face_normal(placed.corners).dot(placed.centre - placed.corners[0]);
-    let (before, after) = (height(start), height(now));
-    if before * after >= 0.0 {
-        return None;
-    }
-    // Did it pass within the triangle, or beside it? Where the two met on the way, all taken to move straight.
-    let fraction = before / (before - after);
-    let between = |from: Vec3, to: Vec3| from + (to - from) * fraction;
-    let centre = between(start.centre, now.centre);
-    let corners = [0, 1, 2].map(|k| between(start.corners[k], now.corners[k]));
-    let nearest = weighted(on_triangle(corners, centre), corners);
-    (nearest.distance_squared(centre) <= slack * slack).then_some(before.signum())
+    let corners = |placed: &Placed| [placed.centre, placed.corners[0], placed.corners[1], placed.corners[2]];
+    let passage = Passage { start: corners(start), now: corners(now) };
+    let ([centre, a, b, c], side) = passage.at_sign_change(height(start), height(now))?;
+    // It may have passed within the triangle, or beside it.
+    let nearest = weighted(on_triangle([a, b, c], centre), [a, b, c]);
+    (nearest.distance_squared(centre) <= slack * slack).then_some(side)
 }
 
 /// Moves balls and cloth apart where they overlap.

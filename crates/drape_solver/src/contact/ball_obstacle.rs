@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use crate::constants::BALL_TRAVEL_PER_SUBSTEP;
 use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::dynamic_obstacle::{Mover, mover_mut};
 use crate::contact::event::{Other, Projection, Touch, add_impulse, record};
-use crate::contact::reaction::Given;
+use crate::contact::mover::{Mover, mover_mut};
+use crate::contact::obstacle_push::ObstaclePush;
 use crate::contact::restitution::Impact;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape, container_walls};
@@ -31,7 +31,7 @@ impl BallObstacleContacts {
     }
 
     /// The momentum that obstacles gave in the last substep.
-    pub fn given<'a>(&'a self, balls: &'a [Ball]) -> impl Iterator<Item = Given> + 'a {
+    pub fn given<'a>(&'a self, balls: &'a [Ball]) -> impl Iterator<Item = ObstaclePush> + 'a {
         self.pairs.iter().filter_map(|pair| pair.given(balls))
     }
 }
@@ -64,7 +64,7 @@ struct Push {
 
 impl BallObstacle {
     /// What the obstacle has given to the ball in the last substep, if anything.
-    fn given(&self, balls: &[Ball]) -> Option<Given> {
+    fn given(&self, balls: &[Ball]) -> Option<ObstaclePush> {
         let Push { push, moment } = self.given;
         (self.depth > 0.0).then(|| self.gives(&balls[self.ball], push, moment))
     }
@@ -77,10 +77,10 @@ impl BallObstacle {
     }
 
     /// What it tells the obstacle, of a push (kg m) and a change of spin (kg m^2) that it gives to the ball.
-    fn gives(&self, ball: &Ball, push: Vec3, moment: Vec3) -> Given {
+    fn gives(&self, ball: &Ball, push: Vec3, moment: Vec3) -> ObstaclePush {
         // A push adds to the whole way of the substep, and so acts where that began.
         let point = (ball.position - ball.travel()).as_dvec3();
-        Given { obstacle: self.obstacle, point, push, moment }
+        ObstaclePush { obstacle: self.obstacle, point, push, moment }
     }
 
     /// The plane that a ball meets on its way through the obstacle's coordinates, if that way is so long that the ball may

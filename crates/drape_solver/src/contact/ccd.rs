@@ -37,8 +37,13 @@ impl Passage {
         if before * after >= 0.0 {
             return None;
         }
-        let (before, after) = (before / normals[0].length(), after / normals[1].length());
-        Some((self.at(before / (before - after)), before.signum()))
+        self.at_sign_change(before / normals[0].length(), after / normals[1].length())
+    }
+
+    /// The corners where a height changes its sign between the start and now, and its sign before.
+    #[inline]
+    pub fn at_sign_change(&self, before: f32, after: f32) -> Option<([Vec3; 4], f32)> {
+        (before * after < 0.0).then(|| (self.at(before / (before - after)), before.signum()))
     }
 }
 

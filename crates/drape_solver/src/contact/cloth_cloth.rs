@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use crate::broad_phase::relative_motion::RelativeMotion;
 use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::effective_mass::felt;
+use crate::contact::effective_mass::effective_inverse_mass;
 use crate::contact::particle_particle::ParticlePairs;
 use crate::contact::triangle_triangle::TrianglePairs;
 pub(crate) use crate::contact::triangle_triangle::hit_substeps;
@@ -27,26 +27,21 @@ pub(crate) struct SelfContacts {
     triangles: TrianglePairs,
 }
 
-/// Whether the body touches itself and others.
-pub(crate) fn is_on(body: &Body) -> bool {
-    body.settings.has_self_contact() && !body.particles.is_empty()
-}
-
 /// Whether a rope, or what else has no faces, is among those that touch themselves and others.
 pub(crate) fn is_on_ropes(bodies: &[Body]) -> bool {
-    bodies.iter().any(|body| is_on(body) && body.topology.faces().is_empty())
+    bodies.iter().any(|body| body.has_self_contact() && body.topology.faces().is_empty())
 }
 
 /// Whether it does so by its triangles, where the other does too.
 pub(crate) fn has_triangles(body: &Body) -> bool {
-    is_on(body) && body.settings.self_contact == SelfContact::Triangles
+    body.has_self_contact() && body.settings.self_contact == SelfContact::Triangles
 }
 
 /// Forgets the last substep's contacts, and finds those of this one, once all have flown.
 pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
     let pace = Pace::of(substep);
     let SelfContacts { motion, particles, triangles } = contacts;
-    if !bodies.iter().any(is_on) {
+    if !bodies.iter().any(Body::has_self_contact) {
         particles.clear();
         triangles.clear();
         motion.forget();
@@ -192,7 +187,7 @@ impl<const N: usize> Contact<N> {
     pub fn push(&mut self, bodies: &mut [Body], pace: Pace, found: Meeting<N>) {
         let Meeting { weights, normal, depth, outward, at_start } = found;
         let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
-        let total = felt(weights, masses);
+        let total = effective_inverse_mass(weights, masses);
         if total == 0.0 {
             return;
         }
@@ -222,7 +217,8 @@ impl<const N: usize> Contact<N> {
             slip += particles.displacement.get(corner.slot as usize) * weight;
         }
         let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
-        let push = friction.slip_taken(slip, self.normal, self.depth) / felt(self.weights, masses);
+        let push =
+            friction.slip_taken(slip, self.normal, self.depth) / effective_inverse_mass(self.weights, masses);
         for (corner, weight) in self.corners.into_iter().zip(self.weights) {
             let particles = &mut bodies[corner.body as usize].particles;
             let share = -weight * particles.inverse_mass[corner.slot as usize];

@@ -20,10 +20,10 @@ use glam::{DVec3, Vec3};
 
 use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
 use crate::contact::ball_cloth::Element;
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::dynamic_obstacle::{Mover, mover, mover_mut};
-use crate::contact::effective_mass::felt;
-use crate::contact::reaction::Given;
+use crate::contact::carried_point::{CarriedPoint, Found, Poses, kept};
+use crate::contact::depenetration::Pace;
+use crate::contact::mover::{Mover, mover, mover_mut};
+use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::nearest::{Nearest, Piece};
 use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::pose::Pose;
@@ -49,23 +49,14 @@ struct FaceContact {
     element: Element,
     /// Place of the element among the body's faces, then segments.
     place: usize,
-    obstacle: usize,
-    friction: Friction,
-    /// Of the deepest point when last looked for.
-    weights: [f32; 3],
+    /// The deepest point when last looked for.
+    point: CarriedPoint<3>,
     /// The surface there, in the obstacle's coordinates, where asking the shape each time would be slow.
     plane: Option<Plane>,
     /// Whether one may be through the other within a substep.
     is_swift: bool,
     /// The surface that the element runs into in this substep, where it might be through and out on the other side.
     ahead: Option<Plane>,
-    depth: f32,
-    overlap: Overlap,
-    /// In the world, of the last projection.
-    normal: Vec3,
-    /// How far the deepest point was moved in this substep where that counts as velocity, times the mass it has: in
-    /// kilogram metres.
-    given: Vec3,
 }
 
 /// A face or segment that an obstacle has pushed.
@@ -116,31 +107,32 @@ impl FaceContacts {
 
     /// Obstacles that have contacts, by index.
     pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
-        self.contacts.iter().map(|contact| contact.obstacle)
+        self.contacts.iter().map(|contact| contact.point.obstacle)
     }
 
     /// What was pushed in the last substep.
     pub fn pushed(&self) -> impl Iterator<Item = PushedElement> + '_ {
-        self.contacts.iter().filter(|contact| contact.depth > 0.0).map(|contact| {
-            let &FaceContact { element, place, obstacle, weights, normal, depth, .. } = contact;
+        self.contacts.iter().filter(|contact| contact.point.depth > 0.0).map(|contact| {
+            let &FaceContact { element, place, point, .. } = contact;
+            let CarriedPoint { obstacle, weights, normal, depth, .. } = point;
             PushedElement { element, place, obstacle, weights, normal, depth }
         })
     }
 
     /// What obstacles have given in the last substep: to the corners that are not held, by their weights.
-    pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = Given> + 'a {
-        self.contacts.iter().filter(|contact| contact.given != Vec3::ZERO).map(|contact| {
+    pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = ObstaclePush> + 'a {
+        self.contacts.iter().filter(|contact| contact.point.given != Vec3::ZERO).map(|contact| {
             let (mut free, mut moment) = (0.0, DVec3::ZERO);
-            for (slot, weight) in contact.element.corners().into_iter().zip(contact.weights) {
+            for (slot, weight) in contact.point.carriers.into_iter().zip(contact.point.weights) {
                 if particles.inverse_mass[slot] > 0.0 {
                     free += weight;
                     moment += particles.position.get(slot).as_dvec3() * f64::from(weight);
                 }
             }
-            Given {
-                obstacle: contact.obstacle,
+            ObstaclePush {
+                obstacle: contact.point.obstacle,
                 point: particles.origin.as_dvec3() + moment / f64::from(free),
-                push: contact.given * free,
+                push: contact.point.given * free,
                 moment: Vec3::ZERO,
             }
         })
@@ -233,16 +225,10 @@ impl FaceContacts {
         self.contacts.push(FaceContact {
             element,
             place,
-            obstacle: met.obstacle,
-            friction: met.friction,
-            weights,
+            point: CarriedPoint::new(corners, weights, met.obstacle, met.friction),
             plane: (!met.shape.has_formula()).then_some(plane),
             is_swift: met.is_swift,
             ahead: None,
-            depth: 0.0,
-            overlap: Overlap::default(),
-            normal: Vec3::ZERO,
-            given: Vec3::ZERO,
         });
     }
 }
@@ -315,31 +301,10 @@ pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: S
     let particles = &body.particles;
     let mut poses = None;
     for contact in &mut contacts.contacts {
-        let mover = mover(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover, substep, particles.origin);
-        contact.look(particles, substep.obstacles[contact.obstacle].shape(), poses);
-        contact.depth = 0.0;
-        contact.given = Vec3::ZERO;
-        contact.overlap = Overlap::default();
-    }
-}
-
-/// The poses of the obstacle that was asked for last, at the start and the end of the substep.
-pub(crate) struct Poses {
-    obstacle: usize,
-    pub before: Pose,
-    pub now: Pose,
-}
-
-impl Poses {
-    fn of(obstacle: usize, substep: Substep, origin: Vec3) -> Self {
-        let pose_at = |k: u32| substep.obstacles[obstacle].pose_at(k as f32 / substep.count as f32, origin);
-        Self { obstacle, before: pose_at(substep.index), now: pose_at(substep.index + 1) }
-    }
-
-    fn of_mover(obstacle: usize, mover: &Mover, origin: Vec3) -> Self {
-        let [before, now] = mover.poses(origin);
-        Self { obstacle, before, now }
+        let obstacle = contact.point.obstacle;
+        let poses = kept(&mut poses, obstacle, mover(movers, obstacle), substep, particles.origin);
+        contact.look(particles, substep.obstacles[obstacle].shape(), poses);
+        contact.point.begin_substep();
     }
 }
 
@@ -348,27 +313,11 @@ pub(crate) fn project(contacts: &mut FaceContacts, body: &mut Body, substep: Sub
     let pace = Pace::gentle(substep.duration);
     let mut poses = None;
     for contact in &mut contacts.contacts {
-        let mover = mover_mut(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), substep, body.particles.origin);
+        let mover = mover_mut(movers, contact.point.obstacle);
+        let poses =
+            kept(&mut poses, contact.point.obstacle, mover.as_deref(), substep, body.particles.origin);
         contact.project(body, substep.obstacles, poses, mover, pace);
     }
-}
-
-/// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
-pub(crate) fn kept<'a>(
-    poses: &'a mut Option<Poses>,
-    obstacle: usize,
-    mover: Option<&Mover>,
-    substep: Substep,
-    origin: Vec3,
-) -> &'a Poses {
-    if let Some(mover) = mover {
-        return poses.insert(Poses::of_mover(obstacle, mover, origin));
-    }
-    if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
-        *poses = None;
-    }
-    poses.get_or_insert_with(|| Poses::of(obstacle, substep, origin))
 }
 
 impl FaceContact {
@@ -379,8 +328,8 @@ impl FaceContact {
             return;
         }
         let corners = self.element.corners().map(|slot| poses.now.to_local(particles.position.get(slot)));
-        let (weights, surface) = deepest(shape, self.element, corners, self.weights, 0.0, LOOKS_AGAIN);
-        self.weights = weights;
+        let (weights, surface) = deepest(shape, self.element, corners, self.point.weights, 0.0, LOOKS_AGAIN);
+        self.point.weights = weights;
         if let Some(plane) = &mut self.plane {
             *plane = surface.plane_at(weighted(weights, corners));
         }
@@ -389,7 +338,7 @@ impl FaceContact {
     /// Looks for what the element runs into on its way through the obstacle's coordinates: all of it as its middle does.
     /// Where it lay on the obstacle at the start of the substep, it is held by the surface there.
     fn look_ahead(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) -> bool {
-        let was_touching = self.depth > 0.0;
+        let was_touching = self.point.depth > 0.0;
         let corners = self.element.corners();
         let end = corners.map(|slot| poses.now.to_local(particles.position.get(slot)));
         let start = corners.map(|slot| {
@@ -414,12 +363,13 @@ impl FaceContact {
                 (self.element.nearest(there, meeting.point), meeting.plane)
             }
             _ if was_touching => {
-                let (weights, surface) = deepest(shape, self.element, start, self.weights, 0.0, LOOKS_AGAIN);
+                let (weights, surface) =
+                    deepest(shape, self.element, start, self.point.weights, 0.0, LOOKS_AGAIN);
                 (weights, surface.plane_at(weighted(weights, start)))
             }
             _ => return false,
         };
-        self.weights = weights;
+        self.point.weights = weights;
         self.ahead = Some(plane);
         true
     }
@@ -432,57 +382,29 @@ impl FaceContact {
         mover: Option<&mut Mover>,
         pace: Pace,
     ) {
-        let corners = self.element.corners();
         let thickness = FACE_THICKNESS * body.settings.thickness;
-        let places = corners.map(|slot| body.particles.position.get(slot));
-        let local = places.map(|place| poses.now.to_local(place));
-        let shape = obstacles[self.obstacle].shape();
+        let local = self.point.mean(|slot| poses.now.to_local(body.particles.position.get(slot)));
+        let shape = obstacles[self.point.obstacle].shape();
         let plane = self.ahead.or(self.plane);
         let surface_at = |local: Vec3| match plane {
             Some(plane) => plane.surface(local),
             None => shape.surface(local),
         };
-        let surface = surface_at(weighted(self.weights, local));
+        let surface = surface_at(local);
         let depth = thickness - surface.distance;
         // A corner is met as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
         let most = INTRUSION * body.topology.longest_edge;
-        let is_corner = || self.weights.iter().any(|&weight| weight > VERTEX_WEIGHT);
+        let is_corner = || self.point.weights.iter().any(|&weight| weight > VERTEX_WEIGHT);
         if depth <= 0.0 || self.ahead.is_none() && (depth > most + thickness || is_corner()) {
             return;
         }
-        let felt = self.felt(&body.particles);
-        if felt == 0.0 {
-            return;
-        }
-        let normal = poses.now.direction_to_world(surface.normal);
-        let point = weighted(self.weights, places);
-        let travel = weighted(self.weights, corners.map(|slot| body.travel(slot)));
-        let carried = point - poses.before.point_to_world(poses.now.to_local(point));
-        let start = poses.before.to_local(point - travel);
-        let at_start = || thickness - surface_at(start).distance;
-        let mut push = self.overlap.split(depth, (travel - carried).dot(normal), at_start, pace);
-        if let Some(mover) = mover {
-            let contact = body.particles.origin + point;
-            push.fresh *= felt / (felt + mover.inverse_mass_at(contact, normal));
-            let given = normal * (push.fresh / felt);
-            mover.receive(Given::at((contact - travel).as_dvec3(), self.obstacle, given), pace.substep());
-        }
-        self.depth += push.fresh;
-        self.normal = normal;
-        self.given += normal * (push.fresh / felt);
-        for (slot, weight) in corners.into_iter().zip(self.weights) {
-            let share = weight * body.particles.inverse_mass[slot] / felt;
-            let (fresh, all) = (normal * (push.fresh * share), normal * ((push.fresh + push.old) * share));
-            body.particles.displacement.add(slot, fresh);
-            body.particles.position.add(slot, all);
-            body.context.integrated.add(slot, all);
-        }
+        self.point.project(body, Found { surface, thickness, surface_at }, poses, mover, pace, answer);
     }
+}
 
-    /// Inverse mass of the deepest point, in 1/kg.
-    fn felt(&self, particles: &Particles) -> f32 {
-        felt(self.weights, self.element.corners().map(|slot| particles.inverse_mass[slot]))
-    }
+/// A push on the deepest point acts where its way in the substep began.
+fn answer(point: &CarriedPoint<3>, _: &Particles, begun: Vec3, push: Vec3) -> ObstaclePush {
+    ObstaclePush::at(begun.as_dvec3(), point.obstacle, push)
 }
 
 /// Friction at the deepest points, on what they have slipped in this substep. Corners that go with the point may lie around
@@ -495,32 +417,11 @@ pub(crate) fn apply_friction(
 ) {
     let Body { particles, settings, .. } = body;
     let mut poses = None;
-    for contact in contacts.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
-        let mover = mover_mut(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), substep, particles.origin);
-        let corners = contact.element.corners();
-        let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
-        let moved = weighted(contact.weights, corners.map(|slot| particles.displacement.get(slot)));
-        let carried = point - poses.before.point_to_world(poses.now.to_local(point));
-        let depth = contact.depth.min(settings.thickness);
-        let felt = contact.felt(particles);
-        let slip = moved - carried;
-        let taken = match mover {
-            Some(mover) => {
-                let place = particles.origin + point;
-                let (taken, push) =
-                    mover.slip_taken(contact.friction, felt, slip, contact.normal, depth, place);
-                let given = Given::at((place - moved).as_dvec3(), contact.obstacle, push);
-                mover.receive(given, substep.duration);
-                taken
-            }
-            None => contact.friction.slip_taken(slip, contact.normal, depth),
-        };
-        contact.given -= taken / felt;
-        for (slot, weight) in corners.into_iter().zip(contact.weights) {
-            let shift = taken * (-weight * particles.inverse_mass[slot] / felt);
-            particles.position.add(slot, shift);
-            particles.displacement.add(slot, shift);
-        }
+    for FaceContact { point, .. } in contacts.contacts.iter_mut().filter(|contact| contact.point.depth > 0.0)
+    {
+        let mover = mover_mut(movers, point.obstacle);
+        let poses = kept(&mut poses, point.obstacle, mover.as_deref(), substep, particles.origin);
+        let depth = point.depth.min(settings.thickness);
+        point.apply_friction(particles, depth, poses, mover, substep, answer);
     }
 }

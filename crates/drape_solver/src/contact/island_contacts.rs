@@ -5,8 +5,8 @@ use crate::contact::ball_cloth::BallClothContacts;
 use crate::contact::ball_obstacle::BallObstacleContacts;
 use crate::contact::body_contacts::BodyContacts;
 use crate::contact::cloth_cloth::SelfContacts;
-use crate::contact::dynamic_obstacle::Mover;
 use crate::contact::impact_zone::ImpactZones;
+use crate::contact::mover::Mover;
 
 /// The contacts that an island may have in a step. Each kind owns its lists and is handed what it works on.
 #[derive(Clone, Debug, Default)]

@@ -8,9 +8,9 @@
 use glam::Vec3;
 
 use crate::contact::depenetration::{Overlap, Pace, Push};
-use crate::contact::dynamic_obstacle::{Mover, mover_mut};
+use crate::contact::mover::{Mover, mover_mut};
+use crate::contact::obstacle_push::ObstaclePush;
 use crate::contact::particle_obstacle::{ObstacleContacts, Pushes};
-use crate::contact::reaction::Given;
 use crate::simd::columns::{Cell, LANES};
 use crate::state::body::Body;
 use crate::state::substep::Substep;
@@ -87,7 +87,7 @@ pub(crate) fn project(
             context.integrated.add(slot, out);
             // A push adds to the whole way of the substep, and so acts where that began.
             let begun = (place - travel).as_dvec3();
-            mover.receive(Given::at(begun, group.obstacle, moved / inverse_mass), substep.duration);
+            mover.receive(ObstaclePush::at(begun, group.obstacle, moved / inverse_mass), substep.duration);
             poses = mover.poses(origin);
         }
     }
@@ -126,7 +126,7 @@ pub(crate) fn apply_friction(
             particles.position.add(slot, -taken);
             particles.displacement.add(slot, -taken);
             let begun = (place - displacement).as_dvec3();
-            mover.receive(Given::at(begun, group.obstacle, push), substep.duration);
+            mover.receive(ObstaclePush::at(begun, group.obstacle, push), substep.duration);
         }
     }
 }

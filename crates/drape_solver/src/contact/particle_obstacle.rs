@@ -18,7 +18,7 @@ use glam::Vec3;
 use crate::broad_phase::obstacle_search::{Candidate, Found};
 use crate::constants::LEAST_OVERLAP;
 use crate::contact::depenetration::Pace;
-use crate::contact::reaction::add_to;
+use crate::contact::obstacle_push::add_to;
 use crate::geometry::pose::Pose;
 use crate::geometry::surface_lanes::{LanePlanes, LanePose, Solid};
 use crate::motion::body_columns::{BodyColumns, MovingColumns};

@@ -14,7 +14,7 @@ use glam::Vec3;
 use crate::broad_phase::cell_list::CellList;
 use crate::broad_phase::relative_motion::Motion;
 use crate::constants::{CONTACT_SLACK, NEIGHBOURS_AT_REST, SKIN};
-use crate::contact::cloth_cloth::{Contact, Corner, Meeting, has_triangles, is_on};
+use crate::contact::cloth_cloth::{Contact, Corner, Meeting, has_triangles};
 use crate::contact::depenetration::Pace;
 use crate::state::body::Body;
 
@@ -75,7 +75,7 @@ impl ParticlePairs {
     /// Finds the pairs that may touch in this substep.
     pub fn begin_substep(&mut self, bodies: &[Body], motion: &Motion) {
         self.near.clear();
-        if bodies.iter().filter(|body| is_on(body)).all(has_triangles) {
+        if bodies.iter().filter(|body| body.has_self_contact()).all(has_triangles) {
             self.clear();
             return;
         }
@@ -108,7 +108,7 @@ impl ParticlePairs {
         pairs.clear();
         wake_at.clear();
         let origin = bodies[0].particles.origin;
-        for (place, body) in bodies.iter().enumerate().filter(|(_, body)| is_on(body)) {
+        for (place, body) in bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact()) {
             let slots = body.particles.layout.slots().enumerate();
             holders.extend(slots.map(|(index, slot)| {
                 let corner = Corner { body: place as u32, slot: slot as u32 };

@@ -4,11 +4,11 @@
 //! contacts sum up these `m d` as they push; after each substep the sums are added up here in double precision, with the
 //! moments of their points. Overlaps that are taken out in position only change no momentum and do not count.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use crate::contact::dynamic_obstacle::{Mover, mover};
 use crate::contact::island_contacts::IslandContacts;
-use crate::simd::columns::Cell;
+use crate::contact::mover::{Mover, mover};
+use crate::contact::obstacle_push::ObstaclePush;
 use crate::state::ball::Ball;
 use crate::state::body::Body;
 use crate::state::obstacle::Obstacle;
@@ -36,25 +36,6 @@ struct Sum {
     end: DVec3,
 }
 
-/// A push on a body or ball.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Given {
-    pub obstacle: usize,
-    /// In the world.
-    pub point: DVec3,
-    /// Mass times displacement, in kilogram metres.
-    pub push: Vec3,
-    /// Its moment about that point, in kg m^2.
-    pub moment: Vec3,
-}
-
-impl Given {
-    /// A push in the middle of a point: no moment comes with it.
-    pub fn at(point: DVec3, obstacle: usize, push: Vec3) -> Self {
-        Self { obstacle, point, push, moment: Vec3::ZERO }
-    }
-}
-
 impl Reactions {
     pub fn clear(&mut self) {
         self.is_on = false;
@@ -66,8 +47,8 @@ impl Reactions {
         self.is_on
     }
 
-    fn add(&mut self, obstacles: &[Obstacle], substep: f32, given: Given) {
-        let Given { obstacle, point, push, moment } = given;
+    fn add(&mut self, obstacles: &[Obstacle], substep: f32, given: ObstaclePush) {
+        let ObstaclePush { obstacle, point, push, moment } = given;
         let [impulse, couple] = [push, moment].map(|sum| sum.as_dvec3() / f64::from(substep));
         let angular_impulse = point.cross(impulse) + couple;
         // What is lost in a body that has to be left out is lost with it.
@@ -109,7 +90,7 @@ pub(crate) fn gather(
     if !reactions.is_on {
         return;
     }
-    let mut add = |given: Given| {
+    let mut add = |given: ObstaclePush| {
         if substep.obstacles[given.obstacle].reports_reaction() {
             reactions.add(substep.obstacles, substep.duration, given);
         }
@@ -119,7 +100,7 @@ pub(crate) fn gather(
         let origin = particles.origin.as_dvec3();
         for (obstacle, slot, moved) in contacts.obstacles.given() {
             let point = origin + particles.position.get(slot).as_dvec3();
-            add(Given::at(point, obstacle, moved / particles.inverse_mass[slot]));
+            add(ObstaclePush::at(point, obstacle, moved / particles.inverse_mass[slot]));
         }
         contacts.faces.given(particles).for_each(&mut add);
         contacts.embedded.given(particles).for_each(&mut add);
@@ -139,15 +120,4 @@ pub(crate) fn finish(sums: &Reactions, movers: &[Mover], reactions: &mut Vec<Rea
             angular_impulse: -angular_impulse.as_vec3(),
         }
     }));
-}
-
-/// Adds to a lane-wise sum what has been given to those lanes.
-#[inline(always)]
-pub(crate) fn add_to(sum: &mut Cell, before: &Cell, after: &Cell) {
-    for (sum, (before, after)) in sum.axes_mut().into_iter().zip(before.axes().into_iter().zip(after.axes()))
-    {
-        for lane in 0..sum.len() {
-            sum[lane] += after[lane] - before[lane];
-        }
-    }
 }

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::contact::ball_cloth::{BallCloth, Element};
 use crate::contact::body_contacts::BodyContacts;
-use crate::contact::cloth_cloth::{SelfContacts, is_on};
+use crate::contact::cloth_cloth::SelfContacts;
 use crate::contact::event::{Contact, Feature, Other, Party, Touch, pair_without};
 use crate::contact::face_obstacle::PushedElement;
 use crate::contact::island_contacts::IslandContacts;
@@ -166,7 +166,7 @@ pub(crate) fn detect(
             report.watches.push(Watch { party: Party::Ball(index), sensor, cells: [0; 2] });
         }
     }
-    let is_in_company = bodies.iter().filter(|body| is_on(body)).nth(1).is_some();
+    let is_in_company = bodies.iter().filter(|body| body.has_self_contact()).nth(1).is_some();
     report.is_on |= is_in_company && bodies.iter().any(|body| body.reports_contacts);
     let near_balls = contacts.ball_obstacle.obstacles();
     report.reporting.extend(near_balls.filter(|&index| obstacles[index].reports_contacts()));

@@ -17,7 +17,7 @@
 use glam::Vec3;
 
 use crate::contact::cloth_cloth::Corner;
-use crate::contact::effective_mass::felt;
+use crate::contact::effective_mass::effective_inverse_mass;
 use crate::state::body::Body;
 use crate::state::surface_tree::Element;
 
@@ -89,7 +89,7 @@ impl Crossing {
         let weights = [1.0 - self.along, self.along, -u, -v, -w];
         let corners = [self.edge[0], self.edge[1], self.face[0], self.face[1], self.face[2]];
         let masses = corners.map(|corner| corner.inverse_mass(bodies));
-        let total = felt(weights, masses);
+        let total = effective_inverse_mass(weights, masses);
         if total == 0.0 {
             return;
         }

@@ -44,6 +44,11 @@ impl Body {
     pub fn still_for(&self) -> f32 {
         self.context.still_for()
     }
+
+    /// True if the body touches itself and others that do so.
+    pub(crate) fn has_self_contact(&self) -> bool {
+        self.settings.has_self_contact() && !self.particles.is_empty()
+    }
 }
 
 /// What one body needs during a step. Holds nothing that outlives the step but its own memory and the time

@@ -6,4 +6,6 @@ pub(crate) mod begin;
 pub(crate) mod order;
 pub(crate) mod plan;
 pub(crate) mod sweep;
+#[cfg(test)]
+pub(crate) mod testing;
 pub(crate) mod work;

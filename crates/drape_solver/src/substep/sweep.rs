@@ -34,7 +34,6 @@ use crate::constants::{BYTES_OF_CELL, LEAST_SHARED_CELLS, LEAST_STRIPS_PER_LAG, 
 use crate::constraint::direct::line;
 use crate::constraint::stick::{Exact, Projection, SquareRootFree};
 use crate::contact::body_contacts::BodyContacts;
-use crate::contact::cloth_cloth;
 use crate::contact::particle_obstacle::ObstacleContacts;
 use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::motion::integrate::{Flight, drift};
@@ -66,7 +65,7 @@ pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     let has_pressure = body.pressure > 0.0;
     let is_damped = body.context.damping.iter().any(|&damping| damping != 0.0);
-    let is_in_strips = contacts.faces.is_empty() && contacts.embedded.is_empty() && !cloth_cloth::is_on(body);
+    let is_in_strips = contacts.faces.is_empty() && contacts.embedded.is_empty() && !body.has_self_contact();
     is_fixed && is_in_strips && !has_pressure && !is_damped
 }
 
