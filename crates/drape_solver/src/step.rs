@@ -16,7 +16,7 @@
 
 use glam::Vec3;
 
-use crate::broad_phase::obstacle_search::Span as SearchSpan;
+use crate::broad_phase::obstacle_search::SearchStep;
 use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS,
 };
@@ -32,7 +32,7 @@ use crate::motion::environment::Environment;
 use crate::motion::wind::WindZone;
 use crate::motion::{force, rest};
 use crate::parallel::threads::{Alone, Threads};
-use crate::parallel::workers::Crew;
+use crate::parallel::workers::Workers;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::substep::begin;
@@ -58,12 +58,12 @@ pub fn step_on(
     threads: &dyn Threads,
 ) -> Result<(), StepError> {
     let mut outcome = Ok(());
-    Crew::run(lent(island, threads), &mut |crew| {
+    Workers::run(lent(island, threads), &mut |workers| {
         outcome = begin(island, environment).and_then(|()| {
             accumulate_forces(island, environment);
-            detect(island, environment, crew);
-            substeps(island, environment, crew);
-            finish_with(island, crew)
+            detect(island, environment, workers);
+            substeps(island, environment, workers);
+            finish_with(island, workers)
         });
     });
     outcome
@@ -72,7 +72,7 @@ pub fn step_on(
 /// All substeps that are left of the step that was [begun](begin). Where no ball is near, each body takes them in
 /// turn, a large one down its strips with the stages of several substeps at once.
 pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
-    Crew::run(lent(island, threads), &mut |crew| substeps(island, environment, crew));
+    Workers::run(lent(island, threads), &mut |workers| substeps(island, environment, workers));
 }
 
 /// The threads, if the island has a body that is worth sharing out.
@@ -81,12 +81,12 @@ fn lent<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
     if island.bodies.iter().any(is_large) { threads } else { &Alone }
 }
 
-fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
+fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
     if can_be_swept(island) {
         let substep = island.context.now(island.isa, environment);
         let IslandContext { contacts, plans, .. } = &mut island.context;
         for ((body, contacts), plan) in island.bodies.iter_mut().zip(&mut contacts.bodies).zip(plans) {
-            sweep::substeps(body, &mut contacts.obstacles, plan, substep, crew);
+            sweep::substeps(body, &mut contacts.obstacles, plan, substep, workers);
         }
         island.context.iterations_taken = island.iterations();
         island.context.substep_index = island.context.substeps;
@@ -178,10 +178,10 @@ pub fn accumulate_forces(island: &mut Island, environment: &Environment) {
 
 /// Lists what could touch what within the step.
 pub fn detect_collisions(island: &mut Island, environment: &Environment) {
-    detect(island, environment, &Crew::default());
+    detect(island, environment, &Workers::default());
 }
 
-fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
+fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
     let (dt, gravity, obstacles) = (environment.dt, environment.gravity.length(), &environment.obstacles);
     let Island { bodies, balls, context, isa, .. } = island;
     let fastest_ball = balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
@@ -190,9 +190,9 @@ fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
     let speed = bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + CONTACT_MARGIN;
     let IslandContext { contacts, report, reactions, substeps, .. } = context;
-    let span = SearchSpan { dt, substeps: *substeps, reach };
+    let search_step = SearchStep { dt, substeps: *substeps, reach };
     for (body, of_body) in bodies.iter().zip(&mut contacts.bodies) {
-        body_contacts::detect(of_body, body, obstacles, span, *isa, crew);
+        body_contacts::detect(of_body, body, obstacles, search_step, *isa, workers);
     }
     ball_obstacle::detect(&mut contacts.ball_obstacle, balls, obstacles, dt, gravity);
     ball_ball::detect(&mut contacts.ball_ball, balls, dt, gravity);
@@ -419,12 +419,12 @@ fn count_conflicts(island: &mut Island, environment: &Environment) {
 /// # Errors
 /// [`StepError::NonFiniteBody`] or [`StepError::NonFiniteBall`].
 pub fn finish(island: &mut Island) -> Result<(), StepError> {
-    finish_with(island, &Crew::default())
+    finish_with(island, &Workers::default())
 }
 
-fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
+fn finish_with(island: &mut Island, workers: &Workers) -> Result<(), StepError> {
     for body in &mut island.bodies {
-        body.particles.renew_survey(crew);
+        body.particles.renew_stats(workers);
     }
     check_finite(island)?;
     let dt = island.context.substep * island.context.substeps as f32;

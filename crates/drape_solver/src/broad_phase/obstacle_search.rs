@@ -9,7 +9,7 @@ use crate::constants::LEAST_SHARED_CELLS;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape};
 use crate::geometry::surface_lanes::{LanePlanes, LanePose, Solid};
-use crate::parallel::workers::Crew;
+use crate::parallel::workers::Workers;
 use crate::simd::columns::LANES;
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::{Lanes3, load};
@@ -17,14 +17,14 @@ use crate::state::obstacle::Obstacle;
 use crate::state::particles::Particles;
 
 /// The lists that a search fills: candidates, and the planes of those that have some.
-pub(crate) struct Found<'a> {
+pub(crate) struct CandidateLists<'a> {
     pub candidates: &'a mut Vec<Candidate>,
     pub planes: &'a mut Vec<LanePlanes>,
 }
 
 /// The step that is searched.
 #[derive(Clone, Copy)]
-pub(crate) struct Span {
+pub(crate) struct SearchStep {
     /// Seconds.
     pub dt: f32,
     pub substeps: u32,
@@ -51,7 +51,7 @@ fn candidate(cell: usize, group: u16, lanes: u16, planes: Option<u32>) -> Candid
 
 /// How particles fly through the step if nothing stops them.
 #[derive(Clone, Copy)]
-pub(crate) struct Flight {
+pub(crate) struct FreePath {
     pub substeps: f32,
     /// What acceleration and the frame add to the way of all, in metres.
     pub fall: Vec3,
@@ -59,18 +59,18 @@ pub(crate) struct Flight {
 
 /// The same as an obstacle sees it, which may move itself.
 #[derive(Clone, Copy)]
-pub(crate) struct Sight {
-    flight: Flight,
+pub(crate) struct RelativePath {
+    flight: FreePath,
     end: Pose,
 }
 
-impl Flight {
-    pub fn towards(self, obstacle: &Obstacle, particles: &Particles) -> Sight {
-        Sight { flight: self, end: obstacle.pose_at(1.0, particles.origin) }
+impl FreePath {
+    pub fn towards(self, obstacle: &Obstacle, particles: &Particles) -> RelativePath {
+        RelativePath { flight: self, end: obstacle.pose_at(1.0, particles.origin) }
     }
 }
 
-impl Sight {
+impl RelativePath {
     /// The way of the particle in `slot`, which starts at `local`, through the obstacle's coordinates.
     fn way(self, particles: &Particles, slot: usize, local: Vec3) -> Vec3 {
         self.way_of(particles.position.get(slot), particles.displacement.get(slot), local)
@@ -78,7 +78,7 @@ impl Sight {
 
     /// The same of a point in `place` that has moved by `moved` in the last substep.
     pub fn way_of(self, place: Vec3, moved: Vec3, local: Vec3) -> Vec3 {
-        let Flight { substeps, fall } = self.flight;
+        let FreePath { substeps, fall } = self.flight;
         self.end.to_local(place + (moved * substeps + fall)) - local
     }
 }
@@ -91,12 +91,12 @@ pub(crate) struct Query<'a> {
     pub pose: Pose,
     pub reach: f32,
     pub group: u16,
-    pub sight: Sight,
+    pub path: RelativePath,
 }
 
 impl Query<'_> {
     /// Looks for the nearest point of a shape without a formula; where the particle is on its way to another, for that.
-    pub fn run(self, found: &mut Found, thickness: f32) {
+    pub fn run(self, found: &mut CandidateLists, thickness: f32) {
         self.list(found, |local, way| {
             let surface = self.shape.surface(local);
             if surface.distance >= self.reach {
@@ -111,7 +111,7 @@ impl Query<'_> {
 
     /// Looks for what a particle will run into, on top of what its formula tells in each substep: for those that may be
     /// through and out on the other side by then.
-    pub fn run_ahead(self, found: &mut Found) {
+    pub fn run_ahead(self, found: &mut CandidateLists) {
         self.list(found, |local, way| {
             let is_outside = self.shape.surface(local).distance > 0.0;
             if is_outside { self.ahead(local, way) } else { None }
@@ -124,8 +124,8 @@ impl Query<'_> {
         Some(Plane { normal, offset: normal.dot(local + way * fraction) })
     }
 
-    fn list(self, found: &mut Found, look: impl Fn(Vec3, Vec3) -> Option<Plane>) {
-        let Self { particles, shape, pose, reach, group, sight } = self;
+    fn list(self, found: &mut CandidateLists, look: impl Fn(Vec3, Vec3) -> Option<Plane>) {
+        let Self { particles, shape, pose, reach, group, path } = self;
         let (low, high) = shape.local_bounds();
         for (cell, positions) in particles.position.cells.iter().enumerate() {
             let mut lanes = 0;
@@ -137,7 +137,7 @@ impl Query<'_> {
                 if !is_near || particles.inverse_mass[slot] == 0.0 {
                     continue;
                 }
-                if let Some(plane) = look(local, sight.way(particles, slot, local)) {
+                if let Some(plane) = look(local, path.way(particles, slot, local)) {
                     lanes |= 1 << lane;
                     planes.normal.set(lane, plane.normal);
                     planes.offset[lane] = plane.offset;
@@ -170,17 +170,20 @@ impl Search<'_> {
         candidates: &mut Vec<Candidate>,
         found_by_helper: &mut Vec<Candidate>,
         isa: Isa,
-        crew: &Crew,
+        workers: &Workers,
     ) {
         let cells = self.particles.position.cells.len();
-        if crew.count() < 2 || cells < 2 * LEAST_SHARED_CELLS {
+        if workers.count() < 2 || cells < 2 * LEAST_SHARED_CELLS {
             return isa.run(SearchCells { search: self, cells: 0..cells, candidates });
         }
         let middle = cells / 2;
         found_by_helper.clear();
-        crew.join(&mut || isa.run(SearchCells { search: self, cells: 0..middle, candidates }), &mut || {
-            isa.run(SearchCells { search: self, cells: middle..cells, candidates: found_by_helper });
-        });
+        workers.join(
+            &mut || isa.run(SearchCells { search: self, cells: 0..middle, candidates }),
+            &mut || {
+                isa.run(SearchCells { search: self, cells: middle..cells, candidates: found_by_helper });
+            },
+        );
         candidates.extend_from_slice(found_by_helper);
     }
 }

@@ -8,8 +8,8 @@
 
 use glam::Vec3;
 
-use crate::constants::LEAST_LEAN;
-use crate::state::surface_tree::{Bounds, Element, SurfaceTree};
+use crate::constants::LEAST_FLAT_COSINE;
+use crate::state::surface_tree::{Bounds, SurfaceElement, SurfaceTree};
 
 /// Where the patches of a body are now.
 #[derive(Clone, Debug, Default)]
@@ -20,7 +20,7 @@ pub(crate) struct PlacedTree {
 
 /// A body's tree and where its patches are.
 #[derive(Clone, Copy)]
-pub(crate) struct Placed<'a> {
+pub(crate) struct PlacedSurface<'a> {
     pub tree: &'a SurfaceTree,
     pub at: &'a PlacedTree,
 }
@@ -28,7 +28,7 @@ pub(crate) struct Placed<'a> {
 impl SurfaceTree {
     /// Puts boxes around the patches. `corners` gives the places that an element's corners take, now and at the start
     /// of the substep.
-    pub fn place(&self, at: &mut PlacedTree, corners: impl Fn(&Element) -> [[Vec3; 3]; 2]) {
+    pub fn place(&self, at: &mut PlacedTree, corners: impl Fn(&SurfaceElement) -> [[Vec3; 3]; 2]) {
         at.elements.clear();
         at.nodes.clear();
         at.nodes.resize(self.nodes.len(), (Bounds::NOTHING, Bounds::NOTHING));
@@ -54,7 +54,7 @@ impl SurfaceTree {
 }
 
 /// The unit normal of a face, or the direction of a link: a rope whose links all lean one way cannot meet itself either.
-fn lean(element: &Element, [a, b, c]: [Vec3; 3]) -> Vec3 {
+fn lean(element: &SurfaceElement, [a, b, c]: [Vec3; 3]) -> Vec3 {
     let way = if element.is_face() { (b - a).cross(c - a) } else { b - a };
     way.normalize_or_zero()
 }
@@ -63,10 +63,10 @@ fn lean(element: &Element, [a, b, c]: [Vec3; 3]) -> Vec3 {
 fn is_flat(lean: &Bounds) -> bool {
     let way = lean.low + lean.high;
     let least = (way * lean.low).min(way * lean.high);
-    least.x + least.y + least.z > LEAST_LEAN * way.length()
+    least.x + least.y + least.z > LEAST_FLAT_COSINE * way.length()
 }
 
-impl Placed<'_> {
+impl PlacedSurface<'_> {
     /// Calls `meet` with any two elements of the body whose boxes, wider by `margin`, meet. Not those of flat patches.
     pub fn own_pairs(&self, margin: f32, meet: &mut impl FnMut(usize, usize)) {
         if !self.tree.nodes.is_empty() {
@@ -94,7 +94,7 @@ impl Placed<'_> {
     }
 
     /// Calls `meet` with any element of this body and any of another whose boxes, wider by `margin`, meet.
-    pub fn pairs_with(&self, other: &Placed, margin: f32, meet: &mut impl FnMut(usize, usize)) {
+    pub fn pairs_with(&self, other: &PlacedSurface, margin: f32, meet: &mut impl FnMut(usize, usize)) {
         if !self.tree.nodes.is_empty() && !other.tree.nodes.is_empty() {
             self.pairs_between(0, other, 0, margin, meet);
         }
@@ -103,7 +103,7 @@ impl Placed<'_> {
     fn pairs_between(
         &self,
         here: usize,
-        other: &Placed,
+        other: &PlacedSurface,
         there: usize,
         margin: f32,
         meet: &mut impl FnMut(usize, usize),

@@ -11,7 +11,7 @@ use glam::Vec3;
 use crate::constraint::stick::{OneSided, Projection};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::rows::{Rows, Window, block_count, columns_of_eight, rows_of_eight};
-use crate::state::stick_list::{GROUP, Group, ListedBatch, ListedSticks};
+use crate::state::stick_list::{GROUP, ListedBatch, ListedSticks, StickGroup};
 use crate::state::topology::StickBound;
 
 /// A batch on its way down a body.
@@ -161,7 +161,7 @@ fn project_row<S: Simd>(
 fn project_group<S: Simd>(
     simd: S,
     window: &mut Window,
-    group: &Group,
+    group: &StickGroup,
     stiffness: f32,
     projection: impl Projection,
 ) {

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::event::{Other, Projection, Touch, add_impulse, record};
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
+use crate::contact::event::{BallProjection, Other, Touch, add_impulse, record};
 use crate::contact::restitution::Impact;
 use crate::state::ball::{Ball, SURFACE_INVERSE_MASS};
 use crate::state::substep::Substep;
@@ -14,7 +14,7 @@ pub(crate) struct BallPair {
     a: usize,
     b: usize,
     depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
     impact: Impact,
     /// From `b` to `a`.
     normal: Vec3,
@@ -32,7 +32,7 @@ pub(crate) fn detect(pairs: &mut Vec<BallPair>, balls: &[Ball], dt: f32, gravity
                     a,
                     b,
                     depth: 0.0,
-                    overlap: Overlap::default(),
+                    overlap: InitialOverlap::default(),
                     impact: Impact::default(),
                     normal: Vec3::ZERO,
                 });
@@ -45,7 +45,7 @@ pub(crate) fn detect(pairs: &mut Vec<BallPair>, balls: &[Ball], dt: f32, gravity
 pub(crate) fn begin_substep(pairs: &mut [BallPair]) {
     for pair in pairs {
         pair.depth = 0.0;
-        pair.overlap = Overlap::default();
+        pair.overlap = InitialOverlap::default();
         pair.impact = Impact::default();
     }
 }
@@ -57,7 +57,7 @@ pub(crate) fn project(
     touches: &mut Vec<Touch>,
     substep: Substep,
 ) {
-    let pace = Pace::of(substep);
+    let rate = PushOutRate::of(substep);
     for pair in pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
@@ -73,15 +73,15 @@ pub(crate) fn project(
         let travel = a.travel() - b.travel();
         let gap_change = travel.dot(pair.normal);
         let at_start = || a.material.radius + b.material.radius - (apart - travel).length();
-        let push = pair.overlap.split(depth, gap_change, at_start, pace);
-        pair.depth += push.fresh;
+        let push = pair.overlap.split(depth, gap_change, at_start, rate);
+        pair.depth += push.with_velocity;
         let weight = a.inverse_mass + b.inverse_mass;
         let (contact, position_only) =
-            (pair.normal * (push.fresh / weight), pair.normal * (push.old / weight));
+            (pair.normal * (push.with_velocity / weight), pair.normal * (push.position_only / weight));
         let sides = [(pair.a, pair.b, &*a, 1.0), (pair.b, pair.a, &*b, -1.0)];
         for (ball_index, other, ball, sign) in sides {
             let normal = pair.normal * sign;
-            let projection = Projection {
+            let projection = BallProjection {
                 ball: ball_index,
                 other: Other::Ball(other),
                 gap: -depth,
@@ -91,7 +91,7 @@ pub(crate) fn project(
                 point: ball.position - normal * ball.material.radius,
                 normal,
             };
-            let impulse = push.fresh / (weight * substep.duration);
+            let impulse = push.with_velocity / (weight * substep.duration);
             record(touches, &projection, impulse, substep.index, substep.duration);
             pair.impact.note(gap_change, projection.fraction());
         }

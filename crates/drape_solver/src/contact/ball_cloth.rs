@@ -23,14 +23,14 @@ use crate::constants::{
 };
 use crate::contact::ball_cloth_query::BallClothContact;
 use crate::contact::ccd::Passage;
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::event::{Other, Projection, Touch, add_impulse, begin, is_known};
-use crate::contact::impact_zone::Placed;
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
+use crate::contact::event::{BallProjection, Other, Touch, add_impulse, begin, is_known};
+use crate::contact::impact_zone::BallAndFace;
 use crate::geometry::nearest_triangle::{on_segment, on_triangle, weighted};
 use crate::simd::isa::Isa;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::Body;
-use crate::state::particle_stats::MassSurvey;
+use crate::state::particle_stats::MassStats;
 use crate::state::particles::Particles;
 use crate::state::substep::Substep;
 
@@ -61,11 +61,11 @@ impl BallClothContacts {
 pub(crate) struct BallCloth {
     pub ball: usize,
     pub body: usize,
-    pub element: Element,
+    pub element: FaceOrLink,
     /// Where both were at the start of the substep.
-    pub start: Placed,
+    pub start: BallAndFace,
     depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
     normal: Vec3,
     weights: [f32; 3],
 }
@@ -80,17 +80,17 @@ impl BallCloth {
 
 /// A face, or a segment of a body that has no faces, by the slots of its corners.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Element {
+pub(crate) enum FaceOrLink {
     Face([u32; 3]),
-    Segment([u32; 2]),
+    Link([u32; 2]),
 }
 
-impl Element {
+impl FaceOrLink {
     /// Its corners; a segment has its last one twice, with a weight of zero.
     pub fn corners(self) -> [usize; 3] {
         match self {
             Self::Face(corners) => corners.map(|i| i as usize),
-            Self::Segment([a, b]) => [a as usize, b as usize, b as usize],
+            Self::Link([a, b]) => [a as usize, b as usize, b as usize],
         }
     }
 
@@ -98,7 +98,7 @@ impl Element {
     pub fn middle(self) -> [f32; 3] {
         match self {
             Self::Face(_) => [1.0 / 3.0; 3],
-            Self::Segment(_) => [0.5, 0.5, 0.0],
+            Self::Link(_) => [0.5, 0.5, 0.0],
         }
     }
 
@@ -106,7 +106,7 @@ impl Element {
     pub fn nearest(self, corners: [Vec3; 3], point: Vec3) -> [f32; 3] {
         match self {
             Self::Face(_) => on_triangle(corners, point),
-            Self::Segment(_) => on_segment([corners[0], corners[1]], point),
+            Self::Link(_) => on_segment([corners[0], corners[1]], point),
         }
     }
 }
@@ -129,7 +129,7 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
         if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
             continue;
         }
-        let MassSurvey { free_count, free_mass, .. } = &body.particles.masses;
+        let MassStats { free_count, free_mass, .. } = &body.particles.masses;
         if *free_count == 0 {
             continue;
         }
@@ -181,12 +181,12 @@ pub(crate) fn detect(
                     ball: ball_index,
                     body: body_index,
                     element: match corners {
-                        Corners::Face(slots) => Element::Face(slots),
-                        Corners::Segment(slots) => Element::Segment(slots),
+                        Corners::Face(slots) => FaceOrLink::Face(slots),
+                        Corners::Segment(slots) => FaceOrLink::Link(slots),
                     },
-                    start: Placed::default(),
+                    start: BallAndFace::default(),
                     depth: 0.0,
-                    overlap: Overlap::default(),
+                    overlap: InitialOverlap::default(),
                     normal: Vec3::ZERO,
                     weights: [0.0; 3],
                 });
@@ -199,7 +199,7 @@ pub(crate) fn detect(
 pub(crate) fn begin_substep(contacts: &mut BallClothContacts) {
     for contact in &mut contacts.pairs {
         contact.depth = 0.0;
-        contact.overlap = Overlap::default();
+        contact.overlap = InitialOverlap::default();
     }
 }
 
@@ -211,14 +211,14 @@ struct Overlapping {
     gap: f32,
     gap_change: f32,
     point: Vec3,
-    start: Placed,
+    start: BallAndFace,
     apart: f32,
 }
 
 impl Overlapping {
     fn find(contact: &BallCloth, ball: &Ball, body: &Body) -> Option<Self> {
         let corners = contact.element.corners();
-        let now = Placed::of(contact, ball, body);
+        let now = BallAndFace::of(contact, ball, body);
         let apart = ball.material.radius + body.settings.thickness;
         let travels = corners.map(|i| body.travel(i));
         let travel = ball.travel();
@@ -229,14 +229,16 @@ impl Overlapping {
             return None;
         }
         let [a, b, c] = now.corners;
-        let start =
-            Placed { centre: now.centre - travel, corners: [a - travels[0], b - travels[1], c - travels[2]] };
+        let start = BallAndFace {
+            centre: now.centre - travel,
+            corners: [a - travels[0], b - travels[1], c - travels[2]],
+        };
         let weights = contact.element.nearest(now.corners, now.centre);
         let point = weighted(weights, now.corners);
         let offset = now.centre - point;
         let side = match contact.element {
-            Element::Face(_) => passed_side(&start, &now, PASSING_SLACK * ball.material.radius),
-            Element::Segment(_) => None,
+            FaceOrLink::Face(_) => passed_side(&start, &now, PASSING_SLACK * ball.material.radius),
+            FaceOrLink::Link(_) => None,
         };
         let (normal, distance) = if let Some(side) = side {
             let normal = face_normal(now.corners) * side;
@@ -253,14 +255,14 @@ impl Overlapping {
         Some(Self { weights, normal, gap: distance - apart, gap_change, point, start, apart })
     }
 
-    /// Overlap at the start of the substep, negative if there was none.
-    fn at_start(&self, element: Element) -> f32 {
-        let Placed { centre, corners } = self.start;
+    /// InitialOverlap at the start of the substep, negative if there was none.
+    fn at_start(&self, element: FaceOrLink) -> f32 {
+        let BallAndFace { centre, corners } = self.start;
         self.apart - centre.distance(weighted(element.nearest(corners, centre), corners))
     }
 
-    fn projection(&self, contact: &BallCloth, ball: &Ball, body: &Body) -> Projection {
-        Projection {
+    fn projection(&self, contact: &BallCloth, ball: &Ball, body: &Body) -> BallProjection {
+        BallProjection {
             ball: contact.ball,
             other: Other::Body(contact.body),
             gap: self.gap,
@@ -302,9 +304,10 @@ pub(crate) fn find_all(
 /// The side (1 or -1, along the face's normal) that a ball's centre came from if it has passed through the face
 /// between `start` and `now`. Sticks can pull a taut cloth past the middle of a fast ball within one sweep; then
 /// the nearest way out is the wrong one.
-fn passed_side(start: &Placed, now: &Placed, slack: f32) -> Option<f32> {
-    let height = |placed: &Placed| face_normal(placed.corners).dot(placed.centre - placed.corners[0]);
-    let corners = |placed: &Placed| [placed.centre, placed.corners[0], placed.corners[1], placed.corners[2]];
+fn passed_side(start: &BallAndFace, now: &BallAndFace, slack: f32) -> Option<f32> {
+    let height = |placed: &BallAndFace| face_normal(placed.corners).dot(placed.centre - placed.corners[0]);
+    let corners =
+        |placed: &BallAndFace| [placed.centre, placed.corners[0], placed.corners[1], placed.corners[2]];
     let passage = Passage { start: corners(start), now: corners(now) };
     let ([centre, a, b, c], side) = passage.at_sign_change(height(start), height(now))?;
     // It may have passed within the triangle, or beside it.
@@ -320,7 +323,7 @@ pub(crate) fn project(
     touches: &mut Vec<Touch>,
     substep: Substep,
 ) {
-    let pace = Pace::of(substep);
+    let rate = PushOutRate::of(substep);
     let BallClothContacts { pairs, search, .. } = contacts;
     search.begin_round();
     while let Some(index) = search.next(balls, bodies, substep.isa) {
@@ -344,20 +347,25 @@ pub(crate) fn project(
         let (body, ball) = (&mut bodies[body_index], &mut balls[ball_index]);
         let Overlapping { weights, normal, gap, gap_change, .. } = found;
         let element = contact.element;
-        let push = contact.overlap.split(-gap, gap_change, || found.at_start(element), pace);
+        let push = contact.overlap.split(-gap, gap_change, || found.at_start(element), rate);
         let corners = element.corners();
-        let total = ball.inverse_mass + felt(weights, corners, body);
-        add_impulse(touches, ball_index, Other::Body(body_index), push.fresh / (total * substep.duration));
+        let total = ball.inverse_mass + inverse_mass_of_point(weights, corners, body);
+        add_impulse(
+            touches,
+            ball_index,
+            Other::Body(body_index),
+            push.with_velocity / (total * substep.duration),
+        );
         contact.normal = normal;
         contact.weights = weights;
         // Friction measures the normal push in terms of both sides' motion.
-        contact.depth += push.fresh;
-        let (fresh, old) = (normal * (push.fresh / total), normal * (push.old / total));
+        contact.depth += push.with_velocity;
+        let (fresh, old) = (normal * (push.with_velocity / total), normal * (push.position_only / total));
         ball.project(fresh * ball.inverse_mass, old * ball.inverse_mass);
         let heaviest_share =
             corners.into_iter().zip(weights).map(|(i, w)| w * body.particles.inverse_mass[i]);
         let nearer = ball.inverse_mass + heaviest_share.fold(0.0, f32::max);
-        search.note_push((push.fresh + push.old) / total * nearer);
+        search.note_push((push.with_velocity + push.position_only) / total * nearer);
         for (corner, weight) in corners.into_iter().zip(weights) {
             let share = -weight * body.particles.inverse_mass[corner];
             // Straight into the displacement, which is finer than the position: what the ball loses in momentum
@@ -399,7 +407,7 @@ pub(crate) fn put_back(contacts: &BallClothContacts, particles: &mut Particles) 
 }
 
 /// Inverse mass of the point of an element with these `weights`, in 1/kg.
-fn felt(weights: [f32; 3], corners: [usize; 3], body: &Body) -> f32 {
+fn inverse_mass_of_point(weights: [f32; 3], corners: [usize; 3], body: &Body) -> f32 {
     let mut sum = 0.0;
     for (corner, weight) in corners.into_iter().zip(weights) {
         sum += weight * weight * body.particles.inverse_mass[corner];
@@ -419,11 +427,11 @@ pub(crate) fn apply_friction(contacts: &BallClothContacts, bodies: &mut [Body], 
         let arm = contact.normal * -(ball.material.radius + body.settings.thickness);
         let cloth_travel = weighted(contact.weights, corners.map(|i| body.particles.displacement.get(i)));
         let slip = ball.surface_travel(arm) - cloth_travel;
-        let felt = felt(contact.weights, corners, body);
-        // Along the normal the pair has the inverse mass w + felt, along the surface about 3.5 w + felt: Coulomb's
-        // limit on the push, mu * depth / (w + felt), is turned into one on the slip.
-        let across = ball.surface_inverse_mass(arm) + felt;
-        let along = ball.inverse_mass + felt;
+        let inverse_mass_of_point = inverse_mass_of_point(contact.weights, corners, body);
+        // Along the normal the pair has the inverse mass w + inverse_mass_of_point, along the surface about 3.5 w + inverse_mass_of_point: Coulomb's
+        // limit on the push, mu * depth / (w + inverse_mass_of_point), is turned into one on the slip.
+        let across = ball.surface_inverse_mass(arm) + inverse_mass_of_point;
+        let along = ball.inverse_mass + inverse_mass_of_point;
         let friction = ball.material.surface_friction().with(body.settings.surface_friction());
         let taken = friction.scaled(across / along).slip_taken(slip, contact.normal, contact.depth);
         let push = taken / across;

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use crate::constants::BALL_TRAVEL_PER_SUBSTEP;
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::event::{Other, Projection, Touch, add_impulse, record};
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
+use crate::contact::event::{BallProjection, Other, Touch, add_impulse, record};
 use crate::contact::mover::{Mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::contact::restitution::Impact;
@@ -45,17 +45,17 @@ pub(crate) struct BallObstacle {
     /// The surface that the ball runs into in this substep, where it might be through and out on the other side.
     ahead: Option<Plane>,
     depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
     impact: Impact,
     normal: Vec3,
-    given: Push,
+    given: BallPush,
     before: Pose,
     now: Pose,
 }
 
 /// What an obstacle has given to a ball in a substep.
 #[derive(Clone, Copy, Debug, Default)]
-struct Push {
+struct BallPush {
     /// Mass times displacement, in kilogram metres.
     push: Vec3,
     /// The change of spin: moment of inertia times turn, in kg m^2.
@@ -65,7 +65,7 @@ struct Push {
 impl BallObstacle {
     /// What the obstacle has given to the ball in the last substep, if anything.
     fn given(&self, balls: &[Ball]) -> Option<ObstaclePush> {
-        let Push { push, moment } = self.given;
+        let BallPush { push, moment } = self.given;
         (self.depth > 0.0).then(|| self.gives(&balls[self.ball], push, moment))
     }
 
@@ -126,10 +126,10 @@ pub(crate) fn detect(
                     plane,
                     ahead: None,
                     depth: 0.0,
-                    overlap: Overlap::default(),
+                    overlap: InitialOverlap::default(),
                     impact: Impact::default(),
                     normal: Vec3::ZERO,
-                    given: Push::default(),
+                    given: BallPush::default(),
                     before: pose,
                     now: pose,
                 });
@@ -158,8 +158,8 @@ pub(crate) fn begin_substep(
             [pair.before, pair.now] = [index, index + 1].map(pose_at);
         }
         pair.depth = 0.0;
-        pair.overlap = Overlap::default();
-        pair.given = Push::default();
+        pair.overlap = InitialOverlap::default();
+        pair.given = BallPush::default();
         pair.impact = Impact::default();
         pair.ahead = pair.look_ahead(&balls[pair.ball], obstacles[pair.obstacle].shape());
     }
@@ -173,7 +173,7 @@ pub(crate) fn project(
     touches: &mut Vec<Touch>,
     substep: Substep,
 ) {
-    let (pace, obstacles) = (Pace::of(substep), substep.obstacles);
+    let (rate, obstacles) = (PushOutRate::of(substep), substep.obstacles);
     for pair in &mut contacts.pairs {
         let ball = &mut balls[pair.ball];
         let mover = pair.follow(movers);
@@ -192,11 +192,11 @@ pub(crate) fn project(
             let gap_change = (travel - carried).dot(pair.normal);
             let start = pair.before.to_local(ball.position - travel);
             let at_start = || ball.material.radius - surface_at(start).distance;
-            let push = pair.overlap.split(depth, gap_change, at_start, pace);
+            let push = pair.overlap.split(depth, gap_change, at_start, rate);
             let point = ball.position - pair.normal * surface.distance;
-            let fresh = push.fresh * own_share(ball, mover.as_deref(), point, pair.normal);
+            let fresh = push.with_velocity * own_share(ball, mover.as_deref(), point, pair.normal);
             pair.depth += fresh;
-            let projection = Projection {
+            let projection = BallProjection {
                 ball: pair.ball,
                 other: Other::Obstacle(pair.obstacle),
                 gap: -depth,
@@ -214,7 +214,7 @@ pub(crate) fn project(
             if let Some(mover) = mover {
                 mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
             }
-            ball.project(pair.normal * fresh, pair.normal * push.old);
+            ball.project(pair.normal * fresh, pair.normal * push.position_only);
         }
     }
 }
@@ -276,11 +276,11 @@ pub(crate) fn apply_friction(
         // The whole slip of a sphere's surface takes a push of slip / (3.5 w); Coulomb's limit is in terms of
         // the push on a mass point, mu * depth / w. In units of slip that limit is 3.5 times as long.
         let slip = ball.surface_travel(arm) - carried;
-        let (friction, felt) =
+        let (friction, inverse_mass) =
             (friction.scaled(SURFACE_INVERSE_MASS), SURFACE_INVERSE_MASS * ball.inverse_mass);
         let push = match &mover {
-            Some(mover) => mover.slip_taken(friction, felt, slip, pair.normal, pair.depth, point).1,
-            None => -friction.slip_taken(slip, pair.normal, pair.depth) / felt,
+            Some(mover) => mover.slip_taken(friction, inverse_mass, slip, pair.normal, pair.depth, point).1,
+            None => -friction.slip_taken(slip, pair.normal, pair.depth) / inverse_mass,
         };
         let spin = ball.spin;
         ball.push_surface(arm, push);

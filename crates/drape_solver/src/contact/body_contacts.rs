@@ -2,14 +2,14 @@
 
 use glam::Vec3;
 
-use crate::broad_phase::obstacle_search::{Flight, Query, Search, Span};
+use crate::broad_phase::obstacle_search::{FreePath, Query, Search, SearchStep};
 use crate::constants::FACE_MARGIN;
 use crate::contact::embedded_obstacle::EmbeddedContacts;
-use crate::contact::face_obstacle::{FaceContacts, Met};
-use crate::contact::particle_obstacle::{Group, ObstacleContacts};
+use crate::contact::face_obstacle::{FaceContacts, SearchedObstacle};
+use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup};
 use crate::geometry::shape::{Shape, container_walls};
 use crate::geometry::surface_lanes::{LanePlanes, Solid};
-use crate::parallel::workers::Crew;
+use crate::parallel::workers::Workers;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
@@ -35,18 +35,18 @@ pub(crate) fn detect(
     all: &mut BodyContacts,
     body: &Body,
     obstacles: &Obstacles,
-    span: Span,
+    search_step: SearchStep,
     isa: Isa,
-    crew: &Crew,
+    workers: &Workers,
 ) {
-    let reach = span.reach;
+    let reach = search_step.reach;
     let (low, high) = body.particles.bounds();
     let Body { particles, topology, settings, layers, context, .. } = body;
     let BodyContacts { obstacles: contacts, faces, embedded } = all;
     let carried = particles.frame.map_or(Vec3::ZERO, |motion| motion.translation);
-    let fall = context.uniform_acceleration * (span.dt * span.dt) + carried;
-    let flight = Flight { substeps: span.substeps as f32, fall };
-    let fastest = particles.greatest_speed() * span.dt + flight.fall.length();
+    let fall = context.uniform_acceleration * (search_step.dt * search_step.dt) + carried;
+    let flight = FreePath { substeps: search_step.substeps as f32, fall };
+    let fastest = particles.greatest_speed() * search_step.dt + flight.fall.length();
     let embedding = topology.embedding_reach;
     faces.clear();
     embedded.clear();
@@ -69,10 +69,10 @@ pub(crate) fn detect(
         let first = contacts.candidates.len();
         let group = contacts.groups.len() as u16;
         let reach = reach + obstacle.travel();
-        let sight = flight.towards(obstacle, particles);
+        let path = flight.towards(obstacle, particles);
         // Whether one may be through the other and out again within a substep.
         let thinnest = obstacle.shape().least_half_extent() + settings.thickness;
-        let is_swift = (fastest + obstacle.travel()) / flight.substeps > thinnest;
+        let is_fast = (fastest + obstacle.travel()) / flight.substeps > thinnest;
         match obstacle.shape() {
             Shape::Container { half_extents } => {
                 for wall in container_walls(*half_extents) {
@@ -83,51 +83,51 @@ pub(crate) fn detect(
                     let solid = Solid::Planes(&contacts.planes[plane]);
                     let planes = Some(plane as u32);
                     let search = Search { particles, solid, pose, reach, group, planes };
-                    search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
+                    search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, workers);
                 }
             }
             shape if !shape.has_formula() => {
-                let search = Query { particles, shape, pose, reach, group, sight };
-                search.run(&mut contacts.found(), settings.thickness);
+                let search = Query { particles, shape, pose, reach, group, path };
+                search.run(&mut contacts.lists(), settings.thickness);
             }
             shape => {
-                if is_swift {
-                    let search = Query { particles, shape, pose, reach, group, sight };
-                    search.run_ahead(&mut contacts.found());
+                if is_fast {
+                    let search = Query { particles, shape, pose, reach, group, path };
+                    search.run_ahead(&mut contacts.lists());
                 }
                 let solid = Solid::Formula(shape);
                 let search = Search { particles, solid, pose, reach, group, planes: None };
-                search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, crew);
+                search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, workers);
             }
         }
         faces.search(
             particles,
             topology,
             settings,
-            Met {
+            SearchedObstacle {
                 shape: obstacle.shape(),
                 obstacle: index,
                 friction,
                 pose,
                 reach: settings.thickness + fastest + obstacle.travel() + FACE_MARGIN,
                 // Particles look ahead for themselves; faces do where an obstacle is small enough to slip between them.
-                is_swift: is_swift && obstacle.shape().middle_half_extent() < topology.longest_edge,
+                is_fast: is_fast && obstacle.shape().middle_half_extent() < topology.longest_edge,
             },
         );
         if !topology.embedded.is_empty() {
-            let met = Met {
+            let searched = SearchedObstacle {
                 shape: obstacle.shape(),
                 obstacle: index,
                 friction,
                 pose,
                 reach: obstacle.travel() + FACE_MARGIN,
-                is_swift: (embedding.spread * fastest + obstacle.travel()) / flight.substeps > thinnest,
+                is_fast: (embedding.spread * fastest + obstacle.travel()) / flight.substeps > thinnest,
             };
-            let way = |place, moved, local| sight.way_of(place, moved, local);
-            embedded.search(particles, topology, settings.thickness, met, way);
+            let way = |place, moved, local| path.way_of(place, moved, local);
+            embedded.search(particles, topology, settings.thickness, searched, way);
         }
         if contacts.candidates.len() > first {
-            contacts.groups.push(Group {
+            contacts.groups.push(ObstacleGroup {
                 obstacle: index,
                 friction,
                 is_moving: obstacle.is_moving(),

@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 
-use crate::contact::depenetration::{Overlap, Pace};
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
 use crate::contact::effective_mass::effective_inverse_mass;
 use crate::contact::mover::Mover;
 use crate::contact::obstacle_push::ObstaclePush;
@@ -31,7 +31,7 @@ pub(crate) struct CarriedPoint<const N: usize> {
     pub friction: Friction,
     /// Penetration depth that motion made, summed over the projections of the substep, in metres.
     pub depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
     /// In the world, of the last projection.
     pub normal: Vec3,
     /// How far the point was moved in this substep where that counts as velocity, times its mass: in kilogram metres.
@@ -80,7 +80,7 @@ pub(crate) fn kept<'a>(
 }
 
 /// The surface next to a point: how deep the point is below it, and what it was at the start of the substep.
-pub(crate) struct Found<F> {
+pub(crate) struct SurfaceBelow<F> {
     /// In the obstacle's coordinates.
     pub surface: Surface,
     /// Metres between the point and the surface at rest.
@@ -97,7 +97,7 @@ impl<const N: usize> CarriedPoint<N> {
             obstacle,
             friction,
             depth: 0.0,
-            overlap: Overlap::default(),
+            overlap: InitialOverlap::default(),
             normal: Vec3::ZERO,
             given: Vec3::ZERO,
         }
@@ -123,13 +123,13 @@ impl<const N: usize> CarriedPoint<N> {
     pub fn project(
         &mut self,
         body: &mut Body,
-        found: Found<impl Fn(Vec3) -> Surface>,
+        found: SurfaceBelow<impl Fn(Vec3) -> Surface>,
         poses: &Poses,
         mover: Option<&mut Mover>,
-        pace: Pace,
+        rate: PushOutRate,
         answer: impl Fn(&Self, &Particles, Vec3, Vec3) -> ObstaclePush,
     ) {
-        let Found { surface, thickness, surface_at } = found;
+        let SurfaceBelow { surface, thickness, surface_at } = found;
         let inverse_mass = self.inverse_mass(&body.particles);
         if inverse_mass == 0.0 {
             return;
@@ -140,19 +140,22 @@ impl<const N: usize> CarriedPoint<N> {
         let start = poses.before.to_local(point - travel);
         let at_start = || thickness - surface_at(start).distance;
         let outward = (travel - poses.carried(point)).dot(normal);
-        let mut push = self.overlap.split(thickness - surface.distance, outward, at_start, pace);
+        let mut push = self.overlap.split(thickness - surface.distance, outward, at_start, rate);
         if let Some(mover) = mover {
             let contact = body.particles.origin + point;
-            push.fresh *= inverse_mass / (inverse_mass + mover.inverse_mass_at(contact, normal));
-            let given = normal * (push.fresh / inverse_mass);
-            mover.receive(answer(self, &body.particles, contact - travel, given), pace.substep());
+            push.with_velocity *= inverse_mass / (inverse_mass + mover.inverse_mass_at(contact, normal));
+            let given = normal * (push.with_velocity / inverse_mass);
+            mover.receive(answer(self, &body.particles, contact - travel, given), rate.substep());
         }
-        self.depth += push.fresh;
+        self.depth += push.with_velocity;
         self.normal = normal;
-        self.given += normal * (push.fresh / inverse_mass);
+        self.given += normal * (push.with_velocity / inverse_mass);
         for (slot, weight) in self.carriers.into_iter().zip(self.weights) {
             let share = weight * body.particles.inverse_mass[slot] / inverse_mass;
-            let (fresh, all) = (normal * (push.fresh * share), normal * ((push.fresh + push.old) * share));
+            let (fresh, all) = (
+                normal * (push.with_velocity * share),
+                normal * ((push.with_velocity + push.position_only) * share),
+            );
             body.particles.displacement.add(slot, fresh);
             body.particles.position.add(slot, all);
             body.context.integrated.add(slot, all);

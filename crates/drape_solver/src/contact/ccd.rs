@@ -1,7 +1,7 @@
 //! What has passed through what within a substep.
 //!
 //! A corner and a face, or two edges, pass where the four corners lie in a plane on the way. All are taken to move
-//! straight and at an even pace, and the signed height of one above the other to change evenly:
+//! straight and at an even rate, and the signed height of one above the other to change evenly:
 //!
 //! ```text
 //!   o start   height above zero          the normal is that of the place of passing, and leads back

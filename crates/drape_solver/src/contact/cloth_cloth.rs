@@ -10,7 +10,7 @@
 use glam::Vec3;
 
 use crate::broad_phase::relative_motion::RelativeMotion;
-use crate::contact::depenetration::{Overlap, Pace};
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
 use crate::contact::effective_mass::effective_inverse_mass;
 use crate::contact::particle_particle::ParticlePairs;
 use crate::contact::triangle_triangle::TrianglePairs;
@@ -39,7 +39,7 @@ pub(crate) fn has_triangles(body: &Body) -> bool {
 
 /// Forgets the last substep's contacts, and finds those of this one, once all have flown.
 pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
-    let pace = Pace::of(substep);
+    let rate = PushOutRate::of(substep);
     let SelfContacts { motion, particles, triangles } = contacts;
     if !bodies.iter().any(Body::has_self_contact) {
         particles.clear();
@@ -47,20 +47,20 @@ pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], su
         motion.forget();
         return;
     }
-    if !motion.follow(bodies, substep.isa, pace.is_first()) {
+    if !motion.follow(bodies, substep.isa, rate.is_first()) {
         particles.clear();
         triangles.clear();
     }
     particles.begin_substep(bodies, &motion.of_lists);
-    triangles.begin_substep(bodies, motion, pace);
+    triangles.begin_substep(bodies, motion, rate);
 }
 
 /// Moves apart what overlaps.
 pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
-    let pace = Pace::of(substep);
+    let rate = PushOutRate::of(substep);
     let SelfContacts { particles, triangles, .. } = contacts;
-    particles.project(bodies, pace);
-    triangles.project(bodies, pace);
+    particles.project(bodies, rate);
+    triangles.project(bodies, rate);
 }
 
 /// Friction between all that touched, on what it has slipped past each other in this substep.
@@ -85,8 +85,8 @@ impl SelfContacts {
     /// from the second to the first, and the depth in metres, summed over the projections of the substep. Of edges and
     /// faces, their nearest particles.
     pub fn pushed_bodies(&self) -> impl Iterator<Item = ([(usize, usize); 2], Vec3, f32)> + '_ {
-        let particles = self.particles.near().iter().filter_map(Contact::pushed_bodies);
-        particles.chain(self.triangles.near().iter().filter_map(Contact::pushed_bodies))
+        let particles = self.particles.near().iter().filter_map(ClothContact::pushed_bodies);
+        particles.chain(self.triangles.near().iter().filter_map(ClothContact::pushed_bodies))
     }
 
     /// The number of pairs that are watched.
@@ -134,7 +134,7 @@ impl Corner {
 
 /// A contact of `N` particles: the normal points from those of negative weight to those of positive.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Contact<const N: usize> {
+pub(crate) struct ClothContact<const N: usize> {
     pub corners: [Corner; N],
     /// Weights of the two nearest points, those of the second negative: they sum to zero.
     weights: [f32; N],
@@ -143,11 +143,11 @@ pub(crate) struct Contact<const N: usize> {
     normal: Vec3,
     /// Depth that motion made, summed over the projections, in metres.
     depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
 }
 
 /// How two things lie that are nearer than they may be.
-pub(crate) struct Meeting<const N: usize> {
+pub(crate) struct Penetration<const N: usize> {
     pub weights: [f32; N],
     pub normal: Vec3,
     /// Above zero, in metres.
@@ -158,7 +158,7 @@ pub(crate) struct Meeting<const N: usize> {
     pub at_start: f32,
 }
 
-impl<const N: usize> Contact<N> {
+impl<const N: usize> ClothContact<N> {
     pub fn new(corners: [Corner; N], apart: f32) -> Self {
         Self {
             corners,
@@ -166,7 +166,7 @@ impl<const N: usize> Contact<N> {
             apart,
             normal: Vec3::ZERO,
             depth: 0.0,
-            overlap: Overlap::default(),
+            overlap: InitialOverlap::default(),
         }
     }
 
@@ -184,17 +184,17 @@ impl<const N: usize> Contact<N> {
     }
 
     /// Moves the corners apart: each by its weight and inverse mass, so that momentum is kept.
-    pub fn push(&mut self, bodies: &mut [Body], pace: Pace, found: Meeting<N>) {
-        let Meeting { weights, normal, depth, outward, at_start } = found;
+    pub fn push(&mut self, bodies: &mut [Body], rate: PushOutRate, found: Penetration<N>) {
+        let Penetration { weights, normal, depth, outward, at_start } = found;
         let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
         let total = effective_inverse_mass(weights, masses);
         if total == 0.0 {
             return;
         }
-        let push = self.overlap.split(depth, outward, || at_start, pace);
+        let push = self.overlap.split(depth, outward, || at_start, rate);
         (self.weights, self.normal) = (weights, normal);
-        self.depth += push.fresh;
-        let [fresh, old] = [push.fresh, push.old].map(|way| normal * (way / total));
+        self.depth += push.with_velocity;
+        let [fresh, old] = [push.with_velocity, push.position_only].map(|way| normal * (way / total));
         for ((corner, weight), mass) in self.corners.into_iter().zip(weights).zip(masses) {
             let share = weight * mass;
             // Straight into the displacement, which is finer than the position: momentum is kept.

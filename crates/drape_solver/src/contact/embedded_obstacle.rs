@@ -14,9 +14,9 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::contact::carried_point::{CarriedPoint, Found, Poses, kept, mean};
-use crate::contact::depenetration::Pace;
-use crate::contact::face_obstacle::Met;
+use crate::contact::carried_point::{CarriedPoint, Poses, SurfaceBelow, kept, mean};
+use crate::contact::depenetration::PushOutRate;
+use crate::contact::face_obstacle::SearchedObstacle;
 use crate::contact::mover::{Mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::shape::Plane;
@@ -67,35 +67,36 @@ impl EmbeddedContacts {
         particles: &Particles,
         topology: &Topology,
         thickness: f32,
-        met: Met,
+        searched: SearchedObstacle,
         way: impl Fn(Vec3, Vec3, Vec3) -> Vec3,
     ) {
         // As much as one obstacle can ask for, at once.
         self.contacts.reserve(topology.embedded.len());
-        let (low, high) = met.shape.local_bounds();
+        let (low, high) = searched.shape.local_bounds();
         for &EmbeddedPoint { particles: carriers, weights } in &topology.embedded {
             let carriers = carriers.map(|i| particles.layout.slot(i as usize));
             let place = mean(weights, carriers.map(|slot| particles.position.get(slot)));
             let moved = mean(weights, carriers.map(|slot| particles.displacement.get(slot)));
-            let local = met.pose.to_local(place);
+            let local = searched.pose.to_local(place);
             let way = way(place, moved, local);
             let path = way.length();
-            let reach = path + thickness + met.reach;
+            let reach = path + thickness + searched.reach;
             if !(local.cmpge(low - reach).all() && local.cmple(high + reach).all()) {
                 continue;
             }
-            let surface = met.shape.surface(local);
+            let surface = searched.shape.surface(local);
             if surface.distance >= reach {
                 continue;
             }
-            let has_formula = met.shape.has_formula();
-            let may_pass = met.is_swift || !has_formula && path > thickness;
-            let ahead = if may_pass && surface.distance > 0.0 { met.shape.cast(local, way) } else { None };
+            let has_formula = searched.shape.has_formula();
+            let may_pass = searched.is_fast || !has_formula && path > thickness;
+            let ahead =
+                if may_pass && surface.distance > 0.0 { searched.shape.cast(local, way) } else { None };
             let ahead =
                 ahead.map(|(fraction, normal)| Plane { normal, offset: normal.dot(local + way * fraction) });
             let near = || (!has_formula).then(|| surface.plane_at(local));
             self.contacts.push(EmbeddedContact {
-                point: CarriedPoint::new(carriers, weights, met.obstacle, met.friction),
+                point: CarriedPoint::new(carriers, weights, searched.obstacle, searched.friction),
                 plane: ahead.or_else(near),
             });
         }
@@ -116,13 +117,13 @@ pub(crate) fn project(
     substep: Substep,
     movers: &mut [Mover],
 ) {
-    let pace = Pace::of(substep);
+    let rate = PushOutRate::of(substep);
     let mut poses = None;
     for contact in &mut contacts.contacts {
         let mover = mover_mut(movers, contact.point.obstacle);
         let poses =
             kept(&mut poses, contact.point.obstacle, mover.as_deref(), substep, body.particles.origin);
-        contact.project(body, substep.obstacles, poses, mover, pace);
+        contact.project(body, substep.obstacles, poses, mover, rate);
     }
 }
 
@@ -133,7 +134,7 @@ impl EmbeddedContact {
         obstacles: &[Obstacle],
         poses: &Poses,
         mover: Option<&mut Mover>,
-        pace: Pace,
+        rate: PushOutRate,
     ) {
         let shape = obstacles[self.point.obstacle].shape();
         let surface_at = |local: Vec3| match self.plane {
@@ -144,7 +145,14 @@ impl EmbeddedContact {
         let point = self.point.mean(|slot| body.particles.position.get(slot));
         let surface = surface_at(poses.now.to_local(point));
         if thickness - surface.distance > 0.0 {
-            self.point.project(body, Found { surface, thickness, surface_at }, poses, mover, pace, answer);
+            self.point.project(
+                body,
+                SurfaceBelow { surface, thickness, surface_at },
+                poses,
+                mover,
+                rate,
+                answer,
+            );
         }
     }
 }

@@ -19,12 +19,12 @@
 use glam::{DVec3, Vec3};
 
 use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
-use crate::contact::ball_cloth::Element;
-use crate::contact::carried_point::{CarriedPoint, Found, Poses, kept};
-use crate::contact::depenetration::Pace;
+use crate::contact::ball_cloth::FaceOrLink;
+use crate::contact::carried_point::{CarriedPoint, Poses, SurfaceBelow, kept};
+use crate::contact::depenetration::PushOutRate;
 use crate::contact::mover::{Mover, mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
-use crate::geometry::nearest::{Nearest, Piece};
+use crate::geometry::nearest::{FaceOrEdge, Nearest};
 use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape, Surface};
@@ -46,7 +46,7 @@ pub(crate) struct FaceContacts {
 
 #[derive(Clone, Copy, Debug)]
 struct FaceContact {
-    element: Element,
+    element: FaceOrLink,
     /// Place of the element among the body's faces, then segments.
     place: usize,
     /// The deepest point when last looked for.
@@ -54,14 +54,14 @@ struct FaceContact {
     /// The surface there, in the obstacle's coordinates, where asking the shape each time would be slow.
     plane: Option<Plane>,
     /// Whether one may be through the other within a substep.
-    is_swift: bool,
+    is_fast: bool,
     /// The surface that the element runs into in this substep, where it might be through and out on the other side.
     ahead: Option<Plane>,
 }
 
 /// A face or segment that an obstacle has pushed.
 pub(crate) struct PushedElement {
-    pub element: Element,
+    pub element: FaceOrLink,
     /// Place of the element among the body's faces, then segments.
     pub place: usize,
     pub obstacle: usize,
@@ -75,7 +75,7 @@ pub(crate) struct PushedElement {
 
 /// An obstacle as a body meets it in a step: all in its own coordinates, at the start of the step.
 #[derive(Clone, Copy)]
-pub(crate) struct Met<'a> {
+pub(crate) struct SearchedObstacle<'a> {
     pub shape: &'a Shape,
     /// By index in the environment.
     pub obstacle: usize,
@@ -84,7 +84,7 @@ pub(crate) struct Met<'a> {
     /// How far apart they may be to touch within the step, in metres.
     pub reach: f32,
     /// Whether one may be through the other within a substep.
-    pub is_swift: bool,
+    pub is_fast: bool,
 }
 
 /// How deep a shape can reach between the corners of a face with sides of `side` metres that all see the same distance, if
@@ -148,42 +148,42 @@ impl FaceContacts {
         particles: &Particles,
         topology: &Topology,
         settings: &SolverSettings,
-        met: Met,
+        searched: SearchedObstacle,
     ) {
         let side = topology.longest_edge;
         let most = POKING * settings.thickness;
-        // A body without thickness is met at its particles alone.
-        let is_fine = || poke(met.shape, side).is_some_and(|depth| depth <= most);
+        // A body without thickness is searched at its particles alone.
+        let is_fine = || poke(searched.shape, side).is_some_and(|depth| depth <= most);
         if most == 0.0 || side == 0.0 || is_fine() {
             return;
         }
         // Where an obstacle has appeared around particles, those are to find their way out first.
-        let nearest = self.look(particles, met, met.reach + side);
-        if nearest >= met.reach + side || nearest < -INTRUSION * side {
+        let nearest = self.look(particles, searched, searched.reach + side);
+        if nearest >= searched.reach + side || nearest < -INTRUSION * side {
             return;
         }
         // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
         self.contacts.reserve(topology.faces.len() + topology.segments.len());
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
-        let faces = topology.faces.iter().map(|face| Element::Face(face.map(slot)));
-        let segments = topology.segments.iter().map(|ends| Element::Segment(ends.map(slot)));
+        let faces = topology.faces.iter().map(|face| FaceOrLink::Face(face.map(slot)));
+        let segments = topology.segments.iter().map(|ends| FaceOrLink::Link(ends.map(slot)));
         for (place, element) in faces.chain(segments).enumerate() {
-            self.add(element, place, particles, met, side, most);
+            self.add(element, place, particles, searched, side, most);
         }
     }
 
     /// Asks the shape for the surface next to every particle within `reach`, and tells the least distance.
-    fn look(&mut self, particles: &Particles, met: Met, reach: f32) -> f32 {
-        let (low, high) = met.shape.local_bounds();
+    fn look(&mut self, particles: &Particles, searched: SearchedObstacle, reach: f32) -> f32 {
+        let (low, high) = searched.shape.local_bounds();
         let (low, high) = (low - reach, high + reach);
         let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
         self.seen.clear();
         self.seen.resize(particles.inverse_mass.len(), away);
         let mut nearest = f32::INFINITY;
         for slot in particles.layout.slots() {
-            let local = met.pose.to_local(particles.position.get(slot));
+            let local = searched.pose.to_local(particles.position.get(slot));
             if local.cmpge(low).all() && local.cmple(high).all() {
-                let surface = met.shape.surface(local);
+                let surface = searched.shape.surface(local);
                 nearest = nearest.min(surface.distance);
                 self.seen[slot] = surface;
             }
@@ -191,53 +191,61 @@ impl FaceContacts {
         nearest
     }
 
-    fn add(&mut self, element: Element, place: usize, particles: &Particles, met: Met, side: f32, most: f32) {
+    fn add(
+        &mut self,
+        element: FaceOrLink,
+        place: usize,
+        particles: &Particles,
+        searched: SearchedObstacle,
+        side: f32,
+        most: f32,
+    ) {
         let corners = element.corners();
         let seen = corners.map(|slot| self.seen[slot]);
         let nearest = seen.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
         let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
         // Where a particle is inside already, that comes first.
         if nearest < 0.0
-            || nearest >= met.reach + side
+            || nearest >= searched.reach + side
             || is_held
-            || !met.is_swift && !may_poke(seen.map(|s| s.normal), side, most)
+            || !searched.is_fast && !may_poke(seen.map(|s| s.normal), side, most)
         {
             return;
         }
-        let local = corners.map(|slot| met.pose.to_local(particles.position.get(slot)));
-        if met.shape.is_convex() && least_distance(seen, local) >= met.reach {
+        let local = corners.map(|slot| searched.pose.to_local(particles.position.get(slot)));
+        if searched.shape.is_convex() && least_distance(seen, local) >= searched.reach {
             return;
         }
-        let (weights, surface) = match met.shape.nearest_on(element.piece(local), met.reach) {
+        let (weights, surface) = match searched.shape.nearest_on(element.piece(local), searched.reach) {
             Nearest::Apart => return,
             Nearest::At(_, point) => {
                 let weights = element.nearest(local, point);
-                (weights, met.shape.surface(weighted(weights, local)))
+                (weights, searched.shape.surface(weighted(weights, local)))
             }
             Nearest::Through => {
-                deepest(met.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
+                deepest(searched.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
             }
         };
-        if surface.distance >= met.reach {
+        if surface.distance >= searched.reach {
             return;
         }
         let plane = surface.plane_at(weighted(weights, local));
         self.contacts.push(FaceContact {
             element,
             place,
-            point: CarriedPoint::new(corners, weights, met.obstacle, met.friction),
-            plane: (!met.shape.has_formula()).then_some(plane),
-            is_swift: met.is_swift,
+            point: CarriedPoint::new(corners, weights, searched.obstacle, searched.friction),
+            plane: (!searched.shape.has_formula()).then_some(plane),
+            is_fast: searched.is_fast,
             ahead: None,
         });
     }
 }
 
-impl Element {
-    fn piece(self, corners: [Vec3; 3]) -> Piece {
+impl FaceOrLink {
+    fn piece(self, corners: [Vec3; 3]) -> FaceOrEdge {
         match self {
-            Self::Face(_) => Piece::Triangle(corners),
-            Self::Segment(_) => Piece::Segment([corners[0], corners[1]]),
+            Self::Face(_) => FaceOrEdge::Triangle(corners),
+            Self::Link(_) => FaceOrEdge::Segment([corners[0], corners[1]]),
         }
     }
 }
@@ -269,7 +277,7 @@ fn least_distance(surfaces: [Surface; 3], corners: [Vec3; 3]) -> f32 {
 /// coordinates; `stride` (metres) is how far the first round goes.
 fn deepest(
     shape: &Shape,
-    element: Element,
+    element: FaceOrLink,
     corners: [Vec3; 3],
     mut weights: [f32; 3],
     mut stride: f32,
@@ -310,13 +318,13 @@ pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: S
 
 /// Moves the faces that an obstacle pokes into out to its surface.
 pub(crate) fn project(contacts: &mut FaceContacts, body: &mut Body, substep: Substep, movers: &mut [Mover]) {
-    let pace = Pace::gentle(substep.duration);
+    let rate = PushOutRate::gentle(substep.duration);
     let mut poses = None;
     for contact in &mut contacts.contacts {
         let mover = mover_mut(movers, contact.point.obstacle);
         let poses =
             kept(&mut poses, contact.point.obstacle, mover.as_deref(), substep, body.particles.origin);
-        contact.project(body, substep.obstacles, poses, mover, pace);
+        contact.project(body, substep.obstacles, poses, mover, rate);
     }
 }
 
@@ -324,7 +332,7 @@ impl FaceContact {
     /// Follows the deepest point, and keeps the surface there as a plane.
     fn look(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) {
         self.ahead = None;
-        if self.is_swift && self.look_ahead(particles, shape, poses) {
+        if self.is_fast && self.look_ahead(particles, shape, poses) {
             return;
         }
         let corners = self.element.corners().map(|slot| poses.now.to_local(particles.position.get(slot)));
@@ -356,8 +364,8 @@ impl FaceContact {
         let piece = self.element.piece(start);
         // What is through the shape already has no side to be swept from, and makes parry allocate.
         let is_before = matches!(shape.nearest_on(piece, way.length()), Nearest::At(..));
-        let met = if is_before { shape.sweep_piece(piece, way) } else { None };
-        let (weights, plane) = match met {
+        let searched = if is_before { shape.sweep_piece(piece, way) } else { None };
+        let (weights, plane) = match searched {
             Some(meeting) if is_outside() => {
                 let there = start.map(|corner| corner + way * meeting.fraction);
                 (self.element.nearest(there, meeting.point), meeting.plane)
@@ -380,7 +388,7 @@ impl FaceContact {
         obstacles: &[Obstacle],
         poses: &Poses,
         mover: Option<&mut Mover>,
-        pace: Pace,
+        rate: PushOutRate,
     ) {
         let thickness = FACE_THICKNESS * body.settings.thickness;
         let local = self.point.mean(|slot| poses.now.to_local(body.particles.position.get(slot)));
@@ -392,13 +400,13 @@ impl FaceContact {
         };
         let surface = surface_at(local);
         let depth = thickness - surface.distance;
-        // A corner is met as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
+        // A corner is searched as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
         let most = INTRUSION * body.topology.longest_edge;
         let is_corner = || self.point.weights.iter().any(|&weight| weight > VERTEX_WEIGHT);
         if depth <= 0.0 || self.ahead.is_none() && (depth > most + thickness || is_corner()) {
             return;
         }
-        self.point.project(body, Found { surface, thickness, surface_at }, poses, mover, pace, answer);
+        self.point.project(body, SurfaceBelow { surface, thickness, surface_at }, poses, mover, rate, answer);
     }
 }
 

@@ -20,7 +20,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::constants::{CLEARANCE, PASSAGE_HALVINGS};
-use crate::contact::ball_cloth::{BallCloth, Element};
+use crate::contact::ball_cloth::{BallCloth, FaceOrLink};
 use crate::contact::event::{Other, Touch, add_impulse};
 use crate::geometry::nearest_triangle::on_triangle;
 use crate::geometry::nearest_triangle::weighted;
@@ -29,12 +29,12 @@ use crate::state::body::Body;
 
 /// A ball's centre and the corners of a face, relative to the body's origin, in metres.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Placed {
+pub(crate) struct BallAndFace {
     pub centre: Vec3,
     pub corners: [Vec3; 3],
 }
 
-impl Placed {
+impl BallAndFace {
     pub fn of(contact: &BallCloth, ball: &Ball, body: &Body) -> Self {
         let particles = &body.particles;
         Self {
@@ -58,7 +58,7 @@ impl Placed {
 ///
 /// It does not where a plane through it keeps the face's corners on one side throughout. Where no plane is found,
 /// each half of the way is looked at; what cannot be told after so many `halvings` is a passage.
-fn may_pass(start: &Placed, end: &Placed, clearance: f32, halvings: u32) -> bool {
+fn may_pass(start: &BallAndFace, end: &BallAndFace, clearance: f32, halvings: u32) -> bool {
     let middle = start.middle(end);
     let offset = middle.offset();
     let nearest = [start, end].map(|placed| {
@@ -79,8 +79,8 @@ fn may_pass(start: &Placed, end: &Placed, clearance: f32, halvings: u32) -> bool
 impl BallCloth {
     /// Whether the ball's centre has passed through the face since the substep began.
     fn has_passed(&self, ball: &Ball, body: &Body) -> bool {
-        let Element::Face(_) = self.element else { return false };
-        let (start, end) = (&self.start, &Placed::of(self, ball, body));
+        let FaceOrLink::Face(_) = self.element else { return false };
+        let (start, end) = (&self.start, &BallAndFace::of(self, ball, body));
         // Far from the face at the end, and the way is shorter: stretched or not, a face lies within its longest side
         // of its first corner.
         let ways = [0, 1, 2].map(|k| (end.centre - end.corners[k]) - (start.centre - start.corners[k]));
@@ -237,7 +237,7 @@ pub(crate) fn enforce(
 
 fn note_starts(zones: &mut ImpactZones, contacts: &mut [BallCloth], bodies: &[Body], balls: &[Ball]) {
     for contact in contacts {
-        contact.start = Placed::of(contact, &balls[contact.ball], &bodies[contact.body]);
+        contact.start = BallAndFace::of(contact, &balls[contact.ball], &bodies[contact.body]);
     }
     zones.ball_starts.clear();
     zones.ball_starts.extend(balls.iter().map(|ball| ball.position));
@@ -255,33 +255,33 @@ mod tests {
     use crate::state::settings::SolverSettings;
     use crate::step;
 
-    const FRONT: Placed = Placed {
+    const FRONT: BallAndFace = BallAndFace {
         centre: Vec3::new(0.2, 0.2, 0.5),
         corners: [Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
     };
 
-    fn passes(start: Placed, end: Placed) -> bool {
+    fn passes(start: BallAndFace, end: BallAndFace) -> bool {
         may_pass(&start, &end, CLEARANCE, PASSAGE_HALVINGS)
     }
 
     #[test]
     fn a_passage_is_told_from_a_way_past() {
-        let behind = Placed { centre: Vec3::new(0.3, 0.1, -0.5), ..FRONT };
+        let behind = BallAndFace { centre: Vec3::new(0.3, 0.1, -0.5), ..FRONT };
         assert!(passes(FRONT, behind) && passes(behind, FRONT));
         assert!(!passes(FRONT, FRONT));
-        let beside = Placed { centre: Vec3::new(1.5, 1.5, -0.5), ..FRONT };
+        let beside = BallAndFace { centre: Vec3::new(1.5, 1.5, -0.5), ..FRONT };
         assert!(!passes(FRONT, beside), "past the longest side");
         // The face flees faster than the centre follows, or the centre before the face.
         let by = |z: f32| FRONT.corners.map(|corner| corner + Vec3::Z * z);
-        assert!(!passes(FRONT, Placed { corners: by(-2.0), ..behind }));
-        assert!(passes(FRONT, Placed { corners: by(2.0), ..FRONT }));
-        assert!(!passes(FRONT, Placed { centre: Vec3::new(0.2, 0.2, 3.0), corners: by(2.0) }));
+        assert!(!passes(FRONT, BallAndFace { corners: by(-2.0), ..behind }));
+        assert!(passes(FRONT, BallAndFace { corners: by(2.0), ..FRONT }));
+        assert!(!passes(FRONT, BallAndFace { centre: Vec3::new(0.2, 0.2, 3.0), corners: by(2.0) }));
     }
 
     /// To the face and back within one substep, with both ends in front, is no passage; nor is it one to graze it.
     #[test]
     fn what_comes_near_and_goes_is_let_go() {
-        let near = Placed { centre: Vec3::new(0.2, 0.2, 1e-6), ..FRONT };
+        let near = BallAndFace { centre: Vec3::new(0.2, 0.2, 1e-6), ..FRONT };
         let clearance = 0.5 * near.offset().length();
         assert!(!may_pass(&near, &FRONT, clearance, PASSAGE_HALVINGS));
     }

@@ -54,12 +54,12 @@ impl Mover {
         self.end.inverse_mass_at(self.to, point - self.to.translation, direction)
     }
 
-    /// Friction between it and a point of inverse mass `felt` (1/kg) in the world, which has slipped by `slip` and sunk in
+    /// Friction between it and a point of inverse mass `inverse_mass` (1/kg) in the world, which has slipped by `slip` and sunk in
     /// by `depth`, its own part (metres): how far the point is to go back, and the push on it (kg m).
     pub fn slip_taken(
         &self,
         friction: Friction,
-        felt: f32,
+        inverse_mass: f32,
         slip: Vec3,
         normal: Vec3,
         depth: f32,
@@ -67,9 +67,9 @@ impl Mover {
     ) -> (Vec3, Vec3) {
         let along = (slip - normal * slip.dot(normal)).normalize_or_zero();
         // What gives way itself takes a longer push for the same slip.
-        let both = felt + self.inverse_mass_at(point, along);
-        let push = friction.scaled(both / felt).slip_taken(slip, normal, depth) / both;
-        (push * felt, -push)
+        let both = inverse_mass + self.inverse_mass_at(point, along);
+        let push = friction.scaled(both / inverse_mass).slip_taken(slip, normal, depth) / both;
+        (push * inverse_mass, -push)
     }
 
     /// Feels the opposite of what it has given in this substep of so many seconds.

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use crate::contact::depenetration::{Overlap, Pace, Push};
+use crate::contact::depenetration::{Correction, InitialOverlap, PushOutRate};
 use crate::contact::mover::{Mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::contact::particle_obstacle::{ObstacleContacts, Pushes};
@@ -28,7 +28,7 @@ pub(crate) fn project(
     }
     let Body { particles, context, settings, .. } = body;
     let (origin, thickness) = (particles.origin, settings.thickness);
-    let pace = Pace::of(substep);
+    let rate = PushOutRate::of(substep);
     let ObstacleContacts { groups, candidates, pushes, given, planes, .. } = contacts;
     for ((candidate, pushes), given) in candidates.iter_mut().zip(pushes).zip(given) {
         let group = &groups[usize::from(candidate.group)];
@@ -65,24 +65,25 @@ pub(crate) fn project(
             let outward = (travel - (position - before.point_to_world(local))).dot(normal);
             let push = if depth > 0.0 {
                 let start = before.to_local(position - travel);
-                let mut overlap = Overlap::with_left((pushes.left[lane] >= 0.0).then_some(pushes.left[lane]));
-                let push = overlap.split(depth, outward, || thickness - surface_at(start).distance, pace);
+                let mut overlap =
+                    InitialOverlap::with_left((pushes.left[lane] >= 0.0).then_some(pushes.left[lane]));
+                let push = overlap.split(depth, outward, || thickness - surface_at(start).distance, rate);
                 pushes.left[lane] = overlap.left().unwrap_or(-1.0);
                 push
             } else {
-                Push { fresh: depth, old: 0.0 }
+                Correction { with_velocity: depth, position_only: 0.0 }
             };
             let inverse_mass = particles.inverse_mass[slot];
             let place = origin + position;
             let share = inverse_mass / (inverse_mass + mover.inverse_mass_at(place, normal));
             // Others have pushed the obstacle away since: what was too much is taken back.
-            let fresh = (push.fresh * share).max(-pushed);
+            let fresh = (push.with_velocity * share).max(-pushed);
             let moved = normal * fresh;
             pushes.depth[lane] += fresh;
             pushes.normal.set(lane, normal);
             given.set(lane, given.get(lane) + moved);
             particles.displacement.add(slot, moved);
-            let out = normal * (fresh + push.old);
+            let out = normal * (fresh + push.position_only);
             particles.position.add(slot, out);
             context.integrated.add(slot, out);
             // A push adds to the whole way of the substep, and so acts where that began.

@@ -21,12 +21,12 @@ pub(crate) struct Reactions {
     /// Whether anything near an obstacle that asks may be pushed in this step.
     is_on: bool,
     /// In order of the obstacles.
-    sums: Vec<Sum>,
+    sums: Vec<ReactionSum>,
 }
 
 /// What was given to bodies and balls by one obstacle.
 #[derive(Clone, Copy, Debug)]
-struct Sum {
+struct ReactionSum {
     obstacle: usize,
     /// In newton seconds.
     impulse: DVec3,
@@ -62,7 +62,7 @@ impl Reactions {
             }
             Err(place) => {
                 let end = obstacles[obstacle].placement().translation.as_dvec3();
-                self.sums.insert(place, Sum { obstacle, impulse, angular_impulse, end });
+                self.sums.insert(place, ReactionSum { obstacle, impulse, angular_impulse, end });
             }
         }
     }

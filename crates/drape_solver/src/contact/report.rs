@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use crate::contact::ball_cloth::{BallCloth, Element};
+use crate::contact::ball_cloth::{BallCloth, FaceOrLink};
 use crate::contact::body_contacts::BodyContacts;
 use crate::contact::cloth_cloth::SelfContacts;
 use crate::contact::event::{Contact, Feature, Other, Party, Touch, pair_without};
@@ -55,7 +55,7 @@ struct Watch {
 }
 
 /// A push on a particle or face.
-struct Push {
+struct ReportedPush {
     pair: (Party, Other),
     point: Vec3,
     normal: Vec3,
@@ -104,8 +104,8 @@ impl ContactReport {
         self.accounts.binary_search_by_key(&pair, |account| account.pair).is_ok()
     }
 
-    fn add(&mut self, push: Push, time: f32) {
-        let Push { pair, point, normal, impulse, feature, face } = push;
+    fn add(&mut self, push: ReportedPush, time: f32) {
+        let ReportedPush { pair, point, normal, impulse, feature, face } = push;
         let place = match self.accounts.binary_search_by_key(&pair, |account| account.pair) {
             Ok(place) => place,
             Err(place) => {
@@ -205,7 +205,7 @@ fn gather_particles(
                 continue;
             }
             let surface = particles.position.get(slot) - normal * body.settings.thickness;
-            let push = Push {
+            let push = ReportedPush {
                 pair: (Party::Body(index), Other::Obstacle(obstacle)),
                 point: surface + particles.origin,
                 normal,
@@ -222,19 +222,20 @@ fn gather_particles(
             }
             let corners = element.corners();
             let point = weighted(weights, corners.map(|slot| particles.position.get(slot)));
-            let felt = corners.iter().zip(weights).map(|(&slot, b)| b * b * particles.inverse_mass[slot]);
+            let inverse_mass =
+                corners.iter().zip(weights).map(|(&slot, b)| b * b * particles.inverse_mass[slot]);
             let feature = match element {
-                Element::Face(_) => Some(Feature::Face(place)),
-                Element::Segment(_) => {
+                FaceOrLink::Face(_) => Some(Feature::Face(place)),
+                FaceOrLink::Link(_) => {
                     let nearest_end = if weights[0] >= weights[1] { corners[0] } else { corners[1] };
                     particles.layout.index(nearest_end).map(Feature::Particle)
                 }
             };
-            let push = Push {
+            let push = ReportedPush {
                 pair: (Party::Body(index), Other::Obstacle(obstacle)),
                 point: point - normal * body.settings.thickness + particles.origin,
                 normal,
-                impulse: depth / (felt.sum::<f32>() * substep.duration),
+                impulse: depth / (inverse_mass.sum::<f32>() * substep.duration),
                 feature,
                 face: None,
             };
@@ -255,12 +256,12 @@ fn gather_bodies(report: &mut ContactReport, contacts: &SelfContacts, bodies: &[
         let normal = if is_turned { -normal } else { normal };
         let (particles, other) = (&bodies[first].particles, &bodies[second]);
         let surface = other.particles.position.get(other_slot) + normal * other.settings.thickness;
-        let felt = particles.inverse_mass[slot] + other.particles.inverse_mass[other_slot];
-        let push = Push {
+        let inverse_mass = particles.inverse_mass[slot] + other.particles.inverse_mass[other_slot];
+        let push = ReportedPush {
             pair: (Party::Body(first), Other::Body(second)),
             point: surface + other.particles.origin,
             normal,
-            impulse: depth / (felt * substep.duration),
+            impulse: depth / (inverse_mass * substep.duration),
             feature: particles.layout.index(slot).map(Feature::Particle),
             face: None,
         };
@@ -281,7 +282,7 @@ fn gather_faces(report: &mut ContactReport, contacts: &[BallCloth], bodies: &[Bo
         let is_face = b != c;
         let nearest_end = if weights[0] >= weights[1] { a } else { b };
         report.add(
-            Push {
+            ReportedPush {
                 pair: (Party::Ball(ball), Other::Body(body)),
                 point: Vec3::ZERO,
                 normal: Vec3::ZERO,
@@ -329,7 +330,10 @@ fn sense(report: &mut ContactReport, bodies: &[Body], balls: &[Ball], substep: S
         };
         if let Some((point, feature)) = found {
             let normal = (point - obstacle.placement().translation).try_normalize().unwrap_or(Vec3::Y);
-            report.add(Push { pair, point, normal, impulse: 0.0, feature, face: None }, substep.start());
+            report.add(
+                ReportedPush { pair, point, normal, impulse: 0.0, feature, face: None },
+                substep.start(),
+            );
         }
     }
 }

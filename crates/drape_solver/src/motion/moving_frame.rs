@@ -26,7 +26,7 @@ impl SubstepMotion {
         cells: Range<usize>,
         substep: u32,
     ) {
-        let way = Way::new(simd, self, substep);
+        let way = FrameLanes::new(simd, self, substep);
         for (place, cell) in places.zip(cells) {
             let position = Lanes3::load(simd, &moving.position[place]);
             let moved = way.of(position).or(way.is_free(simd, rest, cell), way.none);
@@ -50,7 +50,7 @@ impl SubstepMotion {
         cells: Range<usize>,
         substep: u32,
     ) {
-        let way = Way::new(simd, self, substep);
+        let way = FrameLanes::new(simd, self, substep);
         for (place, cell) in places.zip(cells) {
             let displacement = Lanes3::load(simd, &moving.displacement[place]);
             let before = Lanes3::load(simd, &moving.position[place]).minus(displacement);
@@ -61,14 +61,14 @@ impl SubstepMotion {
 }
 
 /// The same in lanes, for one substep.
-struct Way<S: Simd> {
+struct FrameLanes<S: Simd> {
     axes: [Lanes3<S>; 3],
     pivot: Lanes3<S>,
     translation: Lanes3<S>,
     none: Lanes3<S>,
 }
 
-impl<S: Simd> Way<S> {
+impl<S: Simd> FrameLanes<S> {
     #[inline(always)]
     fn new(simd: S, motion: &SubstepMotion, substep: u32) -> Self {
         let Mat3 { x_axis, y_axis, z_axis } = motion.added;

@@ -6,18 +6,18 @@ use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
 use crate::constants::LEAST_SHARED_CELLS;
-use crate::parallel::workers::Crew;
+use crate::parallel::workers::Workers;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::{Lanes3, load};
-use crate::state::particle_stats::Survey;
+use crate::state::particle_stats::ParticleStats;
 use crate::state::particles::Particles;
 
 impl Particles {
     /// Whether every position, velocity, force and pin target is finite.
     pub fn is_finite(&self) -> bool {
         let forces = self.force.cells.iter().flat_map(Cell::axes);
-        self.surveyed().is_finite
+        self.stats().is_finite
             && forces.flatten().all(|value| value.is_finite())
             && self.origin.is_finite()
             && self.limits.is_finite()
@@ -26,44 +26,44 @@ impl Particles {
 
     /// Greatest speed of a particle in m/s.
     pub fn greatest_speed(&self) -> f32 {
-        self.surveyed().greatest_displacement / self.substep
+        self.stats().greatest_displacement / self.substep
     }
 
     /// The smallest box around all particles, as (least, greatest) corner in the world.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let Survey { low, high, .. } = self.surveyed();
+        let ParticleStats { low, high, .. } = self.stats();
         (self.origin + low, self.origin + high)
     }
 
     /// Mean of the squared speeds of the free particles in (m/s)^2; 0 where all are pinned.
     pub fn mean_square_speed(&self) -> f32 {
-        self.surveyed().mean_square_displacement / (self.substep * self.substep)
+        self.stats().mean_square_displacement / (self.substep * self.substep)
     }
 
     /// What a look at all particles shows.
-    pub(crate) fn surveyed(&self) -> Survey {
-        self.survey.unwrap_or_else(|| Survey::of(self))
+    pub(crate) fn stats(&self) -> ParticleStats {
+        self.stats.unwrap_or_else(|| ParticleStats::of(self))
     }
 
     /// Takes that look, and keeps what it shows.
-    pub(crate) fn take_survey(&mut self) {
-        self.survey = Some(self.surveyed());
+    pub(crate) fn take_stats(&mut self) {
+        self.stats = Some(self.stats());
     }
 
-    /// Takes a new look, with the crew's help.
-    pub(crate) fn renew_survey(&mut self, crew: &Crew) {
-        self.survey = Some(Survey::of_shared(self, crew));
+    /// Takes a new look, with the workers's help.
+    pub(crate) fn renew_stats(&mut self, workers: &Workers) {
+        self.stats = Some(ParticleStats::of_shared(self, workers));
     }
 }
 
-impl Survey {
+impl ParticleStats {
     pub fn of(particles: &Particles) -> Self {
-        Self::of_shared(particles, &Crew::default())
+        Self::of_shared(particles, &Workers::default())
     }
 
-    /// The same with the crew's help, to the last bit.
-    pub fn of_shared(particles: &Particles, crew: &Crew) -> Self {
-        let sums = Sums::of(particles, 0..particles.position.cells.len(), crew);
+    /// The same with the workers's help, to the last bit.
+    pub fn of_shared(particles: &Particles, workers: &Workers) -> Self {
+        let sums = Sums::of(particles, 0..particles.position.cells.len(), workers);
         Self {
             low: sums.low,
             high: sums.high,
@@ -89,18 +89,18 @@ struct Sums {
 impl Sums {
     /// Looks at the halves of many cells one by one, whether there is help or not: the order of a sum decides its last
     /// bits.
-    fn of(particles: &Particles, cells: Range<usize>, crew: &Crew) -> Self {
+    fn of(particles: &Particles, cells: Range<usize>, workers: &Workers) -> Self {
         if cells.len() <= LEAST_SHARED_CELLS {
-            return Isa::detected().run(Look { particles, cells });
+            return Isa::detected().run(StatsPass { particles, cells });
         }
         let middle = cells.start.midpoint(cells.end);
         let (mut upper, mut lower) = (None, None);
-        crew.join(&mut || upper = Some(Self::of(particles, cells.start..middle, crew)), &mut || {
-            lower = Some(Self::of(particles, middle..cells.end, crew));
+        workers.join(&mut || upper = Some(Self::of(particles, cells.start..middle, workers)), &mut || {
+            lower = Some(Self::of(particles, middle..cells.end, workers));
         });
         match (upper, lower) {
             (Some(upper), Some(lower)) => upper.and(lower),
-            (either, other) => either.or(other).unwrap_or_else(|| Self::of(particles, cells, crew)),
+            (either, other) => either.or(other).unwrap_or_else(|| Self::of(particles, cells, workers)),
         }
     }
 
@@ -116,12 +116,12 @@ impl Sums {
     }
 }
 
-struct Look<'a> {
+struct StatsPass<'a> {
     particles: &'a Particles,
     cells: Range<usize>,
 }
 
-impl Kernel for Look<'_> {
+impl Kernel for StatsPass<'_> {
     type Output = Sums;
 
     #[inline(always)]

@@ -31,7 +31,7 @@ impl Drag {
 
     /// The substep, in seconds, as a load feels it: where drag takes a part of what an acceleration gives, it must
     /// take the same part of what a soft stick gives back, or drag would change how far a load stretches it.
-    pub(crate) fn felt_substep(self, substep: f32) -> f32 {
+    pub(crate) fn effective_substep(self, substep: f32) -> f32 {
         substep * self.gain.sqrt()
     }
 

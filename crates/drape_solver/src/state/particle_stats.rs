@@ -9,7 +9,7 @@ use crate::state::layout::Layout;
 
 /// What a look at all particles shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Survey {
+pub(crate) struct ParticleStats {
     /// Corners of the box around them, relative to the body's origin.
     pub low: Vec3,
     pub high: Vec3,
@@ -23,7 +23,7 @@ pub(crate) struct Survey {
 
 /// What a look at the masses shows. It is kept until a mass is changed.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct MassSurvey {
+pub(crate) struct MassStats {
     is_known: bool,
     /// For each cell the inverse mass that all its particles have in common; 0 if they differ, or one is pinned.
     pub common: Vec<f32>,
@@ -34,7 +34,7 @@ pub(crate) struct MassSurvey {
     pub has_pins: bool,
 }
 
-impl MassSurvey {
+impl MassStats {
     /// Drops what is known: a mass has changed.
     pub fn forget(&mut self) {
         self.is_known = false;

@@ -8,7 +8,7 @@ use crate::simd::columns::{Columns, LANES};
 use crate::state::frame_motion::FrameMotion;
 use crate::state::layout::Layout;
 use crate::state::motion_limits::MotionLimits;
-use crate::state::particle_stats::{MassSurvey, Survey};
+use crate::state::particle_stats::{MassStats, ParticleStats};
 
 /// Positions, displacements and inverse masses of a body's particles, as columns.
 ///
@@ -42,9 +42,9 @@ pub struct Particles {
     /// Set by whatever should rouse a sleeping body.
     pub(crate) disturbed: bool,
     /// What the last look at all particles showed; none if one has been moved since.
-    pub(crate) survey: Option<Survey>,
+    pub(crate) stats: Option<ParticleStats>,
     /// The same for the masses.
-    pub(crate) masses: MassSurvey,
+    pub(crate) masses: MassStats,
 }
 
 impl Default for Particles {
@@ -61,8 +61,8 @@ impl Default for Particles {
             limits: MotionLimits::default(),
             frame: None,
             disturbed: false,
-            survey: None,
-            masses: MassSurvey::default(),
+            stats: None,
+            masses: MassStats::default(),
         }
     }
 }
@@ -132,7 +132,7 @@ impl Particles {
         self.pin_targets = old.pin_targets.iter().filter_map(slot_of).collect();
         self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
         self.limits = old.limits.arranged(&old.layout, layout);
-        self.masses = MassSurvey::default();
+        self.masses = MassStats::default();
     }
 
     /// The slot of particle `i`.
@@ -147,7 +147,7 @@ impl Particles {
     /// Notes that a particle has been moved or pushed.
     pub(crate) fn disturb(&mut self) {
         self.disturbed = true;
-        self.survey = None;
+        self.stats = None;
     }
 
     /// The number of particles.
@@ -319,7 +319,7 @@ impl Particles {
             }
         }
         self.substep = substep;
-        self.survey = None;
+        self.stats = None;
     }
 
     /// Moves the origin to `origin`, keeping world positions.
@@ -332,7 +332,7 @@ impl Particles {
             }
         }
         self.origin = origin;
-        self.survey = None;
+        self.stats = None;
     }
 }
 

@@ -11,7 +11,7 @@ use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::BodyContext;
 use crate::state::frame_motion::FrameMotion;
 use crate::state::layers::Layers;
-use crate::state::particle_stats::MassSurvey;
+use crate::state::particle_stats::MassStats;
 use crate::state::particles::Particles;
 
 /// The state of a body's [`Particles`], by index.
@@ -144,8 +144,8 @@ impl Particles {
             FrameMotion { pivot, turn, translation }
         });
         self.disturbed = snapshot.is_disturbed;
-        self.survey = None;
-        self.masses = MassSurvey::default();
+        self.stats = None;
+        self.masses = MassStats::default();
         Ok(())
     }
 }

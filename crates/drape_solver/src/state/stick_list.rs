@@ -11,7 +11,7 @@ pub(crate) const GROUP: usize = 8;
 /// The ends and lengths of some sticks, side by side, so that they come into the cache together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(32))]
-pub(crate) struct Group {
+pub(crate) struct StickGroup {
     /// Where the rows of the two ends begin: four times their slots.
     pub ends: [[u32; GROUP]; 2],
     /// Metres.
@@ -21,7 +21,7 @@ pub(crate) struct Group {
 /// All listed sticks of a body, batch after batch. A batch begins with a new group.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ListedSticks {
-    pub groups: Vec<Group>,
+    pub groups: Vec<StickGroup>,
     /// Place of the next stick.
     pub next: usize,
 }
@@ -41,7 +41,7 @@ impl ListedSticks {
     /// Adds a stick between two slots, `rest_length` metres apart.
     pub fn push(&mut self, slots: [u32; 2], rest_length: f32) {
         if self.next == self.groups.len() * GROUP {
-            self.groups.push(Group::default());
+            self.groups.push(StickGroup::default());
         }
         self.set(self.next, slots, rest_length);
         self.next += 1;

@@ -14,7 +14,7 @@ use crate::state::topology::Topology;
 
 /// A face, or a link, which has its last corner twice, or a particle, which has it three times.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Element {
+pub(crate) struct SurfaceElement {
     /// Its corners, by slot and by index.
     pub slots: [u32; 3],
     pub indices: [u32; 3],
@@ -23,7 +23,7 @@ pub(crate) struct Element {
     pub edges: u8,
 }
 
-impl Element {
+impl SurfaceElement {
     /// Whether it has three corners.
     pub fn is_face(&self) -> bool {
         self.slots[1] != self.slots[2]
@@ -54,7 +54,7 @@ pub(crate) struct Node {
 /// The elements of a body, patch by patch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceTree {
-    pub elements: Vec<Element>,
+    pub elements: Vec<SurfaceElement>,
     pub nodes: Vec<Node>,
     /// Length of the longest edge at rest, in metres.
     pub longest_edge: f32,
@@ -78,8 +78,9 @@ impl SurfaceTree {
             builder.split(&mut order, 0, &elements);
         }
         elements = order.iter().map(|&place| elements[place as usize]).collect();
-        let edges =
-            elements.iter().flat_map(|e| [0, 1, 2].map(|k| Element::edge(k).map(|c| rest(e.indices[c]))));
+        let edges = elements
+            .iter()
+            .flat_map(|e| [0, 1, 2].map(|k| SurfaceElement::edge(k).map(|c| rest(e.indices[c]))));
         let longest_edge = edges.map(|[a, b]| a.distance(b)).fold(0.0, f32::max);
         Self { elements, nodes: builder.nodes, longest_edge }
     }
@@ -116,7 +117,7 @@ impl Bounds {
 }
 
 /// Faces, links, and particles that have neither; each owns the corners and edges that none before it has.
-fn elements(topology: &Topology) -> Vec<Element> {
+fn elements(topology: &Topology) -> Vec<SurfaceElement> {
     let links = topology.segments.iter().map(|&[a, b]| [a, b, b]);
     let mut all: Vec<[u32; 3]> = topology.faces.iter().copied().chain(links).collect();
     let mut has_owner = vec![false; topology.particle_count()];
@@ -125,17 +126,17 @@ fn elements(topology: &Topology) -> Vec<Element> {
     has_owner.fill(false);
     // Edges, each with the element that has it: sorted, so that those of one edge follow each other.
     let mut edges: Vec<([u32; 2], u32, u8)> = Vec::new();
-    let mut elements: Vec<Element> = Vec::with_capacity(all.len());
+    let mut elements: Vec<SurfaceElement> = Vec::with_capacity(all.len());
     for (place, indices) in (0..).zip(all) {
         let slots = indices.map(|index| topology.layout.slot(index as usize) as u32);
-        let mut element = Element { slots, indices, corners: 0, edges: 0 };
+        let mut element = SurfaceElement { slots, indices, corners: 0, edges: 0 };
         for (k, corner) in indices.into_iter().enumerate() {
             let owner = &mut has_owner[corner as usize];
             element.corners |= u8::from(!*owner) << k;
             *owner = true;
         }
         for k in (0..3).filter(|k| element.all_edges() & (1 << k) != 0) {
-            let [a, b] = Element::edge(k).map(|c| indices[c]);
+            let [a, b] = SurfaceElement::edge(k).map(|c| indices[c]);
             edges.push(([a.min(b), a.max(b)], place, k as u8));
         }
         elements.push(element);
@@ -159,7 +160,7 @@ struct Builder {
 
 impl Builder {
     /// Makes the node of these elements, the first of which is number `first`, and those below it.
-    fn split(&mut self, order: &mut [u32], first: usize, elements: &[Element]) {
+    fn split(&mut self, order: &mut [u32], first: usize, elements: &[SurfaceElement]) {
         let place = self.nodes.len();
         let is_connected = self.is_connected(order, elements);
         let (first_element, count) = (first as u32, order.len() as u32);
@@ -185,7 +186,7 @@ impl Builder {
     }
 
     /// Whether some elements hang together by their corners.
-    fn is_connected(&mut self, order: &[u32], elements: &[Element]) -> bool {
+    fn is_connected(&mut self, order: &[u32], elements: &[SurfaceElement]) -> bool {
         let groups = &mut self.groups;
         let corners = || order.iter().flat_map(|&e| elements[e as usize].indices);
         corners().for_each(|corner| groups[corner as usize] = corner);

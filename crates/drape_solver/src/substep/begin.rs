@@ -14,7 +14,7 @@ pub(crate) fn prepare(body: &mut Body) {
     let Body { particles, topology, .. } = body;
     particles.arrange(&topology.layout);
     particles.masses.update(&particles.inverse_mass, &particles.layout);
-    particles.take_survey();
+    particles.take_stats();
 }
 
 /// Sets everything that stays the same through the substeps of one step, `substep` seconds each.
@@ -32,7 +32,7 @@ pub(crate) fn begin_step(
     particles.set_substep(substep);
     context.drag = Drag::new(settings.drag, substep);
     let materials = topology.batches.iter().map(|batch| &batch.material);
-    let felt = context.drag.felt_substep(substep);
+    let felt = context.drag.effective_substep(substep);
     context.stiffness.clear();
     context
         .stiffness

@@ -37,7 +37,7 @@ use crate::contact::body_contacts::BodyContacts;
 use crate::contact::particle_obstacle::ObstacleContacts;
 use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::motion::integrate::{Flight, drift};
-use crate::parallel::workers::Crew;
+use crate::parallel::workers::Workers;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
 use crate::state::body::Body;
@@ -75,7 +75,7 @@ pub(crate) fn substeps(
     contacts: &mut ObstacleContacts,
     plan: &mut BodyPlan,
     mut substep: Substep,
-    crew: &Crew,
+    workers: &Workers,
 ) {
     let BodyPlan { plan, lines } = plan;
     let count = plan.stages.len();
@@ -83,10 +83,10 @@ pub(crate) fn substeps(
         // Taken out in the middle of the step.
         return;
     }
-    let at_once = substeps_at_once(body, plan, crew);
+    let at_once = substeps_at_once(body, plan, workers);
     let mut stages = |body: &mut Body, substep: Substep, stages: Range<usize>| {
         if plan.can_sweep {
-            sweep(body, contacts, plan, substep, stages, crew);
+            sweep(body, contacts, plan, substep, stages, workers);
         } else {
             run(body, contacts, plan, substep, stages);
         }
@@ -130,15 +130,15 @@ fn may_join(body: &Body, plan: &Plan) -> bool {
 
 /// How many substeps one trip through memory carries: as many as the strips between its first stage and its last fit
 /// the cache.
-fn substeps_at_once(body: &Body, plan: &Plan, crew: &Crew) -> u32 {
+fn substeps_at_once(body: &Body, plan: &Plan, workers: &Workers) -> u32 {
     if !may_join(body, plan) || !plan.lines.is_empty() {
         return 1;
     }
     let lag = plan.lag_of_substep().max(1);
     let strips = SWEPT_BYTES / (BYTES_OF_CELL * plan.cells_of_strip);
     let by_cache = strips.saturating_sub(plan.strips_at_once()) / lag;
-    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * crew.most() * lag);
-    let most = if crew.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
+    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * workers.most() * lag);
+    let most = if workers.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
     most.max(1) as u32
 }
 
@@ -154,7 +154,7 @@ pub(crate) fn run(
         return;
     }
     with_work(body, contacts, plan, substep, stages.start, |work, plan, projection| {
-        let (top, bottom) = (Edge::level(0), Edge::level(plan.strips));
+        let (top, bottom) = (RegionEdge::level(0), RegionEdge::level(plan.strips));
         for stages in plan.passes(stages) {
             // Listed sticks go down the body by themselves.
             let at_once = if stages.len() == 1 { plan.strips } else { plan.strips_at_once() };
@@ -170,14 +170,14 @@ fn sweep(
     plan: &Plan,
     substep: Substep,
     stages: Range<usize>,
-    crew: &Crew,
+    workers: &Workers,
 ) {
     if stages.is_empty() {
         return;
     }
     with_work(body, contacts, plan, substep, stages.start, |work, plan, projection| {
-        let region = Region { stages, top: Edge::level(0), bottom: Edge::level(plan.strips) };
-        region.share(work, plan, projection, crew, crew.count());
+        let region = Region { stages, top: RegionEdge::level(0), bottom: RegionEdge::level(plan.strips) };
+        region.share(work, plan, projection, workers, workers.count());
     });
 }
 
@@ -233,13 +233,13 @@ fn with_work(
 struct Region {
     /// Counted through several substeps.
     stages: Range<usize>,
-    top: Edge,
-    bottom: Edge,
+    top: RegionEdge,
+    bottom: RegionEdge,
 }
 
 /// Where the strips of a region begin or end, stage by stage.
 #[derive(Clone, Copy)]
-struct Edge {
+struct RegionEdge {
     strip: usize,
     slope: Slope,
 }
@@ -255,7 +255,7 @@ enum Slope {
     Down,
 }
 
-impl Edge {
+impl RegionEdge {
     fn level(strip: usize) -> Self {
         Self { strip, slope: Slope::Level }
     }
@@ -268,7 +268,7 @@ impl Region {
     }
 
     fn strips_of(&self, plan: &Plan, place: usize) -> Range<usize> {
-        let at = |edge: Edge| match edge.slope {
+        let at = |edge: RegionEdge| match edge.slope {
             Slope::Level => edge.strip,
             Slope::Up => edge.strip - self.lag(plan, place),
             Slope::Down => edge.strip + self.lag(plan, place.max(self.stages.start + 1) - 1),
@@ -277,7 +277,14 @@ impl Region {
     }
 
     /// Sweeps it on up to `count` threads.
-    fn share(&self, work: &mut Work, plan: &Plan, projection: StickProjection, crew: &Crew, count: usize) {
+    fn share(
+        &self,
+        work: &mut Work,
+        plan: &Plan,
+        projection: StickProjection,
+        workers: &Workers,
+        count: usize,
+    ) {
         let (top, bottom) = (self.top.strip, self.bottom.strip);
         let steepest = self.lag(plan, self.stages.end - 1) + 1;
         let is_small = (bottom - top) * plan.cells_of_strip < count * LEAST_SHARED_CELLS;
@@ -289,12 +296,12 @@ impl Region {
         let strip = work
             .balanced_cut(top..bottom, above as f32 / count as f32)
             .clamp(top + 2 * steepest, bottom - 2 * steepest);
-        let (up, down) = (Edge { strip, slope: Slope::Up }, Edge { strip, slope: Slope::Down });
+        let (up, down) = (RegionEdge { strip, slope: Slope::Up }, RegionEdge { strip, slope: Slope::Down });
         let [upper, lower, wedge] = [(self.top, up), (down, self.bottom), (up, down)]
             .map(|(top, bottom)| Self { stages: self.stages.clone(), top, bottom });
         let (mut work_above, mut work_below) = work.split_at(strip);
-        crew.join(&mut || upper.share(&mut work_above, plan, projection, crew, above), &mut || {
-            lower.share(&mut work_below, plan, projection, crew, count - above);
+        workers.join(&mut || upper.share(&mut work_above, plan, projection, workers, above), &mut || {
+            lower.share(&mut work_below, plan, projection, workers, count - above);
         });
         wedge.sweep(work, plan, projection, plan.strips_at_once());
     }

@@ -7,7 +7,7 @@ use fearless_simd::Simd;
 use crate::constants::WORK_OF_CONTACTS;
 use crate::constraint::listed_stick::{Descent, RelaxedBatch};
 use crate::constraint::stick::{Alike, Joined, OneSided, Projection, project_loose, project_runs};
-use crate::contact::particle_obstacle::{Meeting, ObstacleRows};
+use crate::contact::particle_obstacle::{ObstacleProjection, ObstacleRows};
 use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::motion::integrate::update_displacements;
 use crate::simd::rows::Rows;
@@ -92,17 +92,17 @@ impl Work<'_> {
                 || rest.flight.integrate(simd, moving, places, &rest, cells),
             ),
             StripStage::Contacts { is_first } if !contacts.is_empty() => {
-                let meeting = Meeting::new(&rest, index, is_first);
+                let context = ObstacleProjection::new(&rest, index, is_first);
                 simd.vectorize(
                     #[inline(always)]
-                    || contacts.project(simd, strips, moving, first_cell, &meeting),
+                    || contacts.project(simd, strips, moving, first_cell, &context),
                 );
             }
             StripStage::Friction if !contacts.is_empty() => {
-                let meeting = Meeting::new(&rest, index, false);
+                let context = ObstacleProjection::new(&rest, index, false);
                 simd.vectorize(
                     #[inline(always)]
-                    || contacts.apply_friction(simd, strips, moving, first_cell, &meeting),
+                    || contacts.apply_friction(simd, strips, moving, first_cell, &context),
                 );
             }
             StripStage::Contacts { .. } | StripStage::Friction => {}

@@ -14,7 +14,7 @@ use crate::state::topology::Topology;
 use crate::tearing::split::{Cracks, Split};
 
 /// The cracks of a body that is flat at rest, as lines that no tether may cross.
-pub(crate) struct Crossing {
+pub(crate) struct TetherCrossing {
     /// Unit vectors in the plane.
     axes: [Vec3; 2],
     lines: Vec<[Vec2; 2]>,
@@ -22,7 +22,7 @@ pub(crate) struct Crossing {
     bounds: [Vec2; 2],
 }
 
-impl Crossing {
+impl TetherCrossing {
     pub fn new(topology: &Topology, cracks: &Cracks) -> Self {
         let rest = |corner: u32| topology.rest[corner as usize];
         let axes = topology.faces.first().map(|&[p, q, r]| {
