@@ -72,6 +72,8 @@ mod plan;
 mod pose;
 pub mod preset;
 pub mod ragdoll;
+#[cfg(test)]
+mod random;
 pub mod reaction;
 mod relative_motion;
 mod renumbering;
