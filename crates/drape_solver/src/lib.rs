@@ -36,6 +36,8 @@ pub mod geometry;
 pub mod island;
 pub mod motion;
 pub mod parallel;
+#[cfg(test)]
+mod random;
 pub mod simd;
 pub mod state;
 pub mod step;
