@@ -10,61 +10,67 @@ use bevy::transform::systems::{
     StaticTransformOptimizations, mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms,
 };
 
-use crate::activity::{Activity, ActivityCounts, count_activity};
-use crate::attachment::{Attachment, Tie, TiedParticles};
-use crate::attachment_state::{move_attached, release_attached};
-use crate::attention::{Attention, note_gone_ball, note_gone_body, note_lost, pay_attention};
-use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
-use crate::clock::DrapeClock;
-use crate::cloth::Cloth;
-use crate::contact_events::{
-    ContactEvents, ContactFeature, ContactPairs, DrapeContact, DrapeContactCounts, DrapeContactEnded,
-    DrapeContactHit, DrapeContactSettings, DrapeContactStarted, send_contacts,
-};
-use crate::description::{build_described, remove_described_body};
-use crate::detail::{CurrentDetail, LevelOfDetail};
-use crate::detail_change::{LostDetail, choose_detail, note_lost_detail};
-use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
-use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
-use crate::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
-use crate::grab::{Grab, Hand, pull_grabbed};
-use crate::hit::{BallHit, Touching};
-use crate::interpolation::InterpolationPlugin;
-use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
-use crate::islands::Islands;
-use crate::layers::DrapeLayers;
-use crate::motion_limits::MotionLimitCounts;
-use crate::moved_by_frame::MovedByFramePlugin;
-use crate::obstacle::{
-    Obstacle, ObstacleNews, StirredSpace, TeleportObstacle, look_again, note_disabled_obstacle,
-    note_gone_obstacle, sync_obstacles,
-};
-use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
-use crate::pending::{Pending, collect_pending};
-use crate::plane_lock::{PlaneLock, lock_planes};
-use crate::posed::move_posed;
-use crate::preset::Preset;
-use crate::pressure::{Pressure, wake_pressed, wake_slack};
-use crate::projectile::{
+use crate::attach::animated_pose::move_posed;
+use crate::attach::attachment::{Attachment, Tie, TiedParticles};
+use crate::attach::attachment_state::{move_attached, release_attached};
+use crate::attach::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
+use crate::attach::grab::{Grab, Hand, pull_grabbed};
+use crate::attach::plane_lock::{PlaneLock, lock_planes};
+use crate::attach::winch::{Winch, turn_winches};
+use crate::attach::world_motion::{TeleportCloth, WorldMotion, inherit_motion};
+use crate::ball::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
+use crate::ball::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
     write_projectile_transforms,
 };
+use crate::body::activity::{Activity, ActivityCounts, count_activity};
+use crate::body::layers::DrapeLayers;
+use crate::body::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::body::pressure::{Pressure, wake_pressed, wake_slack};
+use crate::body::settings::{DefaultSolverSettings, Quality, SolverSettings};
+use crate::build::cloth::Cloth;
+use crate::build::description::{build_described, remove_described_body};
+use crate::build::preset::Preset;
+use crate::build::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedra, write_rigid_tetrahedra};
+use crate::build::rope::Rope;
+use crate::build::soft_ball::SoftBall;
+use crate::clock::DrapeClock;
+use crate::contact::events::{
+    ContactEvents, ContactFeature, ContactPairs, DrapeContact, DrapeContactCounts, DrapeContactEnded,
+    DrapeContactHit, DrapeContactSettings, DrapeContactStarted, send_contacts,
+};
+use crate::contact::hit::{BallHit, Touching};
+use crate::detail::change::{LostDetail, choose_detail, note_lost_detail};
+use crate::detail::level::{CurrentDetail, LevelOfDetail};
+use crate::environment::dynamic_obstacle::{
+    DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions,
+};
+use crate::environment::obstacle::{
+    Obstacle, ObstacleChanges, TeleportObstacle, WakeRegions, note_disabled_obstacle, note_gone_obstacle,
+    recheck_obstacle, sync_obstacles,
+};
+use crate::environment::solver_environment::{
+    DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment,
+};
+use crate::environment::wind_zone::{WindFlow, WindRegion, WindZone};
+use crate::pending_messages::{Pending, collect_pending};
 use crate::refusal::{Refusals, forget_despawned_body, forget_removed};
-use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
-use crate::rig_compile::compile_rigs;
-use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
-use crate::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedra, write_rigid_tetrahedra};
-use crate::rope::Rope;
-use crate::scene_manager::{SceneManager, Viewer, cull};
+use crate::rig::compile::compile_rigs;
+use crate::rig::components::{InRig, Particle, Rig, RigEdits, Stick};
+use crate::rig::transforms::{follow_rig_transforms, write_rig_transforms};
 use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
-use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
-use crate::soft_ball::SoftBall;
-use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
-use crate::transforms::{have_loners_moved, have_trees_moved};
-use crate::waking::wake;
-use crate::winch::{Winch, turn_winches};
-use crate::wind_zone::{WindFlow, WindRegion, WindZone};
-use crate::world_motion::{TeleportCloth, WorldMotion, inherit_motion};
+use crate::sleep::candidates::{
+    Candidates, collect_candidates, note_gone_ball, note_gone_body, note_lost_component,
+};
+use crate::sleep::scene_manager::{SceneManager, Viewer, cull};
+use crate::sleep::waking::wake;
+use crate::step::islands::Islands;
+use crate::step::motion_limits::MotionLimitCounts;
+use crate::step::systems::{begin_islands, detect_collisions, finish_islands, form_islands};
+use crate::tear::tearing::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
+use crate::transform::interpolation::InterpolationPlugin;
+use crate::transform::moved_by_frame::MovedByFramePlugin;
+use crate::transform::propagation::{have_hierarchies_moved, have_unparented_moved};
 
 /// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
 ///
@@ -105,11 +111,11 @@ impl PluginGroup for DrapePlugins {
             .add(InterpolationPlugin)
             .add(MovedByFramePlugin);
         #[cfg(feature = "mesh")]
-        let plugins = plugins.add(crate::mesh::MeshPlugin::new(self.schedule));
+        let plugins = plugins.add(crate::render::mesh_plugin::MeshPlugin::new(self.schedule));
         #[cfg(feature = "picking")]
-        let plugins = plugins.add(crate::picking::DrapePickingPlugin);
+        let plugins = plugins.add(crate::tools::picking::DrapePickingPlugin);
         #[cfg(feature = "gizmos")]
-        let plugins = plugins.add(crate::gizmos::GizmosPlugin);
+        let plugins = plugins.add(crate::tools::gizmos::GizmosPlugin);
         plugins
     }
 }
@@ -138,7 +144,7 @@ impl Plugin for SolverPlugin {
             .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
             .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
         app.init_resource::<ActivityCounts>()
-            .init_resource::<Attention>()
+            .init_resource::<Candidates>()
             .init_resource::<ContactPairs>()
             .init_resource::<CreationOrder>()
             .init_resource::<DefaultSolverSettings>()
@@ -149,7 +155,7 @@ impl Plugin for SolverPlugin {
             .init_resource::<Islands>()
             .init_resource::<LostDetail>()
             .init_resource::<MotionLimitCounts>()
-            .init_resource::<ObstacleNews>()
+            .init_resource::<ObstacleChanges>()
             .init_resource::<Pending<CutCloth>>()
             .init_resource::<Pending<FireCannon>>()
             .init_resource::<Refusals>()
@@ -159,7 +165,7 @@ impl Plugin for SolverPlugin {
             // In case the app has no `TransformPlugin`.
             .init_resource::<StaticTransformOptimizations>()
             .init_resource::<StepTimes>()
-            .init_resource::<StirredSpace>()
+            .init_resource::<WakeRegions>()
             .init_resource::<Touching>()
             .init_resource::<Wind>()
             .add_message::<BallHit>()
@@ -178,21 +184,21 @@ impl Plugin for SolverPlugin {
             .add_observer(remove_ball)
             .add_observer(note_gone_body)
             .add_observer(note_gone_ball)
-            .add_observer(note_lost::<SolverSettings>)
+            .add_observer(note_lost_component::<SolverSettings>)
             .add_observer(note_lost_detail)
             .add_observer(forget_removed::<LevelOfDetail>)
             .add_observer(note_gone_obstacle)
             .add_observer(note_disabled_obstacle)
-            .add_observer(look_again::<Remove, Disabled>)
-            .add_observer(look_again::<Add, ContactEvents>)
-            .add_observer(look_again::<Add, ObstacleReaction>)
-            .add_observer(look_again::<Remove, ObstacleReaction>)
-            .add_observer(look_again::<Add, TeleportObstacle>)
-            .add_observer(look_again::<Remove, DynamicObstacle>)
+            .add_observer(recheck_obstacle::<Remove, Disabled>)
+            .add_observer(recheck_obstacle::<Add, ContactEvents>)
+            .add_observer(recheck_obstacle::<Add, ObstacleReaction>)
+            .add_observer(recheck_obstacle::<Remove, ObstacleReaction>)
+            .add_observer(recheck_obstacle::<Add, TeleportObstacle>)
+            .add_observer(recheck_obstacle::<Remove, DynamicObstacle>)
             .add_observer(forget_removed::<DynamicObstacle>)
-            .add_observer(look_again::<Remove, ContactEvents>)
-            .add_observer(look_again::<Remove, DrapeLayers>)
-            .add_observer(note_lost::<DrapeLayers>)
+            .add_observer(recheck_obstacle::<Remove, ContactEvents>)
+            .add_observer(recheck_obstacle::<Remove, DrapeLayers>)
+            .add_observer(note_lost_component::<DrapeLayers>)
             .add_observer(forget_removed::<Cannon>)
             .add_observer(release_attached)
             .add_observer(wake_slack)
@@ -221,8 +227,10 @@ impl Plugin for SolverPlugin {
                 (
                     // Bevy brings global transforms up to date after the fixed loop only: too late for a step.
                     (
-                        (mark_dirty_trees, propagate_parent_transforms).chain().run_if(have_trees_moved),
-                        sync_simple_transforms.run_if(have_loners_moved),
+                        (mark_dirty_trees, propagate_parent_transforms)
+                            .chain()
+                            .run_if(have_hierarchies_moved),
+                        sync_simple_transforms.run_if(have_unparented_moved),
                     )
                         .chain(),
                     (collect_pending::<CutCloth>, collect_pending::<FireCannon>, fire_cannons).chain(),
@@ -247,7 +255,7 @@ impl Plugin for SolverPlugin {
                         pull_grabbed,
                     )
                         .chain(),
-                    (wake_pressed, pay_attention, wake, cull).chain(),
+                    (wake_pressed, collect_candidates, wake, cull).chain(),
                 )
                     .chain()
                     .in_set(DrapeSystems::ManageScene),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 
-use crate::particles::Particles;
+use crate::body::particles::Particles;
 
 /// What is left out of the simulation because something is wrong with it. Each fault is logged once, as an error,
 /// and not sixty times a second.

@@ -27,11 +27,11 @@ use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
 use crate::clock::DrapeClock;
-use crate::island::Stage;
-use crate::island_systems::{
+use crate::step::island_run::StepStage;
+use crate::step::islands::Islands;
+use crate::step::systems::{
     begin_islands, detect_collisions, finish_islands, run_substeps_of_islands, substep_stage,
 };
-use crate::islands::Islands;
 
 /// The schedule of one step. Run by [`DrapePlugins`](crate::DrapePlugins) in `FixedPostUpdate`, or wherever they were told to.
 #[derive(ScheduleLabel, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -48,7 +48,7 @@ pub enum DrapeSystems {
     /// New bodies are built, blades cut, obstacles and pins follow their transforms, cannons fire; bodies wake and are
     /// culled.
     ManageScene,
-    /// Gravity and wind are read. Systems that add forces to [`Particles`](crate::particles::Particles) belong here.
+    /// Gravity and wind are read. Systems that add forces to [`Particles`](crate::body::particles::Particles) belong here.
     AccumulateForces,
     /// Bodies and balls that could touch are grouped into islands, and forces become accelerations.
     FormIslands,
@@ -80,10 +80,10 @@ pub struct StepTimes {
 }
 
 /// The plugin's own systems in [`DrapeSubsteps`].
-const SUBSTEP: [(Stage, DrapeSystems); 3] = [
-    (Stage::Integrate, DrapeSystems::Integrate),
-    (Stage::Relax, DrapeSystems::Relax),
-    (Stage::ProjectCollisions, DrapeSystems::ProjectCollisions),
+const SUBSTEP: [(StepStage, DrapeSystems); 3] = [
+    (StepStage::Integrate, DrapeSystems::Integrate),
+    (StepStage::Relax, DrapeSystems::Relax),
+    (StepStage::ProjectCollisions, DrapeSystems::ProjectCollisions),
 ];
 
 /// Takes a step, if the clock says so.
@@ -160,7 +160,7 @@ pub(crate) fn configure(app: &mut App) {
             (DrapeSystems::Integrate, DrapeSystems::Relax, DrapeSystems::ProjectCollisions).chain(),
         );
         for (stage, set) in SUBSTEP {
-            let stage_system = (move || -> Stage { stage }).pipe(substep_stage);
+            let stage_system = (move || -> StepStage { stage }).pipe(substep_stage);
             schedule.add_systems(stage_system.in_set(set));
         }
     });

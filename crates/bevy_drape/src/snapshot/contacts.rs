@@ -3,8 +3,8 @@
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
-use crate::contact_events::{ContactPair, ContactPairs};
-use crate::hit::Touching;
+use crate::contact::events::{ContactPair, ContactPairs};
+use crate::contact::hit::Touching;
 use crate::snapshot::{Key, Keys, entity};
 
 /// Pairs that touch or have just done so.

@@ -3,11 +3,11 @@
 use bevy::prelude::*;
 use drape_solver::Placement;
 
-use crate::contact_events::ContactEvents;
-use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
-use crate::environment::SolverEnvironment;
-use crate::layers::DrapeLayers;
-use crate::obstacle::{Obstacle, ObstacleNews, built};
+use crate::body::layers::DrapeLayers;
+use crate::contact::events::ContactEvents;
+use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
+use crate::environment::obstacle::{Obstacle, ObstacleChanges, built};
+use crate::environment::solver_environment::SolverEnvironment;
 use crate::snapshot::world::{Placed, put_component};
 use crate::snapshot::{Key, Keys, SnapshotError, entity};
 
@@ -140,6 +140,6 @@ pub(super) fn restore(
     let mut solver = world.resource_mut::<SolverEnvironment>();
     solver.environment.obstacles = solver_obstacles;
     solver.obstacles.replace(places);
-    world.resource_mut::<ObstacleNews>().set_moving(moving);
+    world.resource_mut::<ObstacleChanges>().set_moving(moving);
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::rig::{InRig, Particle, ParticleRecord};
+use crate::rig::components::{InRig, Particle, ParticleRecord};
 use crate::snapshot::SnapshotError;
 use crate::snapshot::world::Placed;
 

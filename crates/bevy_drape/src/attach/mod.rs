@@ -1,0 +1,12 @@
+//! Ties between particles and entities: pins, attachments, skinned poses, hands, winches, inherited motion.
+//!
+//! Imports the bodies and obstacles below. The plugin runs these systems before waking and stepping.
+
+pub(crate) mod animated_pose;
+pub mod attachment;
+pub(crate) mod attachment_state;
+pub mod follow_particle;
+pub mod grab;
+pub mod plane_lock;
+pub mod winch;
+pub mod world_motion;

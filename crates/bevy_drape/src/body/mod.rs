@@ -1,0 +1,10 @@
+//! The components of a simulated body.
+//!
+//! Data only: particles, settings, layers and marks. Imports root files such as `clock` and `refusal`; every feature above
+//! reads these components.
+
+pub mod activity;
+pub mod layers;
+pub mod particles;
+pub mod pressure;
+pub mod settings;

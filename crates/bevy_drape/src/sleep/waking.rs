@@ -1,0 +1,228 @@
+//! Wakes what is at rest.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use drape_solver::Layers;
+
+use crate::ball::projectile::{ProjectileRecord, ProjectileState};
+use crate::body::activity::Activity;
+use crate::body::layers::DrapeLayers;
+use crate::body::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
+use crate::body::settings::{DefaultSolverSettings, SolverSettings, same_settings};
+use crate::clock::DrapeClock;
+use crate::detail::level::CurrentDetail;
+use crate::environment::obstacle::WakeRegions;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::sleep::candidates::Candidates;
+use crate::sleep::resting_bvh::RestingBvh;
+use crate::sleep::scene_manager::{Bounds, ball_reach, body_reach, grown, overlap};
+
+/// Something active, and where it can get in this step: it wakes what rests there.
+#[derive(Clone, Copy)]
+struct WakeSource {
+    bounds: Bounds,
+    layers: Layers,
+    touches: Touches,
+}
+
+/// Which bodies something active touches, and so wakes. All touch balls.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Touches {
+    NoBodies,
+    BodiesWithSelfContact,
+    AllBodies,
+}
+
+impl Touches {
+    fn of_body(settings: &drape_solver::SolverSettings) -> Self {
+        if settings.has_self_contact() { Self::BodiesWithSelfContact } else { Self::NoBodies }
+    }
+}
+
+/// What moves in this step, and what rests.
+#[derive(Default)]
+pub(crate) struct WakeSearch {
+    sources: Vec<WakeSource>,
+    bodies: RestingBvh,
+    balls: RestingBvh,
+    found: Vec<Entity>,
+}
+
+/// What may rest, and what tells how far it gets in this step.
+#[derive(SystemParam)]
+pub(crate) struct WakeTargets<'w, 's> {
+    bodies: Query<
+        'w,
+        's,
+        (
+            &'static mut Activity,
+            &'static mut Particles,
+            Ref<'static, Sticks>,
+            &'static mut BodyState,
+            Option<&'static SolverSettings>,
+            Option<&'static DrapeLayers>,
+            Option<&'static CurrentDetail>,
+        ),
+    >,
+    balls: Query<
+        'w,
+        's,
+        (
+            &'static mut Activity,
+            &'static mut ProjectileState,
+            &'static mut ProjectileRecord,
+            Option<&'static DrapeLayers>,
+        ),
+        Without<Particles>,
+    >,
+    solver: Res<'w, SolverEnvironment>,
+    clock: Res<'w, DrapeClock>,
+}
+
+impl WakeTargets<'_, '_> {
+    /// Length of the step in seconds and size of gravity in m/s^2.
+    fn step_and_gravity(&self) -> (f32, f32) {
+        (self.clock.delta(), self.solver.environment.gravity.length())
+    }
+}
+
+impl WakeSearch {
+    /// Has what rests where a body or ball rested until now looked at: it may have lain on it.
+    fn wake_around(&mut self, bounds: Bounds, touches: Touches) {
+        self.sources.push(WakeSource { bounds, layers: Layers::ALL, touches });
+    }
+
+    /// Wakes what was found, does rest where `who` moves and could touch it, so that it moves itself.
+    fn wake_found(&mut self, who: WakeSource, targets: &mut WakeTargets) {
+        let WakeSource { bounds: space, layers, touches } = who;
+        let (dt, gravity) = targets.step_and_gravity();
+        for entity in self.found.drain(..) {
+            if let Ok((mut activity, mut ball, ..)) = targets.balls.get_mut(entity) {
+                let bounds = ball_reach(&ball, dt, gravity);
+                let own = ball.layers();
+                if *activity == Activity::Resting && overlap(space, bounds) && layers.interact(own) {
+                    *activity = Activity::Active;
+                    ball.bypass_change_detection().rouse();
+                    self.balls.remove(entity);
+                    self.sources.push(WakeSource { bounds, layers: own, touches: Touches::AllBodies });
+                }
+            } else if let Ok((mut activity, mut particles, _, state, ..)) = targets.bodies.get_mut(entity) {
+                let bounds = grown(state.extent.bounds, state.settings.thickness);
+                let own = Touches::of_body(&state.settings);
+                let is_touched = touches == Touches::AllBodies || touches == own;
+                let may_touch = is_touched && layers.interact(state.layers);
+                if may_touch && *activity == Activity::Resting && overlap(space, bounds) {
+                    *activity = Activity::Active;
+                    particles.bypass_change_detection().rouse();
+                    self.bodies.remove(entity);
+                    self.sources.push(WakeSource { bounds, layers: state.layers, touches: own });
+                }
+            } else {
+                // It was despawned in its sleep.
+                self.balls.remove(entity);
+                self.bodies.remove(entity);
+            }
+        }
+    }
+}
+
+/// Wakes what was pushed, edited, or may be touched in this step. What has just been woken may wake others.
+pub(crate) fn wake(
+    mut targets: WakeTargets,
+    mut candidates: ResMut<Candidates>,
+    defaults: Res<DefaultSolverSettings>,
+    wake_regions: Res<WakeRegions>,
+    mut order: ResMut<CreationOrder>,
+    mut search: Local<WakeSearch>,
+) {
+    let search = &mut *search;
+    let (dt, gravity) = targets.step_and_gravity();
+    let WakeTargets { bodies, balls, solver, .. } = &mut targets;
+    search.sources.clear();
+    for bounds in candidates.left.drain(..) {
+        search.wake_around(bounds, Touches::AllBodies);
+    }
+    for &entity in &candidates.balls {
+        let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
+        // A ball that was refused gets another chance when somebody has edited it.
+        let mended = record.refused && ball.is_changed();
+        let bounds = ball_reach(&ball, dt, gravity);
+        let resting = *activity == Activity::Resting;
+        let is_elsewhere = ball.layers() != DrapeLayers::of(layers);
+        if mended || (resting && (ball.is_disturbed() || is_elsewhere || solver.changed)) {
+            record.refused = false;
+            *activity = Activity::Active;
+            ball.bypass_change_detection().rouse();
+        }
+        if *activity == Activity::Active {
+            let layers = DrapeLayers::of(layers);
+            search.sources.push(WakeSource { bounds, layers, touches: Touches::AllBodies });
+        }
+        if *activity == Activity::Resting {
+            search.balls.insert(entity, bounds);
+        } else {
+            if let Some(bounds) = search.balls.remove(entity) {
+                search.wake_around(bounds, Touches::AllBodies);
+            }
+        }
+    }
+    for &entity in &candidates.bodies {
+        let Ok((mut activity, mut particles, sticks, mut state, settings, layers, detail)) =
+            bodies.get_mut(entity)
+        else {
+            continue;
+        };
+        let state = &mut *state;
+        let settings = settings.copied().unwrap_or(defaults.0).into();
+        let settings = detail.map_or(settings, |detail| detail.limit(settings));
+        let edited = particles.is_disturbed();
+        if state.order == 0 {
+            // A body that was not built by the plugin.
+            state.order = order.next();
+            state.extent = Extent::of(&particles, &sticks);
+        } else if edited && particles.is_changed() {
+            let bounds = grown(state.extent.bounds, state.settings.thickness);
+            if *activity == Activity::Resting {
+                search.wake_around(bounds, Touches::of_body(&state.settings));
+            }
+            state.extent = Extent::of(&particles, &sticks);
+        }
+        let layers = DrapeLayers::of(layers);
+        let rearranged = state.layers != layers
+            || !same_settings(&state.settings, &settings)
+            || (sticks.is_changed() && !sticks.is_added());
+        state.settings = settings;
+        state.layers = layers;
+        let mended = state.refused && (rearranged || particles.is_changed());
+        let resting = *activity == Activity::Resting;
+        let bounds = grown(state.extent.bounds, settings.thickness);
+        if mended || (resting && (edited || rearranged || solver.changed)) {
+            state.refused = false;
+            *activity = Activity::Active;
+            particles.bypass_change_detection().rouse();
+        }
+        if *activity == Activity::Active {
+            let touches = Touches::of_body(&state.settings);
+            search.sources.push(WakeSource { bounds: body_reach(state, dt, gravity), layers, touches });
+        }
+        if *activity == Activity::Resting {
+            search.bodies.insert(entity, bounds);
+        } else {
+            search.bodies.remove(entity);
+        }
+    }
+    for &(space, layers) in &wake_regions.0 {
+        search.bodies.find(space, &mut search.found);
+        search.balls.find(space, &mut search.found);
+        search.wake_found(WakeSource { bounds: space, layers, touches: Touches::AllBodies }, &mut targets);
+    }
+    let mut next = 0;
+    while let Some(&who) = search.sources.get(next) {
+        next += 1;
+        search.balls.find(who.bounds, &mut search.found);
+        if who.touches != Touches::NoBodies {
+            search.bodies.find(who.bounds, &mut search.found);
+        }
+        search.wake_found(who, &mut targets);
+    }
+}
