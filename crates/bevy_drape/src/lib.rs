@@ -1,8 +1,41 @@
 #![doc = include_str!("../README.md")]
+//!
+//! # Floors
+//!
+//! A file imports from its own floor and from floors below; `.ci/floors` checks it.
+//!
+//! ```text
+//! plugin             the plugin group, and the features in the order of a step
+//! snapshot/          saves and restores a running world
+//! tools/             picking, gestures, ray casts, gizmos, diagnostics
+//! tear/              parts bodies, and makes entities of the pieces
+//! render/            meshes that show bodies, and bodies made from meshes
+//! transform/         interpolation between fixed steps and between frames
+//! contact/           messages about contacts and hits, reactions of obstacles
+//! sleep/             sleeping, waking and culling
+//! step/              takes islands of bodies and balls through the solver
+//! detail/            level of detail
+//! attach/            ties between particles and entities
+//! rig/               bodies whose particles are entities
+//! ball/              cannon balls and cannons
+//! environment/       obstacles, gravity, wind
+//! build/             descriptions of bodies, and the bodies built from them
+//! body/              components of bodies
+//! schedule           labels of a step: schedules, sets, times
+//! viewer             viewers, and distances from them
+//! pending_messages   messages that wait for the next step
+//! change_detection   change ticks read as columns
+//! rigid_motion       placements, and rigid motions between them
+//! bounds             boxes along the axes
+//! clock              simulated time
+//! refusal            components that cannot be used, and why
+//! serde_vector       vectors written as three numbers
+//! ```
 
 pub mod attach;
 pub mod ball;
 pub mod body;
+mod bounds;
 pub mod build;
 mod change_detection;
 pub mod clock;
@@ -15,6 +48,7 @@ pub mod refusal;
 #[cfg(feature = "mesh")]
 pub mod render;
 pub mod rig;
+mod rigid_motion;
 pub mod schedule;
 #[cfg(feature = "serde")]
 mod serde_vector;
@@ -24,6 +58,7 @@ pub mod step;
 pub mod tear;
 pub mod tools;
 pub mod transform;
+pub mod viewer;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -36,15 +71,12 @@ pub use plugin::DrapePlugins;
 pub mod prelude {
     #[cfg(feature = "mesh")]
     #[doc(inline)]
-    pub use crate::render::from_mesh::cloth_mesh::{
-        ClothMesh, ClothPaint, ClothWeave, PaintChannel, WeldedVertices,
+    pub use crate::render::from_mesh::{
+        cloth_mesh::{ClothMesh, ClothWeave, WeldedVertices},
+        driven_mesh::DrivenMesh,
+        paint::{ClothPaint, PaintChannel},
+        soft_body::SoftBody,
     };
-    #[cfg(feature = "mesh")]
-    #[doc(inline)]
-    pub use crate::render::from_mesh::driven_mesh::DrivenMesh;
-    #[cfg(feature = "mesh")]
-    #[doc(inline)]
-    pub use crate::render::from_mesh::soft_body::SoftBody;
     #[cfg(feature = "mesh")]
     #[doc(inline)]
     pub use crate::render::rope_mesh::RopeMesh;
@@ -69,13 +101,15 @@ pub mod prelude {
             projectile::{Projectile, ProjectileState},
         },
         body::{
-            activity::{Activity, ActivityCounts},
+            activity::Activity,
+            contact_events::ContactEvents,
             layers::DrapeLayers,
             particles::{Particles, Sticks},
             pressure::Pressure,
             settings::{
                 DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
             },
+            tearable::Tearable,
         },
         build::{
             cloth::{Cloth, ClothPins},
@@ -87,16 +121,17 @@ pub mod prelude {
         clock::DrapeClock,
         contact::{
             events::{
-                ContactEvents, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded,
-                DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
+                ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded, DrapeContactHit,
+                DrapeContactSettings, DrapeContactStarted,
             },
             hit::{BallHit, HitTarget},
         },
         detail::level::{CurrentDetail, DetailLevel, LevelOfDetail},
         environment::{
             dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
+            gravity::DrapeGravity,
             obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
-            solver_environment::{DrapeGravity, Gusts, Wind},
+            wind::{Gusts, Wind},
             wind_zone::{WindFlow, WindRegion, WindZone},
         },
         plugin::DrapePlugins,
@@ -106,10 +141,11 @@ pub mod prelude {
             ragdoll::{Ragdoll, RagdollEntities},
         },
         schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
-        sleep::scene_manager::{SceneManager, Viewer},
+        sleep::{activity_counts::ActivityCounts, scene_manager::SceneManager},
         step::motion_limits::MotionLimitCounts,
-        tear::tearing::{BodySplit, CutCloth, StickTorn, Tearable},
+        tear::messages::{BodySplit, CutCloth, StickTorn},
         tools::{diagnostics::DrapeDiagnosticsPlugin, gestures::Gestures},
         transform::{interpolation::Interpolated, moved_by_frame::MovedByFrame},
+        viewer::Viewer,
     };
 }

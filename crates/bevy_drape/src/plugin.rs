@@ -10,11 +10,12 @@ use bevy::transform::systems::{
     StaticTransformOptimizations, mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms,
 };
 
-use crate::attach::animated_pose::move_posed;
 use crate::attach::attachment::{Attachment, Tie, TiedParticles};
-use crate::attach::attachment_state::{move_attached, release_attached};
+use crate::attach::follow_attachment::{move_attached, release_attached};
 use crate::attach::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
+use crate::attach::follow_pose::move_posed;
 use crate::attach::grab::{Grab, Hand, pull_grabbed};
+use crate::attach::pins::move_pins;
 use crate::attach::plane_lock::{PlaneLock, lock_planes};
 use crate::attach::winch::{Winch, turn_winches};
 use crate::attach::world_motion::{TeleportCloth, WorldMotion, inherit_motion};
@@ -23,11 +24,14 @@ use crate::ball::projectile::{
     Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
     write_projectile_transforms,
 };
-use crate::body::activity::{Activity, ActivityCounts, count_activity};
+use crate::body::activity::Activity;
+use crate::body::body_state::CreationOrder;
+use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
-use crate::body::particles::{CreationOrder, Particles, Sticks, move_pins};
+use crate::body::particles::{Particles, Sticks, forget_despawned_body};
 use crate::body::pressure::{Pressure, wake_pressed, wake_slack};
 use crate::body::settings::{DefaultSolverSettings, Quality, SolverSettings};
+use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;
 use crate::build::description::{build_described, remove_described_body};
 use crate::build::preset::Preset;
@@ -35,42 +39,54 @@ use crate::build::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedr
 use crate::build::rope::Rope;
 use crate::build::soft_ball::SoftBall;
 use crate::clock::DrapeClock;
+use crate::contact::contact_pairs::ContactPairs;
 use crate::contact::events::{
-    ContactEvents, ContactFeature, ContactPairs, DrapeContact, DrapeContactCounts, DrapeContactEnded,
-    DrapeContactHit, DrapeContactSettings, DrapeContactStarted, send_contacts,
+    ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded, DrapeContactHit,
+    DrapeContactSettings, DrapeContactStarted,
 };
 use crate::contact::hit::{BallHit, Touching};
+use crate::contact::reactions::give_reactions;
+use crate::contact::report_hits::report_hits;
+use crate::contact::send_contacts::send_contacts;
 use crate::detail::change::{LostDetail, choose_detail, note_lost_detail};
 use crate::detail::level::{CurrentDetail, LevelOfDetail};
-use crate::environment::dynamic_obstacle::{
-    DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions,
+use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
+use crate::environment::fly_obstacles::fly_dynamic_obstacles;
+use crate::environment::gravity::DrapeGravity;
+use crate::environment::obstacle::{Obstacle, TeleportObstacle};
+use crate::environment::obstacle_changes::{
+    ObstacleChanges, note_disabled_obstacle, note_gone_obstacle, recheck_obstacle,
 };
-use crate::environment::obstacle::{
-    Obstacle, ObstacleChanges, TeleportObstacle, WakeRegions, note_disabled_obstacle, note_gone_obstacle,
-    recheck_obstacle, sync_obstacles,
-};
-use crate::environment::solver_environment::{
-    DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment,
-};
+use crate::environment::solver_environment::{SolverEnvironment, read_environment};
+use crate::environment::sync_obstacles::sync_obstacles;
+use crate::environment::wake_regions::WakeRegions;
+use crate::environment::wind::{Gusts, Wind};
 use crate::environment::wind_zone::{WindFlow, WindRegion, WindZone};
 use crate::pending_messages::{Pending, collect_pending};
-use crate::refusal::{Refusals, forget_despawned_body, forget_removed};
+use crate::refusal::{Refusals, forget_removed};
 use crate::rig::compile::compile_rigs;
 use crate::rig::components::{InRig, Particle, Rig, RigEdits, Stick};
 use crate::rig::transforms::{follow_rig_transforms, write_rig_transforms};
-use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
+use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes};
+use crate::sleep::activity_counts::{ActivityCounts, count_activity};
 use crate::sleep::candidates::{
     Candidates, collect_candidates, note_gone_ball, note_gone_body, note_lost_component,
 };
-use crate::sleep::scene_manager::{SceneManager, Viewer, cull};
+use crate::sleep::cull::cull;
+use crate::sleep::fall_asleep::fall_asleep;
+use crate::sleep::scene_manager::SceneManager;
 use crate::sleep::waking::wake;
+use crate::step::advance::{begin_islands, detect_collisions, finish_islands};
+use crate::step::form_islands::form_islands;
 use crate::step::islands::Islands;
 use crate::step::motion_limits::MotionLimitCounts;
-use crate::step::systems::{begin_islands, detect_collisions, finish_islands, form_islands};
-use crate::tear::tearing::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
+use crate::step::run::{configure, run_drape_schedule};
+use crate::tear::messages::{BodySplit, CutCloth, StickTorn};
+use crate::tear::tearing::{cut_bodies, tear_bodies};
 use crate::transform::interpolation::InterpolationPlugin;
 use crate::transform::moved_by_frame::MovedByFramePlugin;
 use crate::transform::propagation::{have_hierarchies_moved, have_unparented_moved};
+use crate::viewer::Viewer;
 
 /// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
 ///
@@ -264,6 +280,8 @@ impl Plugin for SolverPlugin {
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
                 (
                     finish_islands,
+                    report_hits,
+                    fall_asleep,
                     lock_planes,
                     give_reactions,
                     send_contacts,

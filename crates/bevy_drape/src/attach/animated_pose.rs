@@ -3,15 +3,11 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::Placement;
-use drape_solver::constants::TELEPORT_SPEED;
 
-use crate::attach::attachment_state::AttachmentState;
-use crate::body::activity::Activity;
-use crate::body::particles::{BodyState, Particles};
-use crate::clock::DrapeClock;
-use crate::refusal::Refusals;
 #[cfg(feature = "mesh")]
-use crate::transform::moved_by_frame::between;
+#[cfg(feature = "mesh")]
+use crate::rigid_motion::between;
+use crate::rigid_motion::placement;
 
 /// The pose that an animation gives to some particles of a body: each goes with a blend of up to four joints.
 #[derive(Component, Clone, Debug, Default)]
@@ -101,82 +97,5 @@ impl AnimatedPose {
         let found = (0..).zip(origins).filter_map(|(particle, origin)| Some((particle, *find(origin)?)));
         let particles = found.map(|(particle, posed)| PosedParticle { particle, ..posed }).collect();
         Self { particles, ..self.clone() }
-    }
-}
-
-/// The rotation and translation of an affine map; none if it has none.
-pub(crate) fn placement(affine: &Affine3A) -> Option<Placement> {
-    let (_, rotation, translation) = affine.to_scale_rotation_translation();
-    Some(Placement { translation, rotation }).filter(Placement::is_valid)
-}
-
-/// The rigid motion from one placement to another.
-pub(crate) fn rigid_way(from: &Placement, to: &Placement) -> Affine3A {
-    let affine = |place: &Placement| {
-        Affine3A::from_rotation_translation(place.rotation.normalize(), place.translation)
-    };
-    affine(to) * affine(from).inverse()
-}
-
-/// Takes a body from one place to another as it is, and all that knows where it hung.
-pub(crate) fn teleport(
-    particles: &mut drape_solver::Particles,
-    state: &mut BodyState,
-    tied: Option<&mut AttachmentState>,
-    posed: Option<&mut AnimatedPose>,
-    (from, to): (&Placement, &Placement),
-) {
-    particles.teleport(from, to);
-    let way = rigid_way(from, to);
-    state.anchor = way * state.anchor;
-    let poses = tied.into_iter().flat_map(|tied| tied.poses.iter_mut().flatten());
-    poses.chain(posed.into_iter().flat_map(|posed| &mut posed.last)).for_each(|pose| *pose = way * *pose);
-}
-
-/// Takes pins and limits to where the animation has them. A jump faster than anything moves is a teleport, and so is every move of a
-/// culled body.
-pub(crate) fn move_posed(
-    mut bodies: Query<(
-        Entity,
-        &mut AnimatedPose,
-        &mut Particles,
-        &mut BodyState,
-        &Activity,
-        Option<&mut AttachmentState>,
-    )>,
-    places: Query<&GlobalTransform>,
-    clock: Res<DrapeClock>,
-    mut refusals: ResMut<Refusals>,
-    mut matrices: Local<Vec<Affine3A>>,
-) {
-    let longest_pull = TELEPORT_SPEED * clock.delta();
-    for (entity, mut posed, mut particles, mut state, activity, mut tied) in &mut bodies {
-        if let Err(joint) = posed.matrices(|joint| places.get(joint).ok(), &mut matrices) {
-            let reason = format_args!("joint {joint} is gone, or not finite; the cloth stays where it was");
-            refusals.entity(entity, "SkinnedMesh", reason);
-            continue;
-        }
-        if *matrices == posed.last {
-            continue;
-        }
-        let now = matrices.get(posed.main).and_then(placement);
-        if let (Some(from), Some(to)) = (posed.last_place(), now) {
-            let is_jump = from.translation.distance(to.translation) > longest_pull;
-            if is_jump || activity.is_carried() {
-                teleport(&mut particles, &mut state, tied.as_deref_mut(), Some(&mut posed), (&from, &to));
-            }
-        }
-        for place in &posed.particles {
-            let i = place.particle as usize;
-            if i >= particles.len() {
-                continue;
-            }
-            let target = place.target(&matrices);
-            particles.set_limit_centre(i, target);
-            if tied.as_ref().is_none_or(|tied| !tied.holds(place.particle)) {
-                particles.set_pin_target(i, target);
-            }
-        }
-        posed.last.clone_from(&matrices);
     }
 }

@@ -24,6 +24,7 @@ use crate::clock::DrapeClock;
 /// How fast what is left of the way to the target is made up, in 1/s. The cloth that hangs from the held piece
 /// pulls it back: at 40/s it stays a few centimetres short.
 const PULL_RATE: f32 = 40.0;
+
 /// Greatest speed of a pulled particle in m/s: a pointer may jump, cloth should not.
 const MAX_PULL_SPEED: f32 = 20.0;
 
@@ -232,6 +233,13 @@ pub(crate) fn pull_grabbed(mut bodies: Query<(&Grab, &mut Particles)>, clock: Re
             hand.pull(&mut particles, clock.delta());
         }
     }
+}
+
+/// The particle that is nearest to `place`; none if there is none, or no such place.
+pub(crate) fn nearest_particle(particles: &drape_solver::Particles, place: Vec3) -> Option<usize> {
+    let away = particles.positions().enumerate().map(|(i, position)| (i, position.distance_squared(place)));
+    let nearest = away.filter(|(_, away)| away.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map(|(i, _)| i)
 }
 
 #[cfg(test)]

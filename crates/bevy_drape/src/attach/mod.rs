@@ -5,8 +5,12 @@
 pub(crate) mod animated_pose;
 pub mod attachment;
 pub(crate) mod attachment_state;
+pub(crate) mod follow_attachment;
 pub mod follow_particle;
+pub(crate) mod follow_pose;
 pub mod grab;
+pub(crate) mod pins;
 pub mod plane_lock;
+pub(crate) mod teleport;
 pub mod winch;
 pub mod world_motion;

@@ -4,13 +4,16 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::FrameMotion;
 
-use crate::attach::animated_pose::{AnimatedPose, placement, teleport};
+use crate::attach::animated_pose::AnimatedPose;
 use crate::attach::attachment::Attachment;
 use crate::attach::attachment_state::AttachmentState;
+use crate::attach::teleport::teleport;
 use crate::body::activity::Activity;
-use crate::body::particles::{BodyState, Particles};
+use crate::body::body_state::BodyState;
+use crate::body::particles::Particles;
 use crate::environment::obstacle::{Obstacle, TeleportObstacle};
 use crate::refusal::Refusals;
+use crate::rigid_motion::placement;
 
 /// How much a body feels of the motion of an entity, usually the root of the character that wears it.
 ///

@@ -4,8 +4,10 @@ use bevy::prelude::*;
 use drape_solver::{Ball, BallMaterial, BuildError};
 
 use crate::body::activity::Activity;
-use crate::body::particles::CreationOrder;
-use crate::environment::solver_environment::{DrapeGravity, SolverEnvironment};
+use crate::body::body_state::CreationOrder;
+use crate::bounds::{Bounds, grown};
+use crate::environment::gravity::DrapeGravity;
+use crate::environment::solver_environment::SolverEnvironment;
 use crate::refusal::Refusals;
 
 /// A ball: flies, hits, rolls and comes to rest. Cloth acts back on it.
@@ -70,6 +72,18 @@ const LAUNCH_SUBSTEP: f32 = 1.0 / 1024.0;
 #[reflect(opaque)]
 #[reflect(Component, Debug, Clone)]
 pub struct ProjectileState(pub Ball);
+
+impl ProjectileState {
+    /// Box around the ball.
+    pub(crate) fn bounds(&self) -> Bounds {
+        grown((self.position(), self.position()), self.material().radius)
+    }
+
+    /// Box that the ball does not leave within a step of `dt` seconds.
+    pub(crate) fn bounds_within_step(&self, dt: f32, gravity: f32) -> Bounds {
+        grown((self.position(), self.position()), self.reach(dt, gravity))
+    }
+}
 
 /// What the plugin keeps about a ball between steps.
 #[derive(Component, Clone, Debug)]

@@ -4,7 +4,10 @@
 //! reads these components.
 
 pub mod activity;
+pub(crate) mod body_state;
+pub mod contact_events;
 pub mod layers;
 pub mod particles;
 pub mod pressure;
 pub mod settings;
+pub mod tearable;

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 use drape_solver::{BuildError, Topology};
 
 use crate::body::activity::Activity;
-use crate::body::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
+use crate::body::body_state::{BodyState, CreationOrder, Extent};
+use crate::body::particles::{Particles, Sticks};
 use crate::change_detection::collect_changed;
 use crate::refusal::Refusals;
 

@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::query::QueryData;
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use drape_solver::state::measure;
 use drape_solver::{BodyContext, BuildError, Topology};
@@ -17,15 +16,16 @@ use crate::attach::attachment::Attachment;
 use crate::attach::follow_particle::FollowParticle;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
-use crate::body::particles::{BodyState, Extent, Particles, Sticks};
+use crate::body::body_state::{BodyState, Extent};
+use crate::body::particles::{Particles, Sticks};
+use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;
 use crate::build::description::pins_at;
 use crate::change_detection::{collect_changed, collect_rows, is_any_changed};
 use crate::detail::level::{CurrentDetail, DetailLevel, LevelOfDetail};
 use crate::detail::resampling::resample;
 use crate::refusal::Refusals;
-use crate::sleep::scene_manager::{Viewer, distance_to};
-use crate::tear::tearing::Tearable;
+use crate::viewer::View;
 
 /// Cloths that get other particles in a step, so that a viewer who is set down elsewhere does not make the game hang. The nearest first.
 const CHANGES_IN_A_STEP: usize = 8;
@@ -49,30 +49,6 @@ pub(crate) struct Detailed {
     grab: Option<&'static Grab>,
     is_attached: Has<Attachment>,
     is_tearable: Has<Tearable>,
-}
-
-/// Who looks, and whether the view is another than in the last step.
-#[derive(SystemParam)]
-pub(crate) struct View<'w, 's> {
-    viewers: Query<'w, 's, (Ref<'static, GlobalTransform>, Ref<'static, Viewer>)>,
-    count: Local<'s, usize>,
-}
-
-impl View<'_, '_> {
-    fn is_new(&mut self) -> bool {
-        let count = self.viewers.iter().count();
-        let known = core::mem::replace(&mut *self.count, count);
-        let is_moved =
-            |(place, viewer): (Ref<GlobalTransform>, Ref<Viewer>)| place.is_changed() || viewer.is_added();
-        count != known || self.viewers.iter().any(is_moved)
-    }
-
-    /// Distance from the nearest viewer to the body in metres; 0 where nobody looks.
-    fn distance(&self, state: &BodyState) -> f32 {
-        let eyes = self.viewers.iter().map(|(viewer, _)| viewer.translation());
-        let nearest = eyes.map(|eye| distance_to(eye, state.extent.bounds)).min_by(f32::total_cmp);
-        nearest.unwrap_or(0.0)
-    }
 }
 
 /// A cloth that is to get other particles.
@@ -153,7 +129,7 @@ fn choose_level(
     if *body.activity == Activity::Culled {
         return None;
     }
-    let distance = view.distance(&body.state);
+    let distance = view.distance(body.state.extent.bounds);
     let level = detail.map_or(0, |detail| detail.level_at(distance, body.current.level));
     let DetailLevel { most_substeps, coarseness, frozen, .. } =
         detail.map(|detail| detail.spent_at(level)).unwrap_or_default();

@@ -6,7 +6,7 @@ use thiserror::Error;
 /// How much farther than a level begins a body must be to fall back to it, so that it does not change to and fro at the border.
 const HYSTERESIS: f32 = 0.1;
 
-/// Spends the less on a body the farther it is from the nearest [`Viewer`](crate::sleep::scene_manager::Viewer): fewer substeps, then
+/// Spends the less on a body the farther it is from the nearest [`Viewer`](crate::viewer::Viewer): fewer substeps, then
 /// fewer particles, then none. Without viewers all is done in full.
 ///
 /// The default levels are for a window 1080 pixels high: a change from one to the next moves what is seen of a flag by less than two
@@ -25,7 +25,7 @@ const HYSTERESIS: f32 = 0.1;
 /// [Coarseness](DetailLevel::coarseness) is for [`Cloth`](crate::build::cloth::Cloth). A cloth keeps its particles while somebody knows them by
 /// their index or their pins: while it has an [`Attachment`](crate::attach::attachment::Attachment), a [`Grab`](crate::attach::grab::Grab), a follower
 /// ([`FollowParticle`](crate::attach::follow_particle::FollowParticle)), limits of motion, pins that were set by hand, or may tear
-/// ([`Tearable`](crate::tear::tearing::Tearable)) or has been cut. What rests is not made coarser, as it costs nothing.
+/// ([`Tearable`](crate::body::tearable::Tearable)) or has been cut. What rests is not made coarser, as it costs nothing.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(CurrentDetail)]

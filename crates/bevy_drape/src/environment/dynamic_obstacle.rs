@@ -1,14 +1,7 @@
 //! Obstacles that are pushed back: told what is done to them, or moved by it.
 
-use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 use drape_solver::{BuildError, RigidBody};
-
-use crate::clock::DrapeClock;
-use crate::environment::obstacle::{Obstacle, WakeRegions};
-use crate::environment::solver_environment::{DrapeGravity, SolverEnvironment};
-use crate::refusal::Refusals;
-use crate::step::islands::Islands;
 
 /// What cloth, ropes and balls did to an [`Obstacle`] in the last step: the exact opposite of all impulses that it gave
 /// them. Add it to an obstacle that another physics engine moves, and hand the impulses to that engine after each step.
@@ -81,7 +74,7 @@ impl DynamicObstacle {
         Self { mass, inertia, velocity: Vec3::ZERO, angular_velocity: Vec3::ZERO, gravity_scale: 1.0 }
     }
 
-    fn body(&self) -> Result<RigidBody, BuildError> {
+    pub(crate) fn body(&self) -> Result<RigidBody, BuildError> {
         let Self { mass, inertia, velocity, angular_velocity, gravity_scale } = *self;
         let fields = [
             ("velocity", velocity),
@@ -96,72 +89,5 @@ impl DynamicObstacle {
         let mut body = RigidBody::new(mass, inertia)?;
         (body.velocity, body.angular_velocity) = (velocity, angular_velocity);
         Ok(body)
-    }
-}
-
-/// Has dynamic obstacles fly through the coming step.
-pub(crate) fn fly_dynamic_obstacles(
-    obstacles: Query<(Entity, &DynamicObstacle), With<Obstacle>>,
-    clock: Res<DrapeClock>,
-    gravity: Res<DrapeGravity>,
-    mut solver: ResMut<SolverEnvironment>,
-    mut wake_regions: ResMut<WakeRegions>,
-    mut refusals: ResMut<Refusals>,
-    mut refused: Local<EntityHashSet>,
-) {
-    let gravity = if gravity.is_usable() { gravity.0 } else { solver.environment.gravity };
-    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
-    for (entity, dynamic) in &obstacles {
-        let body = dynamic.body();
-        match &body {
-            Ok(_) if refused.remove(&entity) => refusals.forget(entity),
-            Err(error) if refused.insert(entity) => refusals.entity(entity, "DynamicObstacle", error),
-            _ => {}
-        }
-        let Some(slot) = known.slot(entity) else { continue };
-        let obstacle = &mut environment.obstacles[slot];
-        obstacle.set_rigid_body(body.ok());
-        obstacle.fly(gravity * dynamic.gravity_scale, clock.delta());
-        if obstacle.is_moving() {
-            wake_regions.push(obstacle);
-        }
-    }
-}
-
-/// Tells obstacles what was done to them in this step, and puts those that fly where they have got.
-pub(crate) fn give_reactions(
-    mut reactions: Query<&mut ObstacleReaction>,
-    mut dynamics: Query<(Entity, &mut DynamicObstacle, &mut Transform), With<Obstacle>>,
-    islands: Res<Islands>,
-    mut solver: ResMut<SolverEnvironment>,
-) {
-    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
-    for mut reaction in &mut reactions {
-        reaction.set_if_neq(ObstacleReaction::default());
-    }
-    for island in islands.live() {
-        for reaction in &island.solver.reactions {
-            if let Ok(mut sum) = reactions.get_mut(known.entity(reaction.obstacle)) {
-                sum.impulse += reaction.impulse;
-                sum.angular_impulse += reaction.angular_impulse;
-            }
-        }
-        for moved in &island.solver.moved {
-            environment.obstacles[moved.obstacle].land(moved);
-        }
-    }
-    for (entity, mut dynamic, mut transform) in &mut dynamics {
-        let Some(obstacle) = known.slot(entity).map(|slot| &environment.obstacles[slot]) else { continue };
-        let (Some(body), place) = (obstacle.rigid_body(), obstacle.placement()) else { continue };
-        let there = transform.with_translation(place.translation).with_rotation(place.rotation);
-        // What does not move keeps the digits that it was given.
-        if obstacle.is_moving() {
-            transform.set_if_neq(there);
-        }
-        dynamic.set_if_neq(DynamicObstacle {
-            velocity: body.velocity,
-            angular_velocity: body.angular_velocity,
-            ..*dynamic
-        });
     }
 }

@@ -4,6 +4,13 @@
 //! environment to the solver.
 
 pub mod dynamic_obstacle;
+pub(crate) mod fly_obstacles;
+pub mod gravity;
+pub(crate) mod known_obstacles;
 pub mod obstacle;
-pub mod solver_environment;
+pub(crate) mod obstacle_changes;
+pub(crate) mod solver_environment;
+pub(crate) mod sync_obstacles;
+pub(crate) mod wake_regions;
+pub mod wind;
 pub mod wind_zone;

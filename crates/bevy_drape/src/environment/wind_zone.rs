@@ -7,7 +7,7 @@ use drape_solver::Placement;
 
 use crate::refusal::Refusals;
 
-/// A wind around its entity, on top of the [`Wind`](crate::environment::solver_environment::Wind) that blows everywhere.
+/// A wind around its entity, on top of the [`Wind`](crate::environment::wind::Wind) that blows everywhere.
 ///
 /// ```
 /// # use bevy::prelude::*;

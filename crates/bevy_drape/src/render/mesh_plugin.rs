@@ -39,7 +39,8 @@ use crate::render::surface::{EntitySpace, Shown, Surface, can_be_written, comple
 use crate::render::torn_mesh::tear_meshes;
 use crate::render::visibility::hide_culled;
 use crate::rig::compile::compile_rigs;
-use crate::schedule::{DrapeSchedule, DrapeSystems, run_drape_schedule};
+use crate::schedule::{DrapeSchedule, DrapeSystems};
+use crate::step::run::run_drape_schedule;
 use crate::transform::interpolation::step_fraction;
 
 /// Gives each [`Cloth`] and [`SoftBall`] a [`Mesh3d`] and keeps it up with the simulation. To see it, add a `MeshMaterial3d`.

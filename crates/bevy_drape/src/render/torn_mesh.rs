@@ -5,9 +5,9 @@ use bevy::mesh::Indices;
 use bevy::prelude::*;
 
 use crate::body::particles::{Particles, Sticks};
+use crate::body::tearable::TornMesh;
 use crate::render::from_mesh::cloth_mesh::WeldedVertices;
 use crate::render::surface::{EntitySpace, Surface};
-use crate::tear::tearing::TornMesh;
 
 /// Gives torn bodies, and the pieces that came off them, their meshes.
 pub(crate) fn tear_meshes(

@@ -10,7 +10,7 @@ use crate::body::settings::SolverSettings;
 use crate::rig::components::{InRig, Rig};
 
 /// A particle that can be simulated.
-pub(crate) struct Member {
+pub(crate) struct RigMember {
     pub entity: Entity,
     /// Order of insertion.
     pub order: u64,
@@ -43,7 +43,7 @@ pub(crate) struct Group {
 }
 
 /// The groups of members that hang together, in the order of their oldest member.
-pub(crate) fn connected(members: &[Member], links: &[Link]) -> Vec<Group> {
+pub(crate) fn connected(members: &[RigMember], links: &[Link]) -> Vec<Group> {
     let mut parents: Vec<usize> = (0..members.len()).collect();
     for link in links {
         let [p, q] = link.ends.map(|end| root(&mut parents, end));
@@ -91,7 +91,7 @@ pub(crate) struct CompiledRig {
 }
 
 impl CompiledRig {
-    pub fn new(group: &Group, members: &[Member], links: &[Link]) -> Self {
+    pub fn new(group: &Group, members: &[RigMember], links: &[Link]) -> Self {
         let mut index_in_body: BTreeMap<usize, u32> = BTreeMap::new();
         for (index, &i) in group.members.iter().enumerate() {
             index_in_body.insert(i, index as u32);

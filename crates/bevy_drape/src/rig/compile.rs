@@ -9,10 +9,11 @@ use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 use drape_solver::constants::MAX_MAGNITUDE;
 
-use crate::body::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
+use crate::body::body_state::{BodyState, CreationOrder, Extent};
+use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::refusal::Refusals;
-use crate::rig::body::{CompiledRig, Link, Member, connected};
+use crate::rig::body::{CompiledRig, Link, RigMember, connected};
 use crate::rig::components::{
     InRig, Particle, ParticleRecord, Rig, RigEdits, Stick, StickBound, StickRecord,
 };
@@ -157,7 +158,7 @@ fn collect_members(
     particles: &mut ParticleQuery,
     rigs: &RigQuery,
     refusals: &mut Refusals,
-) -> Vec<Member> {
+) -> Vec<RigMember> {
     edits.misplaced.clear();
     let mut members = Vec::new();
     for (entity, particle, transform, global, mut record, in_rig, settings) in particles {
@@ -199,7 +200,7 @@ fn collect_members(
                 (None, global.translation(), particle.velocity)
             }
         };
-        members.push(Member {
+        members.push(RigMember {
             entity,
             order: record.order,
             position,
@@ -218,7 +219,7 @@ fn collect_members(
 /// All sticks that can be simulated, in the order of their insertion.
 fn collect_links(
     edits: &mut RigEdits,
-    members: &[Member],
+    members: &[RigMember],
     sticks: &mut StickQuery,
     all: &Query<(Entity, Has<Particle>)>,
     refusals: &mut Refusals,

@@ -7,12 +7,13 @@ use bevy::prelude::*;
 
 use crate::ball::projectile::ProjectileState;
 use crate::body::activity::Activity;
+use crate::body::body_state::BodyState;
 use crate::body::layers::DrapeLayers;
-use crate::body::particles::{BodyState, Particles, Sticks};
+use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::{DefaultSolverSettings, SolverSettings};
+use crate::bounds::Bounds;
 use crate::change_detection::{collect_rows, is_any_changed};
 use crate::environment::solver_environment::SolverEnvironment;
-use crate::sleep::scene_manager::{Bounds, ball_reach, grown};
 
 /// The bodies and balls to look at in this step. An entity may be listed twice.
 #[derive(Resource, Default)]
@@ -93,7 +94,7 @@ pub(crate) fn note_gone_body(
     states: Query<&BodyState>,
     mut candidates: ResMut<Candidates>,
 ) {
-    let bounds = states.get(gone.entity).map(|state| grown(state.extent.bounds, state.settings.thickness));
+    let bounds = states.get(gone.entity).map(BodyState::bounds);
     candidates.left.extend(bounds);
 }
 
@@ -103,7 +104,7 @@ pub(crate) fn note_gone_ball(
     balls: Query<&ProjectileState>,
     mut candidates: ResMut<Candidates>,
 ) {
-    candidates.left.extend(balls.get(gone.entity).map(|ball| ball_reach(ball, 0.0, 0.0)));
+    candidates.left.extend(balls.get(gone.entity).map(|ball| ball.bounds_within_step(0.0, 0.0)));
 }
 
 /// Notes what has no settings or layers of its own any more.

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use drape_solver::parry3d::bounding_volume::Aabb;
 use drape_solver::parry3d::partitioning::{Bvh, BvhWorkspace};
 
-use crate::sleep::scene_manager::Bounds;
+use crate::bounds::Bounds;
 
 /// Boxes of what is at rest, in a tree of boxes. Looking for what a box meets takes time by what is found, not by
 /// what is there.

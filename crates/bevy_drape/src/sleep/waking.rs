@@ -6,16 +6,17 @@ use drape_solver::Layers;
 
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
+use crate::body::body_state::{BodyState, CreationOrder, Extent};
 use crate::body::layers::DrapeLayers;
-use crate::body::particles::{BodyState, CreationOrder, Extent, Particles, Sticks};
+use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::{DefaultSolverSettings, SolverSettings, same_settings};
+use crate::bounds::{Bounds, overlap};
 use crate::clock::DrapeClock;
 use crate::detail::level::CurrentDetail;
-use crate::environment::obstacle::WakeRegions;
 use crate::environment::solver_environment::SolverEnvironment;
+use crate::environment::wake_regions::WakeRegions;
 use crate::sleep::candidates::Candidates;
 use crate::sleep::resting_bvh::RestingBvh;
-use crate::sleep::scene_manager::{Bounds, ball_reach, body_reach, grown, overlap};
 
 /// Something active, and where it can get in this step: it wakes what rests there.
 #[derive(Clone, Copy)]
@@ -98,7 +99,7 @@ impl WakeSearch {
         let (dt, gravity) = targets.step_and_gravity();
         for entity in self.found.drain(..) {
             if let Ok((mut activity, mut ball, ..)) = targets.balls.get_mut(entity) {
-                let bounds = ball_reach(&ball, dt, gravity);
+                let bounds = ball.bounds_within_step(dt, gravity);
                 let own = ball.layers();
                 if *activity == Activity::Resting && overlap(space, bounds) && layers.interact(own) {
                     *activity = Activity::Active;
@@ -107,7 +108,7 @@ impl WakeSearch {
                     self.sources.push(WakeSource { bounds, layers: own, touches: Touches::AllBodies });
                 }
             } else if let Ok((mut activity, mut particles, _, state, ..)) = targets.bodies.get_mut(entity) {
-                let bounds = grown(state.extent.bounds, state.settings.thickness);
+                let bounds = state.bounds();
                 let own = Touches::of_body(&state.settings);
                 let is_touched = touches == Touches::AllBodies || touches == own;
                 let may_touch = is_touched && layers.interact(state.layers);
@@ -146,7 +147,7 @@ pub(crate) fn wake(
         let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
         // A ball that was refused gets another chance when somebody has edited it.
         let mended = record.refused && ball.is_changed();
-        let bounds = ball_reach(&ball, dt, gravity);
+        let bounds = ball.bounds_within_step(dt, gravity);
         let resting = *activity == Activity::Resting;
         let is_elsewhere = ball.layers() != DrapeLayers::of(layers);
         if mended || (resting && (ball.is_disturbed() || is_elsewhere || solver.changed)) {
@@ -181,7 +182,7 @@ pub(crate) fn wake(
             state.order = order.next();
             state.extent = Extent::of(&particles, &sticks);
         } else if edited && particles.is_changed() {
-            let bounds = grown(state.extent.bounds, state.settings.thickness);
+            let bounds = state.bounds();
             if *activity == Activity::Resting {
                 search.wake_around(bounds, Touches::of_body(&state.settings));
             }
@@ -195,7 +196,7 @@ pub(crate) fn wake(
         state.layers = layers;
         let mended = state.refused && (rearranged || particles.is_changed());
         let resting = *activity == Activity::Resting;
-        let bounds = grown(state.extent.bounds, settings.thickness);
+        let bounds = state.bounds();
         if mended || (resting && (edited || rearranged || solver.changed)) {
             state.refused = false;
             *activity = Activity::Active;
@@ -203,7 +204,11 @@ pub(crate) fn wake(
         }
         if *activity == Activity::Active {
             let touches = Touches::of_body(&state.settings);
-            search.sources.push(WakeSource { bounds: body_reach(state, dt, gravity), layers, touches });
+            search.sources.push(WakeSource {
+                bounds: state.bounds_within_step(dt, gravity),
+                layers,
+                touches,
+            });
         }
         if *activity == Activity::Resting {
             search.bodies.insert(entity, bounds);

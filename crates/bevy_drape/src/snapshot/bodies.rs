@@ -8,17 +8,18 @@ use drape_solver::{BodyContext, Layers, ParticlesSnapshot, Topology};
 
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
+use crate::body::body_state::{BodyState, Extent};
 use crate::body::layers::DrapeLayers;
-use crate::body::particles::{BodyState, Extent, Particles, Sticks};
+use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::build::rigid_tetrahedron::RigidPlace;
 use crate::detail::change::parts_at;
 use crate::detail::level::CurrentDetail;
 use crate::rig::components::Rig;
 use crate::snapshot::attachments::{self, AttachmentSnapshot};
+use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::motions::{self, MotionSnapshot};
 use crate::snapshot::world::{Placed, put_component};
-use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
 
 /// The state of one body.
 #[derive(Clone, Debug, PartialEq)]

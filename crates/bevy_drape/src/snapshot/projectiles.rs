@@ -6,10 +6,10 @@ use drape_solver::{Ball, BallSnapshot};
 
 use crate::ball::projectile::{Projectile, ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
+use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
-use crate::contact::events::ContactEvents;
+use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::world::{Frozen, Placed, put_component};
-use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::transform::interpolation::Interpolated;
 
 /// The state of one ball.

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::rig::components::{InRig, Particle, ParticleRecord};
-use crate::snapshot::SnapshotError;
+use crate::snapshot::key::SnapshotError;
 use crate::snapshot::world::Placed;
 
 /// One particle entity.

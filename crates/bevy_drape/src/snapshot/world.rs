@@ -4,14 +4,16 @@ use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 
 use crate::ball::projectile::ProjectileRecord;
-use crate::body::particles::{BodyState, CreationOrder};
+use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::settings::DefaultSolverSettings;
 use crate::clock::DrapeClock;
 use crate::contact::events::DrapeContactSettings;
-use crate::environment::solver_environment::{DrapeGravity, SolverEnvironment, Wind};
+use crate::environment::gravity::DrapeGravity;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::environment::wind::Wind;
 use crate::sleep::candidates::Candidates;
 use crate::sleep::scene_manager::SceneManager;
-use crate::snapshot::{Key, Keys, SnapshotError};
+use crate::snapshot::key::{Key, Keys, SnapshotError};
 use crate::transform::interpolation::InterpolationState;
 
 /// What concerns all.

@@ -6,34 +6,10 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use drape_solver::{Alone, Ball, Body, Environment, StepError, Threads, step};
 
-use crate::ball::projectile::{ProjectileRecord, ProjectileState};
+use crate::body::body_state::Extent;
 use crate::body::layers::DrapeLayers;
-use crate::body::particles::{BodyState, Extent, Particles, Sticks};
-use crate::body::pressure::Pressure;
-use crate::contact::events::ContactEvents;
-use crate::step::islands::ComputeThreads;
-
-pub(crate) type BodyQuery<'w, 's> = Query<
-    'w,
-    's,
-    (
-        &'static mut Particles,
-        &'static Sticks,
-        &'static mut BodyState,
-        Has<ContactEvents>,
-        Option<&'static Pressure>,
-    ),
->;
-pub(crate) type BallQuery<'w, 's> = Query<
-    'w,
-    's,
-    (
-        &'static mut ProjectileState,
-        &'static mut ProjectileRecord,
-        Option<&'static DrapeLayers>,
-        Has<ContactEvents>,
-    ),
->;
+use crate::step::components::{BallQuery, BodyQuery};
+use crate::step::compute_threads::ComputeThreads;
 
 /// The stages of a step, in their order. The three of a substep come once for each substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -174,7 +150,7 @@ impl IslandRun {
         for entity in &mut self.bodies {
             let body = match bodies.get_mut(*entity) {
                 Ok((mut particles, sticks, mut state, reports_contacts, pressure))
-                    if fits(&particles, sticks) =>
+                    if sticks.fit(&particles) =>
                 {
                     Body {
                         particles: core::mem::take(&mut particles.bypass_change_detection().0),
@@ -227,9 +203,4 @@ impl IslandRun {
             }
         }
     }
-}
-
-/// Whether these particles and sticks belong together.
-pub(crate) fn fits(particles: &Particles, sticks: &Sticks) -> bool {
-    !particles.is_empty() && particles.len() == sticks.particle_count()
 }

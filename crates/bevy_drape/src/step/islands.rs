@@ -5,10 +5,10 @@
 //! threads of the compute pool and give the same bits on any number of them.
 
 use bevy::prelude::*;
-use bevy::tasks::{ComputeTaskPool, TaskPool};
-use drape_solver::{Body, Threads};
+use drape_solver::Body;
 
-use crate::sleep::scene_manager::{Bounds, overlap};
+use crate::bounds::{Bounds, overlap};
+use crate::step::compute_threads::pool;
 use crate::step::island_run::IslandRun;
 
 /// All islands of this step. Slots beyond `live` are kept for their memory.
@@ -17,7 +17,7 @@ pub(crate) struct Islands {
     slots: Vec<IslandRun>,
     live: usize,
     /// What is to be grouped.
-    pub members: Vec<Member>,
+    pub members: Vec<IslandMember>,
     parents: Vec<usize>,
     /// Members in order of where their boxes begin, and those whose boxes reach on.
     sweep: Vec<u32>,
@@ -32,7 +32,7 @@ pub(crate) struct Islands {
 
 /// What is grouped.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum MemberKind {
     Body {
         /// Whether it touches other such bodies.
         has_self_contact: bool,
@@ -44,22 +44,22 @@ pub(crate) enum Kind {
 
 /// A body, ball or dynamic obstacle on its way into an island.
 #[derive(Clone, Copy)]
-pub(crate) struct Member {
+pub(crate) struct IslandMember {
     pub order: u64,
     pub entity: Entity,
-    pub kind: Kind,
+    pub kind: MemberKind,
     /// Where it can get within the step.
     pub bounds: Bounds,
 }
 
-impl Member {
+impl IslandMember {
     /// Whether the two can meet in this step. Balls touch everything, and bodies each other where both do so.
     fn may_touch(&self, other: &Self) -> bool {
         let do_touch = match (self.kind, other.kind) {
-            (Kind::Body { has_self_contact }, Kind::Body { has_self_contact: others_has }) => {
+            (MemberKind::Body { has_self_contact }, MemberKind::Body { has_self_contact: others_has }) => {
                 has_self_contact && others_has
             }
-            (Kind::Obstacle, Kind::Obstacle) => false,
+            (MemberKind::Obstacle, MemberKind::Obstacle) => false,
             _ => true,
         };
         do_touch && overlap(self.bounds, other.bounds)
@@ -67,7 +67,7 @@ impl Member {
 }
 
 /// The axis on which the members lie farthest apart.
-fn widest_axis(members: &[Member]) -> usize {
+fn widest_axis(members: &[IslandMember]) -> usize {
     let corners = members.iter().map(|member| member.bounds.0);
     let low = corners.clone().fold(Vec3::INFINITY, Vec3::min);
     let size = corners.fold(Vec3::NEG_INFINITY, Vec3::max) - low;
@@ -119,7 +119,7 @@ impl Islands {
         for i in 0..count {
             // The root of an island is its oldest member, so it has its slot before the others ask for it.
             let root = root(&mut self.parents, i);
-            if self.members[i].kind == Kind::Obstacle {
+            if self.members[i].kind == MemberKind::Obstacle {
                 // It has joined others; itself it stays with the environment.
                 continue;
             }
@@ -129,7 +129,7 @@ impl Islands {
             let slot = if root == i { self.live - 1 } else { self.slot_of[root] };
             self.slot_of.push(slot);
             let (member, island) = (self.members[i], &mut self.slots[slot]);
-            let list = if member.kind == Kind::Ball { &mut island.balls } else { &mut island.bodies };
+            let list = if member.kind == MemberKind::Ball { &mut island.balls } else { &mut island.bodies };
             list.push(member.entity);
         }
     }
@@ -164,27 +164,6 @@ impl Islands {
         self.slots[self.live].reset();
         self.live += 1;
     }
-}
-
-/// The threads of the compute pool, for the sharing out of a large body.
-pub(crate) struct ComputeThreads;
-
-impl Threads for ComputeThreads {
-    /// With the one that calls, which need not be the pool's.
-    fn count(&self) -> usize {
-        1 + pool().thread_num()
-    }
-
-    fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
-        pool().scope(|scope| {
-            scope.spawn(async move { other() });
-            one();
-        });
-    }
-}
-
-fn pool() -> &'static TaskPool {
-    ComputeTaskPool::get_or_init(TaskPool::default)
 }
 
 /// The oldest member of `i`'s group.

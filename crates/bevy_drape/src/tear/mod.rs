@@ -2,4 +2,6 @@
 //!
 //! Imports everything that a piece inherits. The plugin runs these systems at the start and at the end of a step.
 
-pub mod tearing;
+pub mod messages;
+pub(crate) mod part;
+pub(crate) mod tearing;

@@ -5,9 +5,9 @@ use core::time::Duration;
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::prelude::*;
 
-use crate::body::activity::ActivityCounts;
 use crate::body::particles::Particles;
 use crate::schedule::StepTimes;
+use crate::sleep::activity_counts::ActivityCounts;
 
 /// Measures the last step in every frame, for Bevy's log, an overlay, or your own eyes. Not among [`DrapePlugins`](crate::DrapePlugins):
 ///

@@ -2,9 +2,9 @@
 
 use bevy::prelude::*;
 
-use crate::attach::grab::{Grab, Hand};
+use crate::attach::grab::{Grab, Hand, nearest_particle};
 use crate::body::particles::Particles;
-use crate::tear::tearing::CutCloth;
+use crate::tear::messages::CutCloth;
 
 /// Commands for swords, bullets and hands.
 ///
@@ -91,11 +91,4 @@ impl Gestures for Commands<'_, '_> {
         self.write_message(cut);
         self
     }
-}
-
-/// The particle that is nearest to `place`; none if there is none, or no such place.
-pub(crate) fn nearest_particle(particles: &drape_solver::Particles, place: Vec3) -> Option<usize> {
-    let away = particles.positions().enumerate().map(|(i, position)| (i, position.distance_squared(place)));
-    let nearest = away.filter(|(_, away)| away.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1));
-    nearest.map(|(i, _)| i)
 }

@@ -21,7 +21,8 @@ use bevy::transform::TransformSystems;
 use drape_solver::StickKind;
 
 use crate::body::activity::Activity;
-use crate::body::particles::{BodyState, Particles, Sticks};
+use crate::body::body_state::BodyState;
+use crate::body::particles::{Particles, Sticks};
 use crate::step::islands::Islands;
 
 /// What is drawn when this group is enabled in the `GizmoConfigStore`, as the [module](self) shows.

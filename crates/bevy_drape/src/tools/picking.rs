@@ -28,10 +28,10 @@ use bevy::picking::pointer::{PointerButton, PointerId};
 use bevy::picking::{Pickable, PickingSystems};
 use bevy::prelude::*;
 
-use crate::attach::grab::{Grab, Hand};
+use crate::attach::grab::{Grab, Hand, nearest_particle};
 use crate::ball::projectile::ProjectileState;
-use crate::body::particles::{BodyState, Particles, Sticks};
-use crate::tools::gestures::nearest_particle;
+use crate::body::body_state::BodyState;
+use crate::body::particles::{Particles, Sticks};
 use crate::tools::ray_cast::{BodyHit, cast_ray, meet_sphere};
 
 /// How thick links are at least for a pointer, in metres: ropes are thin.

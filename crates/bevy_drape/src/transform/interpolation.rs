@@ -12,8 +12,8 @@
 use bevy::app::RunFixedMainLoopSystems;
 use bevy::prelude::*;
 
-use crate::schedule::run_drape_schedule;
-use crate::transform::moved_by_frame::between;
+use crate::rigid_motion::between;
+use crate::step::run::run_drape_schedule;
 
 /// Shows the entity between the places where the last two fixed steps left it, instead of where the last one did.
 ///

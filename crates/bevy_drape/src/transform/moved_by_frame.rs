@@ -17,12 +17,13 @@ use bevy::prelude::*;
 use bevy::time::Virtual;
 
 use crate::attach::world_motion::TeleportCloth;
+use crate::rigid_motion::between;
 use crate::transform::interpolation::Interpolated;
 
 /// Marks an entity whose [`Transform`] is set once a frame, by an animation or in `Update`: the fixed steps of a frame see it on its way
 /// from where it was in the frame before last to where it was in the last one, and not in one jump. After them it is again as it was.
 ///
-/// The joints of a skinned [`ClothMesh`](crate::prelude::ClothMesh) get it by themselves. Give it to the character's root, too, if that is
+/// The joints of a skinned [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh) get it by themselves. Give it to the character's root, too, if that is
 /// moved in `Update`. What moves faster than 100 m/s is seen where it is at once, and so is all while a
 /// [`TeleportCloth`] waits. A transform that is set in the fixed loop is left alone; so is one that is [`Interpolated`].
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -105,17 +106,5 @@ fn show_pose_of_frame(mut moved: Moved) {
             (Some([_, end]), Some(written)) if *transform == written => _ = transform.set_if_neq(end),
             _ => poses.ends = Some([*transform; 2]),
         }
-    }
-}
-
-/// What lies between two transforms.
-pub(crate) fn between(start: &Transform, end: &Transform, fraction: f32) -> Transform {
-    if start == end || fraction >= 1.0 {
-        return *end;
-    }
-    Transform {
-        translation: start.translation.lerp(end.translation, fraction),
-        rotation: start.rotation.slerp(end.rotation, fraction),
-        scale: start.scale.lerp(end.scale, fraction),
     }
 }

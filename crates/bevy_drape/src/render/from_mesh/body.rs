@@ -9,7 +9,8 @@ use bevy::prelude::*;
 use drape_solver::Topology;
 
 use crate::attach::animated_pose::AnimatedPose;
-use crate::body::particles::{BodyState, CreationOrder, Particles};
+use crate::body::body_state::{BodyState, CreationOrder};
+use crate::body::particles::Particles;
 use crate::build::description::{insert_body, remove_body};
 use crate::change_detection::collect_changed;
 use crate::refusal::Refusals;

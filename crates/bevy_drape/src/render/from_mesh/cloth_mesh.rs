@@ -6,7 +6,8 @@ use bevy::prelude::*;
 use drape_solver::{ClothMaterial, MeshCloth, MeshClothBuilder, MeshRepairs, Weave};
 
 use crate::render::from_mesh::body::{MeshBody, MeshDescription};
-use crate::render::from_mesh::reading::{MeshFault, faces, paint, positions, texture_coordinates};
+use crate::render::from_mesh::paint::{ClothPaint, paint};
+use crate::render::from_mesh::reading::{MeshFault, faces, positions, texture_coordinates};
 use crate::render::from_mesh::skin::ClothSkin;
 use crate::render::from_mesh::source::MeshParts;
 use crate::render::vertex_map::VertexMap;
@@ -75,71 +76,6 @@ pub struct ClothWeave {
 impl Default for ClothWeave {
     fn default() -> Self {
         Self { weft_stiffness: 0.999, bias_stiffness: 0.98 }
-    }
-}
-
-/// What is read from the vertices of a mesh, so that it can be painted in a modelling tool.
-#[derive(Reflect, Clone, Debug, PartialEq)]
-#[reflect(Default, Debug, Clone, PartialEq)]
-pub struct ClothPaint {
-    /// Where it is said which vertices are pinned: those with a value above [`threshold`](Self::threshold). None: nowhere.
-    pub pins: Option<PaintChannel>,
-    /// The value above which a vertex is pinned; 0.5 by default.
-    pub threshold: f32,
-    /// Where it is said how far a vertex may be from where the animation has it: from its skinned pose, or from its place on the
-    /// entity. Black is 0, which follows the animation; see [`full_distance`](Self::full_distance). None, the default: without limits.
-    pub max_distance: Option<PaintChannel>,
-    /// The distance, in metres, that a value of 1 stands for; 1 by default, 0 or more.
-    pub full_distance: f32,
-    /// Where it is said how stiff the cloth is: white as its fields say, the darker the softer. 0.9 makes a rigid edge 0.999 stiff, 0.5 makes
-    /// it 0.89, black 0.5 ([`painted_stiffness`](MeshClothBuilder::painted_stiffness)). None, the default: alike everywhere.
-    pub stiffness: Option<PaintChannel>,
-    /// Whether vertex colours that something is read from are seen as well: renderers multiply the material's colour by them. False, the
-    /// default: the mesh that shows the cloth has no colours then. Those that nothing is read from are always seen.
-    pub is_seen: bool,
-}
-
-/// A number that each vertex of a mesh has.
-#[derive(Reflect, Clone, Debug, PartialEq, Eq)]
-#[reflect(Debug, Clone, PartialEq)]
-pub enum PaintChannel {
-    /// Red of the vertex colour. A mesh without colours has none.
-    Red,
-    /// Green, likewise.
-    Green,
-    /// Blue, likewise.
-    Blue,
-    /// Alpha, likewise.
-    Alpha,
-    /// The first number of the attribute with this name, which the mesh must have.
-    Attribute(String),
-}
-
-impl PaintChannel {
-    /// Whether it is of the vertex colours.
-    pub(crate) fn is_colour(&self) -> bool {
-        !matches!(self, Self::Attribute(_))
-    }
-}
-
-impl ClothPaint {
-    /// Whether vertex colours are paint, and nothing else.
-    fn takes_colours(&self) -> bool {
-        let channels = [&self.pins, &self.max_distance, &self.stiffness];
-        !self.is_seen && channels.into_iter().flatten().any(PaintChannel::is_colour)
-    }
-}
-
-impl Default for ClothPaint {
-    fn default() -> Self {
-        Self {
-            pins: Some(PaintChannel::Red),
-            threshold: 0.5,
-            max_distance: None,
-            full_distance: 1.0,
-            stiffness: None,
-            is_seen: false,
-        }
     }
 }
 
@@ -244,7 +180,7 @@ impl MeshDescription for ClothMesh {
     ) -> Result<MeshBody<WeldedVertices>, MeshFault> {
         let rest = skin.rest(transform);
         let (MeshCloth { particles, topology, particle_of_vertex, repairs }, pose) =
-            skin.build(self, mesh, transform)?;
+            skin.build(mesh, transform, |place| self.build(mesh, place))?;
         let MeshParts { positions, normals, faces } = parts;
         let vertices = VertexMap::new(particle_of_vertex, positions, *normals, faces.clone());
         Ok(MeshBody {

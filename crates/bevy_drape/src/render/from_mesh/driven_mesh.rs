@@ -13,7 +13,8 @@ use bevy::prelude::*;
 use drape_solver::{Embedding, MeshError, Topology};
 
 use crate::body::activity::Activity;
-use crate::body::particles::{BodyState, Particles, Sticks};
+use crate::body::body_state::BodyState;
+use crate::body::particles::{Particles, Sticks};
 use crate::refusal::Refusals;
 use crate::render::from_mesh::reading::MeshFault;
 use crate::render::from_mesh::soft_body::SolidCells;
@@ -36,7 +37,7 @@ use crate::render::visibility::HiddenByCulling;
 ///
 /// It is bound after the first step in which there are body and mesh, and anew when the component, the mesh, its asset or the body
 /// is changed. When the driver is gone the mesh stays as it is. The driver need not be shown: leave out its
-/// `MeshMaterial3d` rather than hide it, so that pointers still meet it. Where the driver [tears](crate::tear::tearing::Tearable), the mesh
+/// `MeshMaterial3d` rather than hide it, so that pointers still meet it. Where the driver [tears](crate::body::tearable::Tearable), the mesh
 /// does not: it goes on with what is left of the driver.
 ///
 /// ```

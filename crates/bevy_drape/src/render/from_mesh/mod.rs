@@ -5,6 +5,7 @@
 pub(crate) mod body;
 pub mod cloth_mesh;
 pub mod driven_mesh;
+pub mod paint;
 pub mod reading;
 pub(crate) mod skin;
 pub mod soft_body;

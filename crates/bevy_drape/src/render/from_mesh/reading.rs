@@ -5,8 +5,6 @@ use bevy::prelude::*;
 use drape_solver::MeshError;
 use thiserror::Error;
 
-use crate::render::from_mesh::cloth_mesh::PaintChannel;
-
 /// Why nothing can be made from a mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -136,52 +134,4 @@ pub(crate) fn skin(mesh: &Mesh) -> Result<Option<Vec<VertexSkin>>, MeshFault> {
         }
     };
     joints.iter().zip(weights).map(vertex).collect::<Result<_, _>>().map(Some)
-}
-
-/// What is painted on the vertices; nothing on a mesh without colours.
-pub(crate) fn paint(mesh: &Mesh, channel: &PaintChannel, vertices: usize) -> Result<Vec<f32>, MeshFault> {
-    let (name, number) = match channel {
-        PaintChannel::Red => (Mesh::ATTRIBUTE_COLOR.name, 0),
-        PaintChannel::Green => (Mesh::ATTRIBUTE_COLOR.name, 1),
-        PaintChannel::Blue => (Mesh::ATTRIBUTE_COLOR.name, 2),
-        PaintChannel::Alpha => (Mesh::ATTRIBUTE_COLOR.name, 3),
-        PaintChannel::Attribute(name) => (name.as_str(), 0),
-    };
-    let mut attributes = mesh.try_attributes().map_err(|_| MeshFault::NotInMainWorld)?;
-    match (attributes.find(|(attribute, _)| attribute.name == name), channel) {
-        (Some((_, values)), _) => {
-            let numbers = numbers(values, number).filter(|numbers| numbers.len() == vertices);
-            numbers.ok_or_else(|| MeshFault::NoNumbers(name.into()))
-        }
-        (None, PaintChannel::Attribute(_)) => Err(MeshFault::NoAttribute(name.into())),
-        (None, _) => Ok(Vec::new()),
-    }
-}
-
-/// One number of each vertex, whole ones of eight or sixteen bits as parts of the greatest where that is what they stand for.
-fn numbers(values: &VertexAttributeValues, number: usize) -> Option<Vec<f32>> {
-    fn pick<T: Copy, const N: usize>(
-        values: &[[T; N]],
-        number: usize,
-        float: impl Fn(T) -> f32,
-    ) -> Option<Vec<f32>> {
-        (number < N).then(|| values.iter().map(|value| float(value[number])).collect())
-    }
-    let part_of_255 = |value: u8| f32::from(value) / 255.0;
-    let part_of_65535 = |value: u16| f32::from(value) / 65535.0;
-    match values {
-        VertexAttributeValues::Float32(values) if number == 0 => Some(values.clone()),
-        VertexAttributeValues::Float32x2(values) => pick(values, number, f32::from),
-        VertexAttributeValues::Float32x3(values) => pick(values, number, f32::from),
-        VertexAttributeValues::Float32x4(values) => pick(values, number, f32::from),
-        VertexAttributeValues::Unorm8x2(values) => pick(values, number, part_of_255),
-        VertexAttributeValues::Unorm8x4(values) => pick(values, number, part_of_255),
-        VertexAttributeValues::Unorm16x2(values) => pick(values, number, part_of_65535),
-        VertexAttributeValues::Unorm16x4(values) => pick(values, number, part_of_65535),
-        VertexAttributeValues::Uint8x2(values) => pick(values, number, f32::from),
-        VertexAttributeValues::Uint8x4(values) => pick(values, number, f32::from),
-        VertexAttributeValues::Uint16x2(values) => pick(values, number, f32::from),
-        VertexAttributeValues::Uint16x4(values) => pick(values, number, f32::from),
-        _ => None,
-    }
 }

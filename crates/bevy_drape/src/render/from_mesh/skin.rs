@@ -6,7 +6,6 @@ use bevy::prelude::*;
 use drape_solver::MeshCloth;
 
 use crate::attach::animated_pose::{AnimatedPose, PosedParticle};
-use crate::render::from_mesh::cloth_mesh::ClothMesh;
 use crate::render::from_mesh::reading::{MeshFault, VertexSkin, positions, skin};
 
 /// What a cloth's mesh is animated by.
@@ -77,19 +76,19 @@ impl ClothSkin {
     /// The cloth, at rest as the mesh is, and posed as the joints are; and the pose, if something of the cloth follows it.
     pub fn build(
         mut self,
-        cloth: &ClothMesh,
         mesh: &Mesh,
         transform: &GlobalTransform,
+        build: impl Fn(&GlobalTransform) -> Result<MeshCloth, MeshFault>,
     ) -> Result<(MeshCloth, Option<AnimatedPose>), MeshFault> {
         if !self.is_skinned {
-            let built = cloth.build(mesh, transform)?;
+            let built = build(transform)?;
             let has_limits = (0..built.particles.len()).any(|i| built.particles.motion_limit(i).is_some());
             let pose = has_limits.then(|| self.pose_of(&built, mesh)).transpose()?;
             return Ok((built, pose));
         }
         // Undeformed, but as large as it is in the world.
         let main = self.matrices.get(self.pose.main).copied().unwrap_or_default();
-        let mut built = cloth.build(mesh, &main.into())?;
+        let mut built = build(&main.into())?;
         let pose = self.pose_of(&built, mesh)?;
         for place in &pose.particles {
             let (i, target) = (place.particle as usize, place.target(&self.matrices));

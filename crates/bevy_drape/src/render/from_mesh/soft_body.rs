@@ -4,14 +4,14 @@ use bevy::prelude::*;
 use drape_solver::{Embedding, MeshError, SoftBodyBuilder, SoftLattice, SoftSolid};
 
 use crate::body::pressure::Pressure;
+use crate::body::tearable::Untearable;
 use crate::render::from_mesh::body::{MeshBody, MeshDescription};
-use crate::render::from_mesh::cloth_mesh::PaintChannel;
-use crate::render::from_mesh::reading::{MeshFault, faces, paint, positions};
+use crate::render::from_mesh::paint::{PaintChannel, paint};
+use crate::render::from_mesh::reading::{MeshFault, faces, positions};
 use crate::render::from_mesh::skin::ClothSkin;
 use crate::render::from_mesh::source::MeshParts;
 use crate::render::smoothing::SmoothingGroups;
 use crate::render::vertices::{EmbeddedVertices, Vertices};
-use crate::tear::tearing::Untearable;
 
 /// Makes a soft solid of the entity's [`Mesh3d`], which must be closed: jelly, rubber, fruit.
 ///
