@@ -23,7 +23,7 @@
 
 use std::time::Duration;
 
-use bevy::ecs::schedule::ScheduleLabel;
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
 /// The schedule of one step. Run by [`DrapePlugins`](crate::DrapePlugins) in `FixedPostUpdate`, or wherever they were told to.
@@ -57,6 +57,144 @@ pub enum DrapeSystems {
     Relax,
     /// Contacts have the last word; velocities follow; friction.
     ProjectCollisions,
+}
+
+/// The plugin's own systems in [`DrapeSystems::ManageScene`], one after another in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum ScenePhase {
+    PropagateTransforms,
+    CollectCuts,
+    FireCannons,
+    BuildCloths,
+    BuildRopes,
+    BuildRigidTetrahedra,
+    BuildSoftBalls,
+    BuildBalls,
+    CompileRigs,
+    CutBodies,
+    ChooseDetail,
+    InheritMotion,
+    SyncObstacles,
+    FlyDynamicObstacles,
+    MovePins,
+    MovePosed,
+    MoveAttached,
+    TeleportBalls,
+    FollowRigTransforms,
+    TeleportRigidTetrahedra,
+    TurnWinches,
+    PullGrabbed,
+    WakePressed,
+    WakeAndCull,
+}
+
+/// The plugin's own systems in [`DrapeSystems::Finish`], one after another in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum FinishPhase {
+    FinishIslands,
+    ReportHits,
+    FallAsleep,
+    LockPlanes,
+    GiveReactions,
+    SendContacts,
+    WriteBalls,
+    WriteRigs,
+    FollowParticles,
+    WriteRigidTetrahedra,
+    TearBodies,
+    CountActivity,
+}
+
+/// The systems that collect requests in each tick, also while the simulation is paused. They run before the step.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct CollectRequests;
+
+/// Puts the sets of both schedules in order.
+pub(crate) fn configure_schedules(app: &mut App) {
+    app.edit_schedule(DrapeSchedule, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+        schedule.configure_sets(
+            (
+                DrapeSystems::ManageScene,
+                DrapeSystems::AccumulateForces,
+                DrapeSystems::FormIslands,
+                DrapeSystems::DetectCollisions,
+                DrapeSystems::Substeps,
+                DrapeSystems::Finish,
+            )
+                .chain(),
+        );
+        configure_scene_phases(schedule);
+        configure_finish_phases(schedule);
+    });
+    app.edit_schedule(DrapeSubsteps, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+        schedule.configure_sets(
+            (DrapeSystems::Integrate, DrapeSystems::Relax, DrapeSystems::ProjectCollisions).chain(),
+        );
+    });
+}
+
+fn configure_scene_phases(schedule: &mut Schedule) {
+    use ScenePhase as Phase;
+    schedule.configure_sets(
+        (
+            (
+                Phase::PropagateTransforms,
+                Phase::CollectCuts,
+                Phase::FireCannons,
+                Phase::BuildCloths,
+                Phase::BuildRopes,
+                Phase::BuildRigidTetrahedra,
+                Phase::BuildSoftBalls,
+                Phase::BuildBalls,
+                Phase::CompileRigs,
+                Phase::CutBodies,
+                Phase::ChooseDetail,
+                Phase::InheritMotion,
+            )
+                .chain(),
+            (
+                Phase::SyncObstacles,
+                Phase::FlyDynamicObstacles,
+                Phase::MovePins,
+                Phase::MovePosed,
+                Phase::MoveAttached,
+                Phase::TeleportBalls,
+                Phase::FollowRigTransforms,
+                Phase::TeleportRigidTetrahedra,
+                Phase::TurnWinches,
+                Phase::PullGrabbed,
+                Phase::WakePressed,
+                Phase::WakeAndCull,
+            )
+                .chain(),
+        )
+            .chain()
+            .in_set(DrapeSystems::ManageScene),
+    );
+}
+
+fn configure_finish_phases(schedule: &mut Schedule) {
+    use FinishPhase as Phase;
+    schedule.configure_sets(
+        (
+            Phase::FinishIslands,
+            Phase::ReportHits,
+            Phase::FallAsleep,
+            Phase::LockPlanes,
+            Phase::GiveReactions,
+            Phase::SendContacts,
+            Phase::WriteBalls,
+            Phase::WriteRigs,
+            Phase::FollowParticles,
+            Phase::WriteRigidTetrahedra,
+            Phase::TearBodies,
+            Phase::CountActivity,
+        )
+            .chain()
+            .in_set(DrapeSystems::Finish),
+    );
 }
 
 /// How long the stages of the last step took.

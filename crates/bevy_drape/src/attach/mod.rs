@@ -11,6 +11,7 @@ pub(crate) mod follow_pose;
 pub mod grab;
 pub(crate) mod pins;
 pub mod plane_lock;
+pub(crate) mod plugin;
 pub(crate) mod teleport;
 pub mod winch;
 pub mod world_motion;

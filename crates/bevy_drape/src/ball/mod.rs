@@ -3,4 +3,5 @@
 //! Imports `environment/` and `body/`. `step/` moves the balls; `contact/` reports their hits.
 
 pub mod cannon;
+pub(crate) mod plugin;
 pub mod projectile;

@@ -8,6 +8,7 @@ pub(crate) mod body_state;
 pub mod contact_events;
 pub mod layers;
 pub mod particles;
+pub(crate) mod plugin;
 pub mod pressure;
 pub mod settings;
 pub mod tearable;

@@ -4,6 +4,7 @@
 
 pub mod cloth;
 pub(crate) mod description;
+pub(crate) mod plugin;
 pub mod preset;
 pub mod rigid_tetrahedron;
 pub mod rope;

@@ -5,6 +5,7 @@
 pub(crate) mod contact_pairs;
 pub mod events;
 pub mod hit;
+pub(crate) mod plugin;
 pub(crate) mod reactions;
 pub(crate) mod report_hits;
 pub(crate) mod send_contacts;

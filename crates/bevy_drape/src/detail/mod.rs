@@ -4,4 +4,5 @@
 
 pub(crate) mod change;
 pub mod level;
+pub(crate) mod plugin;
 pub(crate) mod resampling;

@@ -9,6 +9,7 @@ pub mod gravity;
 pub(crate) mod known_obstacles;
 pub mod obstacle;
 pub(crate) mod obstacle_changes;
+pub(crate) mod plugin;
 pub(crate) mod solver_environment;
 pub(crate) mod sync_obstacles;
 pub(crate) mod wake_regions;

@@ -5,5 +5,6 @@
 pub(crate) mod body;
 pub(crate) mod compile;
 pub mod components;
+pub(crate) mod plugin;
 pub mod ragdoll;
 pub(crate) mod transforms;

@@ -7,6 +7,7 @@ pub mod activity_counts;
 pub(crate) mod candidates;
 pub(crate) mod cull;
 pub(crate) mod fall_asleep;
+pub(crate) mod plugin;
 pub(crate) mod resting_bvh;
 pub mod scene_manager;
 pub(crate) mod waking;

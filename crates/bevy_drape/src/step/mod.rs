@@ -10,4 +10,5 @@ pub(crate) mod form_islands;
 pub(crate) mod island_run;
 pub(crate) mod islands;
 pub mod motion_limits;
+pub(crate) mod plugin;
 pub(crate) mod run;

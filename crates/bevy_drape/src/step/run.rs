@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::prelude::*;
 
 use crate::clock::DrapeClock;
@@ -71,31 +70,11 @@ pub(crate) fn run_substeps(world: &mut World) {
     }
 }
 
-/// Gives both schedules their sets and systems.
-pub(crate) fn configure(app: &mut App) {
-    app.edit_schedule(DrapeSchedule, |schedule| {
-        schedule.set_executor(SingleThreadedExecutor::new());
-        schedule.configure_sets(
-            (
-                DrapeSystems::ManageScene,
-                DrapeSystems::AccumulateForces,
-                DrapeSystems::FormIslands,
-                DrapeSystems::DetectCollisions,
-                DrapeSystems::Substeps,
-                DrapeSystems::Finish,
-            )
-                .chain(),
-        );
-        schedule.add_systems(run_substeps.in_set(DrapeSystems::Substeps));
-    });
-    app.edit_schedule(DrapeSubsteps, |schedule| {
-        schedule.set_executor(SingleThreadedExecutor::new());
-        schedule.configure_sets(
-            (DrapeSystems::Integrate, DrapeSystems::Relax, DrapeSystems::ProjectCollisions).chain(),
-        );
-        for (stage, set) in SUBSTEP {
-            let stage_system = (move || -> StepStage { stage }).pipe(substep_stage);
-            schedule.add_systems(stage_system.in_set(set));
-        }
-    });
+/// Adds the substeps to both schedules.
+pub(crate) fn add_substeps(app: &mut App) {
+    app.add_systems(DrapeSchedule, run_substeps.in_set(DrapeSystems::Substeps));
+    for (stage, set) in SUBSTEP {
+        let stage_system = (move || -> StepStage { stage }).pipe(substep_stage);
+        app.add_systems(DrapeSubsteps, stage_system.in_set(set));
+    }
 }

@@ -4,4 +4,5 @@
 
 pub mod messages;
 pub(crate) mod part;
+pub(crate) mod plugin;
 pub(crate) mod tearing;

@@ -4,4 +4,5 @@
 
 pub mod interpolation;
 pub mod moved_by_frame;
+pub(crate) mod plugin;
 pub(crate) mod propagation;
