@@ -14,8 +14,8 @@ pub(crate) struct ObstacleChanges {
     pub recheck: Vec<Entity>,
     /// Those that moved in the last step, and may have stopped.
     pub moving: Vec<Entity>,
-    /// Those to look at.
-    pub seen: Vec<Entity>,
+    /// Those to bring up to date in this step.
+    pub outdated: Vec<Entity>,
 }
 
 impl ObstacleChanges {

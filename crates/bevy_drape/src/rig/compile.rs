@@ -4,9 +4,11 @@
 //! touched. Steps without an edit only look for changes.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
+use drape_solver::Topology;
 use drape_solver::constants::MAX_MAGNITUDE;
 
 use crate::body::body_state::{BodyState, CreationOrder, Extent};
@@ -88,34 +90,7 @@ pub(crate) fn compile_rigs(
             }
         };
         claimed.extend(body);
-        let settings = compiled.settings;
-        let body = match body.and_then(|body| rigs.get_mut(body).ok()) {
-            Some((body, mut rig, mut particles, mut sticks, mut state)) => {
-                if rig.particles == compiled.rig.particles && compiled.is_all_from(body) {
-                    // The columns stay, with what users wrote into them since the last step.
-                    for (i, &inverse_mass) in compiled.inverse_masses.iter().enumerate() {
-                        particles.set_inverse_mass(i, inverse_mass);
-                    }
-                } else {
-                    particles.0 = columns;
-                }
-                state.extent = Extent::of(&particles, &topology);
-                state.context = default();
-                sticks.0 = topology;
-                *rig = compiled.rig;
-                body
-            }
-            None => {
-                let extent = Extent::of(&columns, &topology);
-                let state = BodyState { order: order.next(), extent, ..default() };
-                let name = Name::new("Rig");
-                commands.spawn((name, compiled.rig, Particles(columns), Sticks(topology), state)).id()
-            }
-        };
-        match settings {
-            Some(settings) => commands.entity(body).try_insert(settings),
-            None => commands.entity(body).try_remove::<SolverSettings>(),
-        };
+        let body = update_body(&mut commands, &mut rigs, &mut order, body, compiled, (columns, topology));
         for (index, &i) in group.members.iter().enumerate() {
             let in_rig = InRig { body, index };
             if members[i].in_rig != Some(in_rig) {
@@ -129,6 +104,46 @@ pub(crate) fn compile_rigs(
             commands.entity(body).try_despawn();
         }
     }
+}
+
+/// Puts a compiled rig on the entity of its body, or on a new one.
+fn update_body(
+    commands: &mut Commands,
+    rigs: &mut RigQuery,
+    order: &mut CreationOrder,
+    body: Option<Entity>,
+    compiled: CompiledRig,
+    (columns, topology): (drape_solver::Particles, Arc<Topology>),
+) -> Entity {
+    let settings = compiled.settings;
+    let body = match body.and_then(|body| rigs.get_mut(body).ok()) {
+        Some((body, mut rig, mut particles, mut sticks, mut state)) => {
+            if rig.particles == compiled.rig.particles && compiled.is_all_from(body) {
+                // The columns stay, with what users wrote into them since the last step.
+                for (i, &inverse_mass) in compiled.inverse_masses.iter().enumerate() {
+                    particles.set_inverse_mass(i, inverse_mass);
+                }
+            } else {
+                particles.0 = columns;
+            }
+            state.extent = Extent::of(&particles, &topology);
+            state.context = default();
+            sticks.0 = topology;
+            *rig = compiled.rig;
+            body
+        }
+        None => {
+            let extent = Extent::of(&columns, &topology);
+            let state = BodyState { order: order.next(), extent, ..default() };
+            let name = Name::new("Rig");
+            commands.spawn((name, compiled.rig, Particles(columns), Sticks(topology), state)).id()
+        }
+    };
+    match settings {
+        Some(settings) => commands.entity(body).try_insert(settings),
+        None => commands.entity(body).try_remove::<SolverSettings>(),
+    };
+    body
 }
 
 fn is_edited(edits: &RigEdits, particles: &ParticleQuery, sticks: &StickQuery, rigs: &RigQuery) -> bool {

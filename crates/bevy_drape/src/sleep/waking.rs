@@ -93,6 +93,115 @@ impl WakeSearch {
         self.sources.push(WakeSource { bounds, layers: Layers::ALL, touches });
     }
 
+    /// Wakes the balls that were pushed or edited, and notes what is active and what rests.
+    fn update_balls(&mut self, candidates: &[Entity], targets: &mut WakeTargets) {
+        let (dt, gravity) = targets.step_and_gravity();
+        let WakeTargets { balls, solver, .. } = targets;
+        for &entity in candidates {
+            let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
+            // A ball that was refused gets another chance when somebody has edited it.
+            let mended = record.refused && ball.is_changed();
+            let bounds = ball.bounds_within_step(dt, gravity);
+            let resting = *activity == Activity::Resting;
+            let is_elsewhere = ball.layers() != DrapeLayers::of(layers);
+            if mended || (resting && (ball.is_disturbed() || is_elsewhere || solver.changed)) {
+                record.refused = false;
+                *activity = Activity::Active;
+                ball.bypass_change_detection().rouse();
+            }
+            if *activity == Activity::Active {
+                let layers = DrapeLayers::of(layers);
+                self.sources.push(WakeSource { bounds, layers, touches: Touches::AllBodies });
+            }
+            if *activity == Activity::Resting {
+                self.balls.insert(entity, bounds);
+            } else {
+                if let Some(bounds) = self.balls.remove(entity) {
+                    self.wake_around(bounds, Touches::AllBodies);
+                }
+            }
+        }
+    }
+
+    /// Wakes the bodies that were pushed, edited or given other settings, and notes what is active and what rests.
+    fn update_bodies(
+        &mut self,
+        candidates: &[Entity],
+        targets: &mut WakeTargets,
+        defaults: SolverSettings,
+        order: &mut CreationOrder,
+    ) {
+        let (dt, gravity) = targets.step_and_gravity();
+        let WakeTargets { bodies, solver, .. } = targets;
+        for &entity in candidates {
+            let Ok((mut activity, mut particles, sticks, mut state, settings, layers, detail)) =
+                bodies.get_mut(entity)
+            else {
+                continue;
+            };
+            let state = &mut *state;
+            let settings = settings.copied().unwrap_or(defaults).into();
+            let settings = detail.map_or(settings, |detail| detail.limit(settings));
+            let edited = particles.is_disturbed();
+            if state.order == 0 {
+                // A body that was not built by the plugin.
+                state.order = order.next();
+                state.extent = Extent::of(&particles, &sticks);
+            } else if edited && particles.is_changed() {
+                let bounds = state.bounds();
+                if *activity == Activity::Resting {
+                    self.wake_around(bounds, Touches::of_body(&state.settings));
+                }
+                state.extent = Extent::of(&particles, &sticks);
+            }
+            let layers = DrapeLayers::of(layers);
+            let rearranged = state.layers != layers
+                || !same_settings(&state.settings, &settings)
+                || (sticks.is_changed() && !sticks.is_added());
+            state.settings = settings;
+            state.layers = layers;
+            let mended = state.refused && (rearranged || particles.is_changed());
+            let resting = *activity == Activity::Resting;
+            let bounds = state.bounds();
+            if mended || (resting && (edited || rearranged || solver.changed)) {
+                state.refused = false;
+                *activity = Activity::Active;
+                particles.bypass_change_detection().rouse();
+            }
+            if *activity == Activity::Active {
+                let touches = Touches::of_body(&state.settings);
+                self.sources.push(WakeSource {
+                    bounds: state.bounds_within_step(dt, gravity),
+                    layers,
+                    touches,
+                });
+            }
+            if *activity == Activity::Resting {
+                self.bodies.insert(entity, bounds);
+            } else {
+                self.bodies.remove(entity);
+            }
+        }
+    }
+
+    /// Wakes what rests where something is active, and what rests where that can get, until nothing is found.
+    fn spread(&mut self, wake_regions: &WakeRegions, targets: &mut WakeTargets) {
+        for &(space, layers) in &wake_regions.0 {
+            self.bodies.find(space, &mut self.found);
+            self.balls.find(space, &mut self.found);
+            self.wake_found(WakeSource { bounds: space, layers, touches: Touches::AllBodies }, targets);
+        }
+        let mut next = 0;
+        while let Some(&who) = self.sources.get(next) {
+            next += 1;
+            self.balls.find(who.bounds, &mut self.found);
+            if who.touches != Touches::NoBodies {
+                self.bodies.find(who.bounds, &mut self.found);
+            }
+            self.wake_found(who, targets);
+        }
+    }
+
     /// Wakes what was found, does rest where `who` moves and could touch it, so that it moves itself.
     fn wake_found(&mut self, who: WakeSource, targets: &mut WakeTargets) {
         let WakeSource { bounds: space, layers, touches } = who;
@@ -136,98 +245,11 @@ pub(crate) fn wake(
     mut order: ResMut<CreationOrder>,
     mut search: Local<WakeSearch>,
 ) {
-    let search = &mut *search;
-    let (dt, gravity) = targets.step_and_gravity();
-    let WakeTargets { bodies, balls, solver, .. } = &mut targets;
     search.sources.clear();
     for bounds in candidates.left.drain(..) {
         search.wake_around(bounds, Touches::AllBodies);
     }
-    for &entity in &candidates.balls {
-        let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
-        // A ball that was refused gets another chance when somebody has edited it.
-        let mended = record.refused && ball.is_changed();
-        let bounds = ball.bounds_within_step(dt, gravity);
-        let resting = *activity == Activity::Resting;
-        let is_elsewhere = ball.layers() != DrapeLayers::of(layers);
-        if mended || (resting && (ball.is_disturbed() || is_elsewhere || solver.changed)) {
-            record.refused = false;
-            *activity = Activity::Active;
-            ball.bypass_change_detection().rouse();
-        }
-        if *activity == Activity::Active {
-            let layers = DrapeLayers::of(layers);
-            search.sources.push(WakeSource { bounds, layers, touches: Touches::AllBodies });
-        }
-        if *activity == Activity::Resting {
-            search.balls.insert(entity, bounds);
-        } else {
-            if let Some(bounds) = search.balls.remove(entity) {
-                search.wake_around(bounds, Touches::AllBodies);
-            }
-        }
-    }
-    for &entity in &candidates.bodies {
-        let Ok((mut activity, mut particles, sticks, mut state, settings, layers, detail)) =
-            bodies.get_mut(entity)
-        else {
-            continue;
-        };
-        let state = &mut *state;
-        let settings = settings.copied().unwrap_or(defaults.0).into();
-        let settings = detail.map_or(settings, |detail| detail.limit(settings));
-        let edited = particles.is_disturbed();
-        if state.order == 0 {
-            // A body that was not built by the plugin.
-            state.order = order.next();
-            state.extent = Extent::of(&particles, &sticks);
-        } else if edited && particles.is_changed() {
-            let bounds = state.bounds();
-            if *activity == Activity::Resting {
-                search.wake_around(bounds, Touches::of_body(&state.settings));
-            }
-            state.extent = Extent::of(&particles, &sticks);
-        }
-        let layers = DrapeLayers::of(layers);
-        let rearranged = state.layers != layers
-            || !same_settings(&state.settings, &settings)
-            || (sticks.is_changed() && !sticks.is_added());
-        state.settings = settings;
-        state.layers = layers;
-        let mended = state.refused && (rearranged || particles.is_changed());
-        let resting = *activity == Activity::Resting;
-        let bounds = state.bounds();
-        if mended || (resting && (edited || rearranged || solver.changed)) {
-            state.refused = false;
-            *activity = Activity::Active;
-            particles.bypass_change_detection().rouse();
-        }
-        if *activity == Activity::Active {
-            let touches = Touches::of_body(&state.settings);
-            search.sources.push(WakeSource {
-                bounds: state.bounds_within_step(dt, gravity),
-                layers,
-                touches,
-            });
-        }
-        if *activity == Activity::Resting {
-            search.bodies.insert(entity, bounds);
-        } else {
-            search.bodies.remove(entity);
-        }
-    }
-    for &(space, layers) in &wake_regions.0 {
-        search.bodies.find(space, &mut search.found);
-        search.balls.find(space, &mut search.found);
-        search.wake_found(WakeSource { bounds: space, layers, touches: Touches::AllBodies }, &mut targets);
-    }
-    let mut next = 0;
-    while let Some(&who) = search.sources.get(next) {
-        next += 1;
-        search.balls.find(who.bounds, &mut search.found);
-        if who.touches != Touches::NoBodies {
-            search.bodies.find(who.bounds, &mut search.found);
-        }
-        search.wake_found(who, &mut targets);
-    }
+    search.update_balls(&candidates.balls, &mut targets);
+    search.update_bodies(&candidates.bodies, &mut targets, **defaults, &mut order);
+    search.spread(&wake_regions, &mut targets);
 }
