@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::bracketed;
 use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Turn, Vector, Whole};
 
-/// A rectangular cloth. Untouched by `turn` it hangs in the XY plane, centred at `at`, facing +Z.
+/// A rectangular cloth. Without a `turn` it hangs in the XY plane, centred at `at`, facing +Z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cloth {
@@ -30,27 +30,27 @@ pub struct Cloth {
     pub damping: NonNegative,
     /// Which particles are fixed; the top edge by default.
     pub pins: Pins,
-    /// Where its middle is, in metres; (0, 0, 0) by default.
+    /// Position of its centre in metres; (0, 0, 0) by default.
     pub at: Vector,
-    /// How it is turned; not at all by default.
+    /// Rotation; none by default.
     pub turn: Turn,
     /// Velocity of its free particles at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
-    /// When it tears; never by default.
+    /// Tearing limits; never tears by default.
     pub tearable: Option<Tearable>,
-    /// How it is solved; as the scene's settings have it by default.
+    /// Solver settings; those of the scene by default.
     pub solver: Solver,
-    /// Which layers it is in and which it touches; all by default.
+    /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
-    /// Whether its contacts are told; false by default.
+    /// True to report its contacts; false by default.
     pub contacts: bool,
     /// Name of its material, for pictures; none by default.
     pub material: Option<String>,
-    /// Whether it is there at the start, and not only once it is spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 
-/// Which particles of a cloth are fixed. They are counted row by row from the top left.
+/// The fixed particles of a cloth. Particles are numbered row by row from the top left.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Pins {
     /// None: the cloth is free.
