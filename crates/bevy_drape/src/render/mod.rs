@@ -1,0 +1,17 @@
+//! Meshes: bodies shown as meshes, and bodies made from meshes.
+//!
+//! Imports bodies, descriptions and levels of detail below. The mesh plugin runs these systems; `tear/` must know which of the
+//! components a piece does not inherit.
+
+pub(crate) mod detail_mesh;
+pub mod from_mesh;
+pub mod mesh_plugin;
+pub(crate) mod normals;
+pub mod rope_mesh;
+pub(crate) mod smoothing;
+pub(crate) mod surface;
+pub(crate) mod torn_mesh;
+pub(crate) mod tube;
+pub(crate) mod vertex_map;
+pub(crate) mod vertices;
+pub(crate) mod visibility;
