@@ -1,4 +1,4 @@
-//! What is far away costs less, and nobody notices.
+//! Distant bodies cost less, and no difference is seen.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
