@@ -1,4 +1,5 @@
 //! parallel.
 
+pub(crate) mod for_each;
 pub mod threads;
 pub(crate) mod workers;
