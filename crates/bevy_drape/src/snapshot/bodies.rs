@@ -6,19 +6,20 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::{BodyContext, Layers, ParticlesSnapshot, Topology};
 
-use crate::activity::Activity;
-use crate::detail::CurrentDetail;
-use crate::detail_change::parts_at;
-use crate::grab::Grab;
-use crate::layers::DrapeLayers;
-use crate::particles::{BodyState, Extent, Particles, Sticks};
-use crate::rig::Rig;
-use crate::rigid_tetrahedron::RigidPlace;
-use crate::settings::SolverSettings;
+use crate::attach::grab::Grab;
+use crate::body::activity::Activity;
+use crate::body::body_state::{BodyState, Extent};
+use crate::body::layers::DrapeLayers;
+use crate::body::particles::{Particles, Sticks};
+use crate::body::settings::SolverSettings;
+use crate::build::rigid_tetrahedron::RigidPlace;
+use crate::detail::change::parts_at;
+use crate::detail::level::CurrentDetail;
+use crate::rig::components::Rig;
 use crate::snapshot::attachments::{self, AttachmentSnapshot};
+use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::motions::{self, MotionSnapshot};
 use crate::snapshot::world::{Placed, put_component};
-use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
 
 /// The state of one body.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,8 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
 use bevy::prelude::*;
-use bevy_drape::drape_solver::{StateHasher, StickKind, measure};
+use bevy_drape::drape_solver::state::measure;
+use bevy_drape::drape_solver::{StateHasher, StickKind};
 
 use crate::*;
 

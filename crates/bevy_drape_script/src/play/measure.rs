@@ -2,7 +2,8 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_drape::drape_solver::{self, StateHasher, StickBatch, StickKind, measure};
+use bevy_drape::drape_solver::state::measure;
+use bevy_drape::drape_solver::{self, StateHasher, StickBatch, StickKind};
 use bevy_drape::prelude::*;
 
 use super::ScenePlay;
