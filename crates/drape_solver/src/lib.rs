@@ -43,6 +43,8 @@ pub mod state;
 pub mod step;
 pub mod substep;
 pub mod tearing;
+pub(crate) mod union_find;
+pub mod world;
 
 pub use build::cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use build::embedding::Embedding;
@@ -86,6 +88,11 @@ pub use state::volume::volume;
 pub use step::{step, step_on};
 pub use tearing::pieces::Piece;
 pub use tearing::tear::{TearLimits, Torn, TornStick};
+pub use world::World;
+pub use world::activity::{Activity, ActivityCounts};
+pub use world::activity_rules::ActivityRules;
+pub use world::events::{Events, Fault};
+pub use world::id::{BallId, BodyId, MemberId, ObstacleId, WorldId};
 
 pub use glam;
 pub use parry3d;

@@ -2,12 +2,19 @@
 //! improved equivalence algorithm").
 
 /// The groups of numbers from 0 on.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Groups(Vec<u32>);
 
 impl Groups {
     /// Each of `count` numbers in a group of its own.
     pub fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
+    }
+
+    /// The same again, keeping the memory.
+    pub fn reset(&mut self, count: usize) {
+        self.0.clear();
+        self.0.extend(0..count as u32);
     }
 
     /// The least number of the group that `i` is in; the way there is shortened.
