@@ -5,16 +5,21 @@
 //! Stiffness, friction and drag are chosen to look right, and measured: `drape_bench presets` prints the drape coefficient of
 //! each and its stretch under its own weight.
 
+#[cfg(feature = "bevy")]
+use bevy_reflect::std_traits::ReflectDefault;
+
 use crate::build::cloth::ClothMaterial;
 use crate::state::settings::SolverSettings;
 
 /// A material of cloth. Stiffness is that for some 20 particles to the metre: of finer cloth each stick carries more
 /// particles, and gives way by more.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum Preset {
     /// Crepe de chine of 16 momme: 0.07 kg/m^2. Flows, and falls slowly.
     Silk,
     /// Shirting: 0.12 kg/m^2.
+    #[default]
     Cotton,
     /// Of 14 ounces per square yard: 0.475 kg/m^2. Stands in stiff folds.
     Denim,
@@ -74,5 +79,19 @@ impl Preset {
         // Tethers would keep it from stretching.
         let tethers = settings.tethers && self != Self::Rubber;
         SolverSettings { friction, drag, thickness, tethers, ..settings }
+    }
+}
+
+impl From<Preset> for SolverSettings {
+    fn from(preset: Preset) -> Self {
+        Self::default().with_preset(preset)
+    }
+}
+
+impl SolverSettings {
+    /// These with the surface, the air and the tethers of a material; how well it is solved stays.
+    #[must_use]
+    pub fn with_preset(self, preset: Preset) -> Self {
+        preset.settings(self)
     }
 }
