@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.0, 1.5, 4.2),
     target: Vec3::new(0.0, 0.55, 0.0),
-    moment: 2.2,
+    picture_time: 2.2,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -24,14 +24,16 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use clap::Parser;
-use drape_examples::arguments::Arguments;
-use drape_examples::{headless, soak, table1};
+use drape_examples::cannon_demo::arguments::Arguments;
+use drape_examples::cannon_demo::headless;
+use drape_examples::cannon_demo::soak;
+use drape_examples::cannon_demo::table1;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     #[cfg(feature = "window")]
     if !arguments.headless && !arguments.frames && !arguments.table1 && arguments.soak.is_none() {
-        return match drape_examples::window::run(&arguments) {
+        return match drape_examples::cannon_demo::window::run(&arguments) {
             Ok(bevy::app::AppExit::Success) => ExitCode::SUCCESS,
             Ok(bevy::app::AppExit::Error(code)) => ExitCode::from(code.get()),
             Err(error) => fail(&error),

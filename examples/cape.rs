@@ -15,7 +15,7 @@ pub const FEATURE: Feature = Feature {
     controls: "Space: turn at once, as in a teleport",
     eye: Vec3::new(-0.6, 1.9, -3.6),
     target: Vec3::new(-3.5, 0.9, 0.2),
-    moment: 12.4,
+    picture_time: 12.4,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(Update, animate);
     },

@@ -15,7 +15,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(4.5, 1.6, 2.6),
     target: Vec3::new(2.0, 0.82, -0.2),
-    moment: 7.4,
+    picture_time: 7.4,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(Update, (go_round, hide_capsules));
     },

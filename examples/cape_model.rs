@@ -5,7 +5,7 @@
 
 use std::process::ExitCode;
 
-use drape_examples::character_model::model;
+use drape_examples::character::gltf_file::model;
 
 /// Where the file is.
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/models/cape.glb");

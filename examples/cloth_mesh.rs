@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.0, 1.5, 3.0),
     target: Vec3::new(0.0, 0.75, 0.0),
-    moment: 2.6,
+    picture_time: 2.6,
     build: |app| {
         app.add_systems(FixedUpdate, turn).add_systems(Startup, setup);
     },

@@ -14,7 +14,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.0, 1.2, 4.0),
     target: Vec3::new(0.0, 1.2, 0.0),
-    moment: 2.2,
+    picture_time: 2.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, swing);
     },

@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(2.9, 1.5, 2.3),
     target: Vec3::new(0.0, 1.15, 0.1),
-    moment: 2.2,
+    picture_time: 2.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, pull);
     },

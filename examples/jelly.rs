@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(2.6, 1.9, 3.4),
     target: Vec3::new(0.25, 0.45, 0.0),
-    moment: 0.95,
+    picture_time: 0.95,
     build: |app| {
         app.add_systems(Startup, setup);
     },

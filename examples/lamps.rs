@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(1.4, 1.6, 5.4),
     target: Vec3::new(0.0, 0.95, 0.0),
-    moment: 2.4,
+    picture_time: 2.4,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, float);
     },

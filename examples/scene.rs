@@ -31,8 +31,9 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use drape_examples::scene_arguments::SceneArguments;
-use drape_examples::{scene_replay, scene_suite};
+use drape_examples::scripted::arguments::SceneArguments;
+use drape_examples::scripted::replay as scene_replay;
+use drape_examples::scripted::suite as scene_suite;
 
 fn main() -> ExitCode {
     let arguments = SceneArguments::parse();
@@ -61,7 +62,7 @@ fn replay(
 ) -> Result<bool, Box<dyn std::error::Error>> {
     #[cfg(feature = "window")]
     if !arguments.headless && arguments.diff.is_none() {
-        return drape_examples::scene_replay_window::run(recording).map_err(Into::into);
+        return drape_examples::scripted::replay_window::run(recording).map_err(Into::into);
     }
     scene_replay::run(recording, arguments.diff.as_deref()).map_err(Into::into)
 }
@@ -69,7 +70,7 @@ fn replay(
 fn play(arguments: &SceneArguments) -> Result<bool, Box<dyn std::error::Error>> {
     #[cfg(feature = "window")]
     if !arguments.headless {
-        return drape_examples::scene_window::run(arguments).map_err(Into::into);
+        return drape_examples::scripted::window::run(arguments).map_err(Into::into);
     }
     scene_suite::run(arguments).map_err(Into::into)
 }

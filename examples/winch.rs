@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(2.2, 2.0, 3.4),
     target: Vec3::new(0.0, 1.2, 0.0),
-    moment: 1.2,
+    picture_time: 1.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, (hang, turn));
     },

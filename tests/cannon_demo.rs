@@ -1,10 +1,10 @@
 //! The founding experiment as a test: five shots at the curtain, and what must come of them.
 
 use bevy::prelude::*;
-use drape_examples::headless::{app, run_to_rest};
-use drape_examples::recorder::Recorder;
-use drape_examples::report::Report;
-use drape_examples::scene::CannonScene;
+use drape_examples::cannon_demo::headless::{app, run_to_rest};
+use drape_examples::cannon_demo::recorder::Recorder;
+use drape_examples::cannon_demo::report::Report;
+use drape_examples::cannon_demo::scene::CannonScene;
 
 fn run(scene: CannonScene) -> Report {
     let mut app = app(scene.clone(), 2);

@@ -34,7 +34,7 @@ runs! {
 }
 
 fn run(feature: &Feature) -> FeatureReport {
-    let report = feature.run_headless(feature.moment).expect("a run without a fault");
+    let report = feature.run_headless(feature.picture_time).expect("a run without a fault");
     assert!(report.greatest_speed < TOO_FAST, "{report:?}");
     assert!(report.greatest_speed > 0.1, "nothing moves: {report:?}");
     report
@@ -84,7 +84,7 @@ fn a_cut_curtain_is_in_pieces() {
 fn at_its_moment(feature: &Feature) -> App {
     let mut app = feature.headless_app();
     // The first update takes no step.
-    (0..=steps_in(&app, feature.moment)).for_each(|_| app.update());
+    (0..=steps_in(&app, feature.picture_time)).for_each(|_| app.update());
     app
 }
 

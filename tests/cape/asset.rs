@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
+use drape_examples::character::gltf_file::model;
 use drape_examples::character::{BONES, cape_mesh};
-use drape_examples::character_model::model;
 use serde_json::Value;
 
 /// The file in the repository.

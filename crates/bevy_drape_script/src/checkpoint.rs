@@ -32,8 +32,8 @@ use bevy_drape::snapshot::{Snapshot, SnapshotError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::SceneError;
 use crate::container::{pack, unpack};
+use crate::text::SceneError;
 
 /// How every checkpoint begins.
 pub const MAGIC: [u8; 8] = *b"DRAPESAV";
@@ -116,19 +116,14 @@ impl Checkpoint {
         Self { scene: scene.into(), ..self }
     }
 
-    /// Begins the scripted scene of this checkpoint in `world`, in place of the one that is being played, and takes it to where
-    /// it was. It goes on with the same bits, as if it had never stopped.
-    ///
-    /// # Errors
-    /// [`CheckpointError`] if it was [taken](Self::take) of a world and not by a scene's timeline, or does not agree with itself.
-    pub fn resume(&self, world: &mut World) -> Result<(), CheckpointError> {
-        let play = self.play.as_ref().ok_or(CheckpointError::NoPlay)?;
-        crate::play::resume(world, &self.scene, &self.snapshot, play)
-    }
-
     /// The name of its scene.
     pub fn scene(&self) -> &str {
         &self.scene
+    }
+
+    /// The state of its scripted scene as text, if it has one.
+    pub(crate) fn play(&self) -> Option<&str> {
+        self.play.as_deref()
     }
 
     /// The state.

@@ -136,6 +136,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         }
         if let Some(mut state) = entity.get_mut::<BodyState>() {
             state.context = BodyContext::default();
+            state.scratch = default();
             state.context.set_still_for(body.still_for);
             state.anchor = Affine3A::from_cols_array(&body.anchor);
             state.pins = body.pins.iter().map(|&(pin, place)| (pin, place.into())).collect();

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Fraction;
-use super::number::bracketed;
+use super::bracketed;
 
 /// What something looks like. The simulation does not look at it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -5,7 +5,7 @@ use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::number::bracketed;
+use super::bracketed;
 use super::{Fraction, Number, Positive, Turn, Vector};
 
 /// A wind in some place, on top of that of the settings: a fan, a draught, an explosion.

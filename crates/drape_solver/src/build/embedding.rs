@@ -42,7 +42,7 @@ impl CellWeights {
 const BULGE: f32 = 0.75;
 
 /// Triangles whose normal differs more from that of a corner, by this cosine, count as flat.
-const LEAST_LEAN: f64 = 0.3;
+const LEAST_CURVED_COSINE: f64 = 0.3;
 
 /// The corners of a point's triangle, what each counts, and how far the point is off the curve over the triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl FaceWeights {
         let (along_a, along_b) = (off.cross(b).dot(across) / square, a.cross(off).dot(across) / square);
         let weights = [1.0 - along_a - along_b, along_a, along_b].map(|weight| weight as f32);
         let unit = across.normalize();
-        let is_sharp = normals.iter().any(|normal| normal.as_dvec3().dot(unit) < LEAST_LEAN);
+        let is_sharp = normals.iter().any(|normal| normal.as_dvec3().dot(unit) < LEAST_CURVED_COSINE);
         let (curved, normal) = curve(corners, if is_sharp { [unit.as_vec3(); 3] } else { normals }, weights);
         // What is left, by the two sides and the normal, which turn with the triangle.
         let (left, normal) = ((point - curved).as_dvec3(), normal.as_dvec3());

@@ -1,4 +1,6 @@
-//! build.
+//! Builders: from a cloth's size, a rope's length or a mesh to particles and a topology.
+//!
+//! Imports: `constraint` and below; no contact and no step. Callers: users, the plugin, and `tearing`.
 
 pub(crate) mod adjacency;
 pub mod cloth;

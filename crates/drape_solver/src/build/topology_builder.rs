@@ -7,12 +7,12 @@ use glam::Vec3;
 use crate::broad_phase::ball_search::are_by_square;
 use crate::build::cloth::MAX_PARTICLES;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
-use crate::constraint::listed_stick::ListedBatch;
-use crate::constraint::tether::{TetherPlan, Tethers};
 use crate::error::{BuildError, in_range};
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
 use crate::state::renumbering::Renumbering;
+use crate::state::stick_list::ListedBatch;
+use crate::state::tethers::{TetherPlan, Tethers};
 use crate::state::topology::{
     BatchSticks, EmbeddedPoint, StickBatch, StickBound, StickKind, StickMaterial, Topology,
 };

@@ -1,8 +1,8 @@
 //! How hard the solver works on a body, and what its surface is like.
 
 use crate::constants::{MAX_ITERATIONS, MAX_SUBSTEPS};
-use crate::contact::friction::Friction;
 use crate::error::{BuildError, in_range};
+use crate::state::friction::Friction;
 
 /// Which formula moves the ends of a stick to its rest length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -4,13 +4,13 @@ use std::sync::OnceLock;
 
 use glam::{DMat3, Vec3};
 
-use crate::broad_phase::surface_tree::SurfaceTree;
-use crate::constraint::listed_stick::{ListedBatch, ListedSticks};
-use crate::constraint::tether::TetherPlan;
-use crate::constraint::volume::RestVolume;
 use crate::error::{BuildError, in_range};
 use crate::state::grid::{GridBatch, GridRuns};
 use crate::state::layout::Layout;
+use crate::state::stick_list::{ListedBatch, ListedSticks};
+use crate::state::surface_tree::SurfaceTree;
+use crate::state::tethers::TetherPlan;
+use crate::state::volume::RestVolume;
 
 /// What a stick is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

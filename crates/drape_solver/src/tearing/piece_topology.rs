@@ -5,21 +5,21 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::build::topology_builder::TopologyBuilder;
-use crate::constraint::tether::{TetherPlan, Tethers};
-use crate::constraint::tether_crossing::Crossing;
 use crate::error::BuildError;
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
+use crate::state::tethers::{TetherPlan, Tethers};
 use crate::state::topology::{BatchSticks, LooseStick, StickBatch, StickMaterial, Topology};
 use crate::state::torn_grid::TornGrid;
 use crate::tearing::pieces::Rejoined;
 use crate::tearing::split::Split;
+use crate::tearing::tether_crossing::TetherCrossing;
 
 /// What a piece is made from.
 pub(crate) struct PieceTopology<'a> {
     split: &'a Split<'a>,
     batches: &'a [Rejoined<'a>],
-    crossing: &'a Crossing,
+    crossing: &'a TetherCrossing,
     members: &'a [u32],
     /// The index that each split particle has in the piece; [`ELSEWHERE`] for those of others.
     indices: Vec<u32>,
@@ -31,7 +31,7 @@ impl<'a> PieceTopology<'a> {
     pub fn new(
         split: &'a Split<'a>,
         batches: &'a [Rejoined<'a>],
-        crossing: &'a Crossing,
+        crossing: &'a TetherCrossing,
         members: &'a [u32],
     ) -> Self {
         let mut indices = vec![ELSEWHERE; split.origins.len()];

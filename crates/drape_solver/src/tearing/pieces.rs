@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use crate::build::adjacency::Fabric;
-use crate::constraint::tether_crossing::Crossing;
 use crate::error::BuildError;
 use crate::simd::columns::LANES;
 use crate::state::body::{Body, BodyContext};
@@ -13,6 +12,7 @@ use crate::state::topology::{BatchSticks, StickBatch, Topology};
 use crate::tearing::piece_topology::PieceTopology;
 use crate::tearing::split::{Cracks, Split};
 use crate::tearing::tear::TornStick;
+use crate::tearing::tether_crossing::TetherCrossing;
 use crate::union_find::Groups;
 
 /// A piece that has come off a body.
@@ -48,7 +48,7 @@ pub(crate) fn part(body: &mut Body, cracks: &Cracks) -> Result<Option<Parted>, B
         topology.batches.iter().map(|batch| Rejoined::new(&split, batch, &mut severed)).collect();
     let severed = severed.into_iter().map(|i| body.torn_stick(i)).collect();
     let members = members(&split, &batches);
-    let crossing = Crossing::new(&topology, cracks);
+    let crossing = TetherCrossing::new(&topology, cracks);
     let is_whole = members.len() == 1;
     let mut pieces = Vec::with_capacity(members.len());
     for members in members {

@@ -33,6 +33,8 @@ mod obstacles;
 mod pendulum;
 mod property;
 mod ragdoll;
+#[path = "../../src/random.rs"]
+mod random;
 mod reactions;
 mod reference;
 mod relaxation;

@@ -12,6 +12,7 @@ use drape_solver::{
 use proptest::prelude::*;
 
 use crate::common::*;
+use crate::random::cases;
 
 /// Vertices of a mesh in order, and its triangles' edges and the sticks across them.
 struct Mesh {
@@ -268,12 +269,12 @@ fn a_hanging_mesh_gains_no_energy_and_does_not_stretch() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(cases(24))]
 
     /// Any graph: each particle keeps its number, each stick its ends, and a step stays finite and the same on every
     /// instruction set.
     #[test]
-    fn any_graph_keeps_its_numbers_and_its_bits(
+    fn a_random_graph_keeps_its_numbers_and_its_bits(
         count in 256_u32..900,
         ends in proptest::collection::vec((any::<u32>(), any::<u32>()), 1..2000),
         nearby in any::<bool>(),

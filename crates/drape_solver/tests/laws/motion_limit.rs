@@ -67,7 +67,7 @@ fn limits_hold_through_all_that_pulls_and_pushes() {
             swing(&mut island.bodies[0], &rest, index as f32 * FRAME);
             step(&mut island, &environment).expect("a good step");
             worst = worst.max(excess(&island.bodies[0]));
-            touched += island.bodies[0].context.contacts().count();
+            touched += island.body_contacts(0).count();
         }
     }
     println!("law: limits on motion are exceeded by at most {worst:.2e} m");

@@ -12,11 +12,11 @@ use crate::build::mesh::surface::{MeshSurface, double_area};
 use crate::build::topology_builder::TopologyBuilder;
 use crate::build::weave::{Weave, by_class};
 use crate::constants::MAX_MAGNITUDE;
-use crate::constraint::tether::Tethers;
 use crate::error::{BuildError, in_range, positive};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
 use crate::state::settings::SolverSettings;
+use crate::state::tethers::Tethers;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
 /// A cloth of the triangles of any mesh.

@@ -1,4 +1,6 @@
-//! mesh.
+//! Cloth from triangle meshes: checks, repairs, welding, and the cloth itself.
+//!
+//! Imports: the builders beside it and the floors below. Callers: users and the plugin.
 
 pub(crate) mod check;
 pub mod cloth;

@@ -1,0 +1,73 @@
+//! What the examples of single features share: a command line, a run without a window with a verdict, a window, a picture.
+//!
+//! An example is a [`Feature`] and the function that sets its scene up. It says nothing of drawing but [`Paint`]: the same
+//! code runs in a test that knows no renderer.
+
+use core::time::Duration;
+
+use bevy::gltf::GltfPlugin;
+use bevy::input::InputPlugin;
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy::world_serialization::WorldSerializationPlugin;
+use bevy_drape::prelude::*;
+
+use crate::view::asset_files::asset_plugin;
+
+/// An example of one feature.
+#[derive(Clone, Copy, Debug)]
+pub struct Feature {
+    /// What it shows, for the window's title.
+    pub title: &'static str,
+    /// The keys, for the window; may be empty.
+    pub controls: &'static str,
+    /// Where the camera is, in metres.
+    pub eye: Vec3,
+    /// What it looks at.
+    pub target: Vec3,
+    /// Simulated time of the picture, in seconds.
+    pub picture_time: f32,
+    /// Adds the example to an app that has the plugins.
+    pub build: fn(&mut App),
+}
+
+impl Feature {
+    /// What the example does, to be run in the world of an app that has the plugins already.
+    pub fn schedules(&self) -> Schedules {
+        let mut script = App::empty();
+        script.init_resource::<Schedules>();
+        (self.build)(&mut script);
+        script.world_mut().remove_resource().unwrap_or_default()
+    }
+
+    /// An app without a renderer that has the example in it, and takes one step in each update but the first.
+    pub fn headless_app(&self) -> App {
+        let mut app = bare_app();
+        (self.build)(&mut app);
+        app.finish();
+        app.cleanup();
+        app
+    }
+}
+
+/// An app without a renderer that has nothing in it yet, and takes one step in each update but the first.
+pub fn bare_app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, asset_plugin(), InputPlugin, MeshPlugin))
+        .add_plugins((
+            ImagePlugin::default(),
+            WorldSerializationPlugin,
+            GltfPlugin::default(),
+            AnimationPlugin,
+        ))
+        .add_plugins(DrapePlugins::default())
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app
+}
+
+/// How many steps `app` takes in this long (simulated seconds).
+pub fn steps_in(app: &App, seconds: f32) -> u64 {
+    let dt = app.world().resource::<Time<Fixed>>().timestep();
+    Duration::from_secs_f32(seconds.max(0.0)).div_duration_f64(dt).round() as u64
+}

@@ -1,0 +1,62 @@
+//! The files that a feature's example shows.
+
+use core::time::Duration;
+
+use bevy::asset::{AssetPlugin, LoadState};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use thiserror::Error;
+
+/// Looks at a file that is loaded until its scene must be spawned. How long loading takes is the machine's affair.
+const PATIENCE: u32 = 1000;
+/// Between two looks.
+const PAUSE: Duration = Duration::from_millis(1);
+
+/// A file is not there, or is not what it should be.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("cannot load a scene: {0}")]
+pub struct FileError(String);
+
+/// Assets in the repository's folder, wherever the program lies or is called from.
+pub fn asset_plugin() -> AssetPlugin {
+    AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(), ..default() }
+}
+
+/// Updates `app` until all scenes of files are spawned that have been asked for. Its clock stands still meanwhile, so that what
+/// comes after does not depend on how long they took.
+///
+/// # Errors
+/// [`FileError`] telling which file, and what is wrong with it.
+pub fn wait_for_files(app: &mut App) -> Result<(), FileError> {
+    let clock = app.world_mut().remove_resource::<TimeUpdateStrategy>().unwrap_or_default();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    let mut looks = 0;
+    let mut result = Ok(());
+    while let Some(scene) = awaited(app.world_mut()) {
+        let files = app.world().resource::<AssetServer>();
+        result = match files.get_load_state(scene.id()) {
+            Some(LoadState::Failed(error)) => Err(FileError(error.to_string())),
+            Some(LoadState::Loaded) if looks == PATIENCE => {
+                Err(FileError(format!("{:?} has nothing in it", scene.path())))
+            }
+            Some(LoadState::Loaded) => {
+                looks += 1;
+                Ok(())
+            }
+            _ => Ok(()),
+        };
+        if result.is_err() {
+            break;
+        }
+        std::thread::sleep(PAUSE);
+        app.update();
+    }
+    app.insert_resource(clock);
+    result
+}
+
+/// A scene that is not spawned yet.
+fn awaited(world: &mut World) -> Option<Handle<WorldAsset>> {
+    let mut roots = world.query_filtered::<&WorldAssetRoot, Without<Children>>();
+    roots.iter(world).next().map(|root| root.0.clone())
+}
