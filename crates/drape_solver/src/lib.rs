@@ -5,6 +5,7 @@
 //! Folders are layers: a file imports from its own floor and from the floors below it, which `.ci/floors` checks.
 //!
 //! ```text
+//! world/       bodies, balls and obstacles by name: islands, sleep, wake and culling
 //! drape_test   Cusick's drape test, as a program
 //! step         the whole step on one screen: read it first
 //! island       bodies and balls that are stepped together, with their scratch
@@ -19,6 +20,7 @@
 //! geometry/    shapes, poses, nearest points
 //! parallel/    threads and workers
 //! simd/        columns, lanes, instruction sets
+//! union_find   groups of what hangs together
 //! error        typed errors
 //! constants    every tolerance, with its unit and its reason
 //! ```
