@@ -62,13 +62,13 @@ impl Cloth {
     /// Sets what it weighs and how stiff it is. Friction, drag and thickness are in its [`SolverSettings`].
     #[must_use]
     pub fn with_preset(self, preset: Preset) -> Self {
-        let ClothMaterial { areal_density, structural, shear, bend, damping } =
+        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
             drape_solver::Preset::from(preset).material();
         Self {
             areal_density,
-            structural_stiffness: structural,
-            shear_stiffness: shear,
-            bend_stiffness: bend,
+            structural_stiffness: stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
             damping,
             ..self
         }

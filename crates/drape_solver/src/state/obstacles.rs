@@ -266,8 +266,8 @@ mod tests {
 
     use super::*;
     use crate::geometry::pose::Placement;
-    use crate::random::{between, cases};
     use crate::geometry::shape::Shape;
+    use crate::random::{between, cases};
 
     fn sphere(centre: Vec3) -> Obstacle {
         Obstacle::new(Shape::Sphere { radius: 0.4 }, Placement::at(centre), 0.5).expect("valid")
