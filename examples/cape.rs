@@ -35,7 +35,7 @@ fn setup(world: &mut World) {
     world.insert_resource(character);
 }
 
-/// How far the character runs along Z before it is put back, in metres.
+/// Length of the run along Z in metres, after which the character is put back.
 const TRACK: f32 = 6.0;
 
 /// Moves the joints once a frame, as an animation player does.

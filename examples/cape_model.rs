@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use drape_examples::character::gltf_file::model;
 
-/// Where the file is.
+/// Path of the file.
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/models/cape.glb");
 
 fn main() -> ExitCode {

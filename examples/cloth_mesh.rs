@@ -24,7 +24,7 @@ pub fn main() -> std::process::ExitCode {
     FEATURE.run()
 }
 
-/// How fast it turns at most, in radians per second.
+/// Greatest speed of turning, in radians per second.
 const TURN: f32 = 6.0;
 
 #[derive(Component)]

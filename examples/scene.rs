@@ -32,8 +32,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use drape_examples::scripted::arguments::SceneArguments;
-use drape_examples::scripted::replay as scene_replay;
-use drape_examples::scripted::suite as scene_suite;
+use drape_examples::scripted::{replay as scene_replay, suite as scene_suite};
 
 fn main() -> ExitCode {
     let arguments = SceneArguments::parse();

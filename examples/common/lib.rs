@@ -17,14 +17,17 @@
 //! ```
 
 pub mod cannon_demo;
+#[cfg(feature = "meshes")]
 pub mod character;
 pub mod feature;
+#[cfg(feature = "scenes")]
 pub mod scripted;
+#[cfg(feature = "window")]
 pub mod showcase;
 pub mod view;
 
 /// Compiles the example of the repository's README.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "meshes"))]
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
 

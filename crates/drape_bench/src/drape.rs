@@ -148,10 +148,11 @@ pub fn energy(particles: &Particles) -> f64 {
     measure::kinetic_energy(particles) + measure::potential_energy(particles, GRAVITY) + lowest
 }
 
-/// What the solver says that the bodies keep in memory, per particle and in bytes. Equal bodies share their topology.
-pub fn bytes_per_particle(body: &Body, bodies: usize) -> f64 {
+/// Memory per particle of an island's first body, of so many equal ones that share their topology, in bytes.
+fn bytes_per_particle(island: &Island, bodies: usize) -> f64 {
+    let body = &island.bodies[0];
     let shared = body.topology.bytes();
-    ((body.bytes() - shared) as f64 + shared as f64 / bodies as f64) / body.particles.len() as f64
+    ((island.body_bytes(0) - shared) as f64 + shared as f64 / bodies as f64) / body.particles.len() as f64
 }
 
 /// Hash of `positions`, the same way for all solvers; 0 if one is not finite.
@@ -180,8 +181,7 @@ impl Contender for Drape {
     }
 
     fn bytes_per_particle(&self) -> Option<f64> {
-        let body = self.islands.first()?.bodies.first()?;
-        Some(bytes_per_particle(body, self.islands.len()))
+        self.islands.first().map(|island| bytes_per_particle(island, self.islands.len()))
     }
 
     fn isa(&self) -> &'static str {

@@ -107,12 +107,28 @@ impl Island {
         self.context.plans.push(scratch.plan);
     }
 
-    /// Takes the scratch of the body at `index`, for it to be kept beside the body.
-    pub fn take_scratch(&mut self, index: usize) -> BodyScratch {
-        BodyScratch {
-            contacts: self.context.contacts.bodies.get_mut(index).map(core::mem::take).unwrap_or_default(),
-            plan: self.context.plans.get_mut(index).map(core::mem::take).unwrap_or_default(),
-        }
+    /// Takes the body at `index` with its scratch, and leaves an empty one in its place.
+    ///
+    /// # Panics
+    /// If there is no such body.
+    pub fn take_body(&mut self, index: usize) -> (Body, BodyScratch) {
+        self.fit_scratch();
+        let scratch = BodyScratch {
+            contacts: core::mem::take(&mut self.context.contacts.bodies[index]),
+            plan: core::mem::take(&mut self.context.plans[index]),
+        };
+        (core::mem::take(&mut self.bodies[index]), scratch)
+    }
+
+    /// Removes the body at `index` with its scratch; the bodies behind it move up.
+    ///
+    /// # Panics
+    /// If there is no such body.
+    pub fn remove_body(&mut self, index: usize) -> (Body, BodyScratch) {
+        self.fit_scratch();
+        let contacts = self.context.contacts.bodies.remove(index);
+        let plan = self.context.plans.remove(index);
+        (self.bodies.remove(index), BodyScratch { contacts, plan })
     }
 
     /// Gives each body scratch of its own.
@@ -148,8 +164,7 @@ impl Island {
     /// Takes the body at `index` out in the middle of a step: an empty one is left in its place, and nothing touches
     /// it any more. The other bodies keep their indices.
     pub fn vacate_body(&mut self, index: usize) {
-        self.bodies[index] = Body::default();
-        self.take_scratch(index);
+        self.take_body(index);
         self.context.contacts.ball_cloth.forget(index);
         self.context.contacts.cloth_cloth.forget(index);
         self.context.report.vacate(index);

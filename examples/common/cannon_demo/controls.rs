@@ -3,12 +3,13 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
-use crate::cannon_demo::scene::{Curtain, begin};
+use crate::cannon_demo::plugin::begin;
+use crate::cannon_demo::scene::Curtain;
 use crate::view::clock_keys::control_clock;
 
-/// How fast the barrel turns, in rad/s.
+/// Speed at which the barrel turns, in rad/s.
 const TURN_RATE: f32 = 0.35;
-/// How fast the muzzle speed changes, in m/s^2.
+/// Rate at which the muzzle speed changes, in m/s^2.
 const SPEED_RATE: f32 = 12.0;
 /// Least and greatest elevation in radians.
 const ELEVATION: (f32, f32) = (-0.03, 0.9);
@@ -22,7 +23,7 @@ const WIND: Vec3 = Vec3::new(0.5, 0.0, -1.8);
 /// Strain from which on a stick is wholly red: what is seen for a moment after a hit.
 const FULL_STRAIN: f32 = 0.01;
 
-/// What is shown of the cloth.
+/// The view of the cloth.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClothView {
     /// The cloth.
@@ -34,7 +35,7 @@ pub enum ClothView {
     Wireframe,
 }
 
-/// Whether the wind blows.
+/// True while the wind blows.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Blowing(pub bool);
 

@@ -16,21 +16,21 @@ enum When {
     AtTheEnd,
 }
 
-/// Where a picture is taken from.
+/// The viewpoint of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrameView {
     /// From one place to another.
     Fixed {
         /// The camera's place.
         eye: Vec3,
-        /// What is in the middle.
+        /// The point in the middle of the picture.
         target: Vec3,
     },
     /// From a place seen from the newest ball, to near that ball.
     Ball {
         /// The camera's place less the ball's.
         eye: Vec3,
-        /// What is in the middle, less the ball's place.
+        /// The point in the middle of the picture, less the ball's place.
         target: Vec3,
     },
 }
@@ -73,7 +73,7 @@ const FRAMES: [(&str, When, FrameView); 6] = [
 pub struct CapturedFrame {
     /// Name of the picture, without ending.
     pub name: &'static str,
-    /// Where it is taken from.
+    /// The viewpoint.
     pub view: FrameView,
     /// The curtain's particles.
     pub particles: Particles,
@@ -85,7 +85,7 @@ pub struct CapturedFrame {
     pub cannon: Option<(Cannon, Transform)>,
 }
 
-/// What was kept.
+/// The frames that were captured so far.
 #[derive(Resource, Default)]
 pub struct CapturedFrames {
     shots: Vec<Fired>,
@@ -181,7 +181,7 @@ impl CapturedFrames {
 }
 
 impl CapturedFrame {
-    /// Where the camera is.
+    /// The place of the camera.
     pub fn camera(&self) -> Transform {
         let ball = self.balls.last().map_or(Vec3::Y, |(_, transform)| transform.translation);
         let (eye, target) = match self.view {

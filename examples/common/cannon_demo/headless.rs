@@ -11,10 +11,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cannon_demo::arguments::Arguments;
 use crate::cannon_demo::output::{Output, OutputError};
+use crate::cannon_demo::plugin::CannonScenePlugin;
 use crate::cannon_demo::recorder::{Recorder, RecorderPlugin};
-use crate::cannon_demo::scene::{CannonScene, CannonScenePlugin, first_shot, shot_interval};
+use crate::cannon_demo::scene::CannonScene;
+use crate::cannon_demo::shot::{FIRST_SHOT, SHOT_INTERVAL};
 
-/// How long after the last hit the run goes on at most, in seconds.
+/// The longest time that the run goes on after the last hit, in seconds.
 const PATIENCE: f64 = 40.0;
 
 /// The demo as an app that takes exactly one step in every update but the first, which takes none.
@@ -109,7 +111,7 @@ pub fn run_to_rest(app: &mut App, scene: &CannonScene, mut on_step: impl FnMut(f
 }
 
 fn progress_bar(scene: &CannonScene) -> ProgressBar {
-    let last_shot = first_shot() + shot_interval() * f64::from(scene.shots.saturating_sub(1));
+    let last_shot = FIRST_SHOT + SHOT_INTERVAL * f64::from(scene.shots.saturating_sub(1));
     // Tenths of a second; how long the rest takes after the last shot is a guess.
     let bar = ProgressBar::new(((last_shot + 10.0) * 10.0) as u64);
     if let Ok(style) =

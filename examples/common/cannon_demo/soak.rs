@@ -12,7 +12,9 @@ use serde::Serialize;
 use crate::cannon_demo::arguments::Arguments;
 use crate::cannon_demo::headless::task_pools;
 use crate::cannon_demo::output::{Output, OutputError};
-use crate::cannon_demo::scene::{CannonScene, CannonScenePlugin, Curtain, STEP, Shot};
+use crate::cannon_demo::plugin::CannonScenePlugin;
+use crate::cannon_demo::scene::{CannonScene, Curtain, STEP};
+use crate::cannon_demo::shot::Shot;
 
 /// Time between shots, in seconds.
 const INTERVAL: f64 = 1.0;
@@ -28,11 +30,11 @@ pub struct SoakReport {
     pub shots: u32,
     /// Each minute of simulated time; the last may be shorter.
     pub minutes: Vec<Minute>,
-    /// Whether any position or velocity was not finite at the end of any step.
+    /// True if any position or velocity was not finite at the end of any step.
     pub any_nan: bool,
 }
 
-/// What a minute of simulated time has shown.
+/// The measurements of one minute of simulated time.
 #[derive(Clone, Debug, Serialize)]
 pub struct Minute {
     /// Memory of the process at its end, in MiB; none where the system does not tell.
@@ -45,7 +47,7 @@ pub struct Minute {
     pub hits: u32,
 }
 
-/// What the systems of the soak keep.
+/// The state that the systems of the soak share.
 #[derive(Resource, Default)]
 pub struct Soak {
     shots: u32,
@@ -83,7 +85,7 @@ fn fire(
     let shot = Shot::planned(soak.shots);
     soak.shots += 1;
     for (entity, mut cannon) in &mut cannons {
-        (cannon.elevation, cannon.azimuth, cannon.muzzle_speed) = (shot.elevation, shot.azimuth, shot.speed);
+        shot.aim(&mut cannon);
         fire.write(FireCannon { cannon: entity });
     }
 }

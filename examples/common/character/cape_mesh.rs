@@ -10,7 +10,7 @@ use crate::character::skeleton::{CHEST, HIPS, THIGHS};
 /// Columns and rows of the cape.
 pub const CAPE: [usize; 2] = [13, 23];
 
-/// How far the hem may be from where the animation has it, in metres.
+/// Greatest distance of the hem from its animated place, in metres.
 pub const FULL_DISTANCE: f32 = 0.7;
 
 /// The joints that a vertex at (across, down), each 0 to 1, goes with.

@@ -141,7 +141,7 @@ impl Model {
     }
 }
 
-/// What the figure has besides its bones, none of which reaches the cape: joint, radius, length, and middle; the second lies along X.
+/// Neck and shoulders, which do not reach the cape: joint, radius, length, and middle; the second lies along X.
 const NECK_AND_SHOULDERS: [(usize, f32, f32, Vec3); 2] =
     [(3, 0.05, 0.12, Vec3::new(0.0, 0.0, 0.0)), (2, 0.06, 0.34, Vec3::new(0.0, 0.15, 0.0))];
 

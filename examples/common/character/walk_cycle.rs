@@ -15,7 +15,7 @@ pub const WALK: f32 = 30.0;
 /// A character in a world.
 #[derive(Resource, Clone, Debug)]
 pub struct Character {
-    /// What the joints and the cape are children of.
+    /// The parent of the joints and of the cape.
     pub root: Entity,
     /// Its joints, in the order of [`BONES`].
     pub joints: Vec<Entity>,
@@ -23,9 +23,9 @@ pub struct Character {
     pub capsules: Vec<Entity>,
     /// The cape.
     pub cape: Entity,
-    /// Where it is, in metres.
+    /// Position in metres.
     pub place: Vec3,
-    /// Which way it looks, in radians about Y; 0 is along -Z.
+    /// Heading in radians about Y; 0 looks along -Z.
     pub heading: f32,
     /// Seconds since it began.
     pub time: f32,
@@ -72,7 +72,7 @@ impl Default for Character {
     }
 }
 
-/// What the character does at a time: speed, its turning in rad/s, and height above the ground.
+/// The gait at a time: speed in m/s, turning in rad/s, and height above the ground in metres.
 fn gait(time: f32) -> (f32, f32, f32) {
     let turn = |start: f32, length: f32, angle: f32| {
         if (start..start + length).contains(&time) { angle / length } else { 0.0 }

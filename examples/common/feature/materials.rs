@@ -1,4 +1,4 @@
-//! What the bodies and obstacles of a feature's example look like: as their [`Paint`] says.
+//! Meshes and materials of an example's bodies and obstacles, in the colours of their [`Paint`].
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -47,9 +47,9 @@ fn add_body_materials(
     mut commands: Commands,
 ) {
     for (entity, paint) in &bodies {
-        let painted = paint.map(|&Paint(colour)| {
+        let painted = paint.map(|paint| {
             materials.add(StandardMaterial {
-                base_color: colour,
+                base_color: paint.color(),
                 perceptual_roughness: 0.8,
                 reflectance: 0.25,
                 diffuse_transmission: 0.2,
@@ -63,14 +63,14 @@ fn add_body_materials(
     }
 }
 
-/// What was painted anew.
+/// Follows changes of [`Paint`].
 fn repaint(
     bodies: Query<(&Paint, &MeshMaterial3d<StandardMaterial>), Changed<Paint>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    for (&Paint(colour), material) in &bodies {
+    for (paint, material) in &bodies {
         if let Some(mut material) = materials.get_mut(material) {
-            material.base_color = colour;
+            material.base_color = paint.color();
         }
     }
 }
@@ -89,7 +89,7 @@ fn add_rigid_meshes(
         parent.insert((HasMeshes, Interpolated)).insert_if_new(Visibility::default());
         let hull = SharedShape::convex_hull(&body.corners).and_then(|hull| round(&Shape::Parry(hull)));
         if let Some(mesh) = hull {
-            let colour = paint.map_or(SOLID, |&Paint(colour)| colour);
+            let colour = paint.map_or(SOLID, Paint::color);
             let material = StandardMaterial { base_color: colour, perceptual_roughness: 0.8, ..default() };
             parent.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material))));
         }
@@ -109,13 +109,13 @@ fn add_obstacle_meshes(
     for (entity, obstacle, paint) in &obstacles {
         let mut parent = commands.entity(entity);
         parent.insert((HasMeshes, Interpolated)).insert_if_new(Visibility::default());
-        // What only senses is air.
+        // Sensors are not drawn.
         if obstacle.is_sensor {
             continue;
         }
         let shape = &obstacle.shape.0;
         let usual = if matches!(shape, Shape::HalfSpace { .. }) { EARTH } else { SOLID };
-        let colour = paint.map_or(usual, |&Paint(colour)| colour);
+        let colour = paint.map_or(usual, Paint::color);
         let form = Form::of(shape);
         let (looks, form) = match round(shape) {
             Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),

@@ -1,4 +1,4 @@
-//! What the bodies and obstacles of a running scene look like: the materials that the scene gives them.
+//! Meshes and materials of the bodies and obstacles of a running scene, as its file gives them.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -79,7 +79,7 @@ fn add_obstacle_meshes(
         let mut parent = commands.entity(entity);
         parent.insert((HasMeshes, Interpolated, Visibility::default()));
         let told = play.script().obstacles.get(name.as_str());
-        // What only senses is air.
+        // Sensors are not drawn.
         let Some(told) = told.filter(|_| !obstacle.is_sensor) else { continue };
         let usual = if matches!(told.shape, scene::Shape::Ground) { EARTH } else { SOLID };
         let own = material(&play, name);

@@ -53,12 +53,12 @@ pub fn run(path: &Path, other: Option<&Path>) -> Result<bool, ReplayError> {
     }
 }
 
-/// What a track did.
+/// The motion of a track.
 #[derive(Default)]
 struct Span {
     /// Its first and last frame.
     frames: Option<(usize, usize)>,
-    /// Where it was first, every particle of it.
+    /// The first positions, one for each particle.
     start: Vec<Vec3>,
     /// The corners of the box in which it always was.
     bounds: Option<(Vec3, Vec3)>,
@@ -94,7 +94,7 @@ impl fmt::Display for Span {
     }
 }
 
-/// What is in it, in a few lines.
+/// The contents of a recording, in a few lines.
 fn summary(recording: &Recording) -> Result<String, RecordingError> {
     let (header, frames) = (recording.header(), recording.frame_count());
     let mut cursor = recording.cursor();

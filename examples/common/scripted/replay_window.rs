@@ -48,7 +48,7 @@ pub fn run(path: &Path) -> Result<bool, ReplayWindowError> {
     Ok(exit.is_success())
 }
 
-/// Where the replay has got to.
+/// The state of the replay.
 #[derive(Resource)]
 struct Replay {
     cursor: Cursor<Recording>,

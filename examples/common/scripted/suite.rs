@@ -28,7 +28,7 @@ pub enum SuiteError {
     Folder {
         /// The folder.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A folder cannot be read, or has no scenes in it.
@@ -39,7 +39,7 @@ pub enum SuiteError {
     Recording {
         /// The recording.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         source: RecordingError,
     },
     /// A plot cannot be drawn.
@@ -47,7 +47,7 @@ pub enum SuiteError {
     Plot {
         /// The plot.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// Pictures are asked for, and cannot be drawn.
@@ -211,7 +211,7 @@ impl Checkpoints {
     }
 }
 
-/// What draws pictures of the scenes, if they are asked for.
+/// Draws pictures of the scenes, if they are asked for.
 struct Pictures {
     #[cfg(feature = "render")]
     writer: Option<PictureWriter>,

@@ -19,7 +19,7 @@ use crate::view::orbit::Orbit;
 use crate::view::text_panel::TextPanel;
 use crate::view::window::{WindowError, bare_app};
 
-/// How often the files are looked at.
+/// Time between two looks at the files.
 const WATCH: core::time::Duration = core::time::Duration::from_millis(300);
 
 const HELP: &str = "\
@@ -69,7 +69,7 @@ fn open(title: &str, show: ShownScenes) -> Result<bool, SceneWindowError> {
     Ok(exit.is_success())
 }
 
-/// What is shown.
+/// The scenes that the window shows.
 #[derive(Resource, Default)]
 struct ShownScenes {
     files: Vec<PathBuf>,
@@ -82,9 +82,9 @@ struct ShownScenes {
     view: usize,
     /// The box around all that was shown.
     framing: Framing,
-    /// How the camera was last put so that all of that is seen; none for a scene with cameras of its own.
+    /// The last place of the camera from which all of that is seen; none for a scene with cameras of its own.
     framed: Option<Orbit>,
-    /// What is wrong with the file.
+    /// The fault of the file, if it has one.
     fault: Option<SceneError>,
 }
 

@@ -12,7 +12,7 @@ use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::PrimaryWindow;
 
-/// Where films go, a folder for each.
+/// The folder of films, one folder in it for each.
 const FOLDER: &str = "target/showcase";
 /// Pictures for each second.
 const RATE: u32 = 30;
@@ -33,7 +33,7 @@ struct FrameRecorder(Option<Film>);
 struct Film {
     folder: PathBuf,
     pictures: u32,
-    /// What is set again at its end.
+    /// The settings to restore when the film ends.
     clock: TimeUpdateStrategy,
     title: String,
     hidden: Vec<(Entity, Visibility)>,

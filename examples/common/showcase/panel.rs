@@ -12,14 +12,14 @@ use crate::showcase::selection::Showcase;
 use crate::view::slider::{Slider, SliderPlugin};
 use crate::view::text_panel::TextPanel;
 
-/// How often the figures are written.
+/// Time between two updates of the figures.
 const INTERVAL: Duration = Duration::from_millis(200);
 
 const HELP: &str = "\
 left, right  the example before, the next     R  again      P, O, T  pause, one step, slow motion
 G  strain    F  record a film    drag, turn, zoom: left button, right button, wheel    H  this help";
 
-/// What a slider sets.
+/// The setting that a slider changes.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 enum Setting {
     Substeps,

@@ -11,7 +11,7 @@ pub struct Showcase {
     pub features: &'static [(&'static str, Feature)],
     /// Index of the one that is shown.
     pub current: usize,
-    /// Whether that is to begin with the next frame.
+    /// True if that is to begin with the next frame.
     pub is_due: bool,
 }
 

@@ -23,7 +23,7 @@ use crate::view::window::bare_app;
 #[derive(Resource, Default)]
 struct Playing(Vec<Schedule>);
 
-/// What was there before the first example: all that an example spawns goes when the next one comes.
+/// Marks entities that were there before the first example. All others are despawned when the next example begins.
 #[derive(Component)]
 struct Stays;
 

@@ -3,11 +3,14 @@
 use core::time::Duration;
 
 use bevy::asset::{AssetPlugin, LoadState};
+use bevy::gltf::GltfPlugin;
+use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy::world_serialization::WorldSerializationPlugin;
 use thiserror::Error;
 
-/// Looks at a file that is loaded until its scene must be spawned. How long loading takes is the machine's affair.
+/// Updates after which the scene of a loaded file must be spawned. Loading itself may take as long as the machine needs.
 const PATIENCE: u32 = 1000;
 /// Between two looks.
 const PAUSE: Duration = Duration::from_millis(1);
@@ -20,6 +23,19 @@ pub struct FileError(String);
 /// Assets in the repository's folder, wherever the program lies or is called from.
 pub fn asset_plugin() -> AssetPlugin {
     AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(), ..default() }
+}
+
+/// Meshes, glTF files and their animations, for an app without a renderer.
+pub struct MeshFilePlugins;
+
+impl Plugin for MeshFilePlugins {
+    fn build(&self, app: &mut App) {
+        app.add_plugins((asset_plugin(), MeshPlugin, ImagePlugin::default())).add_plugins((
+            WorldSerializationPlugin,
+            GltfPlugin::default(),
+            AnimationPlugin,
+        ));
+    }
 }
 
 /// Updates `app` until all scenes of files are spawned that have been asked for. Its clock stands still meanwhile, so that what

@@ -4,6 +4,7 @@
 
 #[cfg(feature = "render")]
 mod adapter;
+#[cfg(feature = "meshes")]
 pub mod asset_files;
 #[cfg(feature = "render")]
 mod cannon_model;

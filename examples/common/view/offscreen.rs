@@ -33,7 +33,7 @@ pub enum PictureError {
     /// The renderer did not come to an end.
     #[error("the renderer did not finish {0}")]
     NotDrawn(String),
-    /// What is to be drawn is missing.
+    /// A file of the scene is missing.
     #[error(transparent)]
     NotLoaded(#[from] FileError),
     /// A picture cannot be written.
@@ -168,7 +168,7 @@ impl OffscreenCamera {
     }
 }
 
-/// Whether every shader that was asked for is compiled.
+/// True if every shader that was asked for is compiled.
 fn is_ready(app: &App) -> bool {
     let renderer = app.get_sub_app(RenderApp);
     let cache = renderer.and_then(|renderer| renderer.world().get_resource::<PipelineCache>());

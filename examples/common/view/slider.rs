@@ -16,7 +16,7 @@ pub struct Slider {
     pub to: f32,
     /// The number that is chosen.
     pub value: f32,
-    /// Whether the pointer holds the bar.
+    /// True while the pointer holds the bar.
     pub is_held: bool,
 }
 

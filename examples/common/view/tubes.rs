@@ -1,4 +1,4 @@
-//! What has no surface, as ropes and rigs, drawn as tubes.
+//! Bodies without a surface, such as ropes and rigs, drawn as tubes.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoFrustumCulling;
@@ -52,7 +52,7 @@ pub fn write(mesh: &mut Mesh, tubes: impl IntoIterator<Item = [Vec3; 2]>, radius
     mesh.insert_indices(Indices::U32(indices));
 }
 
-/// What tubes are made of.
+/// The material of tubes.
 pub fn material() -> StandardMaterial {
     StandardMaterial {
         base_color: COLOUR,

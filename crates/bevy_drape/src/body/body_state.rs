@@ -2,7 +2,7 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use drape_solver::{BodyContext, Topology};
+use drape_solver::{BodyContext, BodyScratch, Topology};
 
 use crate::bounds::{Bounds, grown};
 
@@ -11,8 +11,10 @@ use crate::bounds::{Bounds, grown};
 pub(crate) struct BodyState {
     /// Order of creation: what bodies are sorted by, so that entity ids do not matter to the result.
     pub order: u64,
-    /// The solver's scratch for the body.
+    /// State and memory of the solver that a body keeps from step to step.
     pub context: BodyContext,
+    /// The same of its contacts and its substeps, beside the body in its island.
+    pub scratch: BodyScratch,
     /// The transform that pins are attached to, as it was when they were last brought there.
     pub anchor: Affine3A,
     /// What took the entity's own coordinates to where its particles rest, when the body was built.

@@ -179,6 +179,7 @@ fn change_particles(body: &mut DetailedItem, coarseness: u32) -> Result<(), Buil
     body.state.extent = Extent::of(&particles, &topology);
     body.state.rest = body.transform.affine();
     body.state.context = BodyContext::default();
+    body.state.scratch = default();
     body.particles.0 = particles;
     body.sticks.0 = topology;
     body.current.coarseness = coarseness;

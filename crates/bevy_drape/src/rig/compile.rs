@@ -128,6 +128,7 @@ fn update_body(
             }
             state.extent = Extent::of(&particles, &topology);
             state.context = default();
+            state.scratch = default();
             sticks.0 = topology;
             *rig = compiled.rig;
             body

@@ -106,11 +106,12 @@ impl StepComponents<'_, '_> {
         let entity = match *error {
             StepError::NonFiniteBody(index) | StepError::BadSettings { body: index, .. } => {
                 let entity = island.bodies.remove(index);
-                let mut body = island.solver.bodies.remove(index);
+                let (mut body, scratch) = island.solver.remove_body(index);
                 body.particles.clear_requests();
                 if let Ok((mut particles, _, mut state, ..)) = self.bodies.get_mut(entity) {
                     particles.bypass_change_detection().0 = body.particles;
                     state.context = body.context;
+                    state.scratch = scratch;
                     state.refused = true;
                 }
                 if let StepError::BadSettings { source, .. } = error {

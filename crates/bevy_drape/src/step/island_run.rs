@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
-use drape_solver::{Alone, Ball, Body, Environment, StepError, Threads, step};
+use drape_solver::{Alone, Ball, Body, BodyScratch, Environment, StepError, Threads, step};
 
 use crate::body::body_state::Extent;
 use crate::body::layers::DrapeLayers;
@@ -148,11 +148,12 @@ impl IslandRun {
         let solver = &mut self.solver;
         solver.bodies.clear();
         for entity in &mut self.bodies {
-            let body = match bodies.get_mut(*entity) {
+            let (body, scratch) = match bodies.get_mut(*entity) {
                 Ok((mut particles, sticks, mut state, reports_contacts, pressure))
                     if sticks.fit(&particles) =>
                 {
-                    Body {
+                    let scratch = core::mem::take(&mut state.scratch);
+                    let body = Body {
                         particles: core::mem::take(&mut particles.bypass_change_detection().0),
                         topology: Arc::clone(&sticks.0),
                         settings: state.settings,
@@ -160,12 +161,13 @@ impl IslandRun {
                         reports_contacts,
                         pressure: pressure.map_or(0.0, |pressure| pressure.0),
                         context: core::mem::take(&mut state.context),
-                    }
+                    };
+                    (body, scratch)
                 }
-                _ => Body::default(),
+                _ => (Body::default(), BodyScratch::default()),
             };
             let is_gone = body.particles.is_empty();
-            solver.bodies.push(body);
+            solver.push_body(body, scratch);
             if is_gone {
                 // A user's system took the body away in the middle of the step.
                 solver.vacate_body(solver.bodies.len() - 1);
@@ -189,14 +191,17 @@ impl IslandRun {
     /// Moves the bodies and balls back into their components.
     pub fn give_back(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
         let mut extents = self.extents.drain(..);
-        for (&entity, body) in self.bodies.iter().zip(self.solver.bodies.drain(..)) {
+        for (index, &entity) in self.bodies.iter().enumerate() {
+            let (body, scratch) = self.solver.take_body(index);
             let extent = extents.next();
             if let Ok((mut particles, _, mut state, ..)) = bodies.get_mut(entity) {
                 particles.0 = body.particles;
                 state.context = body.context;
+                state.scratch = scratch;
                 state.extent = extent.unwrap_or(state.extent);
             }
         }
+        self.solver.bodies.clear();
         for (&entity, ball) in self.balls.iter().zip(&self.solver.balls) {
             if let Ok((mut state, ..)) = balls.get_mut(entity) {
                 state.0.clone_from(ball);

@@ -109,6 +109,7 @@ impl Tearing<'_, '_> {
         let mesh = self.torn_mesh(entity, &origins);
         self.commands.entity(entity).insert(mesh);
         state.context = body.context;
+        state.scratch = default();
         state.pins = pins_after(&state, &origins);
         state.extent = Extent::of(&body.particles, &body.topology);
         particles.0 = body.particles;

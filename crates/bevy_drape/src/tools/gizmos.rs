@@ -135,7 +135,7 @@ fn draw_bodies(mut gizmos: Gizmos<DrapeGizmos>, bodies: Query<(&Particles, &Stic
             }
         }
         if drawn.contacts {
-            for (i, normal, _) in state.context.contacts().filter(|&(i, ..)| i < particles.len()) {
+            for (i, normal, _) in state.scratch.contacts().filter(|&(i, ..)| i < particles.len()) {
                 let point = particles.position(i);
                 gizmos.line(point, point + normal * (NORMAL_LENGTH * drawn.particle_size), CONTACT_COLOR);
             }

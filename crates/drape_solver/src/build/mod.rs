@@ -14,5 +14,4 @@ pub mod soft_ball;
 pub mod soft_body;
 pub mod soft_lattice;
 pub(crate) mod topology_builder;
-pub(crate) mod union_find;
 pub(crate) mod weave;

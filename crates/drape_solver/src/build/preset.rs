@@ -7,16 +7,21 @@
 //!
 //! Design: docs/design/presets.md.
 
+#[cfg(feature = "bevy")]
+use bevy_reflect::std_traits::ReflectDefault;
+
 use crate::build::cloth::ClothMaterial;
 use crate::state::settings::SolverSettings;
 
 /// A material of cloth. Its stiffness is tuned for about 20 particles per metre: in finer cloth each stick carries more
 /// particles, and stretches more.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum Preset {
     /// Crepe de chine of 16 momme: 0.07 kg/m^2. Flows, and falls slowly.
     Silk,
     /// Shirting: 0.12 kg/m^2.
+    #[default]
     Cotton,
     /// Denim of 14 ounces per square yard: 0.475 kg/m^2. Stands in stiff folds.
     Denim,
@@ -76,5 +81,19 @@ impl Preset {
         // Tethers would keep rubber from stretching.
         let tethers = settings.tethers && self != Self::Rubber;
         SolverSettings { friction, drag, thickness, tethers, ..settings }
+    }
+}
+
+impl From<Preset> for SolverSettings {
+    fn from(preset: Preset) -> Self {
+        Self::default().with_preset(preset)
+    }
+}
+
+impl SolverSettings {
+    /// Returns these settings with the friction, drag, thickness and tethers of a preset. Substeps, iterations and the like stay.
+    #[must_use]
+    pub fn with_preset(self, preset: Preset) -> Self {
+        preset.settings(self)
     }
 }

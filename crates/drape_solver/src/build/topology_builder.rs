@@ -8,7 +8,6 @@ use glam::Vec3;
 
 use crate::broad_phase::ball_search::are_by_square;
 use crate::build::cloth::MAX_PARTICLES;
-use crate::build::union_find::Groups;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
 use crate::error::{BuildError, in_range};
 use crate::state::grid::GridBatch;
@@ -19,6 +18,7 @@ use crate::state::tethers::{TetherPlan, Tethers};
 use crate::state::topology::{
     BatchSticks, EmbeddedPoint, StickBatch, StickBound, StickKind, StickMaterial, Topology,
 };
+use crate::union_find::Groups;
 
 /// Builds a [`Topology`], one family of sticks after another.
 ///

@@ -5,7 +5,6 @@
 use std::sync::Arc;
 
 use crate::build::adjacency::Adjacency;
-use crate::build::union_find::Groups;
 use crate::error::BuildError;
 use crate::simd::columns::LANES;
 use crate::state::body::{Body, BodyContext};
@@ -16,6 +15,7 @@ use crate::tearing::piece_topology::PieceTopology;
 use crate::tearing::split::{Cracks, Split};
 use crate::tearing::tear::TornStick;
 use crate::tearing::tether_crossing::TetherCrossing;
+use crate::union_find::Groups;
 
 /// A piece that has separated from a body.
 #[derive(Clone, Debug)]

@@ -45,7 +45,7 @@ pub struct ClothMesh {
     /// Mass per area in kg/m^2.
     pub areal_density: f32,
     /// Stiffness of the edges, 0 (slack) to 1 (rigid): resists stretching and skewing.
-    pub structural_stiffness: f32,
+    pub stretch_stiffness: f32,
     /// Stiffness across the edges, 0 to 1: resists folding.
     pub bend_stiffness: f32,
     /// Damping along all sticks in 1/s.
@@ -62,7 +62,7 @@ pub struct ClothMesh {
 }
 
 /// Stiffness by direction: the threads of the warp run along V of the mesh's first texture coordinates, and have
-/// [`ClothMesh::structural_stiffness`]; those of the weft run along U. In between it changes as in an orthotropic plate
+/// [`ClothMesh::stretch_stiffness`]; those of the weft run along U. In between it changes as in an orthotropic plate
 /// ([`drape_solver::Weave`]).
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
@@ -85,7 +85,7 @@ impl Default for ClothMesh {
             ClothMaterial::default();
         Self {
             areal_density,
-            structural_stiffness: stretch_stiffness,
+            stretch_stiffness,
             bend_stiffness,
             damping,
             weld_distance: None,
@@ -124,7 +124,7 @@ impl ClothMesh {
             (0..).zip(painted).filter(|&(_, value)| value > self.paint.threshold).map(|(vertex, _)| vertex);
         let mut builder = MeshClothBuilder::new(positions, faces).material(ClothMaterial {
             areal_density: self.areal_density,
-            stretch_stiffness: self.structural_stiffness,
+            stretch_stiffness: self.stretch_stiffness,
             bend_stiffness: self.bend_stiffness,
             damping: self.damping,
             ..ClothMaterial::default()

@@ -7,7 +7,7 @@ use std::collections::{HashMap, HashSet};
 use glam::Vec3;
 
 use crate::build::mesh::error::MeshRepairs;
-use crate::build::union_find::Groups;
+use crate::union_find::Groups;
 
 /// A triangle whose height is at most this part of its longest edge counts as a line.
 const LEAST_HEIGHT: f64 = 1e-5;

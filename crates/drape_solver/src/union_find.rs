@@ -4,12 +4,19 @@
 //! Design: docs/design/rest_and_islands.md.
 
 /// Numbers from 0 on, in disjoint groups.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Groups(Vec<u32>);
 
 impl Groups {
     /// Puts each of `count` numbers into a group of its own.
     pub fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
+    }
+
+    /// Puts each of `count` numbers into a group of its own again, and keeps the memory.
+    pub fn reset(&mut self, count: usize) {
+        self.0.clear();
+        self.0.extend(0..count as u32);
     }
 
     /// The least number of the group of `i`. Halves the path to it, which speeds up later searches.
