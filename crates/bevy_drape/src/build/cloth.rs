@@ -63,14 +63,15 @@ pub enum ClothPins {
 
 impl Default for Cloth {
     fn default() -> Self {
-        let ClothMaterial { areal_density, structural, shear, bend, damping } = ClothMaterial::default();
+        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
+            ClothMaterial::default();
         Self {
             size: Vec2::ONE,
             particles: UVec2::splat(32),
             areal_density,
-            stretch_stiffness: structural,
-            shear_stiffness: shear,
-            bend_stiffness: bend,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
             damping,
             pins: ClothPins::Top,
         }
@@ -157,9 +158,9 @@ impl Cloth {
             .placed(transform.transform_point(corner), rotation * Vec3::X, rotation * Vec3::NEG_Y)
             .material(ClothMaterial {
                 areal_density: self.areal_density,
-                structural: self.stretch_stiffness,
-                shear: self.shear_stiffness,
-                bend: self.bend_stiffness,
+                stretch_stiffness: self.stretch_stiffness,
+                shear_stiffness: self.shear_stiffness,
+                bend_stiffness: self.bend_stiffness,
                 damping: self.damping,
             });
         let corner =

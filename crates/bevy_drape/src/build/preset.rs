@@ -10,15 +10,8 @@ impl Cloth {
     /// Sets what it weighs and how stiff it is. Friction, drag and thickness are in its [`SolverSettings`](crate::body::settings::SolverSettings).
     #[must_use]
     pub fn with_preset(self, preset: Preset) -> Self {
-        let ClothMaterial { areal_density, structural, shear, bend, damping } =
+        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
             preset.material();
-        Self {
-            areal_density,
-            stretch_stiffness: structural,
-            shear_stiffness: shear,
-            bend_stiffness: bend,
-            damping,
-            ..self
-        }
+        Self { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping, ..self }
     }
 }

@@ -154,12 +154,7 @@ impl Stick {
     }
 
     pub(crate) fn material(&self) -> StickMaterial {
-        StickMaterial {
-            kind: self.kind,
-            stiffness: self.stiffness,
-            damping: self.damping,
-            bound: self.bound,
-        }
+        StickMaterial { kind: self.kind, stiffness: self.stiffness, damping: self.damping, bound: self.bound }
     }
 
     /// Checks everything but the ends.

@@ -81,11 +81,12 @@ impl Default for ClothWeave {
 
 impl Default for ClothMesh {
     fn default() -> Self {
-        let ClothMaterial { areal_density, structural, bend, damping, .. } = ClothMaterial::default();
+        let ClothMaterial { areal_density, stretch_stiffness, bend_stiffness, damping, .. } =
+            ClothMaterial::default();
         Self {
             areal_density,
-            stretch_stiffness: structural,
-            bend_stiffness: bend,
+            stretch_stiffness,
+            bend_stiffness,
             damping,
             weld_distance: None,
             pins: Vec::new(),
@@ -123,16 +124,20 @@ impl ClothMesh {
             (0..).zip(painted).filter(|&(_, value)| value > self.paint.threshold).map(|(vertex, _)| vertex);
         let mut builder = MeshClothBuilder::new(positions, faces).material(ClothMaterial {
             areal_density: self.areal_density,
-            structural: self.stretch_stiffness,
-            bend: self.bend_stiffness,
+            stretch_stiffness: self.stretch_stiffness,
+            bend_stiffness: self.bend_stiffness,
             damping: self.damping,
             ..ClothMaterial::default()
         });
         if let Some(channel) = &self.paint.stiffness {
             builder = builder.painted_stiffness(paint(mesh, channel, vertices)?);
         }
-        if let Some(ClothWeave { weft_stiffness: weft, bias_stiffness: bias }) = self.weave {
-            builder = builder.weave(Weave { coordinates: texture_coordinates(mesh)?, weft, bias });
+        if let Some(ClothWeave { weft_stiffness, bias_stiffness }) = self.weave {
+            builder = builder.weave(Weave {
+                coordinates: texture_coordinates(mesh)?,
+                weft_stiffness,
+                bias_stiffness,
+            });
         }
         if let Some(distance) = self.weld_distance {
             builder = builder.weld_distance(distance);
