@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::contact::dynamic_obstacle::MovedObstacle;
 use crate::state::obstacle::Obstacle;
+use crate::state::obstacle_motion::MovedObstacle;
 use crate::state::obstacles::Obstacles;
 use crate::world::bounds::Bounds;
 use crate::world::id::{MemberId, ObstacleId};
