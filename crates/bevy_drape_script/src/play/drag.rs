@@ -92,8 +92,7 @@ impl ScenePlay {
                 hand.target = target;
                 holds = true;
                 if is_over {
-                    grab.hands.retain(|hand| hand.id != drag.hand);
-                    empty.extend(grab.hands.is_empty().then_some(body));
+                    empty.extend(grab.let_go(drag.hand).then_some(body));
                 }
             }
             for body in empty {
@@ -114,11 +113,7 @@ impl ScenePlay {
             hand.greatest_force = force.get();
         }
         let from = Vector::known(hand.target);
-        let mut body = world.entity_mut(body);
-        match body.get_mut::<Grab>() {
-            Some(mut grab) => grab.hands.push(hand),
-            None => drop(body.insert(Grab { hands: vec![hand] })),
-        }
+        hand.hold(&mut world.entity_mut(body));
         Some(from)
     }
 }
