@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! world/       bodies, balls and obstacles by name: islands, sleep, wake and culling
+//! world/       many bodies without an engine: islands, sleep, wake, culling
 //! drape_test   Cusick's drape test, as a program
 //! step         the whole step on one screen: read it first
 //! island       bodies and balls that are stepped together, with their scratch
@@ -21,6 +22,7 @@
 //! parallel/    threads and workers
 //! simd/        columns, lanes, instruction sets
 //! union_find   groups of what hangs together
+//! union_find   groups of things that hang together
 //! error        typed errors
 //! constants    every tolerance, with its unit and its reason
 //! ```

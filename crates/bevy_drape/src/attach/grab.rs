@@ -134,6 +134,14 @@ impl Hand {
         Self { target, held, ..Self::default() }
     }
 
+    /// Puts the hand on a body. A hand of the same id on that body lets go first.
+    pub fn hold(self, body: &mut EntityWorldMut) {
+        match body.get_mut::<Grab>() {
+            Some(mut grab) => grab.hold(self),
+            None => drop(body.insert(Grab::from(self))),
+        }
+    }
+
     /// Indices of the particles that are held.
     pub fn particles(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         self.held.iter().map(|held| held.particle as usize)
@@ -186,11 +194,29 @@ impl Hand {
     }
 }
 
+impl From<Hand> for Grab {
+    fn from(hand: Hand) -> Self {
+        Self { hands: vec![hand] }
+    }
+}
+
 impl Grab {
     /// A hand on particle `particle` and on all within `radius` metres of it, where they are now. Holds
     /// nothing if there is no such particle.
     pub fn new(particles: &drape_solver::Particles, particle: usize, radius: f32) -> Self {
-        Self { hands: vec![Hand::new(particles, particle, radius)] }
+        Hand::new(particles, particle, radius).into()
+    }
+
+    /// Holds the body with another hand. A hand of the same id lets go first.
+    pub fn hold(&mut self, hand: Hand) {
+        self.let_go(hand.id);
+        self.hands.push(hand);
+    }
+
+    /// Takes off the hand of this id; true if no hand is left, so that the component can go too.
+    pub fn let_go(&mut self, id: u64) -> bool {
+        self.hands.retain(|hand| hand.id != id);
+        self.hands.is_empty()
     }
 
     /// Limits the force of its hands, in newtons each.

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use drape_solver::RopeBuilder;
 
 use crate::body::particles::{Particles, Sticks};
 use crate::build::rope::Rope;
@@ -72,18 +71,7 @@ pub(crate) fn turn_winches(
         if wanted == length || particles.len() != sticks.particle_count() {
             continue;
         }
-        let mut builder = RopeBuilder::new(Vec3::ZERO, Vec3::X * wanted, rope.particles)
-            .linear_density(rope.linear_density)
-            .stretch_stiffness(rope.stretch_stiffness)
-            .bend_stiffness(rope.bend_stiffness)
-            .damping(rope.damping);
-        if rope.pin_start {
-            builder = builder.pin_start();
-        }
-        if rope.pin_end {
-            builder = builder.pin_end();
-        }
-        let Ok((_, topology)) = builder.build_parts() else { continue };
+        let Ok((_, topology)) = rope.builder(Vec3::ZERO, Vec3::X * wanted).build_parts() else { continue };
         let links = particles.len() - 1;
         let gain = rope.linear_density * (wanted - length) / links as f32;
         for i in 0..particles.len() {

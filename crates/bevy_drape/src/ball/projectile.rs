@@ -109,7 +109,7 @@ pub(crate) fn build_projectiles(
     mut order: ResMut<CreationOrder>,
     mut refusals: ResMut<Refusals>,
 ) {
-    let gravity = if gravity.is_usable() { gravity.0 } else { solver.environment.gravity };
+    let gravity = gravity.or_last(solver.environment.gravity);
     for (entity, projectile, transform, global) in &projectiles {
         let built = if global.affine().is_finite() {
             let ball = projectile.launch(global.translation(), gravity);

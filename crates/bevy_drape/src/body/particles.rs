@@ -18,6 +18,9 @@ use crate::refusal::Refusals;
 #[require(Activity, BodyState)]
 pub struct Particles(pub drape_solver::Particles);
 
+/// The particles of a body, and how they are joined.
+pub type BodyParts = (drape_solver::Particles, Arc<Topology>);
+
 /// How a body's particles are joined. Shared: equal bodies may hold the same one.
 #[derive(Component, Reflect, Clone, Debug, Default, Deref)]
 #[reflect(opaque)]

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, ClothBuilder, ClothMaterial, Edge};
 
+use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
 /// A rectangular cloth: curtain, flag, sail, table cloth.
@@ -146,10 +147,7 @@ impl Cloth {
     ///
     /// # Errors
     /// [`BuildError`] naming the field that cannot be used.
-    pub fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    pub fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let (scale, rotation, _) = transform.to_scale_rotation_translation();
         let size = self.size * scale.truncate();
         let corner = Vec3::new(-self.size.x, self.size.y, 0.0) * 0.5;
@@ -187,10 +185,7 @@ impl Cloth {
 impl Description for Cloth {
     const NAME: &'static str = "Cloth";
 
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         self.build(transform)
     }
 }

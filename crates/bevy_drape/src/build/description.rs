@@ -1,14 +1,12 @@
 //! Descriptions of bodies, and the bodies that are built from them.
 
-use std::sync::Arc;
-
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use drape_solver::{BuildError, Topology};
+use drape_solver::BuildError;
 
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder, Extent};
-use crate::body::particles::{Particles, Sticks};
+use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::change_detection::collect_changed;
 use crate::refusal::Refusals;
 
@@ -18,10 +16,7 @@ pub(crate) trait Description: Component {
     const NAME: &'static str;
 
     /// The particles and topology of the body at `transform`.
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<Topology>), BuildError>;
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError>;
 }
 
 /// Builds what was inserted or changed since the last step, and what could not be built where it was and has moved.
@@ -69,7 +64,7 @@ pub(crate) fn insert_body(
     entity: Entity,
     order: u64,
     transform: &GlobalTransform,
-    (particles, topology): (drape_solver::Particles, Arc<Topology>),
+    (particles, topology): BodyParts,
 ) {
     let anchor = transform.affine();
     let pins = pins_at(&anchor, &particles);

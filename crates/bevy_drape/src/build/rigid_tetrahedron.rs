@@ -1,13 +1,11 @@
 //! Rigid bodies of four particles: crates, stones, furniture.
 
-use std::sync::Arc;
-
 use bevy::prelude::*;
 use drape_solver::build::rigid_tetrahedron::placement_of;
 use drape_solver::{BuildError, Placement, RigidTetrahedronBuilder, SolverSettings};
 
 use crate::body::activity::Activity;
-use crate::body::particles::Particles;
+use crate::body::particles::{BodyParts, Particles};
 use crate::build::description::Description;
 
 /// A rigid body of four particles and six sticks, which touches obstacles with the corners of a convex collision mesh (S30).
@@ -89,10 +87,7 @@ impl RigidTetrahedron {
 impl Description for RigidTetrahedron {
     const NAME: &'static str = "RigidTetrahedron";
 
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let (_, rotation, translation) = transform.to_scale_rotation_translation();
         let builder = self.builder().placed(Placement { translation, rotation });
         let body = builder.moving(self.velocity, self.angular_velocity).build(SolverSettings::default())?;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, RopeBuilder};
 
+use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
 /// A rope, cable or chain, straight between two points at first.
@@ -65,14 +66,16 @@ impl Rope {
     ///
     /// # Errors
     /// [`BuildError`] naming the field that cannot be used.
-    pub fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    pub fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let [start, end] = [self.start, self.end].map(|end| transform.transform_point(end));
+        let (particles, topology) = self.builder(start, end).end_mass(self.end_mass).build_parts()?;
+        Ok((particles, Arc::new(topology)))
+    }
+
+    /// Builds the rope between two points of the world, with nothing hung on its end.
+    pub(crate) fn builder(&self, start: Vec3, end: Vec3) -> RopeBuilder {
         let mut builder = RopeBuilder::new(start, end, self.particles)
             .linear_density(self.linear_density)
-            .end_mass(self.end_mass)
             .stretch_stiffness(self.stretch_stiffness)
             .bend_stiffness(self.bend_stiffness)
             .damping(self.damping);
@@ -82,18 +85,14 @@ impl Rope {
         if self.pin_end {
             builder = builder.pin_end();
         }
-        let (particles, topology) = builder.build_parts()?;
-        Ok((particles, Arc::new(topology)))
+        builder
     }
 }
 
 impl Description for Rope {
     const NAME: &'static str = "Rope";
 
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         self.build(transform)
     }
 }

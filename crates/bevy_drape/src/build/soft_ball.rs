@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, SoftBallBuilder};
 
+use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
 /// A soft ball in the entity's XY plane: concentric rings of particles, of which ring `k` of `n` has radius `radius (k + 1) / n`
@@ -48,10 +49,7 @@ impl SoftBall {
     ///
     /// # Errors
     /// [`BuildError`] naming the field that cannot be used.
-    pub fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    pub fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let (scale, rotation, centre) = transform.to_scale_rotation_translation();
         let [right, up] = [rotation * Vec3::X, rotation * Vec3::Y];
         let mut builder = SoftBallBuilder::new(centre, self.radius * scale.abs().max_element(), self.rings)
@@ -70,10 +68,7 @@ impl SoftBall {
 impl Description for SoftBall {
     const NAME: &'static str = "SoftBall";
 
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         self.build(transform)
     }
 }

@@ -4,20 +4,19 @@
 //! spot on the old cloth where it lies, so that nothing is seen to jump.
 
 use core::ops::Range;
-use std::sync::Arc;
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use drape_solver::state::measure;
-use drape_solver::{BodyContext, BuildError, Topology};
+use drape_solver::{BodyContext, BuildError};
 
 use crate::attach::attachment::Attachment;
 use crate::attach::follow_particle::FollowParticle;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, Extent};
-use crate::body::particles::{Particles, Sticks};
+use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;
 use crate::build::description::pins_at;
@@ -210,10 +209,7 @@ pub(crate) fn note_lost_detail(lost: On<Remove, LevelOfDetail>, mut bodies: ResM
 }
 
 /// The particles and sticks that an entity's cloth has at `coarseness`; none where it has no cloth.
-pub(crate) fn parts_at(
-    entity: EntityRef,
-    coarseness: u32,
-) -> Option<(drape_solver::Particles, Arc<Topology>)> {
+pub(crate) fn parts_at(entity: EntityRef, coarseness: u32) -> Option<BodyParts> {
     let (cloth, transform) = (entity.get::<Cloth>()?, entity.get::<GlobalTransform>()?);
     cloth.coarsened(coarseness).build(transform).ok()
 }

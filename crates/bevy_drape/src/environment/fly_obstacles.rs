@@ -21,7 +21,7 @@ pub(crate) fn fly_dynamic_obstacles(
     mut refusals: ResMut<Refusals>,
     mut refused: Local<EntityHashSet>,
 ) {
-    let gravity = if gravity.is_usable() { gravity.0 } else { solver.environment.gravity };
+    let gravity = gravity.or_last(solver.environment.gravity);
     let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
     for (entity, dynamic) in &obstacles {
         let body = dynamic.body();

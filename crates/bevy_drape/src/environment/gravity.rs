@@ -21,4 +21,9 @@ impl DrapeGravity {
         // False for NaN.
         self.0.abs().cmple(Vec3::splat(MAX_MAGNITUDE)).all()
     }
+
+    /// This gravity, or the last one that was usable.
+    pub(crate) fn or_last(&self, last: Vec3) -> Vec3 {
+        if self.is_usable() { self.0 } else { last }
+    }
 }

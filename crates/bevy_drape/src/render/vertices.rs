@@ -35,3 +35,17 @@ pub(crate) struct EmbeddedVertices {
     /// Which of the vertices in one place share a normal.
     pub groups: SmoothingGroups,
 }
+
+impl EmbeddedVertices {
+    /// The vertices of a mesh with these parts.
+    pub fn new(
+        embedding: Embedding,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+        faces: &[[u32; 3]],
+    ) -> Self {
+        let points = embedding.firsts().iter().copied().map(Some);
+        let groups = SmoothingGroups::new(points, positions, normals, faces);
+        Self { embedding, groups }
+    }
+}

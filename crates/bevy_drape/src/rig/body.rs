@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, StickBound, StickKind, StickMaterial, Tethers, Topology, TopologyBuilder};
 
+use crate::body::particles::BodyParts;
 use crate::body::settings::SolverSettings;
 use crate::rig::components::{InRig, Rig};
 
@@ -133,7 +134,7 @@ impl CompiledRig {
     }
 
     /// The body's columns and topology.
-    pub fn build(&self) -> Result<(drape_solver::Particles, Arc<Topology>), BuildError> {
+    pub fn build(&self) -> Result<BodyParts, BuildError> {
         let (low, high) = self
             .positions
             .iter()

@@ -4,15 +4,13 @@
 //! touched. Steps without an edit only look for changes.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
-use drape_solver::Topology;
 use drape_solver::constants::MAX_MAGNITUDE;
 
 use crate::body::body_state::{BodyState, CreationOrder, Extent};
-use crate::body::particles::{Particles, Sticks};
+use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::refusal::Refusals;
 use crate::rig::body::{CompiledRig, Link, RigMember, connected};
@@ -113,7 +111,7 @@ fn update_body(
     order: &mut CreationOrder,
     body: Option<Entity>,
     compiled: CompiledRig,
-    (columns, topology): (drape_solver::Particles, Arc<Topology>),
+    (columns, topology): BodyParts,
 ) -> Entity {
     let settings = compiled.settings;
     let body = match body.and_then(|body| rigs.get_mut(body).ok()) {

@@ -1,16 +1,14 @@
 //! The state of cloths, ropes and rigs.
 
-use std::sync::Arc;
-
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use drape_solver::{BodyContext, Layers, ParticlesSnapshot, Topology};
+use drape_solver::{BodyContext, Layers, ParticlesSnapshot};
 
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, Extent};
 use crate::body::layers::DrapeLayers;
-use crate::body::particles::{Particles, Sticks};
+use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::build::rigid_tetrahedron::RigidPlace;
 use crate::detail::change::parts_at;
@@ -52,7 +50,7 @@ impl BodySnapshot {
     }
 
     /// The particles and sticks of the body, where it has others now, at another level of detail.
-    fn other_parts(&self, entity: EntityRef) -> Option<(drape_solver::Particles, Arc<Topology>)> {
+    fn other_parts(&self, entity: EntityRef) -> Option<BodyParts> {
         let wanted = self.detail?.coarseness;
         let is_other = wanted != entity.get::<CurrentDetail>()?.coarseness;
         if is_other { parts_at(entity, wanted) } else { None }

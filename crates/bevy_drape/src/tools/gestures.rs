@@ -49,10 +49,7 @@ impl Gestures for Commands<'_, '_> {
             let Some(nearest) = nearest_particle(particles, place) else { return };
             let mut new = Hand::new(particles, nearest, radius);
             new.id = hand;
-            let mut grab = world.get::<Grab>(body).cloned().unwrap_or_default();
-            grab.hands.retain(|other| other.id != hand);
-            grab.hands.push(new);
-            world.entity_mut(body).insert(grab);
+            new.hold(&mut world.entity_mut(body));
         });
         self
     }
@@ -70,11 +67,8 @@ impl Gestures for Commands<'_, '_> {
     fn release(&mut self, body: Entity, hand: u64) -> &mut Self {
         self.queue(move |world: &mut World| {
             let Ok(mut body) = world.get_entity_mut(body) else { return };
-            if let Some(mut grab) = body.get_mut::<Grab>() {
-                grab.hands.retain(|other| other.id != hand);
-                if grab.hands.is_empty() {
-                    body.remove::<Grab>();
-                }
+            if body.get_mut::<Grab>().is_some_and(|mut grab| grab.let_go(hand)) {
+                body.remove::<Grab>();
             }
         });
         self

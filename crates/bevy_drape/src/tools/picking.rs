@@ -181,8 +181,8 @@ fn take_hold(
         offset: hand.target - place,
     });
     match grab {
-        Some(mut grab) => grab.hands.push(hand),
-        None => drop(commands.entity(start.entity).insert(Grab { hands: vec![hand] })),
+        Some(mut grab) => grab.hold(hand),
+        None => drop(commands.entity(start.entity).insert(Grab::from(hand))),
     }
 }
 
@@ -223,9 +223,7 @@ type Hands<'w, 's> = Query<'w, 's, (Entity, &'static mut Grab)>;
 fn let_go(pointer: PointerId, mut drags: ResMut<Drags>, mut grabs: Hands, mut commands: Commands) {
     for drag in drags.under_way.extract_if(.., |drag| drag.pointer == pointer) {
         for (entity, mut grab) in &mut grabs {
-            let count = grab.hands.len();
-            grab.hands.retain(|hand| hand.id != drag.hand);
-            if grab.hands.is_empty() && count > 0 {
+            if grab.hand_mut(drag.hand).is_some() && grab.let_go(drag.hand) {
                 commands.entity(entity).try_remove::<Grab>();
             }
         }

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use drape_solver::{ClothMaterial, MeshCloth, MeshClothBuilder, MeshRepairs, Weave};
 
 use crate::render::from_mesh::body::{MeshBody, MeshDescription};
-use crate::render::from_mesh::paint::{ClothPaint, paint};
+use crate::render::from_mesh::paint::{ClothPaint, paint, painted_above};
 use crate::render::from_mesh::reading::{MeshFault, faces, positions, texture_coordinates};
 use crate::render::from_mesh::skin::ClothSkin;
 use crate::render::from_mesh::source::MeshParts;
@@ -116,12 +116,7 @@ impl ClothMesh {
             // In a mirror they turn the other way.
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
-        let painted = match &self.paint.pins {
-            Some(channel) => paint(mesh, channel, vertices)?,
-            None => Vec::new(),
-        };
-        let painted =
-            (0..).zip(painted).filter(|&(_, value)| value > self.paint.threshold).map(|(vertex, _)| vertex);
+        let painted = painted_above(mesh, self.paint.pins.as_ref(), self.paint.threshold, vertices)?;
         let mut builder = MeshClothBuilder::new(positions, faces).material(ClothMaterial {
             areal_density: self.areal_density,
             stretch_stiffness: self.stretch_stiffness,

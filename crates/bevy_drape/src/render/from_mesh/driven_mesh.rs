@@ -19,7 +19,6 @@ use crate::refusal::Refusals;
 use crate::render::from_mesh::reading::MeshFault;
 use crate::render::from_mesh::soft_body::SolidCells;
 use crate::render::from_mesh::source::{ChangedMeshes, MeshParts, MeshSource, called, show_copy};
-use crate::render::smoothing::SmoothingGroups;
 use crate::render::surface::Surface;
 use crate::render::vertices::{EmbeddedVertices, Vertices};
 use crate::render::visibility::HiddenByCulling;
@@ -139,10 +138,8 @@ fn bind(
             return Err(MeshError::NoSuchVertex { face, vertex, count }.into());
         }
     }
-    let embedding = embed(positions)?;
-    let points = embedding.firsts().iter().copied().map(Some);
-    let groups = SmoothingGroups::new(points, positions, *normals, faces);
-    Ok((EmbeddedVertices { embedding, groups }, parts.copy_to_show(mesh)))
+    let vertices = EmbeddedVertices::new(embed(positions)?, positions, *normals, faces);
+    Ok((vertices, parts.copy_to_show(mesh)))
 }
 
 /// Notes where the step left the drivers.

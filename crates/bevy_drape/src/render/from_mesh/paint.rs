@@ -90,6 +90,17 @@ pub(crate) fn paint(mesh: &Mesh, channel: &PaintChannel, vertices: usize) -> Res
     }
 }
 
+/// The vertices on which `channel` is painted above `threshold`; none without a channel.
+pub(crate) fn painted_above(
+    mesh: &Mesh,
+    channel: Option<&PaintChannel>,
+    threshold: f32,
+    vertices: usize,
+) -> Result<impl Iterator<Item = u32> + use<>, MeshFault> {
+    let painted = channel.map(|channel| paint(mesh, channel, vertices)).transpose()?.unwrap_or_default();
+    Ok((0..).zip(painted).filter(move |&(_, value)| value > threshold).map(|(vertex, _)| vertex))
+}
+
 /// One number of each vertex, whole ones of eight or sixteen bits as parts of the greatest where that is what they stand for.
 fn numbers(values: &VertexAttributeValues, number: usize) -> Option<Vec<f32>> {
     fn pick<T: Copy, const N: usize>(

@@ -6,11 +6,10 @@ use drape_solver::{Embedding, MeshError, SoftBodyBuilder, SoftLattice, SoftSolid
 use crate::body::pressure::Pressure;
 use crate::body::tearable::Untearable;
 use crate::render::from_mesh::body::{MeshBody, MeshDescription};
-use crate::render::from_mesh::paint::{PaintChannel, paint};
+use crate::render::from_mesh::paint::{PaintChannel, painted_above};
 use crate::render::from_mesh::reading::{MeshFault, faces, positions};
 use crate::render::from_mesh::skin::ClothSkin;
 use crate::render::from_mesh::source::MeshParts;
-use crate::render::smoothing::SmoothingGroups;
 use crate::render::vertices::{EmbeddedVertices, Vertices};
 
 /// Makes a soft solid of the entity's [`Mesh3d`], which must be closed: jelly, rubber, fruit.
@@ -90,11 +89,7 @@ impl SoftBody {
     pub fn build(&self, mesh: &Mesh, transform: &GlobalTransform) -> Result<SoftSolid, MeshFault> {
         let vertices: Vec<Vec3> = positions(mesh)?.iter().copied().map(Vec3::from_array).collect();
         let faces = faces(mesh, vertices.len())?;
-        let painted = match &self.painted_pins {
-            Some(channel) => paint(mesh, channel, vertices.len())?,
-            None => Vec::new(),
-        };
-        let painted = (0..).zip(painted).filter(|&(_, value)| value > PINNED).map(|(vertex, _)| vertex);
+        let painted = painted_above(mesh, self.painted_pins.as_ref(), PINNED, vertices.len())?;
         let to_world = transform.affine();
         let spacing = self.spacing.unwrap_or_else(|| longest_side(&vertices, transform) / CELLS);
         let builder = SoftBodyBuilder::new(&vertices, &faces, spacing)
@@ -148,12 +143,10 @@ impl MeshDescription for SoftBody {
         }
         let SoftSolid { particles, topology, lattice, embedding } = self.build(mesh, transform)?;
         let MeshParts { positions, normals, faces } = parts;
-        let points = embedding.firsts().iter().copied().map(Some);
-        let groups = SmoothingGroups::new(points, positions, *normals, faces);
         Ok(MeshBody {
             particles,
             topology: topology.into(),
-            vertices: Vertices::Embedded(EmbeddedVertices { embedding, groups }),
+            vertices: Vertices::Embedded(EmbeddedVertices::new(embedding, positions, *normals, faces)),
             rest: transform.affine(),
             pose: None,
             parts: (SolidCells(lattice), Untearable),
