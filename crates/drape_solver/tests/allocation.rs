@@ -91,7 +91,7 @@ fn meet_shapes_allocating_nothing() {
     assert!(touches > 0, "the balls must have hit something");
 }
 
-/// A world in which a row of curtains sleeps, is hit by a ball that is put back again and again, and falls asleep again.
+/// A world with a row of sleeping curtains. A ball that is put back again and again hits them, and they fall asleep again.
 fn step_a_world_allocating_nothing() {
     let mut world = World::new();
     world.add_obstacle(Obstacle::ground());

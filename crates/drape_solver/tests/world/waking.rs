@@ -1,4 +1,4 @@
-//! Forces, edits and what moves wake what is at rest.
+//! Forces, edits and moving bodies wake bodies at rest.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
@@ -47,12 +47,12 @@ fn another_gravity_and_another_wind_wake() {
 #[test]
 fn nothing_sleeps_in_gusts() {
     let (mut world, curtain) = sleeping_curtain();
-    // Too weak to move anything.
+    // The force is too weak to move anything.
     world.wind.turbulence = Turbulence { speed: 1e-3, ..Turbulence::default() };
     assert_wakes(&mut world, curtain);
     for _ in 0..600 {
         world.step().expect("a good step");
-        // It falls asleep at the end of a step and wakes at the beginning of the next: each step moves it.
+        // It falls asleep at the end of a step and wakes at the start of the next, so that each step moves it.
         assert_eq!(world.island_count(), 1);
     }
 }
@@ -80,7 +80,7 @@ fn a_ball_wakes_before_it_touches() {
     }
     let (touched_in, time) = touched_at.expect("a hit");
     assert!(woken_at.expect("it wakes") <= touched_in);
-    // As soon as in the plane of the curtain: 5.85 m at 15 m/s, from when the ball was added.
+    // The ball reaches the curtain's plane after 5.85 m at 15 m/s.
     let start = world.time() - 1.0;
     assert!((time - start - 5.845 / 15.0).abs() < 0.01, "hit after {} s", time - start);
 }
