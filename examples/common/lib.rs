@@ -25,13 +25,3 @@ pub mod scripted;
 #[cfg(feature = "window")]
 pub mod showcase;
 pub mod view;
-
-/// Compiles the example of the repository's README.
-#[cfg(all(doctest, feature = "meshes"))]
-#[doc = include_str!("../../README.md")]
-pub struct Readme;
-
-/// Compiles the examples of the guide, which draw.
-#[cfg(all(doctest, feature = "render"))]
-#[doc = include_str!("../../docs/guide.md")]
-pub struct Guide;

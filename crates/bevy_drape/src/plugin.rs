@@ -61,7 +61,7 @@ impl PluginGroup for DrapePlugins {
             .add(InterpolationPlugin)
             .add(MovedByFramePlugin);
         #[cfg(feature = "mesh")]
-        let plugins = plugins.add(crate::render::mesh_plugin::MeshPlugin::new(self.schedule));
+        let plugins = plugins.add(crate::render::plugin::MeshPlugin::new(self.schedule));
         #[cfg(feature = "picking")]
         let plugins = plugins.add(crate::tools::picking::DrapePickingPlugin);
         #[cfg(feature = "gizmos")]

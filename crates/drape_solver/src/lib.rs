@@ -5,6 +5,7 @@
 //! Folders are layers: a file imports from its own floor and from the floors below it, which `.ci/floors` checks.
 //!
 //! ```text
+//! world/       bodies, balls and obstacles by name: islands, sleep, wake and culling
 //! drape_test   Cusick's drape test, as a program
 //! step         the whole step on one screen: read it first
 //! island       bodies and balls that are stepped together, with their scratch
@@ -19,6 +20,7 @@
 //! geometry/    shapes, poses, nearest points
 //! parallel/    threads and workers
 //! simd/        columns, lanes, instruction sets
+//! union_find   groups of what hangs together
 //! error        typed errors
 //! constants    every tolerance, with its unit and its reason
 //! ```
@@ -43,6 +45,8 @@ pub mod state;
 pub mod step;
 pub mod substep;
 pub mod tearing;
+pub(crate) mod union_find;
+pub mod world;
 
 pub use build::cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use build::embedding::Embedding;
@@ -86,6 +90,11 @@ pub use state::volume::volume;
 pub use step::{step, step_on};
 pub use tearing::pieces::Piece;
 pub use tearing::tear::{TearLimits, Torn, TornStick};
+pub use world::World;
+pub use world::activity::{Activity, ActivityCounts};
+pub use world::activity_rules::ActivityRules;
+pub use world::events::{Events, Fault};
+pub use world::id::{BallId, BodyId, MemberId, ObstacleId, WorldId};
 
 pub use glam;
 pub use parry3d;

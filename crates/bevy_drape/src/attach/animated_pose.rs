@@ -5,9 +5,10 @@ use bevy::prelude::*;
 use drape_solver::Placement;
 
 #[cfg(feature = "mesh")]
-#[cfg(feature = "mesh")]
 use crate::rigid_motion::between;
 use crate::rigid_motion::placement;
+
+#[cfg(feature = "mesh")]
 
 /// The pose that an animation gives to some particles of a body: each goes with a blend of up to four joints.
 #[derive(Component, Clone, Debug, Default)]

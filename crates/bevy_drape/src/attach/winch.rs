@@ -74,7 +74,8 @@ pub(crate) fn turn_winches(
         }
         let mut builder = RopeBuilder::new(Vec3::ZERO, Vec3::X * wanted, rope.particles)
             .linear_density(rope.linear_density)
-            .stiffness(rope.stretch_stiffness, rope.bend_stiffness)
+            .stretch_stiffness(rope.stretch_stiffness)
+            .bend_stiffness(rope.bend_stiffness)
             .damping(rope.damping);
         if rope.pin_start {
             builder = builder.pin_start();

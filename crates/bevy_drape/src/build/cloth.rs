@@ -31,7 +31,7 @@ pub struct Cloth {
     /// Mass per area in kg/m^2.
     pub areal_density: f32,
     /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching.
-    pub structural_stiffness: f32,
+    pub stretch_stiffness: f32,
     /// Stiffness of shear sticks, 0 to 1: resists skewing.
     pub shear_stiffness: f32,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
@@ -63,14 +63,15 @@ pub enum ClothPins {
 
 impl Default for Cloth {
     fn default() -> Self {
-        let ClothMaterial { areal_density, structural, shear, bend, damping } = ClothMaterial::default();
+        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
+            ClothMaterial::default();
         Self {
             size: Vec2::ONE,
             particles: UVec2::splat(32),
             areal_density,
-            structural_stiffness: structural,
-            shear_stiffness: shear,
-            bend_stiffness: bend,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
             damping,
             pins: ClothPins::Top,
         }
@@ -133,7 +134,7 @@ impl Cloth {
         Self {
             particles,
             pins,
-            structural_stiffness: softer(self.structural_stiffness),
+            stretch_stiffness: softer(self.stretch_stiffness),
             shear_stiffness: softer(self.shear_stiffness),
             bend_stiffness: softer(self.bend_stiffness),
             damping: self.damping / square,
@@ -157,9 +158,9 @@ impl Cloth {
             .placed(transform.transform_point(corner), rotation * Vec3::X, rotation * Vec3::NEG_Y)
             .material(ClothMaterial {
                 areal_density: self.areal_density,
-                structural: self.structural_stiffness,
-                shear: self.shear_stiffness,
-                bend: self.bend_stiffness,
+                stretch_stiffness: self.stretch_stiffness,
+                shear_stiffness: self.shear_stiffness,
+                bend_stiffness: self.bend_stiffness,
                 damping: self.damping,
             });
         let corner =

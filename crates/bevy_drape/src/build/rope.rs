@@ -73,7 +73,8 @@ impl Rope {
         let mut builder = RopeBuilder::new(start, end, self.particles)
             .linear_density(self.linear_density)
             .end_mass(self.end_mass)
-            .stiffness(self.stretch_stiffness, self.bend_stiffness)
+            .stretch_stiffness(self.stretch_stiffness)
+            .bend_stiffness(self.bend_stiffness)
             .damping(self.damping);
         if self.pin_start {
             builder = builder.pin_start();

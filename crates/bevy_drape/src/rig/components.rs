@@ -17,6 +17,7 @@ use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 use drape_solver::constants::MAX_MAGNITUDE;
 use drape_solver::{BuildError, StickMaterial};
+pub use drape_solver::{StickBound, StickKind};
 
 /// A point mass of a hand-built rig. Join it to others with [`Stick`]s; alone it just falls.
 ///
@@ -80,52 +81,6 @@ impl Particle {
             in_range("velocity", speed, -MAX_MAGNITUDE, MAX_MAGNITUDE)?;
         }
         Ok(())
-    }
-}
-
-/// What a stick is for.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Debug, Clone, PartialEq)]
-pub enum StickKind {
-    /// Carries load. Where it is rigid, tethers run along it.
-    #[default]
-    Structural,
-    /// A diagonal: keeps squares from becoming rhombs.
-    Shear,
-    /// A brace between particles that other sticks join already: keeps a chain from folding. Balls pass it.
-    Bend,
-}
-
-impl From<StickKind> for drape_solver::StickKind {
-    fn from(kind: StickKind) -> Self {
-        match kind {
-            StickKind::Structural => Self::Structural,
-            StickKind::Shear => Self::Shear,
-            StickKind::Bend => Self::Bend,
-        }
-    }
-}
-
-/// Which lengths a [`Stick`] allows.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[reflect(Default, Debug, Clone, PartialEq)]
-pub enum StickBound {
-    /// The rest length alone: a rod.
-    #[default]
-    Exact,
-    /// The rest length and more. Between two limbs it keeps a joint from closing further; it is no part of the surface.
-    AtLeast,
-    /// The rest length and less: a cord, or what keeps a joint from opening further. It is no part of the surface.
-    AtMost,
-}
-
-impl From<StickBound> for drape_solver::StickBound {
-    fn from(bound: StickBound) -> Self {
-        match bound {
-            StickBound::Exact => Self::Exact,
-            StickBound::AtLeast => Self::AtLeast,
-            StickBound::AtMost => Self::AtMost,
-        }
     }
 }
 
@@ -199,12 +154,7 @@ impl Stick {
     }
 
     pub(crate) fn material(&self) -> StickMaterial {
-        StickMaterial {
-            kind: self.kind.into(),
-            stiffness: self.stiffness,
-            damping: self.damping,
-            bound: self.bound.into(),
-        }
+        StickMaterial { kind: self.kind, stiffness: self.stiffness, damping: self.damping, bound: self.bound }
     }
 
     /// Checks everything but the ends.

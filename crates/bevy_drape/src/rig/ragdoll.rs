@@ -82,9 +82,9 @@ impl Ragdoll {
         for RagdollStick { ends, length, bound } in figure.sticks() {
             let [a, b] = ends.map(|end| entities.particles[end as usize]);
             let (bound, kind) = match bound {
-                drape_solver::StickBound::Exact => (StickBound::Exact, StickKind::Structural),
-                drape_solver::StickBound::AtLeast => (StickBound::AtLeast, StickKind::Bend),
-                drape_solver::StickBound::AtMost => (StickBound::AtMost, StickKind::Bend),
+                StickBound::Exact => (StickBound::Exact, StickKind::Structural),
+                StickBound::AtLeast => (StickBound::AtLeast, StickKind::Bend),
+                StickBound::AtMost => (StickBound::AtMost, StickKind::Bend),
             };
             let stick = Stick { rest_length: Some(length), kind, bound, ..Stick::new(a, b) };
             entities.sticks.push(commands.spawn(stick).id());

@@ -9,7 +9,7 @@ use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder, Extent};
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
-use crate::body::settings::{DefaultSolverSettings, SolverSettings, same_settings};
+use crate::body::settings::{DefaultSolverSettings, SolverSettings};
 use crate::bounds::{Bounds, overlap};
 use crate::clock::DrapeClock;
 use crate::detail::level::CurrentDetail;
@@ -35,7 +35,7 @@ enum Touches {
 }
 
 impl Touches {
-    fn of_body(settings: &drape_solver::SolverSettings) -> Self {
+    fn of_body(settings: &SolverSettings) -> Self {
         if settings.has_self_contact() { Self::BodiesWithSelfContact } else { Self::NoBodies }
     }
 }
@@ -140,7 +140,7 @@ impl WakeSearch {
                 continue;
             };
             let state = &mut *state;
-            let settings = settings.copied().unwrap_or(defaults).into();
+            let settings = settings.copied().unwrap_or(defaults);
             let settings = detail.map_or(settings, |detail| detail.limit(settings));
             let edited = particles.is_disturbed();
             if state.order == 0 {
@@ -156,7 +156,7 @@ impl WakeSearch {
             }
             let layers = DrapeLayers::of(layers);
             let rearranged = state.layers != layers
-                || !same_settings(&state.settings, &settings)
+                || !state.settings.has_same_bits(&settings)
                 || (sticks.is_changed() && !sticks.is_added());
             state.settings = settings;
             state.layers = layers;

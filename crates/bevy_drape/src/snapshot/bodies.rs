@@ -80,7 +80,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             bounds: [state.extent.bounds.0, state.extent.bounds.1].map(|corner| corner.to_array()),
             greatest_speed: state.extent.greatest_speed,
             is_refused: state.refused,
-            settings: state.settings.into(),
+            settings: state.settings,
             layers: state.layers,
             own_settings: entity.get().copied(),
             own_layers: entity.get().copied(),
@@ -143,7 +143,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
             let [low, high] = body.bounds.map(Vec3::from_array);
             state.extent = Extent { bounds: (low, high), greatest_speed: body.greatest_speed };
             state.refused = body.is_refused;
-            state.settings = body.settings.into();
+            state.settings = body.settings;
             state.layers = body.layers;
         }
         if let Some(mut activity) = entity.get_mut::<Activity>() {

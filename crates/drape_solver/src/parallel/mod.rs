@@ -2,5 +2,6 @@
 //!
 //! Imports: nothing. Callers: `substep` and whoever shares a body.
 
+pub(crate) mod for_each;
 pub mod threads;
 pub(crate) mod workers;

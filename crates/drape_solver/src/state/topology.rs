@@ -2,6 +2,8 @@
 
 use std::sync::OnceLock;
 
+#[cfg(feature = "bevy")]
+use bevy_reflect::std_traits::ReflectDefault;
 use glam::{DMat3, Vec3};
 
 use crate::error::{BuildError, in_range};
@@ -14,6 +16,7 @@ use crate::state::volume::RestVolume;
 
 /// What a stick is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum StickKind {
     /// Joins neighbours: keeps the cloth from stretching.
     #[default]
@@ -26,6 +29,7 @@ pub enum StickKind {
 
 /// Which lengths a stick allows: all three act at the rest length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum StickBound {
     /// The rest length alone: a rod.
     #[default]

@@ -16,8 +16,8 @@ use crate::change_detection::collect_changed;
 use crate::refusal::Refusals;
 use crate::render::from_mesh::reading::MeshFault;
 use crate::render::from_mesh::skin::ClothSkin;
-use crate::render::from_mesh::source::{ChangedMeshes, MeshParts, MeshSource, called};
-use crate::render::surface::{EntitySpace, Surface};
+use crate::render::from_mesh::source::{ChangedMeshes, MeshParts, MeshSource, called, show_copy};
+use crate::render::surface::Surface;
 use crate::render::vertices::Vertices;
 use crate::transform::moved_by_frame::MovedByFrame;
 
@@ -61,20 +61,27 @@ pub(crate) struct MeshBody<P> {
 #[derive(Component, Clone, Debug)]
 pub(crate) struct SkinOfCloth(SkinnedMesh);
 
+/// Entities with a `D`, and everything that their bodies are made of.
+type DescribedMeshes<'w, 's, D> = Query<
+    'w,
+    's,
+    (
+        &'static D,
+        &'static Mesh3d,
+        &'static GlobalTransform,
+        Option<&'static MeshSource>,
+        Option<&'static SkinnedMesh>,
+        Option<&'static SkinOfCloth>,
+    ),
+>;
+
 /// Builds what was inserted or changed since the last step, what was given another mesh or skin, and what waited for its mesh.
 pub(crate) fn build_mesh_bodies<D: MeshDescription>(
     mut commands: Commands,
     mut changed: ChangedMeshes<D>,
     not_built: Query<(Entity, Ref<GlobalTransform>), (With<D>, Without<Particles>)>,
     skins: Query<(Entity, Ref<SkinnedMesh>), With<D>>,
-    described: Query<(
-        &D,
-        &Mesh3d,
-        &GlobalTransform,
-        Option<&MeshSource>,
-        Option<&SkinnedMesh>,
-        Option<&SkinOfCloth>,
-    )>,
+    described: DescribedMeshes<D>,
     places: Query<&GlobalTransform>,
     bind_poses: Option<Res<Assets<SkinnedMeshInverseBindposes>>>,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -121,25 +128,20 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
             Err(("Transform", "it must be finite".into()))
         };
         match built {
-            Ok((MeshBody { particles, topology, rest, pose, parts, repairs, .. }, mut surface, mut copy)) => {
+            Ok((MeshBody { particles, topology, rest, pose, parts, repairs, .. }, surface, copy)) => {
                 refusals.forget(entity);
                 if let Some(repairs) = repairs {
                     warn!("{} of entity {entity}, {}: {repairs}", D::NAME, called(&source));
                 }
-                let bounds =
-                    EntitySpace::new(transform).and_then(|space| surface.write(&mut copy, &space, 1.0));
-                let shown = meshes.add(copy);
-                surface.mesh = shown.id();
-                let state = MeshSource { source, shown: Some(shown.id()) };
                 insert_body(&mut commands, entity, order.next(), transform, (particles, topology));
                 commands.entity(entity).entry::<BodyState>().and_modify(move |mut state| state.rest = rest);
-                hang_on_pose(&mut commands, entity, pose, is_skinned);
+                follow_pose(&mut commands, entity, pose, is_skinned);
                 let mut body = commands.entity(entity);
                 if let Some(skin) = skinned {
                     body.remove::<SkinnedMesh>().insert(SkinOfCloth(skin.clone()));
                 }
-                let bounds = bounds.unwrap_or_default();
-                body.insert((Mesh3d(shown), state, surface, parts, NoAutoAabb, bounds));
+                body.insert(parts);
+                show_copy(&mut body, &mut meshes, transform, source, surface, copy);
             }
             Err((component, reason)) => {
                 refusals.entity(entity, component, reason);
@@ -171,7 +173,7 @@ fn build<D: MeshDescription>(
 }
 
 /// Has a new cloth follow its animation, if it has one.
-fn hang_on_pose(commands: &mut Commands, entity: Entity, pose: Option<AnimatedPose>, is_skinned: bool) {
+fn follow_pose(commands: &mut Commands, entity: Entity, pose: Option<AnimatedPose>, is_skinned: bool) {
     let mut cloth = commands.entity(entity);
     let Some(pose) = pose else {
         cloth.remove::<AnimatedPose>();

@@ -45,7 +45,7 @@ pub struct ClothMesh {
     /// Mass per area in kg/m^2.
     pub areal_density: f32,
     /// Stiffness of the edges, 0 (slack) to 1 (rigid): resists stretching and skewing.
-    pub structural_stiffness: f32,
+    pub stretch_stiffness: f32,
     /// Stiffness across the edges, 0 to 1: resists folding.
     pub bend_stiffness: f32,
     /// Damping along all sticks in 1/s.
@@ -62,7 +62,7 @@ pub struct ClothMesh {
 }
 
 /// Stiffness by direction: the threads of the warp run along V of the mesh's first texture coordinates, and have
-/// [`ClothMesh::structural_stiffness`]; those of the weft run along U. In between it changes as in an orthotropic plate
+/// [`ClothMesh::stretch_stiffness`]; those of the weft run along U. In between it changes as in an orthotropic plate
 /// ([`drape_solver::Weave`]).
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
@@ -81,11 +81,12 @@ impl Default for ClothWeave {
 
 impl Default for ClothMesh {
     fn default() -> Self {
-        let ClothMaterial { areal_density, structural, bend, damping, .. } = ClothMaterial::default();
+        let ClothMaterial { areal_density, stretch_stiffness, bend_stiffness, damping, .. } =
+            ClothMaterial::default();
         Self {
             areal_density,
-            structural_stiffness: structural,
-            bend_stiffness: bend,
+            stretch_stiffness,
+            bend_stiffness,
             damping,
             weld_distance: None,
             pins: Vec::new(),
@@ -123,16 +124,20 @@ impl ClothMesh {
             (0..).zip(painted).filter(|&(_, value)| value > self.paint.threshold).map(|(vertex, _)| vertex);
         let mut builder = MeshClothBuilder::new(positions, faces).material(ClothMaterial {
             areal_density: self.areal_density,
-            structural: self.structural_stiffness,
-            bend: self.bend_stiffness,
+            stretch_stiffness: self.stretch_stiffness,
+            bend_stiffness: self.bend_stiffness,
             damping: self.damping,
             ..ClothMaterial::default()
         });
         if let Some(channel) = &self.paint.stiffness {
             builder = builder.painted_stiffness(paint(mesh, channel, vertices)?);
         }
-        if let Some(ClothWeave { weft_stiffness: weft, bias_stiffness: bias }) = self.weave {
-            builder = builder.weave(Weave { coordinates: texture_coordinates(mesh)?, weft, bias });
+        if let Some(ClothWeave { weft_stiffness, bias_stiffness }) = self.weave {
+            builder = builder.weave(Weave {
+                coordinates: texture_coordinates(mesh)?,
+                weft_stiffness,
+                bias_stiffness,
+            });
         }
         if let Some(distance) = self.weld_distance {
             builder = builder.weld_distance(distance);

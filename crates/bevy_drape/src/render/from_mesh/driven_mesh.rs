@@ -18,9 +18,9 @@ use crate::body::particles::{Particles, Sticks};
 use crate::refusal::Refusals;
 use crate::render::from_mesh::reading::MeshFault;
 use crate::render::from_mesh::soft_body::SolidCells;
-use crate::render::from_mesh::source::{ChangedMeshes, MeshParts, MeshSource, called};
+use crate::render::from_mesh::source::{ChangedMeshes, MeshParts, MeshSource, called, show_copy};
 use crate::render::smoothing::SmoothingGroups;
-use crate::render::surface::{EntitySpace, Surface};
+use crate::render::surface::Surface;
 use crate::render::vertices::{EmbeddedVertices, Vertices};
 use crate::render::visibility::HiddenByCulling;
 
@@ -110,15 +110,10 @@ pub(crate) fn build_driven_meshes(
         };
         let mut driven = commands.entity(entity);
         match bound {
-            Ok((vertices, mut copy)) => {
+            Ok((vertices, copy)) => {
                 refusals.forget(entity);
-                let mut surface = Surface::of_mesh(particles, &sticks.0, Vertices::Embedded(vertices));
-                let bounds =
-                    EntitySpace::new(transform).and_then(|space| surface.write(&mut copy, &space, 1.0));
-                let shown = meshes.add(copy);
-                surface.mesh = shown.id();
-                let state = MeshSource { source, shown: Some(shown.id()) };
-                driven.insert((Mesh3d(shown), state, surface, NoAutoAabb, bounds.unwrap_or_default()));
+                let surface = Surface::of_mesh(particles, &sticks.0, Vertices::Embedded(vertices));
+                show_copy(&mut driven, &mut meshes, transform, source, surface, copy);
             }
             Err((component, reason)) => {
                 refusals.entity(entity, component, reason);

@@ -1,6 +1,7 @@
 //! The mesh that a body or its shape was made of, and the copy that shows it.
 
 use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::NoAutoAabb;
 use bevy::ecs::component::Mutable;
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
@@ -8,6 +9,7 @@ use bevy::prelude::*;
 
 use crate::change_detection::collect_changed;
 use crate::render::from_mesh::reading::{MeshFault, faces, positions};
+use crate::render::surface::{EntitySpace, Surface};
 
 /// The mesh that a component made something of, which stays as it is, and the copy that shows it.
 #[derive(Component, Clone, Debug)]
@@ -118,6 +120,22 @@ impl<'a> MeshParts<'a> {
         copy.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
         copy
     }
+}
+
+/// Shows the copy of a mesh, which `surface` keeps up to date, instead of the mesh that the entity was given.
+pub(crate) fn show_copy(
+    entity: &mut EntityCommands,
+    meshes: &mut Assets<Mesh>,
+    transform: &GlobalTransform,
+    source: Handle<Mesh>,
+    mut surface: Surface,
+    mut copy: Mesh,
+) {
+    let bounds = EntitySpace::new(transform).and_then(|space| surface.write(&mut copy, &space, 1.0));
+    let shown = meshes.add(copy);
+    surface.mesh = shown.id();
+    let state = MeshSource { source, shown: Some(shown.id()) };
+    entity.insert((Mesh3d(shown), state, surface, NoAutoAabb, bounds.unwrap_or_default()));
 }
 
 /// A strip as a list, which can be torn.
