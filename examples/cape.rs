@@ -1,8 +1,8 @@
 //! A cape on a skinned character that walks, runs, jumps and turns about: pins and limits painted on its mesh, capsules on the
 //! bones, and a share of the character's motion that it does not feel.
 //!
-//! `cargo run --release --example cape --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example cape --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

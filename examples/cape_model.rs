@@ -1,7 +1,7 @@
 //! Writes `assets/models/cape.glb`: a small character with a cape, made in code, skinned, painted and animated as an artist's
 //! export would be. `docs/blender.md` tells what is in it.
 //!
-//! `cargo run --example cape_model`
+//! `cargo run --features meshes --example cape_model`
 
 use std::process::ExitCode;
 

@@ -1,7 +1,7 @@
 //! Cloth from any mesh: a cone becomes a skirt that hangs by its waist.
 //!
-//! `cargo run --release --example cloth_mesh --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example cloth_mesh --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

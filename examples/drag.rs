@@ -1,7 +1,7 @@
 //! Cloth that is dragged: by a hand that pulls as hard as it takes, by one of little force, and by your own pointer.
 //!
-//! `cargo run --release --example drag --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example drag --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

@@ -1,7 +1,7 @@
 //! Soft solids: jelly cubes, a ring and a many-cornered drop on few cells fall onto steps, and wobble to rest.
 //!
-//! `cargo run --release --example jelly --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example jelly --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

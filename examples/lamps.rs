@@ -1,7 +1,7 @@
 //! A rope whose ends are tied to other entities, and entities that are tied to the rope.
 //!
-//! `cargo run --release --example lamps --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example lamps --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

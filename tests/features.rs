@@ -15,7 +15,7 @@ use showcase::FEATURES;
 const TOO_FAST: f32 = 100.0;
 
 /// Examples that are no features of their own: they have other tests.
-const OTHERS: [&str; 4] = ["cannon", "cape_model", "scene", "showcase"];
+const OTHERS: [&str; 5] = ["cannon", "cape_model", "readme", "scene", "showcase"];
 
 macro_rules! runs {
     ($($name:ident),* $(,)?) => {

@@ -1,4 +1,4 @@
-//! What newcomers copy from the README is the example `readme`, which is compiled and run.
+//! Newcomers copy the sample of the README. It is the example `readme`, which is compiled.
 
 #[test]
 fn the_readme_quotes_the_example() {

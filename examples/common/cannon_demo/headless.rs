@@ -41,7 +41,7 @@ pub fn task_pools(threads: u16) -> TaskPoolPlugin {
     plugin
 }
 
-/// Runs the whole experiment and writes what came of it.
+/// Runs the whole experiment and writes its results.
 ///
 /// # Errors
 /// [`OutputError`] if the folder cannot be made or written; before the run where that can be known.
@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Draws the pictures of the run that is over. Without a graphics adapter one line says so.
+/// Draws the pictures after the run. Prints one line if there is no graphics adapter.
 #[cfg(feature = "render")]
 fn draw_frames(app: &mut App, scene: &CannonScene, folder: &Path) {
     use crate::cannon_demo::frame_capture::{CapturedFrames, capture_last};
@@ -82,13 +82,13 @@ fn draw_frames(app: &mut App, scene: &CannonScene, folder: &Path) {
     }
 }
 
-/// Says why there are no pictures.
+/// Prints the reason why there are no pictures.
 #[cfg(not(feature = "render"))]
 fn draw_frames(_: &mut App, _: &CannonScene, _: &Path) {
     println!("no pictures: this program was built without the feature `render`");
 }
 
-/// Steps until every shot is fired and all is at rest, or patience ends. `on_step` is told the time.
+/// Steps until every shot is fired and all is at rest, or patience ends. Calls `on_step` with the time.
 pub fn run_to_rest(app: &mut App, scene: &CannonScene, mut on_step: impl FnMut(f64)) {
     app.finish();
     app.cleanup();

@@ -1,6 +1,6 @@
 //! Meshes and materials of the scene, in a window and in pictures.
 //!
-//! The scene itself knows nothing of this: observers dress whatever is added to the world.
+//! The scene itself does not depend on this: observers add meshes and materials to new entities.
 
 use core::f32::consts::FRAC_PI_2;
 
@@ -10,7 +10,7 @@ use crate::cannon_demo::scene::{CURTAIN_SIZE, Curtain, Ground, curtain_clearance
 use crate::view::lighting::LightingPlugin;
 use crate::view::shared_materials::{EARTH, SharedMaterials, SharedMaterialsPlugin};
 
-/// Dresses the scene of the cannon demo.
+/// Adds meshes and materials to the scene of the cannon demo.
 pub struct CannonMaterialsPlugin;
 
 impl Plugin for CannonMaterialsPlugin {
@@ -22,7 +22,7 @@ impl Plugin for CannonMaterialsPlugin {
     }
 }
 
-/// Rod and posts that the curtain hangs from. Only to look at.
+/// Rod and posts that the curtain hangs from. Nothing touches them.
 fn spawn_frame(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,

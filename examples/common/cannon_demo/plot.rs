@@ -1,4 +1,4 @@
-//! Draws what the recorder saw.
+//! Draws the samples of the recorder.
 
 use std::path::Path;
 

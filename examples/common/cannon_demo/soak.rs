@@ -1,5 +1,5 @@
-//! `--soak SECONDS`: a shot every second, and old balls taken away. Nothing may grow: not the memory, not the time of a
-//! step; and nothing may turn into a number that is none.
+//! `--soak SECONDS`: a shot every second, and old balls taken away. Neither memory nor the time of a step may grow, and all
+//! positions stay finite.
 
 use std::fs;
 use std::time::{Duration, Instant};
@@ -116,7 +116,7 @@ fn watch(
     soak.any_nan |= !all_finite;
 }
 
-/// Soaks an [`app`] for so many simulated seconds. `on_step` is told the time.
+/// Soaks an [`app`] for so many simulated seconds. Calls `on_step` with the time.
 pub fn soak(app: &mut App, seconds: u32, mut on_step: impl FnMut(f64)) -> SoakReport {
     let steps = (f64::from(seconds) / STEP).round() as u64;
     let a_minute = (60.0 / STEP).round() as usize;
@@ -145,7 +145,7 @@ pub fn soak(app: &mut App, seconds: u32, mut on_step: impl FnMut(f64)) -> SoakRe
     SoakReport { steps, shots, minutes, any_nan }
 }
 
-/// Memory of this process, where Linux tells.
+/// Memory of this process in MiB; none where there is no `/proc`.
 fn resident_mib() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

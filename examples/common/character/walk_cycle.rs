@@ -29,7 +29,7 @@ pub struct Character {
     pub heading: f32,
     /// Seconds since it began.
     pub time: f32,
-    /// Of its step.
+    /// Phase of its step.
     phase: f32,
 }
 
@@ -57,7 +57,7 @@ pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
 }
 
 impl Default for Character {
-    /// One that is in no world, at the beginning.
+    /// A character in no world, at the beginning.
     fn default() -> Self {
         Self {
             root: Entity::PLACEHOLDER,
@@ -103,7 +103,7 @@ pub fn pace(speed: f32) -> f32 {
 }
 
 impl Character {
-    /// Goes on to `time`, however long that is: in small steps, so that it goes the same way at any frame rate.
+    /// Advances to `time` in small steps, so that the way is the same at any frame rate.
     pub fn advance(&mut self, time: f32) {
         const STRIDE: f32 = 1.0 / 480.0;
         while self.time + STRIDE <= time + 1e-5 {

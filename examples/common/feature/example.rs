@@ -1,7 +1,7 @@
 //! An example of one feature, as an app.
 //!
-//! An example is a [`Feature`] and the function that sets its scene up. It says nothing of drawing but [`Paint`]: the same
-//! code runs in a test that knows no renderer.
+//! An example is a [`Feature`] and the function that sets its scene up. All it says about drawing is a
+//! [`Paint`](crate::view::paint::Paint), so the same code runs in tests without a renderer.
 
 use core::time::Duration;
 

@@ -23,16 +23,16 @@ pub struct FeatureReport {
     pub greatest_speed: f32,
 }
 
-/// Why a run without a window is no success.
+/// The errors of a run without a window.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FeatureError {
     /// Something was left out of the simulation.
     #[error("{0}")]
     Refused(String),
-    /// Nothing there to see.
+    /// The example has neither bodies nor balls.
     #[error("the example has neither bodies nor balls")]
     Empty,
-    /// A body is no longer anywhere.
+    /// A position or velocity is not finite.
     #[error("{0} has a particle that is nowhere, at step {1}")]
     NotFinite(Entity, u64),
     /// A file is missing.
@@ -45,7 +45,7 @@ impl Feature {
     /// Runs for this long (simulated seconds), as fast as it goes, without a renderer.
     ///
     /// # Errors
-    /// [`FeatureError`] if a body or obstacle is refused, a file or everything is missing, or something has no finite place.
+    /// [`FeatureError`] if a body or obstacle is refused, a file is missing, nothing is simulated, or a position is not finite.
     pub fn run_headless(&self, seconds: f32) -> Result<FeatureReport, FeatureError> {
         let mut app = self.headless_app();
         let steps = steps_in(&app, seconds);
@@ -66,7 +66,7 @@ impl Feature {
     }
 }
 
-/// Counts what is there after `step`, and checks that it is somewhere.
+/// Counts bodies and balls after `step`, and checks that all positions and velocities are finite.
 fn look_at(world: &mut World, step: u64, report: &mut FeatureReport) -> Result<(), FeatureError> {
     if let Some(message) = world.resource::<Refusals>().messages().next() {
         return Err(FeatureError::Refused(message.to_string()));

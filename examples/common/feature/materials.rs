@@ -17,7 +17,7 @@ const SOLID: Color = Color::srgb(0.45, 0.52, 0.58);
 /// Pieces that a round shape is made of, all the way round.
 const ROUNDNESS: u32 = 48;
 
-/// Dresses whatever a feature's example spawns.
+/// Adds meshes and materials to the bodies and obstacles of an example.
 pub struct FeatureMaterialsPlugin;
 
 impl Plugin for FeatureMaterialsPlugin {
@@ -77,7 +77,7 @@ fn repaint(
 
 type BareRigid = (Without<HasMeshes>, With<Particles>);
 
-/// Rigid bodies look as the hull of their corners.
+/// Draws a rigid body as the convex hull of its corners.
 fn add_rigid_meshes(
     bodies: Query<(Entity, &RigidTetrahedron, Option<&Paint>), BareRigid>,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -96,7 +96,7 @@ fn add_rigid_meshes(
     }
 }
 
-/// Marks an obstacle, or a rigid body, that has been given its looks.
+/// Marks an obstacle or rigid body that has its meshes.
 #[derive(Component)]
 struct HasMeshes;
 
@@ -129,7 +129,7 @@ fn add_obstacle_meshes(
     }
 }
 
-/// The mesh of a shape of parry's that is not only known by its box.
+/// The mesh of a cylinder, cone or convex hull; none for other shapes.
 fn round(shape: &Shape) -> Option<Mesh> {
     let Shape::Parry(shape) = shape else { return None };
     let (corners, triangles) = match shape.as_typed_shape() {

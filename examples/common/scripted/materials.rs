@@ -14,7 +14,7 @@ use crate::view::tubes::TubesPlugin;
 /// Colour of obstacles that have no material, but for the ground.
 const SOLID: Color = Color::srgb(0.45, 0.52, 0.58);
 
-/// Dresses whatever a scene spawns.
+/// Adds meshes and materials to the bodies and obstacles of a scene.
 pub struct SceneMaterialsPlugin;
 
 impl Plugin for SceneMaterialsPlugin {
@@ -24,7 +24,7 @@ impl Plugin for SceneMaterialsPlugin {
     }
 }
 
-/// The material that the scene gives to what has this name.
+/// The material that the scene gives to the body or obstacle of this name.
 fn material(play: &ScenePlay, name: &str) -> Option<scene::Material> {
     let script = play.script();
     let of_body = script.bodies.get(name).and_then(scene::Body::material);
@@ -63,7 +63,7 @@ fn add_cloth_materials(
     }
 }
 
-/// Marks an obstacle that has been given its looks.
+/// Marks an obstacle that has its meshes.
 #[derive(Component)]
 struct HasMeshes;
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-// Not all of the prelude: its `Color`, where there is one, and that of the plots get into each other's way.
+// Not all of the prelude, whose `Color` clashes with that of the plots.
 use bevy::prelude::World;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;

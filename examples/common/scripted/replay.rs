@@ -1,4 +1,4 @@
-//! A recording without a window: what is in it, and where it parts from another.
+//! A recording without a window: its contents, and the first difference from another.
 
 use core::fmt;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ pub fn load(path: &Path) -> Result<Recording, ReplayError> {
     Recording::load(path).map_err(|source| ReplayError { path: path.to_path_buf(), source })
 }
 
-/// Prints what is in a recording, and where `other` parts from it; true if it does not.
+/// Prints the contents of a recording, and the first difference from `other`. Returns true if there is none.
 ///
 /// # Errors
 /// [`ReplayError`] if one of them cannot be read, or is damaged.

@@ -32,7 +32,7 @@ pub enum ReplayWindowError {
     NoRecording(#[from] ReplayError),
 }
 
-/// Opens the window and stays until it is closed. Returns whether it was closed in peace.
+/// Opens the window and stays until it is closed. Returns true if it was closed without an error.
 ///
 /// # Errors
 /// [`ReplayWindowError`] if there is no display, no graphics adapter, or no recording.

@@ -20,7 +20,7 @@ use crate::scripted::plot::Curves;
 #[cfg(feature = "render")]
 use crate::view::offscreen::PictureError;
 
-/// Why scenes could not be run, or what they did not be written.
+/// The errors of a run of scenes.
 #[derive(Debug, Error)]
 pub enum SuiteError {
     /// A folder cannot be made.
@@ -58,7 +58,7 @@ pub enum SuiteError {
     #[cfg(not(feature = "render"))]
     #[error("`--frames` draws pictures, which needs the feature `render`: cargo run --features render ..")]
     CannotDraw,
-    /// A checkpoint cannot be written, read or gone on from.
+    /// A checkpoint cannot be written, read or resumed.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// The reports cannot be written.
@@ -96,12 +96,12 @@ pub fn run(arguments: &SceneArguments) -> Result<bool, SuiteError> {
     Ok(passed == reports.len())
 }
 
-/// Prints to the standard output, as long as somebody reads it: `scene .. | head` is no fault.
+/// Prints to the standard output. A pipe that was closed, as by `scene .. | head`, is no error.
 pub(crate) fn tell(what: &impl Display) {
     let _ = write!(io::stdout(), "{what}");
 }
 
-/// All scene files that are named, or in a folder that is.
+/// The scene files among `named`, and those in its folders.
 pub(crate) fn files_of(named: &[PathBuf]) -> Result<Vec<PathBuf>, SuiteError> {
     let mut files = Vec::new();
     for path in named {
@@ -260,7 +260,7 @@ impl Pictures {
 }
 
 fn progress_bar(name: &str, steps: u64) -> ProgressBar {
-    // Hidden where nobody watches.
+    // Hidden if the output is not a terminal.
     let bar = ProgressBar::new(steps);
     if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} steps, {elapsed}") {
         bar.set_style(style);

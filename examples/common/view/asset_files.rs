@@ -1,4 +1,4 @@
-//! The files that a feature's example shows.
+//! Asset files: meshes and glTF scenes from the folder `assets`.
 
 use core::time::Duration;
 
@@ -12,10 +12,10 @@ use thiserror::Error;
 
 /// Updates after which the scene of a loaded file must be spawned. Loading itself may take as long as the machine needs.
 const PATIENCE: u32 = 1000;
-/// Between two looks.
+/// Pause between two updates.
 const PAUSE: Duration = Duration::from_millis(1);
 
-/// A file is not there, or is not what it should be.
+/// A file is missing or cannot be loaded.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("cannot load a scene: {0}")]
 pub struct FileError(String);
@@ -38,11 +38,11 @@ impl Plugin for MeshFilePlugins {
     }
 }
 
-/// Updates `app` until all scenes of files are spawned that have been asked for. Its clock stands still meanwhile, so that what
-/// comes after does not depend on how long they took.
+/// Updates `app` until every requested scene file is spawned. Its clock stands still meanwhile, so that results do not depend
+/// on loading times.
 ///
 /// # Errors
-/// [`FileError`] telling which file, and what is wrong with it.
+/// [`FileError`] with the file and its fault.
 pub fn wait_for_files(app: &mut App) -> Result<(), FileError> {
     let clock = app.world_mut().remove_resource::<TimeUpdateStrategy>().unwrap_or_default();
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));

@@ -1,4 +1,4 @@
-//! Shared by all that is watched: meshes, materials, light, cameras, windows, and drawing without a window.
+//! Shared parts of windows and pictures: meshes, materials, light, cameras, and drawing without a window.
 //!
 //! Imports no other folder.
 

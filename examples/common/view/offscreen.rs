@@ -160,7 +160,7 @@ impl OffscreenCamera {
     fn take_picture(&self, app: &mut App) -> Receiver<Image> {
         let (sender, receiver) = channel();
         let send = move |captured: On<ScreenshotCaptured>| {
-            // Nobody waits for it any more: nothing to do.
+            // An error means that nobody waits for the picture any more.
             let _ = sender.send(captured.image.clone());
         };
         app.world_mut().spawn(Screenshot::image(self.target.clone())).observe(send);

@@ -61,7 +61,7 @@ impl FromWorld for SharedMaterials {
     }
 }
 
-/// A ball's looks are a child of it: its own transform belongs to the simulation.
+/// The mesh is a child of the ball, whose own transform belongs to the simulation.
 fn add_ball_mesh(
     added: On<Add, Projectile>,
     mut commands: Commands,

@@ -45,7 +45,7 @@ impl Plugin for SliderPlugin {
     }
 }
 
-/// Gives a new slider its looks.
+/// Adds the bars of a new slider.
 fn dress(added: On<Add, Slider>, mut commands: Commands) {
     let chosen = Node { width: percent(0), height: percent(100), ..default() };
     commands.entity(added.entity).insert((Interaction::default(), BackgroundColor(REST))).with_child((
