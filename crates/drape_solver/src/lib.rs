@@ -5,8 +5,8 @@
 //! Folders are layers: a file imports from its own floor and from the floors below it, which `.ci/floors` checks.
 //!
 //! ```text
-//! drape_test   Cusick's drape test, as a program
-//! step         the whole step on one screen: read it first
+//! drape_test   Cusick's drape test, and stretch by weight
+//! step         the whole step on one screen: start here
 //! island       bodies and balls that are stepped together, with their scratch
 //! tearing/     sticks tear, blades cut, bodies fall into pieces
 //! build/       builders of cloths, ropes, soft bodies, ragdolls; cloth from meshes
@@ -20,9 +20,9 @@
 //! parallel/    threads and workers
 //! simd/        columns, lanes, instruction sets
 //! error        typed errors
-//! constants    every tolerance, with its unit and its reason
+//! constants    tolerances, bounds and tuning constants, with units and reasons
 //! ```
-// Same input, same bits, on every machine: `clippy.toml` lists what rounds differently.
+// Same input, same bits, on every machine: `clippy.toml` lists the methods that round differently.
 #![warn(clippy::disallowed_methods)]
 
 pub mod broad_phase;
