@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use drape_examples::scene_arguments::SceneArguments;
-use drape_examples::{scene_replay, scene_suite};
+use drape_examples::scripted::arguments::SceneArguments;
+use drape_examples::scripted::{replay as scene_replay, suite as scene_suite};
 
 /// A ball that falls for half a second, from as high as `--set height=` says.
 const SCENE: &str = r#"(
@@ -20,7 +20,10 @@ struct Folder(PathBuf);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("drape_scene_{name}_{}", std::process::id()));
+        let path =
+            Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("scene_demo_{name}_{}", std::process::id()));
+        // A run that was killed may have left one.
+        let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).expect("a folder for temporary files");
         Self(path)
     }

@@ -273,9 +273,8 @@ fn the_time_of_the_stages_is_told_however_they_are_run() {
         app.world_mut().spawn(Cloth { particles: UVec2::splat(64), ..default() });
         step(&mut app, 2);
         let times = app.world().resource::<bevy_drape::schedule::StepTimes>();
-        assert!(times.substeps > core::time::Duration::ZERO && times.substeps < times.step, "{times:?}");
-        assert!(
-            times.detect_collisions > core::time::Duration::ZERO && times.detect_collisions < times.substeps
-        );
+        // Either may be the longer one: a busy machine stops the program where it likes.
+        assert!(!times.substeps.is_zero() && !times.detect_collisions.is_zero(), "{times:?}");
+        assert!(times.substeps + times.detect_collisions <= times.step, "{times:?}");
     }
 }

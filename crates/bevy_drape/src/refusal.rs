@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 
-use crate::particles::Particles;
-
 /// What is left out of the simulation because something is wrong with it. Each fault is logged once, as an error,
 /// and not sixty times a second.
 #[derive(Resource, Reflect, Clone, Debug, Default)]
@@ -67,9 +65,4 @@ impl Refusals {
 /// Forgets the faults of an entity that loses its `C`.
 pub(crate) fn forget_removed<C: Component>(removed: On<Remove, C>, mut refusals: ResMut<Refusals>) {
     refusals.forget(removed.entity);
-}
-
-/// Forgets the faults of a body that is despawned, whatever it was built from.
-pub(crate) fn forget_despawned_body(despawned: On<Despawn, Particles>, mut refusals: ResMut<Refusals>) {
-    refusals.forget(despawned.entity);
 }

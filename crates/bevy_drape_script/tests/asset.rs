@@ -30,16 +30,21 @@ fn app(folder: &Path) -> App {
     app
 }
 
-/// Updates until `is_done`.
-fn wait(app: &mut App, is_done: impl Fn(&World) -> bool) {
-    for _ in 0..2000 {
-        app.update();
-        if is_done(app.world()) {
-            return;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(1));
+/// Why a scene cannot be loaded.
+fn failure(world: &World, scene: &Handle<SceneScript>) -> Option<String> {
+    match world.resource::<AssetServer>().load_state(scene) {
+        LoadState::Failed(error) => Some(error.to_string()),
+        _ => None,
     }
-    panic!("it never happens");
+}
+
+/// Updates until `is_done`, however long a busy machine takes to read files.
+fn wait(app: &mut App, scene: &Handle<SceneScript>, is_done: impl Fn(&World) -> bool) {
+    while !is_done(app.world()) {
+        assert_eq!(failure(app.world(), scene), None);
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        app.update();
+    }
 }
 
 fn names(world: &World) -> Vec<String> {
@@ -60,9 +65,9 @@ fn a_scene_is_loaded_played_and_begun_anew_when_it_changes() {
     let scene: Handle<SceneScript> = app.world().resource::<AssetServer>().load("a.scene.ron");
     app.insert_resource(PlayScene {
         overrides: vec!["one.copies.count=[2,1,1]".parse().expect("an override")],
-        ..PlayScene::new(scene)
+        ..PlayScene::new(scene.clone())
     });
-    wait(&mut app, |world| names(world) == ["one", "two"]);
+    wait(&mut app, &scene, |world| names(world) == ["one", "two"]);
     assert_eq!(balls(&mut app), 3);
 
     write(
@@ -71,16 +76,14 @@ fn a_scene_is_loaded_played_and_begun_anew_when_it_changes() {
         r#"(version: 1, bodies: { "one": Balls(), "three": Balls(at: (6, 0, 0)) })"#,
     );
     app.world().resource::<AssetServer>().reload("a.scene.ron");
-    wait(&mut app, |world| names(world) == ["one", "three"]);
+    wait(&mut app, &scene, |world| names(world) == ["one", "three"]);
     assert_eq!(balls(&mut app), 3, "what was there before is gone");
 
     // A file that cannot be read leaves the scene that is being played alone.
     write(&folder, "a.scene.ron", "(version: 1, bodies: {");
     app.world().resource::<AssetServer>().reload("a.scene.ron");
-    for _ in 0..100 {
-        app.update();
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
+    wait(&mut app, &scene, |world| failure(world, &scene).is_some());
+    (0..3).for_each(|_| app.update());
     assert_eq!(names(app.world()), ["one", "three"]);
 }
 
@@ -90,14 +93,7 @@ fn a_bad_scene_fails_to_load_and_says_where() {
     write(&folder, "a.scene.ron", "(\n    version: 1,\n    colour: 3,\n)");
     let mut app = app(&folder);
     let scene: Handle<SceneScript> = app.world().resource::<AssetServer>().load("a.scene.ron");
-    let id = scene.id();
-    let failed = move |world: &World| {
-        matches!(world.resource::<AssetServer>().get_load_state(id), Some(LoadState::Failed(_)))
-    };
-    wait(&mut app, failed);
-    let Some(LoadState::Failed(error)) = app.world().resource::<AssetServer>().get_load_state(id) else {
-        panic!("it fails")
-    };
-    let error = error.to_string();
+    wait(&mut app, &scene, |world| failure(world, &scene).is_some());
+    let error = failure(app.world(), &scene).expect("it fails");
     assert!(error.contains("a.scene.ron:3:") && error.contains("colour"), "{error}");
 }

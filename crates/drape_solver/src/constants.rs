@@ -27,7 +27,7 @@ pub const SKIN_OF_EDGE: f32 = 0.25;
 pub const ELEMENTS_OF_LEAF: usize = 4;
 
 /// A patch of cloth lies flat if the normals of all its faces lean to one side by at least this cosine.
-pub const LEAST_LEAN: f32 = 0.2;
+pub const LEAST_FLAT_COSINE: f32 = 0.2;
 
 /// How often contacts of cloth with cloth and with obstacles are projected in turn. Each round halves the weight that two
 /// layers on an obstacle leave for the next substep: with one, the upper never comes to rest.

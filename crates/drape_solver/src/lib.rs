@@ -1,4 +1,31 @@
 #![doc = include_str!("../README.md")]
+//!
+//! # Floors
+//!
+//! Folders are layers: a file imports from its own floor and from the floors below it, which `.ci/floors` checks.
+//!
+//! ```text
+//! world/       bodies, balls and obstacles by name: islands, sleep, wake and culling
+//! world/       many bodies without an engine: islands, sleep, wake, culling
+//! drape_test   Cusick's drape test, as a program
+//! step         the whole step on one screen: read it first
+//! island       bodies and balls that are stepped together, with their scratch
+//! tearing/     sticks tear, blades cut, bodies fall into pieces
+//! build/       builders of cloths, ropes, soft bodies, ragdolls; cloth from meshes
+//! substep/     the order of a substep, and the ways to walk it
+//! contact/     the narrow phase: one file for each kind of contact
+//! broad_phase/ the pairs that could touch
+//! constraint/  sticks, direct solves, tethers, volume, limits on motion
+//! motion/      forces, wind, Verlet integration, rest
+//! state/       bodies, particles, topology, balls, obstacles, settings
+//! geometry/    shapes, poses, nearest points
+//! parallel/    threads and workers
+//! simd/        columns, lanes, instruction sets
+//! union_find   groups of what hangs together
+//! union_find   groups of things that hang together
+//! error        typed errors
+//! constants    every tolerance, with its unit and its reason
+//! ```
 // Same input, same bits, on every machine: `clippy.toml` lists what rounds differently.
 #![warn(clippy::disallowed_methods)]
 
@@ -10,13 +37,18 @@ pub mod contact;
 pub mod drape_test;
 pub mod error;
 pub mod geometry;
+pub mod island;
 pub mod motion;
 pub mod parallel;
+#[cfg(test)]
+mod random;
 pub mod simd;
 pub mod state;
 pub mod step;
 pub mod substep;
 pub mod tearing;
+pub(crate) mod union_find;
+pub mod world;
 
 pub use build::cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use build::embedding::Embedding;
@@ -31,34 +63,40 @@ pub use build::soft_body::{SoftBodyBuilder, SoftSolid};
 pub use build::soft_lattice::SoftLattice;
 pub use build::topology_builder::TopologyBuilder;
 pub use build::weave::Weave;
-pub use constraint::tether::Tethers;
-pub use constraint::volume::volume;
 pub use contact::ball_cloth_query::BallClothContact;
-pub use contact::dynamic_obstacle::MovedObstacle;
 pub use contact::event::{Contact, Feature, Other, Party, Touch};
-pub use contact::reaction::Reaction;
 pub use error::{BuildError, StepError};
 pub use geometry::pose::Placement;
 pub use geometry::shape::Shape;
-pub use motion::frame_motion::FrameMotion;
+pub use island::{BodyScratch, Island};
+pub use motion::environment::Environment;
 pub use motion::wind::{Turbulence, Wind, WindFlow, WindRegion, WindZone};
 pub use parallel::threads::{Alone, Threads};
 pub use simd::isa::Isa;
 pub use state::ball::{Ball, BallMaterial};
 pub use state::body::{Body, BodyContext};
+pub use state::frame_motion::FrameMotion;
 pub use state::hash::StateHasher;
-pub use state::island::{Environment, Island};
 pub use state::layers::Layers;
 pub use state::obstacle::Obstacle;
+pub use state::obstacle_motion::MovedObstacle;
+pub use state::obstacle_motion::Reaction;
 pub use state::obstacles::Obstacles;
 pub use state::particles::Particles;
 pub use state::rigid_body::RigidBody;
 pub use state::settings::{Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve};
 pub use state::snapshot::{BallSnapshot, ParticlesSnapshot};
+pub use state::tethers::Tethers;
 pub use state::topology::{EmbeddedPoint, StickBatch, StickBound, StickKind, StickMaterial, Topology};
+pub use state::volume::volume;
 pub use step::{step, step_on};
 pub use tearing::pieces::Piece;
 pub use tearing::tear::{TearLimits, Torn, TornStick};
+pub use world::World;
+pub use world::activity::{Activity, ActivityCounts};
+pub use world::activity_rules::ActivityRules;
+pub use world::events::{Events, Fault};
+pub use world::id::{BallId, BodyId, MemberId, ObstacleId, WorldId};
 
 pub use glam;
 pub use parry3d;

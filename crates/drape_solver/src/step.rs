@@ -6,8 +6,9 @@
 //!       -> finish
 //! ```
 //!
-//! The stages are public so that a schedule can run its own systems between them; [`step`] and [`substeps_on`] are
-//! the same stages in the same order, and give the same bits.
+//! The stages of a substep and their order stand in [`substep::order`](crate::substep::order), once, as data; this file
+//! walks that list. The public stages let a schedule run its own systems between them; [`step`] and [`substeps_on`] walk
+//! the same list, and give the same bits.
 //!
 //! Friction comes last in *each* substep, on the substep's whole tangential displacement, with the depth summed
 //! over its N + 1 projections. Once per step instead, a body with a friction of 0.5 slides from about 1 degree;
@@ -15,36 +16,28 @@
 
 use glam::Vec3;
 
-use crate::broad_phase::obstacle_search;
-use crate::broad_phase::obstacle_search::Span;
-use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS};
-use crate::constraint::angular_momentum;
-use crate::constraint::motion_limit;
-use crate::constraint::stick;
-use crate::constraint::strain::greatest_strain;
-use crate::constraint::volume;
-use crate::contact::ball_ball;
-use crate::contact::ball_cloth;
-use crate::contact::ball_obstacle;
-use crate::contact::cloth_cloth as contact_self;
-use crate::contact::dynamic_obstacle;
-use crate::contact::embedded_obstacle;
-use crate::contact::face_obstacle;
-use crate::contact::impact_zone;
-use crate::contact::particle_dynamic;
-use crate::contact::reaction;
-use crate::contact::report as contact_report;
+use crate::broad_phase::obstacle_search::SearchStep;
+use crate::constants::{
+    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS,
+};
+use crate::constraint::{angular_momentum, stick, strain::greatest_strain, volume};
+use crate::contact::island_contacts::IslandContacts;
+use crate::contact::{
+    ball_ball, ball_cloth, ball_obstacle, body_contacts, cloth_cloth, dynamic_obstacle, embedded_obstacle,
+    face_obstacle, impact_zone, limit_conflict, particle_dynamic, reaction, report,
+};
 use crate::error::{StepError, in_range};
-use crate::motion::force;
-use crate::motion::integrate as verlet;
-use crate::motion::rest;
+use crate::island::{Island, IslandContext};
+use crate::motion::environment::Environment;
 use crate::motion::wind::WindZone;
+use crate::motion::{force, rest};
 use crate::parallel::threads::{Alone, Threads};
-use crate::parallel::workers::Crew;
-use crate::simd::isa::Isa;
+use crate::parallel::workers::Workers;
 use crate::state::body::Body;
-use crate::state::island::{Environment, Island, IslandContext};
-use crate::substep::sweep::{self, Surroundings};
+use crate::state::drag::Drag;
+use crate::substep::begin;
+use crate::substep::order::{BodyStage, IslandStage, Span, Stages};
+use crate::substep::sweep;
 
 /// Advances an island by `environment.dt` seconds, on this thread.
 ///
@@ -65,12 +58,12 @@ pub fn step_on(
     threads: &dyn Threads,
 ) -> Result<(), StepError> {
     let mut outcome = Ok(());
-    Crew::run(lent(island, threads), &mut |crew| {
+    Workers::run(lent(island, threads), &mut |workers| {
         outcome = begin(island, environment).and_then(|()| {
             accumulate_forces(island, environment);
-            detect(island, environment, crew);
-            substeps(island, environment, crew);
-            finish_with(island, crew)
+            detect(island, environment, workers);
+            substeps(island, environment, workers);
+            finish_with(island, workers)
         });
     });
     outcome
@@ -79,7 +72,7 @@ pub fn step_on(
 /// All substeps that are left of the step that was [begun](begin). Where no ball is near, each body takes them in
 /// turn, a large one down its strips with the stages of several substeps at once.
 pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
-    Crew::run(lent(island, threads), &mut |crew| substeps(island, environment, crew));
+    Workers::run(lent(island, threads), &mut |workers| substeps(island, environment, workers));
 }
 
 /// The threads, if the island has a body that is worth sharing out.
@@ -88,13 +81,12 @@ fn lent<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
     if island.bodies.iter().any(is_large) { threads } else { &Alone }
 }
 
-fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
-    let context = &island.context;
-    let is_fused = island.balls.is_empty() && !context.report.is_on() && !context.reactions.is_on();
-    if is_fused && island.bodies.iter().all(sweep::is_all_stages) {
-        let around = surroundings(&island.context, island.isa, environment);
-        for body in &mut island.bodies {
-            sweep::substeps(body, around, crew);
+fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
+    if can_be_swept(island) {
+        let substep = island.context.now(island.isa, environment);
+        let IslandContext { contacts, plans, .. } = &mut island.context;
+        for ((body, contacts), plan) in island.bodies.iter_mut().zip(&mut contacts.bodies).zip(plans) {
+            sweep::substeps(body, &mut contacts.obstacles, plan, substep, workers);
         }
         island.context.iterations_taken = island.iterations();
         island.context.substep_index = island.context.substeps;
@@ -105,7 +97,14 @@ fn substeps(island: &mut Island, environment: &Environment, crew: &Crew) {
     }
 }
 
-/// One substep: the three stages that a schedule may run one by one.
+/// True if no stage of the island has anything to do, so that its bodies may go through their substeps one by one.
+fn can_be_swept(island: &Island) -> bool {
+    let IslandContext { contacts, report, reactions, .. } = &island.context;
+    let is_alone = island.balls.is_empty() && !report.is_on() && !reactions.is_on();
+    is_alone && island.bodies.iter().zip(&contacts.bodies).all(|(body, of)| sweep::can_be_swept(body, of))
+}
+
+/// One substep: the three spans that a schedule may run one by one.
 pub fn substep(island: &mut Island, environment: &Environment) {
     integrate(island, environment);
     relax(island, environment);
@@ -130,7 +129,8 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     }
     environment.wind.validate()?;
     environment.wind_zones.iter().try_for_each(WindZone::validate)?;
-    island.bodies.iter_mut().for_each(Body::prepare);
+    island.bodies.iter_mut().for_each(begin::prepare);
+    island.fit_scratch();
     check_finite(island)?;
     let mut substeps = 1;
     for (index, body) in island.bodies.iter().enumerate() {
@@ -145,7 +145,7 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
         ball.hit_substeps = ball_cloth::hit_substeps(ball, &island.bodies, path);
         substeps = substeps.max(wanted.max(ball.hit_substeps).min(MAX_SUBSTEPS as f32).ceil() as u32);
     }
-    let wanted = contact_self::hit_substeps(&island.bodies, dt);
+    let wanted = cloth_cloth::hit_substeps(&island.bodies, dt);
     substeps = substeps.max(wanted.min(MAX_SUBSTEPS as f32).ceil() as u32);
     let h = dt / substeps as f32;
     island.context.substeps = substeps;
@@ -158,12 +158,12 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     island.moved.clear();
     island.context.reactions.clear();
     let iterations = island.iterations();
-    for body in &mut island.bodies {
-        body.begin_step(h, substeps, iterations);
+    for (body, plan) in island.bodies.iter_mut().zip(&mut island.context.plans) {
+        begin::begin_step(body, plan, island.context.order, h, substeps, iterations);
     }
     for ball in &mut island.balls {
         ball.set_substep(h, environment.gravity);
-        ball.drag = verlet::Drag::new(ball.material.drag, h);
+        ball.drag = Drag::new(ball.material.drag, h);
     }
     Ok(())
 }
@@ -178,74 +178,61 @@ pub fn accumulate_forces(island: &mut Island, environment: &Environment) {
 
 /// Lists what could touch what within the step.
 pub fn detect_collisions(island: &mut Island, environment: &Environment) {
-    detect(island, environment, &Crew::default());
+    detect(island, environment, &Workers::default());
 }
 
-fn detect(island: &mut Island, environment: &Environment, crew: &Crew) {
-    let (dt, gravity) = (environment.dt, environment.gravity.length());
-    let fastest_ball = island.balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
+fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
+    let (dt, gravity, obstacles) = (environment.dt, environment.gravity.length(), &environment.obstacles);
+    let Island { bodies, balls, context, isa, .. } = island;
+    let fastest_ball = balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
     // A ball can bring the cloth to its own speed within the step, and what was edited is pulled into place.
-    let speed_of = |body: &Body| body.particles.greatest_speed() + body.pull() / dt;
-    let speed = island.bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
-    let reach = (speed + gravity * dt) * dt + crate::constants::CONTACT_MARGIN;
-    let span = Span { dt, substeps: island.context.substeps, reach };
-    for body in &mut island.bodies {
-        obstacle_search::detect(body, &environment.obstacles, span, island.isa, crew);
+    let speed_of = |body: &Body| body.particles.greatest_speed() + begin::pull(body) / dt;
+    let speed = bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
+    let reach = (speed + gravity * dt) * dt + CONTACT_MARGIN;
+    let IslandContext { contacts, report, reactions, substeps, .. } = context;
+    let search_step = SearchStep { dt, substeps: *substeps, reach };
+    for (body, of_body) in bodies.iter().zip(&mut contacts.bodies) {
+        body_contacts::detect(of_body, body, obstacles, search_step, *isa, workers);
     }
-    ball_obstacle::detect(island, &environment.obstacles, dt, gravity);
-    ball_ball::detect(island, dt, gravity);
-    ball_cloth::detect(island, dt, gravity, speed);
-    impact_zone::begin_step(island);
-    contact_report::detect(island, environment, reach);
-    reaction::detect(island, &environment.obstacles);
-    dynamic_obstacle::detect(island, &environment.obstacles);
+    ball_obstacle::detect(&mut contacts.ball_obstacle, balls, obstacles, dt, gravity);
+    ball_ball::detect(&mut contacts.ball_ball, balls, dt, gravity);
+    ball_cloth::detect(&mut contacts.ball_cloth, bodies, balls, *isa, [dt, gravity, speed]);
+    impact_zone::begin_step(&mut contacts.impact_zones, &mut contacts.ball_cloth.pairs, bodies, balls);
+    report::detect(report, contacts, bodies, balls, obstacles, reach);
+    reaction::detect(reactions, contacts, obstacles);
+    dynamic_obstacle::detect(contacts, obstacles);
 }
 
-/// Stage 1 of a substep: particles and balls fly freely for one substep.
+/// Span 1 of a substep: particles and balls fly freely for one substep.
 pub fn integrate(island: &mut Island, environment: &Environment) {
-    dynamic_obstacle::begin_substep(island);
-    let around = surroundings(&island.context, island.isa, environment);
-    for body in &mut island.bodies {
-        sweep::integrate(body, around);
-        face_obstacle::begin_substep(body, around, &island.context.movers);
-        embedded_obstacle::begin_substep(body);
-    }
-    for ball in &mut island.balls {
-        let acceleration = environment.gravity + ball.force * ball.inverse_mass;
-        ball.displacement = ball.drag.step(ball.displacement, acceleration, ball.substep);
-        ball.position += ball.displacement;
-        ball.projected = Vec3::ZERO;
-    }
-    ball_obstacle::begin_substep(island, &environment.obstacles);
-    ball_ball::begin_substep(island);
-    ball_cloth::begin_substep(island);
-    contact_self::begin_substep(island);
+    walk(island, environment, island.context.order.integrate());
 }
 
-/// Stage 2 of a substep: N times contacts, sticks, tethers, lines. May stop after any iteration; the next step goes
-/// on from there.
+/// Span 2 of a substep: N times contacts, sticks, tethers, lines. Stop after any iteration; the next step continues from
+/// there.
 pub fn relax(island: &mut Island, environment: &Environment) {
-    for index in 0..island.iterations() {
+    let (order, iterations) = (island.context.order, island.iterations());
+    for index in 0..iterations {
         if index.is_power_of_two() && is_relaxed(island) {
             break;
         }
         island.context.iterations_taken = index + 1;
-        project_contacts(island, environment, index);
-        let around = surroundings(&island.context, island.isa, environment);
-        let Island { bodies, balls, context, .. } = &mut *island;
-        for (place, body) in bodies.iter_mut().enumerate() {
-            sweep::relax(body, around, index);
-            ball_cloth::note_touched(context, balls, place, &body.particles);
-            sweep::tether(body, around, index);
-            ball_cloth::put_back(context, &mut body.particles);
-            sweep::solve_lines(body, around, index);
-            volume::project(body);
-        }
+        walk(island, environment, order.iteration(index));
     }
-    island.bodies.iter_mut().for_each(angular_momentum::restore);
+    walk(island, environment, order.relaxed(iterations));
 }
 
-/// Whether the sticks of all bodies are as near to their rest lengths as they were asked to be.
+/// Span 3 of a substep: contacts have the last word on positions; then velocities follow, what bounces bounces, and
+/// friction; zones, where a ball would have passed through a cloth; and limits on motion.
+pub fn project_collisions(island: &mut Island, environment: &Environment) {
+    walk(island, environment, island.context.order.project_collisions(island.iterations()));
+    island.context.substep_index += 1;
+    if island.context.substep_index == island.context.substeps {
+        count_conflicts(island, environment);
+    }
+}
+
+/// True if the sticks of all bodies are as near to their rest lengths as they were asked to be.
 fn is_relaxed(island: &Island) -> bool {
     island.bodies.iter().all(|body| {
         let tolerance = body.settings.tolerance;
@@ -253,50 +240,177 @@ fn is_relaxed(island: &Island) -> bool {
     })
 }
 
-/// Stage 3 of a substep: contacts have the last word on positions; then velocities follow, what bounces bounces, and
-/// friction; zones, where a ball would have passed through a cloth; and limits on motion.
-pub fn project_collisions(island: &mut Island, environment: &Environment) {
-    project_contacts(island, environment, island.iterations());
-    let around = surroundings(&island.context, island.isa, environment);
-    for body in &mut island.bodies {
-        sweep::update(body, around);
-        stick::damp(&mut body.particles, &body.topology, &body.context.damping);
-        sweep::apply_friction(body, around);
-        face_obstacle::apply_friction(body, around, &mut island.context.movers);
-        embedded_obstacle::apply_friction(body, around, &mut island.context.movers);
-        particle_dynamic::apply_friction(body, around, &mut island.context.movers);
+/// Walks some spans of the order, stage by stage.
+fn walk<const N: usize>(island: &mut Island, environment: &Environment, spans: [Span; N]) {
+    for Span { stages, projection, mut first } in spans {
+        for &stages in stages {
+            match stages {
+                Stages::Island(stage) => run_island_stage(island, environment, stage),
+                Stages::Bodies(stages) => {
+                    for index in 0..island.bodies.len() {
+                        for (place, &stage) in (first..).zip(stages) {
+                            run_body_stage(island, environment, index, (stage, place), projection);
+                        }
+                    }
+                    first += stages.len();
+                }
+            }
+        }
     }
-    for ball in &mut island.balls {
-        ball.displacement = ball.travel();
-        ball.projected = Vec3::ZERO;
+}
+
+/// One stage of one body, which has this `place` in the order.
+fn run_body_stage(
+    island: &mut Island,
+    environment: &Environment,
+    index: usize,
+    (stage, place): (BodyStage, usize),
+    projection: u32,
+) {
+    let substep = island.context.now(island.isa, environment);
+    let Island { bodies, balls, context, .. } = island;
+    let IslandContacts { bodies: contacts, ball_cloth, movers, .. } = &mut context.contacts;
+    let (body, contacts, plan) = (&mut bodies[index], &mut contacts[index], &mut context.plans[index]);
+    match stage {
+        BodyStage::MovePins => sweep::move_pins(body),
+        BodyStage::NotePins => body.note_pin_travel(),
+        BodyStage::BeginContacts => {
+            face_obstacle::begin_substep(&mut contacts.faces, body, substep, movers);
+            embedded_obstacle::begin_substep(&mut contacts.embedded);
+        }
+        BodyStage::FaceContacts => face_obstacle::project(&mut contacts.faces, body, substep, movers),
+        BodyStage::EmbeddedContacts => {
+            embedded_obstacle::project(&mut contacts.embedded, body, substep, movers);
+        }
+        BodyStage::DynamicContacts => {
+            particle_dynamic::project(&mut contacts.obstacles, body, substep, movers, projection == 0);
+        }
+        BodyStage::Tethers => {
+            ball_cloth::note_touched(ball_cloth, balls, index, &body.particles);
+            sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, plan.plan.span(place));
+            ball_cloth::put_back(ball_cloth, &mut body.particles);
+        }
+        BodyStage::Lines => sweep::solve_lines(body, plan, substep, projection),
+        BodyStage::Volume => volume::project(body),
+        BodyStage::AngularMomentum => angular_momentum::restore(body),
+        BodyStage::Damping => stick::damp(&mut body.particles, &body.topology, &body.context.damping),
+        BodyStage::FaceFriction => {
+            face_obstacle::apply_friction(&mut contacts.faces, body, substep, movers);
+        }
+        BodyStage::EmbeddedFriction => {
+            embedded_obstacle::apply_friction(&mut contacts.embedded, body, substep, movers);
+        }
+        BodyStage::DynamicFriction => {
+            particle_dynamic::apply_friction(&mut contacts.obstacles, body, substep, movers);
+        }
+        BodyStage::Integrate
+        | BodyStage::Carry
+        | BodyStage::ObstacleContacts
+        | BodyStage::Sticks
+        | BodyStage::Update
+        | BodyStage::ObstacleFriction
+        | BodyStage::Limits
+        | BodyStage::Leave => {
+            sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, plan.plan.span(place));
+        }
     }
-    ball_obstacle::rebound(island, &environment.obstacles);
-    ball_ball::rebound(island);
-    ball_obstacle::apply_friction(island, &environment.obstacles);
-    ball_ball::apply_friction(island);
-    ball_cloth::apply_friction(island);
-    contact_self::apply_friction(island);
-    impact_zone::enforce(island);
-    for ball in &mut island.balls {
-        ball.turn();
+}
+
+/// One stage of an island.
+fn run_island_stage(island: &mut Island, environment: &Environment, stage: IslandStage) {
+    let substep = island.context.now(island.isa, environment);
+    let Island { bodies, balls, touches, context, .. } = island;
+    let IslandContext { contacts, report, reactions, .. } = context;
+    let IslandContacts {
+        cloth_cloth: cloths,
+        ball_cloth,
+        ball_ball,
+        ball_obstacle,
+        movers,
+        impact_zones,
+        ..
+    } = contacts;
+    match stage {
+        IslandStage::BeginMovers => dynamic_obstacle::begin_substep(movers, substep.duration),
+        IslandStage::IntegrateBalls => {
+            for ball in balls {
+                let acceleration = environment.gravity + ball.force * ball.inverse_mass;
+                ball.displacement = ball.drag.step(ball.displacement, acceleration, ball.substep);
+                ball.position += ball.displacement;
+                ball.projected = Vec3::ZERO;
+            }
+        }
+        IslandStage::BeginContacts => {
+            ball_obstacle::begin_substep(ball_obstacle, balls, movers, substep);
+            ball_ball::begin_substep(ball_ball);
+            ball_cloth::begin_substep(ball_cloth);
+            cloth_cloth::begin_substep(cloths, bodies, substep);
+        }
+        IslandStage::RopeContacts => {
+            if cloth_cloth::is_on_ropes(bodies) {
+                cloth_cloth::project(cloths, bodies, substep);
+            }
+        }
+        IslandStage::ClothContacts => project_layers(island, environment),
+        IslandStage::BallClothContacts => ball_cloth::project(ball_cloth, bodies, balls, touches, substep),
+        IslandStage::BallBallContacts => ball_ball::project(ball_ball, balls, touches, substep),
+        IslandStage::BallObstacleContacts => {
+            ball_obstacle::project(ball_obstacle, balls, movers, touches, substep);
+        }
+        IslandStage::UpdateBalls => {
+            for ball in balls {
+                ball.displacement = ball.travel();
+                ball.projected = Vec3::ZERO;
+            }
+        }
+        IslandStage::Rebound => {
+            ball_obstacle::rebound(ball_obstacle, balls, movers, touches, substep);
+            ball_ball::rebound(ball_ball, balls, touches, substep);
+        }
+        IslandStage::BallFriction => {
+            ball_obstacle::apply_friction(ball_obstacle, balls, movers, substep);
+            ball_ball::apply_friction(ball_ball, balls);
+            ball_cloth::apply_friction(ball_cloth, bodies, balls);
+        }
+        IslandStage::ClothFriction => cloth_cloth::apply_friction(cloths, bodies),
+        IslandStage::ImpactZones => {
+            let pairs = &mut ball_cloth.pairs;
+            impact_zone::enforce(impact_zones, pairs, bodies, balls, touches, substep.duration);
+        }
+        IslandStage::TurnBalls => balls.iter_mut().for_each(|ball| ball.turn()),
+        IslandStage::Account => {
+            report::gather(report, contacts, bodies, balls, substep);
+            reaction::gather(reactions, contacts, bodies, balls, substep);
+        }
     }
-    contact_report::gather(island, environment);
-    reaction::gather(island, environment);
-    let around = surroundings(&island.context, island.isa, environment);
-    for body in &mut island.bodies {
-        sweep::finish(body, around);
-    }
-    island.context.substep_index += 1;
-    if island.context.substep_index == island.context.substeps {
-        count_conflicts(island, environment);
+}
+
+/// Cloth against cloth and the obstacles below, in turn: what lies in layers on an obstacle is held up by it through all
+/// layers below.
+fn project_layers(island: &mut Island, environment: &Environment) {
+    let substep = island.context.now(island.isa, environment);
+    let Island { bodies, context, .. } = island;
+    let IslandContacts { bodies: contacts, cloth_cloth: cloths, movers, .. } = &mut context.contacts;
+    cloth_cloth::project(cloths, bodies, substep);
+    for _ in 1..ROUNDS_OF_LAYERS {
+        if !cloths.is_near() {
+            return;
+        }
+        let all = bodies.iter_mut().zip(contacts.iter_mut()).zip(&context.plans);
+        for ((body, contacts), plan) in all.filter(|((body, _), _)| body.has_self_contact()) {
+            let last = plan.plan.last_contacts.clone();
+            sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, last);
+            particle_dynamic::project(&mut contacts.obstacles, body, substep, movers, false);
+        }
+        cloth_cloth::project(cloths, bodies, substep);
     }
 }
 
 /// Counts what limits on motion keep in obstacles.
 fn count_conflicts(island: &mut Island, environment: &Environment) {
-    let around = surroundings(&island.context, island.isa, environment);
-    for body in &mut island.bodies {
-        motion_limit::count_conflicts(body, around);
+    let substep = island.context.now(island.isa, environment);
+    for (body, contacts) in island.bodies.iter_mut().zip(&island.context.contacts.bodies) {
+        limit_conflict::count_conflicts(&contacts.obstacles, body, substep);
     }
 }
 
@@ -305,12 +419,12 @@ fn count_conflicts(island: &mut Island, environment: &Environment) {
 /// # Errors
 /// [`StepError::NonFiniteBody`] or [`StepError::NonFiniteBall`].
 pub fn finish(island: &mut Island) -> Result<(), StepError> {
-    finish_with(island, &Crew::default())
+    finish_with(island, &Workers::default())
 }
 
-fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
+fn finish_with(island: &mut Island, workers: &Workers) -> Result<(), StepError> {
     for body in &mut island.bodies {
-        body.particles.renew_survey(crew);
+        body.particles.renew_stats(workers);
     }
     check_finite(island)?;
     let dt = island.context.substep * island.context.substeps as f32;
@@ -327,58 +441,11 @@ fn finish_with(island: &mut Island, crew: &Crew) -> Result<(), StepError> {
         ball.force = Vec3::ZERO;
         ball.disturbed = false;
     }
-    contact_report::finish(island);
-    reaction::finish(island);
-    dynamic_obstacle::finish(island);
+    let Island { bodies, balls, touches, contacts, reactions, moved, context, .. } = island;
+    report::finish(&context.report, bodies, balls, touches, contacts);
+    reaction::finish(&context.reactions, &context.contacts.movers, reactions);
+    dynamic_obstacle::finish(&context.contacts.movers, moved);
     Ok(())
-}
-
-/// Everything that touches, once: cloth against cloth, cloth and balls against obstacles, balls against each other and
-/// the cloth. `index` is the number of the projection in the substep. Ropes meet in each: one turn of a knot holds all that hangs
-/// on it.
-fn project_contacts(island: &mut Island, environment: &Environment, index: u32) {
-    if index == island.iterations() {
-        project_layers(island, environment, index);
-    } else if contact_self::is_on_ropes(island) {
-        contact_self::project(island);
-    }
-    ball_cloth::project(island);
-    ball_ball::project(island);
-    ball_obstacle::project(island, &environment.obstacles);
-    let around = surroundings(&island.context, island.isa, environment);
-    for body in &mut island.bodies {
-        face_obstacle::project(body, around, &mut island.context.movers);
-        embedded_obstacle::project(body, around, &mut island.context.movers);
-        sweep::project_contacts(body, around, index);
-        particle_dynamic::project(body, around, &mut island.context.movers, index == 0);
-    }
-}
-
-/// Cloth against cloth and the obstacles below, in turn: what lies in layers on an obstacle is held up by it through all
-/// layers below. Dear, and as good once a substep: after the sticks.
-fn project_layers(island: &mut Island, environment: &Environment, index: u32) {
-    contact_self::project(island);
-    for _ in 1..ROUNDS_OF_LAYERS {
-        if !island.context.self_contacts.is_near() {
-            return;
-        }
-        let around = surroundings(&island.context, island.isa, environment);
-        for body in island.bodies.iter_mut().filter(|body| contact_self::is_on(body)) {
-            sweep::project_contacts(body, around, index);
-            particle_dynamic::project(body, around, &mut island.context.movers, false);
-        }
-        contact_self::project(island);
-    }
-}
-
-fn surroundings<'a>(context: &IslandContext, isa: Isa, environment: &'a Environment) -> Surroundings<'a> {
-    Surroundings {
-        obstacles: &environment.obstacles,
-        substep_index: context.substep_index,
-        substeps: context.substeps,
-        substep: context.substep,
-        isa,
-    }
 }
 
 fn check_finite(island: &Island) -> Result<(), StepError> {
@@ -389,4 +456,63 @@ fn check_finite(island: &Island) -> Result<(), StepError> {
         return Err(StepError::NonFiniteBall(i));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::cloth::{ClothBuilder, Edge};
+    use crate::simd::miri::unless_miri;
+    use crate::state::hash::StateHasher;
+    use crate::state::settings::SolverSettings;
+    use crate::substep::order::Order;
+
+    const SUBSTEPS: u32 = 4;
+
+    /// A curtain that swings, large enough for sweeps that carry several substeps.
+    fn curtain(order: Order) -> Island {
+        let size = unless_miri(64, 9);
+        let cloth = ClothBuilder::new(1.0, 1.0, size, size).pin_edge(Edge::Top);
+        let settings = SolverSettings { substeps: SUBSTEPS, ..SolverSettings::default() };
+        let mut island = Island::of_body(cloth.build(settings).expect("valid"));
+        island.context.order = order;
+        island
+    }
+
+    fn hash(island: &Island) -> u64 {
+        StateHasher::new().particles(&island.bodies[0].particles).finish()
+    }
+
+    /// The hash after some steps, in sweeps and stage by stage.
+    fn both_ways(order: Order) -> [u64; 2] {
+        let environment = Environment { gravity: Vec3::new(3.0, -9.81, 4.0), ..Environment::default() };
+        let [mut swept, mut staged] = [curtain(order), curtain(order)];
+        for _ in 0..5 {
+            step(&mut swept, &environment).expect("valid");
+            begin(&mut staged, &environment).expect("valid");
+            assert!(can_be_swept(&swept), "the first way is that of sweeps");
+            accumulate_forces(&mut staged, &environment);
+            detect_collisions(&mut staged, &environment);
+            (0..SUBSTEPS).for_each(|_| substep(&mut staged, &environment));
+            finish(&mut staged).expect("valid");
+        }
+        [hash(&swept), hash(&staged)]
+    }
+
+    /// The order stands once: a stage that is put into the middle of the list is taken by both ways of walking it.
+    #[test]
+    fn a_stage_put_into_the_order_is_taken_by_sweeps_and_stage_by_stage() {
+        const STICKS: &[Stages] = &[Stages::Bodies(&[
+            BodyStage::Tethers,
+            BodyStage::Sticks,
+            BodyStage::Tethers,
+            BodyStage::Lines,
+            BodyStage::Volume,
+        ])];
+        let [swept, staged] = both_ways(Order::default());
+        assert_eq!(swept, staged);
+        let [changed_swept, changed_staged] = both_ways(Order { sticks: STICKS, ..Order::default() });
+        assert_eq!(changed_swept, changed_staged);
+        assert_ne!(changed_swept, swept, "tethers before the sticks change the result");
+    }
 }

@@ -3,8 +3,8 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use crate::attachment::Attachment;
-use crate::attachment_state::{AttachmentState, HeldParticle};
+use crate::attach::attachment::Attachment;
+use crate::attach::attachment_state::{AttachmentState, HeldParticle};
 
 /// What holds the tied particles of one body.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
-use crate::contact_events::{ContactPair, ContactPairs};
-use crate::hit::Touching;
-use crate::snapshot::{Key, Keys, entity};
+use crate::contact::contact_pairs::{ContactPair, ContactPairs};
+use crate::contact::hit::Touching;
+use crate::snapshot::key::{Key, Keys, entity};
 
 /// Pairs that touch or have just done so.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -3,8 +3,8 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use crate::posed::AnimatedPose;
-use crate::world_motion::WorldMotionState;
+use crate::attach::animated_pose::AnimatedPose;
+use crate::attach::world_motion::WorldMotionState;
 
 /// The places of joints, and of the reference of a `WorldMotion`, that the last step saw.
 #[derive(Clone, Debug, Default, PartialEq)]

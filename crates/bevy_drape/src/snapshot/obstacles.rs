@@ -3,13 +3,14 @@
 use bevy::prelude::*;
 use drape_solver::Placement;
 
-use crate::contact_events::ContactEvents;
-use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
-use crate::environment::SolverEnvironment;
-use crate::layers::DrapeLayers;
-use crate::obstacle::{Obstacle, ObstacleNews, built};
+use crate::body::contact_events::ContactEvents;
+use crate::body::layers::DrapeLayers;
+use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
+use crate::environment::obstacle::{Obstacle, built};
+use crate::environment::obstacle_changes::ObstacleChanges;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::world::{Placed, put_component};
-use crate::snapshot::{Key, Keys, SnapshotError, entity};
 
 /// The state of one obstacle. In a snapshot they stand in the order of the solver's list, which contacts are sorted by.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +93,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<ObstacleSnapshot> {
 pub(super) fn check(obstacles: &[ObstacleSnapshot], world: &World, keys: &Keys) -> Result<(), SnapshotError> {
     let mut orders: Vec<Key> = obstacles.iter().map(ObstacleSnapshot::key).collect();
     orders.sort_unstable();
-    super::out_of_order(orders.into_iter())?;
+    out_of_order(orders.into_iter())?;
     for obstacle in obstacles {
         let key = obstacle.key();
         let entity = entity(keys, key).and_then(|entity| world.get_entity(entity).ok());
@@ -140,6 +141,6 @@ pub(super) fn restore(
     let mut solver = world.resource_mut::<SolverEnvironment>();
     solver.environment.obstacles = solver_obstacles;
     solver.obstacles.replace(places);
-    world.resource_mut::<ObstacleNews>().set_moving(moving);
+    world.resource_mut::<ObstacleChanges>().set_moving(moving);
     Ok(())
 }

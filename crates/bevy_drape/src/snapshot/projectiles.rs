@@ -4,13 +4,13 @@ use bevy::ecs::change_detection::{MAX_CHANGE_AGE, Tick};
 use bevy::prelude::*;
 use drape_solver::{Ball, BallSnapshot};
 
-use crate::activity::Activity;
-use crate::contact_events::ContactEvents;
-use crate::interpolation::Interpolated;
-use crate::layers::DrapeLayers;
-use crate::projectile::{Projectile, ProjectileRecord, ProjectileState};
+use crate::ball::projectile::{Projectile, ProjectileRecord, ProjectileState};
+use crate::body::activity::Activity;
+use crate::body::contact_events::ContactEvents;
+use crate::body::layers::DrapeLayers;
+use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::world::{Frozen, Placed, put_component};
-use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
+use crate::transform::interpolation::Interpolated;
 
 /// The state of one ball.
 #[derive(Clone, Debug, PartialEq)]

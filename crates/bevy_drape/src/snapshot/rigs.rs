@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 
-use crate::rig::{InRig, Particle, ParticleRecord};
-use crate::snapshot::SnapshotError;
+use crate::rig::components::{InRig, Particle, ParticleRecord};
+use crate::snapshot::key::SnapshotError;
 use crate::snapshot::world::Placed;
 
 /// One particle entity.

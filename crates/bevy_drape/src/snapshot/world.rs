@@ -3,16 +3,18 @@
 use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 
-use crate::attention::Attention;
+use crate::ball::projectile::ProjectileRecord;
+use crate::body::body_state::{BodyState, CreationOrder};
+use crate::body::settings::DefaultSolverSettings;
 use crate::clock::DrapeClock;
-use crate::contact_events::DrapeContactSettings;
-use crate::environment::{DrapeGravity, SolverEnvironment, Wind};
-use crate::interpolation::InterpolationState;
-use crate::particles::{BodyState, CreationOrder};
-use crate::projectile::ProjectileRecord;
-use crate::scene_manager::SceneManager;
-use crate::settings::DefaultSolverSettings;
-use crate::snapshot::{Key, Keys, SnapshotError};
+use crate::contact::events::DrapeContactSettings;
+use crate::environment::gravity::DrapeGravity;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::environment::wind::Wind;
+use crate::sleep::candidates::Candidates;
+use crate::sleep::scene_manager::SceneManager;
+use crate::snapshot::key::{Key, Keys, SnapshotError};
+use crate::transform::interpolation::InterpolationState;
 
 /// What concerns all.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,7 +102,7 @@ pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
 
 /// Has the next step look at everything, so that what rests is known to rest and what does not is not.
 pub(super) fn have_all_looked_at(world: &mut World, keys: &Keys) {
-    world.resource_mut::<Attention>().look_at(keys.iter().map(|&(_, entity)| entity));
+    world.resource_mut::<Candidates>().look_at(keys.iter().map(|&(_, entity)| entity));
 }
 
 /// A transform as plain numbers: translation, rotation, scale.

@@ -1,5 +1,7 @@
 //! Values from the outside: parameters, and any value by its path.
 
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use super::*;
 
 fn overridden(texts: &[&str]) -> Result<SceneScript, SceneError> {
@@ -8,7 +10,8 @@ fn overridden(texts: &[&str]) -> Result<SceneScript, SceneError> {
         r#"parameters: { "fine": (default: [21, 16], sets: ["curtain.particles"]) }, bodies: {"#,
     );
     // Tests run side by side.
-    let name = format!("overridden_{}", std::thread::current().name().unwrap_or_default());
+    static FOLDERS: AtomicU32 = AtomicU32::new(0);
+    let name = format!("overridden_{}", FOLDERS.fetch_add(1, Ordering::Relaxed));
     let folder = folder(&name, &[("a.scene.ron", with_parameters.as_str())]);
     let overrides: Vec<Override> = texts.iter().map(|text| text.parse()).collect::<Result<_, _>>()?;
     SceneScript::load_with(folder.join("a.scene.ron"), &overrides)

@@ -5,6 +5,7 @@ use bevy_drape_script::recording::{
 };
 use proptest::prelude::*;
 
+use crate::random::{between, cases};
 use crate::scenes::{STEP, recorded};
 
 /// Something in a made-up frame: its id, which is also its kind, and its numbers.
@@ -57,7 +58,7 @@ fn put_in(things: &[Thing]) -> Vec<(String, Vec<u32>)> {
 
 /// Numbers of every kind, those that are none included.
 fn value() -> impl Strategy<Value = f32> {
-    prop_oneof![any::<u32>().prop_map(f32::from_bits), -10.0_f32..10.0, Just(0.0), Just(-0.0)]
+    prop_oneof![any::<u32>().prop_map(f32::from_bits), between(-10.0, 10.0), Just(0.0), Just(-0.0)]
 }
 
 fn thing() -> impl Strategy<Value = Thing> {
@@ -81,11 +82,11 @@ fn frame() -> impl Strategy<Value = Vec<Thing>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(64))]
 
     /// More frames than a block has, each repeated by chance, shown in any order.
     #[test]
-    fn what_is_recorded_comes_back_to_the_bit(
+    fn random_frames_come_back_to_the_bit(
         frames in prop::collection::vec((frame(), 1_usize..4), 0..60),
         order in prop::collection::vec(any::<prop::sample::Index>(), 20),
     ) {
@@ -107,7 +108,7 @@ proptest! {
     }
 
     #[test]
-    fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), is_begun in any::<bool>()) {
+    fn random_bytes_do_not_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), is_begun in any::<bool>()) {
         let mut file = if is_begun { b"DRAPEREC\x01\0\0\0".to_vec() } else { Vec::new() };
         file.extend(bytes);
         prop_assert!(Recording::from_bytes(file).is_err());

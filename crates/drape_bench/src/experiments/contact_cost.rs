@@ -58,7 +58,7 @@ pub fn report(trials: &ContactArguments) -> Result<(), Box<dyn Error>> {
         "ns per particle and substep",
     ]);
     for case in cases(trials.n)? {
-        let touching = case.with.0.bodies[0].context.contacts().count();
+        let touching = case.with.0.body_contacts(0).count();
         let [with, without] = medians(&case, trials.repeat)?;
         let substeps = [&case.with, &case.without].map(|(island, _)| f64::from(island.substeps()));
         let particles = f64::from(trials.n * trials.n);

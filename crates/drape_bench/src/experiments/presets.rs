@@ -14,9 +14,9 @@ pub fn report() -> Result<(), StepError> {
     table.set_header([
         "preset",
         "kg/m^2",
-        "structural",
-        "shear",
-        "bend",
+        "stretch stiffness",
+        "shear stiffness",
+        "bend stiffness",
         "drape coefficient",
         "stretch by its weight, %",
     ]);
@@ -25,9 +25,9 @@ pub fn report() -> Result<(), StepError> {
         table.add_row([
             preset.name().to_string(),
             format!("{:.3}", material.areal_density),
-            format!("{:.2}", material.structural),
-            format!("{:.2}", material.shear),
-            format!("{:.2}", material.bend),
+            format!("{:.2}", material.stretch_stiffness),
+            format!("{:.2}", material.shear_stiffness),
+            format!("{:.2}", material.bend_stiffness),
             format!("{:.2}", drape_coefficient(material, settings)?),
             format!("{:.2}", 100.0 * stretch_by_weight(material, settings)?),
         ]);

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::time::Duration;
 
 use bevy::prelude::{App, Entity, Transform};
-use bevy_drape::environment::{Gusts, Wind};
+use bevy_drape::environment::wind::{Gusts, Wind};
 use bevy_drape::prelude::{
     ActivityCounts, Cloth, ClothPins, CurrentDetail, LevelOfDetail, Particles, SceneManager, Viewer,
 };

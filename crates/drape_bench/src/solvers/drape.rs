@@ -117,10 +117,11 @@ pub fn energy(particles: &Particles) -> f64 {
     measure::kinetic_energy(particles) + measure::potential_energy(particles, GRAVITY) + lowest
 }
 
-/// Memory per particle in bytes, as the solver counts it. Equal bodies share their topology.
-pub fn bytes_per_particle(body: &Body, bodies: usize) -> f64 {
+/// Memory per particle of an island's first body in bytes. So many equal bodies share its topology.
+fn bytes_per_particle(island: &Island, bodies: usize) -> f64 {
+    let body = &island.bodies[0];
     let shared = body.topology.bytes();
-    ((body.bytes() - shared) as f64 + shared as f64 / bodies as f64) / body.particles.len() as f64
+    ((island.body_bytes(0) - shared) as f64 + shared as f64 / bodies as f64) / body.particles.len() as f64
 }
 
 /// Hash of `positions`, computed in the same way for all solvers; 0 if one is not finite.
@@ -149,8 +150,7 @@ impl Simulation for Drape {
     }
 
     fn bytes_per_particle(&self) -> Option<f64> {
-        let body = self.islands.first()?.bodies.first()?;
-        Some(bytes_per_particle(body, self.islands.len()))
+        self.islands.first().map(|island| bytes_per_particle(island, self.islands.len()))
     }
 
     fn isa(&self) -> &'static str {

@@ -24,7 +24,7 @@ use core::ops::Range;
 
 use glam::Vec3;
 
-use crate::broad_phase::ball_search_lanes::{LongestTravel, Look, Mark, Sift};
+use crate::broad_phase::ball_search_lanes::{LongestTravel, Mark, Sift, SquareTest};
 use crate::constants::{PASSING_SLACK, SEARCH_MARGIN};
 use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
@@ -37,7 +37,7 @@ use crate::state::topology::Topology;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BallSearch {
     /// Kept when they are no longer in use, for their memory.
-    groups: Vec<Group>,
+    groups: Vec<CandidateGroup>,
     used: usize,
     /// For each cell of a body the lanes whose particles a ball can reach.
     marks: Vec<u16>,
@@ -46,7 +46,7 @@ pub(crate) struct BallSearch {
 
 /// The candidates of one ball and one body.
 #[derive(Clone, Debug, Default)]
-struct Group {
+struct CandidateGroup {
     pair: BallAndBody,
     /// Where they are in the list of the step.
     candidates: Range<usize>,
@@ -123,7 +123,7 @@ impl BallSearch {
         marks.clear();
         isa.run(Mark { cells: &particles.position.cells, centre, reach, marks });
         if groups.len() == *used {
-            groups.push(Group::default());
+            groups.push(CandidateGroup::default());
         }
         let group = &mut groups[*used];
         *used += 1;
@@ -138,7 +138,7 @@ impl BallSearch {
         };
         group.squares = match &topology.layout {
             Layout::Grid(grid) if topology.has_faces_by_square && topology.layout.has_whole_rows() => {
-                let Group { candidates_of, corners, .. } = group;
+                let CandidateGroup { candidates_of, corners, .. } = group;
                 Some(list_squares(*grid, topology, marks, candidates_of, &mut |slots| {
                     corners.push(slots);
                     list(Corners::Face(slots))
@@ -208,7 +208,7 @@ impl BallSearch {
 
 impl Near {
     /// Looks at a group.
-    fn look(&mut self, group: &Group, ball: &Ball, body: &Body, isa: Isa) {
+    fn look(&mut self, group: &CandidateGroup, ball: &Ball, body: &Body, isa: Isa) {
         let radius = ball.material.radius;
         // Mostly nothing is pushed at all.
         let margin = if self.margin.is_none() { 0.0 } else { SEARCH_MARGIN * radius };
@@ -237,7 +237,7 @@ impl Near {
         let touch = passed.max(radius + settings.thickness + margin) + rounding;
         let cells = &particles.position.cells;
         if let Some(squares) = group.squares {
-            isa.run(Look { cells, squares, centre, touch, masks: &mut self.masks });
+            isa.run(SquareTest { cells, squares, centre, touch, masks: &mut self.masks });
             self.collect(group, squares);
         } else {
             self.around.extend(0..count as u32);
@@ -247,7 +247,7 @@ impl Near {
     }
 
     /// From lanes to candidates.
-    fn collect(&mut self, group: &Group, squares: Squares) {
+    fn collect(&mut self, group: &CandidateGroup, squares: Squares) {
         let width = squares.grid.width;
         for (row, masks) in self.masks.chunks(width).enumerate() {
             for (cell, &mask) in masks.iter().enumerate() {
@@ -264,7 +264,7 @@ impl Near {
     }
 
     /// The next of the group that is near.
-    fn take(&mut self, group: &Group) -> Option<usize> {
+    fn take(&mut self, group: &CandidateGroup) -> Option<usize> {
         while self.next < group.candidates.len() {
             let word = self.next / 64;
             let left = self.bits[word] >> (self.next % 64);

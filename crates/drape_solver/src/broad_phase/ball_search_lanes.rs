@@ -111,7 +111,7 @@ impl Kernel for LongestTravel<'_> {
 }
 
 /// Finds squares near a ball.
-pub(crate) struct Look<'a> {
+pub(crate) struct SquareTest<'a> {
     pub cells: &'a [Cell],
     pub squares: Squares,
     pub centre: Vec3,
@@ -121,7 +121,7 @@ pub(crate) struct Look<'a> {
     pub masks: &'a mut Vec<u16>,
 }
 
-impl Kernel for Look<'_> {
+impl Kernel for SquareTest<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -11,7 +11,6 @@ use std::sync::{Arc, Weak};
 
 use glam::Vec3;
 
-use crate::contact::cloth_cloth::is_on;
 use crate::simd::columns::{Cell, Columns, LANES};
 use crate::simd::isa::{Isa, Kernel};
 use crate::state::body::Body;
@@ -93,7 +92,7 @@ impl RelativeMotion {
     /// Adds the way since the last call, once all have flown for this substep. False if the bodies are not those of the
     /// last call, or the way has become too long to be added to: then there is a new beginning.
     pub fn follow(&mut self, bodies: &[Body], isa: Isa, is_first: bool) -> bool {
-        let on = || bodies.iter().enumerate().filter(|(_, body)| is_on(body));
+        let on = || bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact());
         let are_known = on().count() == self.known.len()
             && on().zip(&self.known).all(|((i, body), known)| known.is(i, body));
         if are_known {

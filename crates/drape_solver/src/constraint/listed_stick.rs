@@ -1,4 +1,4 @@
-//! Listed sticks: those of irregular meshes and rigs, whose ends are stored.
+//! The relaxation of [listed sticks](crate::state::stick_list): those of irregular meshes and rigs.
 //!
 //! The batches of a body are relaxed in one sweep through its memory. A batch has its sticks in the order of slots, cut
 //! into the blocks of particles where they begin, and works on a block as soon as the batch before is done with all
@@ -10,155 +10,9 @@ use glam::Vec3;
 
 use crate::constraint::stick::{OneSided, Projection};
 use crate::simd::columns::{Cell, LANES};
-use crate::simd::rows::{BLOCK, Rows, Window, block_count, columns_of_eight, rows_of_eight};
+use crate::simd::rows::{Rows, Window, block_count, columns_of_eight, rows_of_eight};
+use crate::state::stick_list::{GROUP, ListedBatch, ListedSticks, StickGroup};
 use crate::state::topology::StickBound;
-
-/// Sticks that are relaxed at once.
-pub(crate) const GROUP: usize = 8;
-
-/// The ends and lengths of some sticks, side by side, so that they come into the cache together.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(align(32))]
-struct Group {
-    /// Where the rows of the two ends begin: four times their slots.
-    ends: [[u32; GROUP]; 2],
-    /// Metres.
-    rest_lengths: [f32; GROUP],
-}
-
-/// All listed sticks of a body, batch after batch. A batch begins with a new group.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct ListedSticks {
-    groups: Vec<Group>,
-    /// Place of the next stick.
-    next: usize,
-}
-
-impl ListedSticks {
-    /// Whether there are no sticks.
-    pub fn is_empty(&self) -> bool {
-        self.groups.is_empty()
-    }
-
-    /// The place where a new batch begins.
-    pub fn begin_batch(&mut self) -> usize {
-        self.next = self.groups.len() * GROUP;
-        self.next
-    }
-
-    /// Adds a stick between two slots, `rest_length` metres apart.
-    pub fn push(&mut self, slots: [u32; 2], rest_length: f32) {
-        if self.next == self.groups.len() * GROUP {
-            self.groups.push(Group::default());
-        }
-        self.set(self.next, slots, rest_length);
-        self.next += 1;
-    }
-
-    fn set(&mut self, place: usize, slots: [u32; 2], rest_length: f32) {
-        let (group, lane) = (&mut self.groups[place / GROUP], place % GROUP);
-        for (ends, slot) in group.ends.iter_mut().zip(slots) {
-            ends[lane] = 4 * slot;
-        }
-        group.rest_lengths[lane] = rest_length;
-    }
-
-    /// Where the rows of the ends of the stick in this place begin.
-    #[inline(always)]
-    fn ends(&self, place: usize) -> [u32; 2] {
-        self.groups[place / GROUP].ends.map(|ends| ends[place % GROUP])
-    }
-
-    /// The slots of the stick in this place.
-    pub fn slots(&self, place: usize) -> [u32; 2] {
-        self.ends(place).map(|first| first / 4)
-    }
-
-    /// Its rest length in metres.
-    #[inline(always)]
-    pub fn rest_length(&self, place: usize) -> f32 {
-        self.groups[place / GROUP].rest_lengths[place % GROUP]
-    }
-
-    /// Bytes on the heap.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.groups)
-    }
-}
-
-/// The sticks of one batch.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct ListedBatch {
-    /// Place of the first in the list of all.
-    pub first: usize,
-    /// Whether no two of them share a particle.
-    pub is_independent: bool,
-    /// Place of the first stick of each block; one more at the end. A stick is in the block of its lower end, or, so that
-    /// groups stay whole, in one before.
-    first_of_block: Vec<u32>,
-    /// How many blocks a stick ends beyond the one that it is in, at most.
-    reach: usize,
-}
-
-impl ListedBatch {
-    /// A batch of sticks from place `first` on, yet to be [arranged](Self::arrange).
-    pub fn new(first: usize, is_independent: bool) -> Self {
-        Self { first, is_independent, first_of_block: Vec::new(), reach: 0 }
-    }
-
-    /// Brings the batch's sticks, `count` in number, into the order of their slots.
-    pub fn arrange(
-        &mut self,
-        sticks: &mut ListedSticks,
-        count: usize,
-        cells: usize,
-        slot: impl Fn(u32) -> u32,
-    ) {
-        let places = self.first..self.first + count;
-        let moved = |i: usize| (sticks.slots(i).map(&slot), sticks.rest_length(i));
-        let mut order: Vec<([u32; 2], f32)> = places.clone().map(moved).collect();
-        order.sort_by_key(|&([a, b], _)| (a.min(b), a.max(b)));
-        for (i, &(slots, rest_length)) in places.zip(&order) {
-            sticks.set(i, slots, rest_length);
-        }
-        let cuts = [1, GROUP].map(|group| cut(&order, block_count(cells), group));
-        let reaches = cuts.each_ref().map(|cuts| reach(&order, cuts));
-        // Groups are not cut, unless they are so long that they would reach farther.
-        let [anywhere, at_groups] = cuts;
-        let cuts = if reaches[1] > reaches[0] { anywhere } else { at_groups };
-        self.reach = reaches[0].min(reaches[1]);
-        self.first_of_block = cuts.into_iter().map(|place| (self.first + place) as u32).collect();
-    }
-
-    /// How many blocks a stick ends beyond the one that it is in, at most.
-    pub fn reach(&self) -> usize {
-        self.reach
-    }
-
-    /// Bytes on the heap.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.first_of_block)
-    }
-}
-
-/// Where the sticks of each block begin, in sticks in order of their lower ends; one more at the end. Groups of so many
-/// are not cut.
-fn cut(order: &[([u32; 2], f32)], blocks: usize, group: usize) -> Vec<usize> {
-    let is_before = |block: usize| move |&([a, b], _): &([u32; 2], f32)| (a.min(b) as usize) < block * BLOCK;
-    let first = |block| order.partition_point(is_before(block)).next_multiple_of(group).min(order.len());
-    (0..=blocks).map(first).collect()
-}
-
-/// How many blocks a stick ends beyond the one that it was put into, at most.
-fn reach(order: &[([u32; 2], f32)], cuts: &[usize]) -> usize {
-    let block_of_end = |&([a, b], _): &([u32; 2], f32)| a.max(b) as usize / BLOCK;
-    let blocks = cuts.windows(2).enumerate();
-    let reaches = blocks.map(|(block, cut)| {
-        let last = order[cut[0]..cut[1]].iter().map(block_of_end).max();
-        last.map_or(0, |last| last.saturating_sub(block))
-    });
-    reaches.max().unwrap_or(0)
-}
 
 /// A batch on its way down a body.
 #[derive(Clone, Copy)]
@@ -307,7 +161,7 @@ fn project_row<S: Simd>(
 fn project_group<S: Simd>(
     simd: S,
     window: &mut Window,
-    group: &Group,
+    group: &StickGroup,
     stiffness: f32,
     projection: impl Projection,
 ) {
@@ -361,6 +215,7 @@ mod tests {
     use super::*;
     use crate::constraint::stick::{Exact, SquareRootFree};
     use crate::simd::isa::{Isa, Kernel};
+    use crate::simd::rows::BLOCK;
 
     const COUNT: u32 = 3 * BLOCK as u32 + 77;
 

@@ -1,4 +1,6 @@
-//! constraint.
+//! Constraints of a body on itself: sticks, lines of sticks, tethers, volume and limits on motion.
+//!
+//! Imports: `motion` and below. Callers: `substep`, `step` and the builders.
 
 pub(crate) mod angular_momentum;
 pub mod direct;
@@ -7,5 +9,4 @@ pub mod motion_limit;
 pub mod stick;
 pub(crate) mod strain;
 pub mod tether;
-pub(crate) mod tether_crossing;
 pub mod volume;

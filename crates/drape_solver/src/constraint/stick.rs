@@ -13,12 +13,12 @@ use fearless_simd::{Simd, f32x8, f32x16, mask32x16, prelude::*};
 
 use crate::constants::REFERENCE_STEP;
 use crate::constraint::listed_stick::project;
+use crate::motion::body_columns::BodyColumns;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
 use crate::state::grid::GridRun;
 use crate::state::particles::Particles;
 use crate::state::topology::{LooseStick, StickBound, StickMaterial, Topology};
-use crate::substep::work::Common;
 
 /// The part of a stick's error that one relaxation iteration removes, for a `stiffness` in 0..=1, a substep of
 /// `substep` seconds and `iterations` iterations per substep.
@@ -71,7 +71,7 @@ pub(crate) struct Joined<'a> {
 impl<'a> Joined<'a> {
     /// Those cells whose positions these are, of a body's, from `first_cell` on.
     #[inline(always)]
-    pub fn new(position: &'a mut [Cell], rest: &Common<'a>, first_cell: usize) -> Self {
+    pub fn new(position: &'a mut [Cell], rest: &BodyColumns<'a>, first_cell: usize) -> Self {
         let (inverse_mass, common_mass) = (&rest.inverse_mass[first_cell..], &rest.common_mass[first_cell..]);
         Self { position, inverse_mass, common_mass }
     }
@@ -358,7 +358,8 @@ mod tests {
     use crate::state::body::Body;
     use crate::state::settings::{SolverSettings, StickProjection};
     use crate::state::topology::StickKind;
-    use crate::substep::sweep::{self, Surroundings};
+    use crate::substep::order::BodyStage;
+    use crate::substep::testing::run_stages;
 
     fn stick_of_rest_length_one() -> Topology {
         let mut builder = TopologyBuilder::new(&[Vec3::ZERO, Vec3::X]);
@@ -371,9 +372,7 @@ mod tests {
         let particles = Particles::new(Vec3::ZERO, &positions, &w).expect("valid");
         let settings = SolverSettings { projection, tethers: false, ..SolverSettings::default() };
         let mut body = Body::new(particles, Arc::new(stick_of_rest_length_one()), settings);
-        body.prepare();
-        body.begin_step(1.0, 1, 1);
-        sweep::relax(&mut body, Surroundings::default(), 0);
+        run_stages(&mut body, 1.0, &[BodyStage::Sticks]);
         [body.particles.position(0), body.particles.position(1)]
     }
 

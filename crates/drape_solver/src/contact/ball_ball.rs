@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::event::{Other, Projection, add_impulse, record};
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
+use crate::contact::event::{BallProjection, Other, Touch, add_impulse, record};
 use crate::contact::restitution::Impact;
-use crate::state::ball::SURFACE_INVERSE_MASS;
-use crate::state::island::Island;
+use crate::state::ball::{Ball, SURFACE_INVERSE_MASS};
+use crate::state::substep::Substep;
 
 /// Two balls that may touch in this step; `a < b`.
 #[derive(Clone, Copy, Debug)]
@@ -14,18 +14,17 @@ pub(crate) struct BallPair {
     a: usize,
     b: usize,
     depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
     impact: Impact,
     /// From `b` to `a`.
     normal: Vec3,
 }
 
 /// Lists the pairs that can meet within `dt` seconds.
-pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
-    let pairs = &mut island.context.ball_pairs;
+pub(crate) fn detect(pairs: &mut Vec<BallPair>, balls: &[Ball], dt: f32, gravity: f32) {
     pairs.clear();
-    for (b, second) in island.balls.iter().enumerate() {
-        for (a, first) in island.balls[..b].iter().enumerate() {
+    for (b, second) in balls.iter().enumerate() {
+        for (a, first) in balls[..b].iter().enumerate() {
             let reach = first.reach(dt, gravity) + second.reach(dt, gravity);
             let is_near = first.position.distance_squared(second.position) < reach * reach;
             if is_near && first.layers.interact(second.layers) {
@@ -33,7 +32,7 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
                     a,
                     b,
                     depth: 0.0,
-                    overlap: Overlap::default(),
+                    overlap: InitialOverlap::default(),
                     impact: Impact::default(),
                     normal: Vec3::ZERO,
                 });
@@ -43,19 +42,23 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32) {
 }
 
 /// Forgets the last substep's depths.
-pub(crate) fn begin_substep(island: &mut Island) {
-    for pair in &mut island.context.ball_pairs {
+pub(crate) fn begin_substep(pairs: &mut [BallPair]) {
+    for pair in pairs {
         pair.depth = 0.0;
-        pair.overlap = Overlap::default();
+        pair.overlap = InitialOverlap::default();
         pair.impact = Impact::default();
     }
 }
 
 /// Moves overlapping balls apart, each by its share of inverse mass.
-pub(crate) fn project(island: &mut Island) {
-    let Island { balls, touches, context, .. } = island;
-    let pace = Pace::of(context);
-    for pair in &mut context.ball_pairs {
+pub(crate) fn project(
+    pairs: &mut [BallPair],
+    balls: &mut [Ball],
+    touches: &mut Vec<Touch>,
+    substep: Substep,
+) {
+    let rate = PushOutRate::of(substep);
+    for pair in pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
         };
@@ -70,15 +73,15 @@ pub(crate) fn project(island: &mut Island) {
         let travel = a.travel() - b.travel();
         let gap_change = travel.dot(pair.normal);
         let at_start = || a.material.radius + b.material.radius - (apart - travel).length();
-        let push = pair.overlap.split(depth, gap_change, at_start, pace);
-        pair.depth += push.fresh;
+        let push = pair.overlap.split(depth, gap_change, at_start, rate);
+        pair.depth += push.with_velocity;
         let weight = a.inverse_mass + b.inverse_mass;
         let (contact, position_only) =
-            (pair.normal * (push.fresh / weight), pair.normal * (push.old / weight));
+            (pair.normal * (push.with_velocity / weight), pair.normal * (push.position_only / weight));
         let sides = [(pair.a, pair.b, &*a, 1.0), (pair.b, pair.a, &*b, -1.0)];
         for (ball_index, other, ball, sign) in sides {
             let normal = pair.normal * sign;
-            let projection = Projection {
+            let projection = BallProjection {
                 ball: ball_index,
                 other: Other::Ball(other),
                 gap: -depth,
@@ -88,8 +91,8 @@ pub(crate) fn project(island: &mut Island) {
                 point: ball.position - normal * ball.material.radius,
                 normal,
             };
-            let impulse = push.fresh / (weight * context.substep);
-            record(touches, &projection, impulse, context.substep_index, context.substep);
+            let impulse = push.with_velocity / (weight * substep.duration);
+            record(touches, &projection, impulse, substep.index, substep.duration);
             pair.impact.note(gap_change, projection.fraction());
         }
         a.project(contact * a.inverse_mass, position_only * a.inverse_mass);
@@ -98,14 +101,13 @@ pub(crate) fn project(island: &mut Island) {
 }
 
 /// Parts the balls that have met in this substep, as fast as their restitution has it.
-pub(crate) fn rebound(island: &mut Island) {
-    let Island { balls, touches, context, .. } = island;
-    for pair in &mut context.ball_pairs {
+pub(crate) fn rebound(pairs: &mut [BallPair], balls: &mut [Ball], touches: &mut [Touch], substep: Substep) {
+    for pair in pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
         };
         let restitution = [a.material.restitution, b.material.restitution];
-        let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
+        let Some(rebound) = pair.impact.rebound(restitution, substep.duration) else {
             continue;
         };
         let weight = a.inverse_mass + b.inverse_mass;
@@ -116,7 +118,7 @@ pub(crate) fn rebound(island: &mut Island) {
         }
         pair.depth += change;
         for (ball, other, sign) in [(pair.a, pair.b, 1.0), (pair.b, pair.a, -1.0)] {
-            add_impulse(touches, ball, Other::Ball(other), change / (weight * context.substep));
+            add_impulse(touches, ball, Other::Ball(other), change / (weight * substep.duration));
             let ball = &mut balls[ball];
             let share = pair.normal * (sign * ball.inverse_mass / weight);
             ball.displacement += share * change;
@@ -126,9 +128,8 @@ pub(crate) fn rebound(island: &mut Island) {
 }
 
 /// Friction between the surfaces, which also turns the balls.
-pub(crate) fn apply_friction(island: &mut Island) {
-    let Island { balls, context, .. } = island;
-    for pair in &context.ball_pairs {
+pub(crate) fn apply_friction(pairs: &[BallPair], balls: &mut [Ball]) {
+    for pair in pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
         };

@@ -16,32 +16,56 @@
 
 use glam::Vec3;
 
-use crate::broad_phase::ball_search::{BallAndBody, Corners};
+use crate::broad_phase::ball_search::{BallAndBody, BallSearch, Corners};
 use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
     TETHERLESS_REACH,
 };
 use crate::contact::ball_cloth_query::BallClothContact;
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::event::{Other, Projection, add_impulse, begin, is_known};
-use crate::contact::impact_zone::Placed;
-use crate::geometry::nearest_triangle::{on_segment, on_triangle};
+use crate::contact::ccd::Passage;
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
+use crate::contact::event::{BallProjection, Other, Touch, add_impulse, begin, is_known};
+use crate::contact::impact_zone::BallAndFace;
+use crate::geometry::nearest_triangle::{on_segment, on_triangle, weighted};
+use crate::simd::isa::Isa;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::Body;
-use crate::state::island::{Island, IslandContext};
-use crate::state::particle_stats::MassSurvey;
+use crate::state::particle_stats::MassStats;
 use crate::state::particles::Particles;
+use crate::state::substep::Substep;
+
+/// The contacts of an island's balls with its cloths and ropes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BallClothContacts {
+    pub pairs: Vec<BallCloth>,
+    search: BallSearch,
+    /// Places of the particles that a ball touches, while tethers are projected.
+    touched: Vec<(usize, Vec3)>,
+}
+
+impl BallClothContacts {
+    /// Drops the contacts of a body that was taken out of the island.
+    pub fn forget(&mut self, body: usize) {
+        self.pairs.retain(|contact| contact.body != body);
+        self.forget_search();
+    }
+
+    /// Makes the next round look at every pair.
+    pub fn forget_search(&mut self) {
+        self.search.forget(self.pairs.len());
+    }
+}
 
 /// A ball and a face, or a segment, that may touch in this step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BallCloth {
     pub ball: usize,
     pub body: usize,
-    pub element: Element,
+    pub element: FaceOrLink,
     /// Where both were at the start of the substep.
-    pub start: Placed,
+    pub start: BallAndFace,
     depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
     normal: Vec3,
     weights: [f32; 3],
 }
@@ -56,17 +80,17 @@ impl BallCloth {
 
 /// A face, or a segment of a body that has no faces, by the slots of its corners.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Element {
+pub(crate) enum FaceOrLink {
     Face([u32; 3]),
-    Segment([u32; 2]),
+    Link([u32; 2]),
 }
 
-impl Element {
+impl FaceOrLink {
     /// Its corners; a segment has its last one twice, with a weight of zero.
     pub fn corners(self) -> [usize; 3] {
         match self {
             Self::Face(corners) => corners.map(|i| i as usize),
-            Self::Segment([a, b]) => [a as usize, b as usize, b as usize],
+            Self::Link([a, b]) => [a as usize, b as usize, b as usize],
         }
     }
 
@@ -74,7 +98,7 @@ impl Element {
     pub fn middle(self) -> [f32; 3] {
         match self {
             Self::Face(_) => [1.0 / 3.0; 3],
-            Self::Segment(_) => [0.5, 0.5, 0.0],
+            Self::Link(_) => [0.5, 0.5, 0.0],
         }
     }
 
@@ -82,7 +106,7 @@ impl Element {
     pub fn nearest(self, corners: [Vec3; 3], point: Vec3) -> [f32; 3] {
         match self {
             Self::Face(_) => on_triangle(corners, point),
-            Self::Segment(_) => on_segment([corners[0], corners[1]], point),
+            Self::Link(_) => on_segment([corners[0], corners[1]], point),
         }
     }
 }
@@ -105,7 +129,7 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
         if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
             continue;
         }
-        let MassSurvey { free_count, free_mass, .. } = &body.particles.masses;
+        let MassStats { free_count, free_mass, .. } = &body.particles.masses;
         if *free_count == 0 {
             continue;
         }
@@ -128,10 +152,16 @@ pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
 
 /// Lists the faces and segments that each ball can meet within `dt` seconds, if no particle moves faster
 /// than `speed` (m/s).
-pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
-    let Island { bodies, balls, context, isa, .. } = island;
-    context.ball_cloth.clear();
-    context.ball_search.clear();
+pub(crate) fn detect(
+    contacts: &mut BallClothContacts,
+    bodies: &[Body],
+    balls: &[Ball],
+    isa: Isa,
+    [dt, gravity, speed]: [f32; 3],
+) {
+    let BallClothContacts { pairs, search, .. } = contacts;
+    pairs.clear();
+    search.clear();
     for (body_index, body) in bodies.iter().enumerate() {
         let topology = &body.topology;
         let (low, high) = body.particles.bounds();
@@ -145,18 +175,18 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
             }
             let centre = ball.position - body.particles.origin;
             let pair = BallAndBody { ball: ball_index, body: body_index };
-            let listed = context.ball_cloth.len();
-            context.ball_search.detect(pair, (centre, reach), (body, *isa), listed, |corners| {
-                context.ball_cloth.push(BallCloth {
+            let listed = pairs.len();
+            search.detect(pair, (centre, reach), (body, isa), listed, |corners| {
+                pairs.push(BallCloth {
                     ball: ball_index,
                     body: body_index,
                     element: match corners {
-                        Corners::Face(slots) => Element::Face(slots),
-                        Corners::Segment(slots) => Element::Segment(slots),
+                        Corners::Face(slots) => FaceOrLink::Face(slots),
+                        Corners::Segment(slots) => FaceOrLink::Link(slots),
                     },
-                    start: Placed::default(),
+                    start: BallAndFace::default(),
                     depth: 0.0,
-                    overlap: Overlap::default(),
+                    overlap: InitialOverlap::default(),
                     normal: Vec3::ZERO,
                     weights: [0.0; 3],
                 });
@@ -166,10 +196,10 @@ pub(crate) fn detect(island: &mut Island, dt: f32, gravity: f32, speed: f32) {
 }
 
 /// Forgets the last substep's depths.
-pub(crate) fn begin_substep(island: &mut Island) {
-    for contact in &mut island.context.ball_cloth {
+pub(crate) fn begin_substep(contacts: &mut BallClothContacts) {
+    for contact in &mut contacts.pairs {
         contact.depth = 0.0;
-        contact.overlap = Overlap::default();
+        contact.overlap = InitialOverlap::default();
     }
 }
 
@@ -181,14 +211,14 @@ struct Overlapping {
     gap: f32,
     gap_change: f32,
     point: Vec3,
-    start: Placed,
+    start: BallAndFace,
     apart: f32,
 }
 
 impl Overlapping {
     fn find(contact: &BallCloth, ball: &Ball, body: &Body) -> Option<Self> {
         let corners = contact.element.corners();
-        let now = Placed::of(contact, ball, body);
+        let now = BallAndFace::of(contact, ball, body);
         let apart = ball.material.radius + body.settings.thickness;
         let travels = corners.map(|i| body.travel(i));
         let travel = ball.travel();
@@ -199,14 +229,16 @@ impl Overlapping {
             return None;
         }
         let [a, b, c] = now.corners;
-        let start =
-            Placed { centre: now.centre - travel, corners: [a - travels[0], b - travels[1], c - travels[2]] };
+        let start = BallAndFace {
+            centre: now.centre - travel,
+            corners: [a - travels[0], b - travels[1], c - travels[2]],
+        };
         let weights = contact.element.nearest(now.corners, now.centre);
         let point = weighted(weights, now.corners);
         let offset = now.centre - point;
         let side = match contact.element {
-            Element::Face(_) => passed_side(&start, &now, PASSING_SLACK * ball.material.radius),
-            Element::Segment(_) => None,
+            FaceOrLink::Face(_) => passed_side(&start, &now, PASSING_SLACK * ball.material.radius),
+            FaceOrLink::Link(_) => None,
         };
         let (normal, distance) = if let Some(side) = side {
             let normal = face_normal(now.corners) * side;
@@ -223,14 +255,14 @@ impl Overlapping {
         Some(Self { weights, normal, gap: distance - apart, gap_change, point, start, apart })
     }
 
-    /// Overlap at the start of the substep, negative if there was none.
-    fn at_start(&self, element: Element) -> f32 {
-        let Placed { centre, corners } = self.start;
+    /// InitialOverlap at the start of the substep, negative if there was none.
+    fn at_start(&self, element: FaceOrLink) -> f32 {
+        let BallAndFace { centre, corners } = self.start;
         self.apart - centre.distance(weighted(element.nearest(corners, centre), corners))
     }
 
-    fn projection(&self, contact: &BallCloth, ball: &Ball, body: &Body) -> Projection {
-        Projection {
+    fn projection(&self, contact: &BallCloth, ball: &Ball, body: &Body) -> BallProjection {
+        BallProjection {
             ball: contact.ball,
             other: Other::Body(contact.body),
             gap: self.gap,
@@ -245,14 +277,19 @@ impl Overlapping {
 
 /// Looks for overlaps right after integration without moving anything: what the first projection of a substep finds.
 /// Gives the number of faces and segments that were looked at.
-pub(crate) fn find_all(island: &mut Island, mut found: impl FnMut(BallClothContact)) -> usize {
-    let Island { bodies, balls, context, isa, .. } = island;
-    let search = &mut context.ball_search;
+pub(crate) fn find_all(
+    contacts: &mut BallClothContacts,
+    bodies: &[Body],
+    balls: &[Ball],
+    isa: Isa,
+    mut found: impl FnMut(BallClothContact),
+) -> usize {
+    let BallClothContacts { pairs, search, .. } = contacts;
     search.begin_round();
     let mut count = 0;
-    while let Some(index) = search.next(balls, bodies, *isa) {
+    while let Some(index) = search.next(balls, bodies, isa) {
         count += 1;
-        let contact = &context.ball_cloth[index];
+        let contact = &pairs[index];
         let (ball, body) = (&balls[contact.ball], &bodies[contact.body]);
         if let Some(overlapping) = Overlapping::find(contact, ball, body) {
             let Overlapping { weights, normal, gap, .. } = overlapping;
@@ -267,28 +304,30 @@ pub(crate) fn find_all(island: &mut Island, mut found: impl FnMut(BallClothConta
 /// The side (1 or -1, along the face's normal) that a ball's centre came from if it has passed through the face
 /// between `start` and `now`. Sticks can pull a taut cloth past the middle of a fast ball within one sweep; then
 /// the nearest way out is the wrong one.
-fn passed_side(start: &Placed, now: &Placed, slack: f32) -> Option<f32> {
-    let height = |placed: &Placed| face_normal(placed.corners).dot(placed.centre - placed.corners[0]);
-    let (before, after) = (height(start), height(now));
-    if before * after >= 0.0 {
-        return None;
-    }
-    // Did it pass within the triangle, or beside it? Where the two met on the way, all taken to move straight.
-    let fraction = before / (before - after);
-    let between = |from: Vec3, to: Vec3| from + (to - from) * fraction;
-    let centre = between(start.centre, now.centre);
-    let corners = [0, 1, 2].map(|k| between(start.corners[k], now.corners[k]));
-    let nearest = weighted(on_triangle(corners, centre), corners);
-    (nearest.distance_squared(centre) <= slack * slack).then_some(before.signum())
+fn passed_side(start: &BallAndFace, now: &BallAndFace, slack: f32) -> Option<f32> {
+    let height = |placed: &BallAndFace| face_normal(placed.corners).dot(placed.centre - placed.corners[0]);
+    let corners =
+        |placed: &BallAndFace| [placed.centre, placed.corners[0], placed.corners[1], placed.corners[2]];
+    let passage = Passage { start: corners(start), now: corners(now) };
+    let ([centre, a, b, c], side) = passage.at_sign_change(height(start), height(now))?;
+    // It may have passed within the triangle, or beside it.
+    let nearest = weighted(on_triangle([a, b, c], centre), [a, b, c]);
+    (nearest.distance_squared(centre) <= slack * slack).then_some(side)
 }
 
 /// Moves balls and cloth apart where they overlap.
-pub(crate) fn project(island: &mut Island) {
-    let Island { bodies, balls, touches, context, isa, .. } = island;
-    let pace = Pace::of(context);
-    context.ball_search.begin_round();
-    while let Some(index) = context.ball_search.next(balls, bodies, *isa) {
-        let contact = &context.ball_cloth[index];
+pub(crate) fn project(
+    contacts: &mut BallClothContacts,
+    bodies: &mut [Body],
+    balls: &mut [Ball],
+    touches: &mut Vec<Touch>,
+    substep: Substep,
+) {
+    let rate = PushOutRate::of(substep);
+    let BallClothContacts { pairs, search, .. } = contacts;
+    search.begin_round();
+    while let Some(index) = search.next(balls, bodies, substep.isa) {
+        let contact = &pairs[index];
         let (ball_index, body_index) = (contact.ball, contact.body);
         let (body, ball) = (&bodies[body_index], &balls[ball_index]);
         let Some(found) = Overlapping::find(contact, ball, body) else {
@@ -297,31 +336,36 @@ pub(crate) fn project(island: &mut Island) {
         if !is_known(touches, ball_index, Other::Body(body_index)) {
             // Nothing was pushed yet: of all elements, the one that was met first tells when and where.
             let of_pair = |c: &&BallCloth| c.ball == ball_index && c.body == body_index;
-            let all = context.ball_cloth.iter().filter(of_pair).filter_map(|c| {
+            let all = pairs.iter().filter(of_pair).filter_map(|c| {
                 Overlapping::find(c, ball, body).map(|found| found.projection(c, ball, body))
             });
             if let Some(first) = all.min_by(|p, q| p.fraction().total_cmp(&q.fraction())) {
-                begin(touches, &first, context.substep_index, context.substep);
+                begin(touches, &first, substep.index, substep.duration);
             }
         }
-        let contact = &mut context.ball_cloth[index];
+        let contact = &mut pairs[index];
         let (body, ball) = (&mut bodies[body_index], &mut balls[ball_index]);
         let Overlapping { weights, normal, gap, gap_change, .. } = found;
         let element = contact.element;
-        let push = contact.overlap.split(-gap, gap_change, || found.at_start(element), pace);
+        let push = contact.overlap.split(-gap, gap_change, || found.at_start(element), rate);
         let corners = element.corners();
-        let total = ball.inverse_mass + felt(weights, corners, body);
-        add_impulse(touches, ball_index, Other::Body(body_index), push.fresh / (total * context.substep));
+        let total = ball.inverse_mass + inverse_mass_of_point(weights, corners, body);
+        add_impulse(
+            touches,
+            ball_index,
+            Other::Body(body_index),
+            push.with_velocity / (total * substep.duration),
+        );
         contact.normal = normal;
         contact.weights = weights;
         // Friction measures the normal push in terms of both sides' motion.
-        contact.depth += push.fresh;
-        let (fresh, old) = (normal * (push.fresh / total), normal * (push.old / total));
+        contact.depth += push.with_velocity;
+        let (fresh, old) = (normal * (push.with_velocity / total), normal * (push.position_only / total));
         ball.project(fresh * ball.inverse_mass, old * ball.inverse_mass);
         let heaviest_share =
             corners.into_iter().zip(weights).map(|(i, w)| w * body.particles.inverse_mass[i]);
         let nearer = ball.inverse_mass + heaviest_share.fold(0.0, f32::max);
-        context.ball_search.note_push((push.fresh + push.old) / total * nearer);
+        search.note_push((push.with_velocity + push.position_only) / total * nearer);
         for (corner, weight) in corners.into_iter().zip(weights) {
             let share = -weight * body.particles.inverse_mass[corner];
             // Straight into the displacement, which is finer than the position: what the ball loses in momentum
@@ -337,27 +381,33 @@ pub(crate) fn project(island: &mut Island) {
 ///
 /// Tethers are not to move them: they bring a particle all the way home at once, which may be through the middle of
 /// the ball. The particles around are tethered, and sticks hold on to those.
-pub(crate) fn note_touched(context: &mut IslandContext, balls: &[Ball], body: usize, particles: &Particles) {
-    context.touched.clear();
-    for contact in context.ball_cloth.iter().filter(|contact| contact.body == body) {
+pub(crate) fn note_touched(
+    contacts: &mut BallClothContacts,
+    balls: &[Ball],
+    body: usize,
+    particles: &Particles,
+) {
+    let BallClothContacts { pairs, touched, .. } = contacts;
+    touched.clear();
+    for contact in pairs.iter().filter(|contact| contact.body == body) {
         let ball = &balls[contact.ball];
         let near = TETHERLESS_REACH * ball.material.radius;
         let centre = ball.position - particles.origin;
         let places = contact.element.corners().map(|i| (i, particles.position.get(i)));
         let is_near = |&(_, p): &(usize, Vec3)| p.distance_squared(centre) < near * near;
-        context.touched.extend(places.into_iter().filter(is_near));
+        touched.extend(places.into_iter().filter(is_near));
     }
 }
 
 /// Undoes what has happened to the noted particles since.
-pub(crate) fn put_back(context: &IslandContext, particles: &mut Particles) {
-    for &(i, position) in &context.touched {
+pub(crate) fn put_back(contacts: &BallClothContacts, particles: &mut Particles) {
+    for &(i, position) in &contacts.touched {
         particles.position.set(i, position);
     }
 }
 
 /// Inverse mass of the point of an element with these `weights`, in 1/kg.
-fn felt(weights: [f32; 3], corners: [usize; 3], body: &Body) -> f32 {
+fn inverse_mass_of_point(weights: [f32; 3], corners: [usize; 3], body: &Body) -> f32 {
     let mut sum = 0.0;
     for (corner, weight) in corners.into_iter().zip(weights) {
         sum += weight * weight * body.particles.inverse_mass[corner];
@@ -366,9 +416,8 @@ fn felt(weights: [f32; 3], corners: [usize; 3], body: &Body) -> f32 {
 }
 
 /// Friction between the ball's surface and the cloth, which also spins the ball.
-pub(crate) fn apply_friction(island: &mut Island) {
-    let Island { bodies, balls, context, .. } = island;
-    for contact in &context.ball_cloth {
+pub(crate) fn apply_friction(contacts: &BallClothContacts, bodies: &mut [Body], balls: &mut [Ball]) {
+    for contact in &contacts.pairs {
         if contact.depth == 0.0 {
             continue;
         }
@@ -378,11 +427,11 @@ pub(crate) fn apply_friction(island: &mut Island) {
         let arm = contact.normal * -(ball.material.radius + body.settings.thickness);
         let cloth_travel = weighted(contact.weights, corners.map(|i| body.particles.displacement.get(i)));
         let slip = ball.surface_travel(arm) - cloth_travel;
-        let felt = felt(contact.weights, corners, body);
-        // Along the normal the pair has the inverse mass w + felt, along the surface about 3.5 w + felt: Coulomb's
-        // limit on the push, mu * depth / (w + felt), is turned into one on the slip.
-        let across = ball.surface_inverse_mass(arm) + felt;
-        let along = ball.inverse_mass + felt;
+        let inverse_mass_of_point = inverse_mass_of_point(contact.weights, corners, body);
+        // Along the normal the pair has the inverse mass w + inverse_mass_of_point, along the surface about 3.5 w + inverse_mass_of_point: Coulomb's
+        // limit on the push, mu * depth / (w + inverse_mass_of_point), is turned into one on the slip.
+        let across = ball.surface_inverse_mass(arm) + inverse_mass_of_point;
+        let along = ball.inverse_mass + inverse_mass_of_point;
         let friction = ball.material.surface_friction().with(body.settings.surface_friction());
         let taken = friction.scaled(across / along).slip_taken(slip, contact.normal, contact.depth);
         let push = taken / across;
@@ -393,10 +442,6 @@ pub(crate) fn apply_friction(island: &mut Island) {
             body.particles.displacement.add(corner, shift);
         }
     }
-}
-
-pub(crate) fn weighted(weights: [f32; 3], vectors: [Vec3; 3]) -> Vec3 {
-    vectors[0] * weights[0] + vectors[1] * weights[1] + vectors[2] * weights[2]
 }
 
 fn face_normal([p, q, r]: [Vec3; 3]) -> Vec3 {

@@ -2,9 +2,7 @@
 
 use glam::Vec3;
 
-use crate::contact::ball_cloth as contact_ball_cloth;
 use crate::state::body::Body;
-use crate::state::island::Island;
 
 /// An overlap of a ball with a face of a cloth, or with a link of a rope.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,30 +32,20 @@ impl BallClothContact {
     }
 }
 
-impl Island {
-    /// The overlaps of balls with cloth in the middle of a step, right after
-    /// [`integrate`](crate::step::integrate), added to `found`: what the first projection of contacts would act on if
-    /// nothing else was pushed meanwhile. Only candidates of the last
-    /// [`detect_collisions`](crate::step::detect_collisions) are looked at. Gives the number of faces that were asked for
-    /// their nearest point.
-    pub fn ball_cloth_contacts(&mut self, found: &mut Vec<BallClothContact>) -> usize {
-        contact_ball_cloth::find_all(self, |contact| found.push(contact))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::build::cloth::ClothBuilder;
+    use crate::island::Island;
+    use crate::motion::environment::Environment;
     use crate::state::ball::{Ball, BallMaterial};
-    use crate::state::island::Environment;
     use crate::state::settings::SolverSettings;
     use crate::step;
 
     /// What is found with a look at all candidates.
     fn by_all(island: &Island) -> Vec<BallClothContact> {
         let mut island = island.clone();
-        island.context.ball_search.forget(island.context.ball_cloth.len());
+        island.context.contacts.ball_cloth.forget_search();
         let mut found = Vec::new();
         island.ball_cloth_contacts(&mut found);
         found

@@ -3,17 +3,38 @@
 use glam::Vec3;
 
 use crate::constants::BALL_TRAVEL_PER_SUBSTEP;
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::dynamic_obstacle::{Mover, mover_mut};
-use crate::contact::event::{Other, Projection, add_impulse, record};
-use crate::contact::reaction::Given;
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
+use crate::contact::event::{BallProjection, Other, Touch, add_impulse, record};
+use crate::contact::mover::{Mover, mover_mut};
+use crate::contact::obstacle_push::ObstaclePush;
 use crate::contact::restitution::Impact;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape, container_walls};
 use crate::state::ball::{Ball, BallMaterial, SURFACE_INVERSE_MASS};
-use crate::state::island::{Island, IslandContext};
-use crate::state::obstacle::Obstacle;
 use crate::state::obstacles::Obstacles;
+use crate::state::substep::Substep;
+
+/// The contacts of an island's balls with obstacles.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BallObstacleContacts {
+    pub pairs: Vec<BallObstacle>,
+    /// Pairs of a ball and an obstacle that is near and does not stop it: it may be a sensor.
+    pub passable: Vec<(usize, usize)>,
+    /// Obstacles near the ball that the search looks at.
+    near: Vec<u32>,
+}
+
+impl BallObstacleContacts {
+    /// Obstacles that a ball may touch, by index; one for each pair.
+    pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
+        self.pairs.iter().map(|pair| pair.obstacle)
+    }
+
+    /// The momentum that obstacles gave in the last substep.
+    pub fn given<'a>(&'a self, balls: &'a [Ball]) -> impl Iterator<Item = ObstaclePush> + 'a {
+        self.pairs.iter().filter_map(|pair| pair.given(balls))
+    }
+}
 
 /// A ball and an obstacle that may touch in this step.
 #[derive(Clone, Copy, Debug)]
@@ -24,17 +45,17 @@ pub(crate) struct BallObstacle {
     /// The surface that the ball runs into in this substep, where it might be through and out on the other side.
     ahead: Option<Plane>,
     depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
     impact: Impact,
     normal: Vec3,
-    given: Push,
+    given: BallPush,
     before: Pose,
     now: Pose,
 }
 
 /// What an obstacle has given to a ball in a substep.
 #[derive(Clone, Copy, Debug, Default)]
-struct Push {
+struct BallPush {
     /// Mass times displacement, in kilogram metres.
     push: Vec3,
     /// The change of spin: moment of inertia times turn, in kg m^2.
@@ -42,14 +63,9 @@ struct Push {
 }
 
 impl BallObstacle {
-    /// The obstacle, by its index.
-    pub(crate) fn obstacle(&self) -> usize {
-        self.obstacle
-    }
-
     /// What the obstacle has given to the ball in the last substep, if anything.
-    pub(crate) fn given(&self, balls: &[Ball]) -> Option<Given> {
-        let Push { push, moment } = self.given;
+    fn given(&self, balls: &[Ball]) -> Option<ObstaclePush> {
+        let BallPush { push, moment } = self.given;
         (self.depth > 0.0).then(|| self.gives(&balls[self.ball], push, moment))
     }
 
@@ -61,10 +77,10 @@ impl BallObstacle {
     }
 
     /// What it tells the obstacle, of a push (kg m) and a change of spin (kg m^2) that it gives to the ball.
-    fn gives(&self, ball: &Ball, push: Vec3, moment: Vec3) -> Given {
+    fn gives(&self, ball: &Ball, push: Vec3, moment: Vec3) -> ObstaclePush {
         // A push adds to the whole way of the substep, and so acts where that began.
         let point = (ball.position - ball.travel()).as_dvec3();
-        Given { obstacle: self.obstacle, point, push, moment }
+        ObstaclePush { obstacle: self.obstacle, point, push, moment }
     }
 
     /// The plane that a ball meets on its way through the obstacle's coordinates, if that way is so long that the ball may
@@ -82,17 +98,24 @@ impl BallObstacle {
 }
 
 /// Lists the pairs whose boxes come within `dt` seconds of each other.
-pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravity: f32) {
-    let IslandContext { ball_obstacle: pairs, near_obstacles: near, report, .. } = &mut island.context;
+pub(crate) fn detect(
+    contacts: &mut BallObstacleContacts,
+    balls: &[Ball],
+    obstacles: &Obstacles,
+    dt: f32,
+    gravity: f32,
+) {
+    let BallObstacleContacts { pairs, passable, near } = contacts;
     pairs.clear();
-    for (ball_index, ball) in island.balls.iter().enumerate() {
+    passable.clear();
+    for (ball_index, ball) in balls.iter().enumerate() {
         let reach = ball.reach(dt, gravity);
         near.clear();
         obstacles.near(ball.position - reach, ball.position + reach, near);
         for obstacle_index in near.iter().map(|&index| index as usize) {
             let obstacle = &obstacles[obstacle_index];
             if !obstacle.stops(ball.layers) {
-                report.note_passable(ball_index, obstacle_index);
+                passable.push((ball_index, obstacle_index));
                 continue;
             }
             let pose = obstacle.pose_at(0.0, Vec3::ZERO);
@@ -103,10 +126,10 @@ pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravit
                     plane,
                     ahead: None,
                     depth: 0.0,
-                    overlap: Overlap::default(),
+                    overlap: InitialOverlap::default(),
                     impact: Impact::default(),
                     normal: Vec3::ZERO,
-                    given: Push::default(),
+                    given: BallPush::default(),
                     before: pose,
                     now: pose,
                 });
@@ -121,30 +144,39 @@ pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles, dt: f32, gravit
 }
 
 /// Brings the obstacles to the end of the current substep and forgets the last one's depths.
-pub(crate) fn begin_substep(island: &mut Island, obstacles: &[Obstacle]) {
-    let Island { balls, context, .. } = island;
-    let (index, count) = (context.substep_index, context.substeps);
-    for pair in &mut context.ball_obstacle {
-        if pair.follow(&mut context.movers).is_none() {
+pub(crate) fn begin_substep(
+    contacts: &mut BallObstacleContacts,
+    balls: &[Ball],
+    movers: &mut [Mover],
+    substep: Substep,
+) {
+    let Substep { obstacles, index, count, .. } = substep;
+    for pair in &mut contacts.pairs {
+        if pair.follow(movers).is_none() {
             let obstacle = &obstacles[pair.obstacle];
             let pose_at = |k: u32| obstacle.pose_at(k as f32 / count as f32, Vec3::ZERO);
             [pair.before, pair.now] = [index, index + 1].map(pose_at);
         }
         pair.depth = 0.0;
-        pair.overlap = Overlap::default();
-        pair.given = Push::default();
+        pair.overlap = InitialOverlap::default();
+        pair.given = BallPush::default();
         pair.impact = Impact::default();
         pair.ahead = pair.look_ahead(&balls[pair.ball], obstacles[pair.obstacle].shape());
     }
 }
 
 /// Moves every ball that lies inside an obstacle out to its surface.
-pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
-    let Island { balls, touches, context, .. } = island;
-    let pace = Pace::of(context);
-    for pair in &mut context.ball_obstacle {
+pub(crate) fn project(
+    contacts: &mut BallObstacleContacts,
+    balls: &mut [Ball],
+    movers: &mut [Mover],
+    touches: &mut Vec<Touch>,
+    substep: Substep,
+) {
+    let (rate, obstacles) = (PushOutRate::of(substep), substep.obstacles);
+    for pair in &mut contacts.pairs {
         let ball = &mut balls[pair.ball];
-        let mover = pair.follow(&mut context.movers);
+        let mover = pair.follow(movers);
         let local = pair.now.to_local(ball.position);
         let (plane, shape) = (pair.plane.or(pair.ahead), obstacles[pair.obstacle].shape());
         let surface_at = |local: Vec3| match plane {
@@ -160,11 +192,11 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
             let gap_change = (travel - carried).dot(pair.normal);
             let start = pair.before.to_local(ball.position - travel);
             let at_start = || ball.material.radius - surface_at(start).distance;
-            let push = pair.overlap.split(depth, gap_change, at_start, pace);
+            let push = pair.overlap.split(depth, gap_change, at_start, rate);
             let point = ball.position - pair.normal * surface.distance;
-            let fresh = push.fresh * own_share(ball, mover.as_deref(), point, pair.normal);
+            let fresh = push.with_velocity * own_share(ball, mover.as_deref(), point, pair.normal);
             pair.depth += fresh;
-            let projection = Projection {
+            let projection = BallProjection {
                 ball: pair.ball,
                 other: Other::Obstacle(pair.obstacle),
                 gap: -depth,
@@ -174,29 +206,34 @@ pub(crate) fn project(island: &mut Island, obstacles: &[Obstacle]) {
                 point,
                 normal: pair.normal,
             };
-            let impulse = fresh * ball.material.mass / context.substep;
-            record(touches, &projection, impulse, context.substep_index, context.substep);
+            let impulse = fresh * ball.material.mass / substep.duration;
+            record(touches, &projection, impulse, substep.index, substep.duration);
             pair.impact.note(gap_change, projection.fraction());
             let given = pair.normal * (fresh * ball.material.mass);
             pair.given.push += given;
             if let Some(mover) = mover {
-                mover.receive(pair.gives(ball, given, Vec3::ZERO), context.substep);
+                mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
             }
-            ball.project(pair.normal * fresh, pair.normal * push.old);
+            ball.project(pair.normal * fresh, pair.normal * push.position_only);
         }
     }
 }
 
 /// Throws back the balls that have met an obstacle in this substep, as fast as restitution has it.
-pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
-    let Island { balls, touches, context, .. } = island;
-    for pair in &mut context.ball_obstacle {
-        let (ball, obstacle) = (&mut balls[pair.ball], &obstacles[pair.obstacle]);
+pub(crate) fn rebound(
+    contacts: &mut BallObstacleContacts,
+    balls: &mut [Ball],
+    movers: &mut [Mover],
+    touches: &mut [Touch],
+    substep: Substep,
+) {
+    for pair in &mut contacts.pairs {
+        let (ball, obstacle) = (&mut balls[pair.ball], &substep.obstacles[pair.obstacle]);
         let restitution = [ball.material.restitution, obstacle.restitution()];
-        let Some(rebound) = pair.impact.rebound(restitution, context.substep) else {
+        let Some(rebound) = pair.impact.rebound(restitution, substep.duration) else {
             continue;
         };
-        let mover = pair.follow(&mut context.movers);
+        let mover = pair.follow(movers);
         let point = ball.position - pair.normal * ball.material.radius;
         let carried = point - pair.before.point_to_world(pair.now.to_local(point));
         let share = own_share(ball, mover.as_deref(), point, pair.normal);
@@ -206,12 +243,12 @@ pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
             continue;
         }
         pair.depth += change;
-        let impulse = change * ball.material.mass / context.substep;
+        let impulse = change * ball.material.mass / substep.duration;
         add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);
         let given = pair.normal * (change * ball.material.mass);
         pair.given.push += given;
         if let Some(mover) = mover {
-            mover.receive(pair.gives(ball, given, Vec3::ZERO), context.substep);
+            mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
         }
         ball.displacement += pair.normal * change;
         ball.position += pair.normal * (share * rebound.position);
@@ -219,15 +256,19 @@ pub(crate) fn rebound(island: &mut Island, obstacles: &[Obstacle]) {
 }
 
 /// Friction at the point of contact, which turns sliding into rolling, and the resistance that ends rolling.
-pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
-    let Island { balls, context, .. } = island;
-    for pair in &mut context.ball_obstacle {
+pub(crate) fn apply_friction(
+    contacts: &mut BallObstacleContacts,
+    balls: &mut [Ball],
+    movers: &mut [Mover],
+    substep: Substep,
+) {
+    for pair in &mut contacts.pairs {
         if pair.depth == 0.0 {
             continue;
         }
         let ball = &mut balls[pair.ball];
-        let mover = pair.follow(&mut context.movers);
-        let surface = obstacles[pair.obstacle].surface_friction();
+        let mover = pair.follow(movers);
+        let surface = substep.obstacles[pair.obstacle].surface_friction();
         let friction = ball.material.surface_friction().with(surface);
         let arm = pair.normal * -ball.material.radius;
         let point = ball.position + arm;
@@ -235,11 +276,11 @@ pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
         // The whole slip of a sphere's surface takes a push of slip / (3.5 w); Coulomb's limit is in terms of
         // the push on a mass point, mu * depth / w. In units of slip that limit is 3.5 times as long.
         let slip = ball.surface_travel(arm) - carried;
-        let (friction, felt) =
+        let (friction, inverse_mass) =
             (friction.scaled(SURFACE_INVERSE_MASS), SURFACE_INVERSE_MASS * ball.inverse_mass);
         let push = match &mover {
-            Some(mover) => mover.slip_taken(friction, felt, slip, pair.normal, pair.depth, point).1,
-            None => -friction.slip_taken(slip, pair.normal, pair.depth) / felt,
+            Some(mover) => mover.slip_taken(friction, inverse_mass, slip, pair.normal, pair.depth, point).1,
+            None => -friction.slip_taken(slip, pair.normal, pair.depth) / inverse_mass,
         };
         let spin = ball.spin;
         ball.push_surface(arm, push);
@@ -248,7 +289,7 @@ pub(crate) fn apply_friction(island: &mut Island, obstacles: &[Obstacle]) {
         pair.given.push += push;
         pair.given.moment += moment;
         if let Some(mover) = mover {
-            mover.receive(pair.gives(ball, push, moment), context.substep);
+            mover.receive(pair.gives(ball, push, moment), substep.duration);
         }
     }
 }

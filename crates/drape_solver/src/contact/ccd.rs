@@ -1,7 +1,7 @@
 //! What has passed through what within a substep.
 //!
 //! A corner and a face, or two edges, pass where the four corners lie in a plane on the way. All are taken to move
-//! straight and at an even pace, and the signed height of one above the other to change evenly:
+//! straight and at an even rate, and the signed height of one above the other to change evenly:
 //!
 //! ```text
 //!   o start   height above zero          the normal is that of the place of passing, and leads back
@@ -37,8 +37,13 @@ impl Passage {
         if before * after >= 0.0 {
             return None;
         }
-        let (before, after) = (before / normals[0].length(), after / normals[1].length());
-        Some((self.at(before / (before - after)), before.signum()))
+        self.at_sign_change(before / normals[0].length(), after / normals[1].length())
+    }
+
+    /// The corners where a height changes its sign between the start and now, and its sign before.
+    #[inline]
+    pub fn at_sign_change(&self, before: f32, after: f32) -> Option<([Vec3; 4], f32)> {
+        (before * after < 0.0).then(|| (self.at(before / (before - after)), before.signum()))
     }
 }
 

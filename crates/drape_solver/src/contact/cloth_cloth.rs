@@ -10,14 +10,14 @@
 use glam::Vec3;
 
 use crate::broad_phase::relative_motion::RelativeMotion;
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::effective_mass::felt;
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
+use crate::contact::effective_mass::effective_inverse_mass;
 use crate::contact::particle_particle::ParticlePairs;
 use crate::contact::triangle_triangle::TrianglePairs;
 pub(crate) use crate::contact::triangle_triangle::hit_substeps;
 use crate::state::body::Body;
-use crate::state::island::{Island, IslandContext};
 use crate::state::settings::SelfContact;
+use crate::state::substep::Substep;
 
 /// The contacts of an island's cloths and ropes with themselves and each other.
 #[derive(Clone, Debug, Default)]
@@ -27,54 +27,46 @@ pub(crate) struct SelfContacts {
     triangles: TrianglePairs,
 }
 
-/// Whether the body touches itself and others.
-pub(crate) fn is_on(body: &Body) -> bool {
-    body.settings.has_self_contact() && !body.particles.is_empty()
-}
-
 /// Whether a rope, or what else has no faces, is among those that touch themselves and others.
-pub(crate) fn is_on_ropes(island: &Island) -> bool {
-    island.bodies.iter().any(|body| is_on(body) && body.topology.faces().is_empty())
+pub(crate) fn is_on_ropes(bodies: &[Body]) -> bool {
+    bodies.iter().any(|body| body.has_self_contact() && body.topology.faces().is_empty())
 }
 
 /// Whether it does so by its triangles, where the other does too.
 pub(crate) fn has_triangles(body: &Body) -> bool {
-    is_on(body) && body.settings.self_contact == SelfContact::Triangles
+    body.has_self_contact() && body.settings.self_contact == SelfContact::Triangles
 }
 
 /// Forgets the last substep's contacts, and finds those of this one, once all have flown.
-pub(crate) fn begin_substep(island: &mut Island) {
-    let Island { bodies, context, isa, .. } = island;
-    let pace = Pace::of(context);
-    let SelfContacts { motion, particles, triangles } = &mut context.self_contacts;
-    if !bodies.iter().any(is_on) {
+pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
+    let rate = PushOutRate::of(substep);
+    let SelfContacts { motion, particles, triangles } = contacts;
+    if !bodies.iter().any(Body::has_self_contact) {
         particles.clear();
         triangles.clear();
         motion.forget();
         return;
     }
-    if !motion.follow(bodies, *isa, pace.is_first()) {
+    if !motion.follow(bodies, substep.isa, rate.is_first()) {
         particles.clear();
         triangles.clear();
     }
     particles.begin_substep(bodies, &motion.of_lists);
-    triangles.begin_substep(bodies, motion, pace);
+    triangles.begin_substep(bodies, motion, rate);
 }
 
 /// Moves apart what overlaps.
-pub(crate) fn project(island: &mut Island) {
-    let Island { bodies, context, .. } = island;
-    let pace = Pace::of(context);
-    let SelfContacts { particles, triangles, .. } = &mut context.self_contacts;
-    particles.project(bodies, pace);
-    triangles.project(bodies, pace);
+pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
+    let rate = PushOutRate::of(substep);
+    let SelfContacts { particles, triangles, .. } = contacts;
+    particles.project(bodies, rate);
+    triangles.project(bodies, rate);
 }
 
 /// Friction between all that touched, on what it has slipped past each other in this substep.
-pub(crate) fn apply_friction(island: &mut Island) {
-    let Island { bodies, context: IslandContext { self_contacts, .. }, .. } = island;
-    self_contacts.particles.apply_friction(bodies);
-    self_contacts.triangles.apply_friction(bodies);
+pub(crate) fn apply_friction(contacts: &SelfContacts, bodies: &mut [Body]) {
+    contacts.particles.apply_friction(bodies);
+    contacts.triangles.apply_friction(bodies);
 }
 
 impl SelfContacts {
@@ -93,8 +85,8 @@ impl SelfContacts {
     /// from the second to the first, and the depth in metres, summed over the projections of the substep. Of edges and
     /// faces, their nearest particles.
     pub fn pushed_bodies(&self) -> impl Iterator<Item = ([(usize, usize); 2], Vec3, f32)> + '_ {
-        let particles = self.particles.near().iter().filter_map(Contact::pushed_bodies);
-        particles.chain(self.triangles.near().iter().filter_map(Contact::pushed_bodies))
+        let particles = self.particles.near().iter().filter_map(ClothContact::pushed_bodies);
+        particles.chain(self.triangles.near().iter().filter_map(ClothContact::pushed_bodies))
     }
 
     /// The number of pairs that are watched.
@@ -142,7 +134,7 @@ impl Corner {
 
 /// A contact of `N` particles: the normal points from those of negative weight to those of positive.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Contact<const N: usize> {
+pub(crate) struct ClothContact<const N: usize> {
     pub corners: [Corner; N],
     /// Weights of the two nearest points, those of the second negative: they sum to zero.
     weights: [f32; N],
@@ -151,11 +143,11 @@ pub(crate) struct Contact<const N: usize> {
     normal: Vec3,
     /// Depth that motion made, summed over the projections, in metres.
     depth: f32,
-    overlap: Overlap,
+    overlap: InitialOverlap,
 }
 
 /// How two things lie that are nearer than they may be.
-pub(crate) struct Meeting<const N: usize> {
+pub(crate) struct Penetration<const N: usize> {
     pub weights: [f32; N],
     pub normal: Vec3,
     /// Above zero, in metres.
@@ -166,7 +158,7 @@ pub(crate) struct Meeting<const N: usize> {
     pub at_start: f32,
 }
 
-impl<const N: usize> Contact<N> {
+impl<const N: usize> ClothContact<N> {
     pub fn new(corners: [Corner; N], apart: f32) -> Self {
         Self {
             corners,
@@ -174,7 +166,7 @@ impl<const N: usize> Contact<N> {
             apart,
             normal: Vec3::ZERO,
             depth: 0.0,
-            overlap: Overlap::default(),
+            overlap: InitialOverlap::default(),
         }
     }
 
@@ -192,17 +184,17 @@ impl<const N: usize> Contact<N> {
     }
 
     /// Moves the corners apart: each by its weight and inverse mass, so that momentum is kept.
-    pub fn push(&mut self, bodies: &mut [Body], pace: Pace, found: Meeting<N>) {
-        let Meeting { weights, normal, depth, outward, at_start } = found;
+    pub fn push(&mut self, bodies: &mut [Body], rate: PushOutRate, found: Penetration<N>) {
+        let Penetration { weights, normal, depth, outward, at_start } = found;
         let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
-        let total = felt(weights, masses);
+        let total = effective_inverse_mass(weights, masses);
         if total == 0.0 {
             return;
         }
-        let push = self.overlap.split(depth, outward, || at_start, pace);
+        let push = self.overlap.split(depth, outward, || at_start, rate);
         (self.weights, self.normal) = (weights, normal);
-        self.depth += push.fresh;
-        let [fresh, old] = [push.fresh, push.old].map(|way| normal * (way / total));
+        self.depth += push.with_velocity;
+        let [fresh, old] = [push.with_velocity, push.position_only].map(|way| normal * (way / total));
         for ((corner, weight), mass) in self.corners.into_iter().zip(weights).zip(masses) {
             let share = weight * mass;
             // Straight into the displacement, which is finer than the position: momentum is kept.
@@ -225,7 +217,8 @@ impl<const N: usize> Contact<N> {
             slip += particles.displacement.get(corner.slot as usize) * weight;
         }
         let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
-        let push = friction.slip_taken(slip, self.normal, self.depth) / felt(self.weights, masses);
+        let push =
+            friction.slip_taken(slip, self.normal, self.depth) / effective_inverse_mass(self.weights, masses);
         for (corner, weight) in self.corners.into_iter().zip(self.weights) {
             let particles = &mut bodies[corner.body as usize].particles;
             let share = -weight * particles.inverse_mass[corner.slot as usize];

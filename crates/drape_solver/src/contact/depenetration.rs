@@ -6,8 +6,8 @@
 //! spread over the rest of the step, or over a reference step if that is longer, so that sticks can follow.
 //!
 //! ```text
-//!   start of the substep   o  . . . . . surface        old:   in already, moved in position only
-//!                          |  old                      fresh: moved in by the substep, a contact proper
+//!   start of the substep   o  . . . . . surface        position_only:   in already, moved in position only
+//!                          |  old                      with_velocity: moved in by the substep, a contact proper
 //!   end of the substep     o  ----
 //!                             fresh
 //! ```
@@ -15,30 +15,30 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::constants::{GENTLE_PUSH_OUT_SPEED, PUSH_OUT_SPEED, REFERENCE_STEP};
-use crate::state::island::IslandContext;
+use crate::state::substep::Substep;
 
 /// The overlap of one contact in one substep.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Overlap {
+pub(crate) struct InitialOverlap {
     /// What may be left of the old part at the end of the substep, in metres; known after the first projection.
     left: Option<f32>,
 }
 
 /// How far one projection moves things apart, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Push {
+pub(crate) struct Correction {
     /// With a velocity: the part that the substep's motion made.
-    pub fresh: f32,
+    pub with_velocity: f32,
     /// In position only.
-    pub old: f32,
+    pub position_only: f32,
 }
 
 /// How fast old overlaps are taken back.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Pace {
+pub(crate) struct PushOutRate {
     /// The part of an old overlap that this substep takes.
     share: f32,
-    /// Overlap that is taken back at once, in metres.
+    /// InitialOverlap that is taken back at once, in metres.
     at_once: f32,
     /// Length of a substep in seconds.
     substep: f32,
@@ -46,10 +46,10 @@ pub(crate) struct Pace {
     is_first: bool,
 }
 
-impl Pace {
+impl PushOutRate {
     /// For the substep that runs now.
-    pub fn of(context: &IslandContext) -> Self {
-        Self::new(context.substep, context.substeps, context.substep_index)
+    pub fn of(substep: Substep) -> Self {
+        Self::new(substep.duration, substep.count, substep.index)
     }
 
     /// For substep `index` of `substeps`, of `substep` seconds.
@@ -68,7 +68,7 @@ impl Pace {
     }
 }
 
-impl Pace {
+impl PushOutRate {
     /// Length of a substep in seconds.
     pub fn substep(self) -> f32 {
         self.substep
@@ -90,7 +90,7 @@ impl Pace {
     }
 }
 
-impl Overlap {
+impl InitialOverlap {
     /// With what may be left at the end of the substep (metres), if that is known.
     pub fn with_left(left: Option<f32>) -> Self {
         Self { left }
@@ -104,13 +104,19 @@ impl Overlap {
     /// Splits a `depth` above zero. `outward` is how far the two have moved apart along the normal in this substep so
     /// far (metres; negative if they approached); `at_start` works out their overlap at its start, and is asked only
     /// where the tangent plane does not rule one out.
-    pub fn split(&mut self, depth: f32, outward: f32, at_start: impl FnOnce() -> f32, pace: Pace) -> Push {
+    pub fn split(
+        &mut self,
+        depth: f32,
+        outward: f32,
+        at_start: impl FnOnce() -> f32,
+        rate: PushOutRate,
+    ) -> Correction {
         let old = if depth + outward > 0.0 { at_start().max(0.0).min(depth) } else { 0.0 };
         let left = *self.left.get_or_insert_with(|| {
-            let even = old - old * pace.share;
-            even.min(old - pace.at_once).max(0.0)
+            let even = old - old * rate.share;
+            even.min(old - rate.at_once).max(0.0)
         });
-        Push { fresh: depth - old, old: (old - left).max(0.0) }
+        Correction { with_velocity: depth - old, position_only: (old - left).max(0.0) }
     }
 }
 
@@ -120,33 +126,38 @@ mod tests {
 
     #[test]
     fn depth_that_the_motion_made_is_a_contact_and_the_rest_is_not() {
-        let pace = Pace { share: 1.0, at_once: 0.0, substep: 0.01, is_first: true };
-        let split =
-            |depth: f32, outward: f32| Overlap::default().split(depth, outward, || depth + outward, pace);
-        assert_eq!(split(0.25, -0.5), Push { fresh: 0.25, old: 0.0 });
-        assert_eq!(split(0.75, -0.25), Push { fresh: 0.25, old: 0.5 });
-        assert_eq!(split(0.25, 0.0), Push { fresh: 0.0, old: 0.25 });
-        assert_eq!(split(0.25, 0.5), Push { fresh: 0.0, old: 0.25 });
+        let rate = PushOutRate { share: 1.0, at_once: 0.0, substep: 0.01, is_first: true };
+        let split = |depth: f32, outward: f32| {
+            InitialOverlap::default().split(depth, outward, || depth + outward, rate)
+        };
+        assert_eq!(split(0.25, -0.5), Correction { with_velocity: 0.25, position_only: 0.0 });
+        assert_eq!(split(0.75, -0.25), Correction { with_velocity: 0.25, position_only: 0.5 });
+        assert_eq!(split(0.25, 0.0), Correction { with_velocity: 0.0, position_only: 0.25 });
+        assert_eq!(split(0.25, 0.5), Correction { with_velocity: 0.0, position_only: 0.25 });
     }
 
     #[test]
     fn what_came_round_a_curve_was_not_inside_before() {
-        let pace = Pace { share: 1.0, at_once: 0.0, substep: 0.01, is_first: true };
-        let push = Overlap::default().split(0.25, 0.1, || -0.5, pace);
-        assert_eq!(push, Push { fresh: 0.25, old: 0.0 });
+        let rate = PushOutRate { share: 1.0, at_once: 0.0, substep: 0.01, is_first: true };
+        let push = InitialOverlap::default().split(0.25, 0.1, || -0.5, rate);
+        assert_eq!(push, Correction { with_velocity: 0.25, position_only: 0.0 });
     }
 
     #[test]
     fn an_old_overlap_is_taken_back_evenly_and_whole_within_the_step() {
         let mut depth = 1.0;
         for substeps_left in (1..=4).rev() {
-            let pace =
-                Pace { share: 1.0 / substeps_left as f32, at_once: 0.01, substep: 0.01, is_first: true };
-            let mut overlap = Overlap::default();
-            depth -= overlap.split(depth, 0.0, || depth, pace).old;
+            let rate = PushOutRate {
+                share: 1.0 / substeps_left as f32,
+                at_once: 0.01,
+                substep: 0.01,
+                is_first: true,
+            };
+            let mut overlap = InitialOverlap::default();
+            depth -= overlap.split(depth, 0.0, || depth, rate).position_only;
             assert!((depth - 0.25 * (substeps_left - 1) as f32).abs() < 1e-6);
-            let again = overlap.split(depth.max(1e-3), 0.0, || depth.max(1e-3), pace);
-            assert!(again.old < 2e-3, "the second projection adds nothing");
+            let again = overlap.split(depth.max(1e-3), 0.0, || depth.max(1e-3), rate);
+            assert!(again.position_only < 2e-3, "the second projection adds nothing");
         }
     }
 }

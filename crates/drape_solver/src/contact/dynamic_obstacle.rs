@@ -1,165 +1,36 @@
 //! Obstacles that are moved by what hits them, within the step.
 //!
-//! An obstacle with a [`RigidBody`] flies freely from substep to substep. Whatever touches it shares out the contact with it
+//! An obstacle with a [`RigidBody`](crate::RigidBody) flies freely from substep to substep. Whatever touches it shares out the contact with it
 //! by their inverse masses at the point of contact, as two balls do, and the next contact meets it where that has brought
 //! it. So no contact gains energy, however light it is.
 
-use glam::{DVec3, Vec3};
-
-use crate::contact::ball_obstacle::BallObstacle;
-use crate::contact::friction::Friction;
-use crate::contact::reaction::Given;
-use crate::geometry::pose::{Placement, Pose, turned};
-use crate::state::island::Island;
+use crate::contact::body_contacts::BodyContacts;
+use crate::contact::island_contacts::IslandContacts;
+use crate::contact::mover::Mover;
 use crate::state::obstacle::Obstacle;
-use crate::state::obstacles::Obstacles;
-use crate::state::rigid_body::RigidBody;
-
-/// Where a step has brought an obstacle with a [`RigidBody`] that something was near.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MovedObstacle {
-    /// The obstacle, by its index in the environment.
-    pub obstacle: usize,
-    /// Its place at the end of the step.
-    pub placement: Placement,
-    /// Its motion there.
-    pub body: RigidBody,
-}
-
-/// An obstacle with a rigid body, on its way through a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Mover {
-    obstacle: usize,
-    /// At the start of the substep.
-    from: Placement,
-    /// At its end, if nothing touches it.
-    free: (Placement, RigidBody),
-    /// At its end, by all that is known so far.
-    to: Placement,
-    end: RigidBody,
-    /// What was done to it in this substep, in newton seconds.
-    impulse: DVec3,
-    /// The same about its centre, in newton metre seconds.
-    angular_impulse: DVec3,
-}
-
-impl Mover {
-    fn new(obstacle: usize, of: &Obstacle, body: RigidBody) -> Self {
-        let from = of.start();
-        Self {
-            obstacle,
-            from,
-            free: (from, body),
-            to: from,
-            end: body,
-            impulse: DVec3::ZERO,
-            angular_impulse: DVec3::ZERO,
-        }
-    }
-
-    /// Its poses at the start and the end of the substep, relative to `origin`.
-    pub fn poses(&self, origin: Vec3) -> [Pose; 2] {
-        [self.from, self.to].map(|placement| Pose::between(&placement, &placement, 1.0, origin))
-    }
-
-    /// Its centre at the end of the substep.
-    pub fn centre(&self) -> DVec3 {
-        self.to.translation.as_dvec3()
-    }
-
-    /// Inverse mass of the point in the world against a push along a unit vector, in 1/kg.
-    pub fn inverse_mass_at(&self, point: Vec3, direction: Vec3) -> f32 {
-        self.end.inverse_mass_at(self.to, point - self.to.translation, direction)
-    }
-
-    /// Friction between it and a point of inverse mass `felt` (1/kg) in the world, which has slipped by `slip` and sunk in
-    /// by `depth`, its own part (metres): how far the point is to go back, and the push on it (kg m).
-    pub fn slip_taken(
-        &self,
-        friction: Friction,
-        felt: f32,
-        slip: Vec3,
-        normal: Vec3,
-        depth: f32,
-        point: Vec3,
-    ) -> (Vec3, Vec3) {
-        let along = (slip - normal * slip.dot(normal)).normalize_or_zero();
-        // What gives way itself takes a longer push for the same slip.
-        let both = felt + self.inverse_mass_at(point, along);
-        let push = friction.scaled(both / felt).slip_taken(slip, normal, depth) / both;
-        (push * felt, -push)
-    }
-
-    /// Feels the opposite of what it has given in this substep of so many seconds.
-    pub fn receive(&mut self, given: Given, substep: f32) {
-        let [push, moment] = [given.push, given.moment].map(|sum| sum.as_dvec3() / f64::from(substep));
-        let angular = (given.point - self.from.translation.as_dvec3()).cross(push) + moment;
-        // What is lost in a body that has to be left out is lost with it.
-        if !(push.is_finite() && angular.is_finite()) {
-            return;
-        }
-        self.impulse -= push;
-        self.angular_impulse -= angular;
-        let (linear, angular) = (self.impulse.as_vec3(), self.angular_impulse.as_vec3());
-        let (free, body) = self.free;
-        let mut pushed = body;
-        pushed.push(linear, angular, free);
-        self.to.translation = free.translation + (pushed.velocity - body.velocity) * substep;
-        let turn = (pushed.angular_velocity - body.angular_velocity) * substep;
-        self.to.rotation = turned(free.rotation, turn);
-        self.end = body;
-        self.end.turn_to(free, self.to);
-        self.end.push(linear, angular, self.to);
-    }
-
-    fn begin_substep(&mut self, substep: f32) {
-        self.from = self.to;
-        (self.impulse, self.angular_impulse) = (DVec3::ZERO, DVec3::ZERO);
-        self.to = self.end.advance(self.from, substep);
-        self.free = (self.to, self.end);
-    }
-}
-
-/// The mover that this obstacle is, if it is one.
-pub(crate) fn mover(movers: &[Mover], obstacle: usize) -> Option<&Mover> {
-    movers.binary_search_by_key(&obstacle, |mover| mover.obstacle).ok().map(|place| &movers[place])
-}
-
-/// The same, to be pushed.
-pub(crate) fn mover_mut(movers: &mut [Mover], obstacle: usize) -> Option<&mut Mover> {
-    let place = movers.binary_search_by_key(&obstacle, |mover| mover.obstacle).ok()?;
-    movers.get_mut(place)
-}
+use crate::state::obstacle_motion::MovedObstacle;
 
 /// Lists the obstacles with rigid bodies that something may touch in this step.
-pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles) {
-    let Island { bodies, context, .. } = island;
-    let movers = &mut context.movers;
+pub(crate) fn detect(contacts: &mut IslandContacts, obstacles: &[Obstacle]) {
+    let IslandContacts { bodies, ball_obstacle, movers, .. } = contacts;
     movers.clear();
-    let mut meet = |index: usize| {
-        let Some(body) = obstacles[index].starts_with() else { return };
+    for index in bodies.iter().flat_map(BodyContacts::obstacles).chain(ball_obstacle.obstacles()) {
+        let Some(body) = obstacles[index].starts_with() else { continue };
         if let Err(place) = movers.binary_search_by_key(&index, |mover| mover.obstacle) {
             movers.insert(place, Mover::new(index, &obstacles[index], body));
         }
-    };
-    for body in bodies {
-        body.context.contacts.obstacles().for_each(&mut meet);
-        body.context.faces.obstacles().for_each(&mut meet);
-        body.context.embedded.obstacles().for_each(&mut meet);
     }
-    context.ball_obstacle.iter().map(BallObstacle::obstacle).for_each(meet);
 }
 
-/// Brings the movers to the end of the coming substep, if nothing touches them.
-pub(crate) fn begin_substep(island: &mut Island) {
-    let substep = island.context.substep;
-    island.context.movers.iter_mut().for_each(|mover| mover.begin_substep(substep));
+/// Brings the movers to the end of the coming substep of so many seconds, if nothing touches them.
+pub(crate) fn begin_substep(movers: &mut [Mover], substep: f32) {
+    movers.iter_mut().for_each(|mover| mover.begin_substep(substep));
 }
 
-/// Tells where the movers are.
-pub(crate) fn finish(island: &mut Island) {
-    island.moved.clear();
-    island.moved.extend(island.context.movers.iter().map(|mover| MovedObstacle {
+/// Gives the places and motions of the movers at the end of the step.
+pub(crate) fn finish(movers: &[Mover], moved: &mut Vec<MovedObstacle>) {
+    moved.clear();
+    moved.extend(movers.iter().map(|mover| MovedObstacle {
         obstacle: mover.obstacle,
         placement: mover.to,
         body: mover.end,

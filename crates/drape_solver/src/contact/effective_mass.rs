@@ -9,7 +9,7 @@
 
 /// Inverse mass in 1/kg of a point that is the mean of corners with these weights, or of the distance of two such points, whose
 /// weights have other signs. But so much that no corner moves by more than twice what the point is to move.
-pub(crate) fn felt<const N: usize>(weights: [f32; N], inverse_masses: [f32; N]) -> f32 {
+pub(crate) fn effective_inverse_mass<const N: usize>(weights: [f32; N], inverse_masses: [f32; N]) -> f32 {
     let (mut sum, mut most) = (0.0, 0.0_f32);
     for (weight, inverse_mass) in weights.into_iter().zip(inverse_masses) {
         let share = weight * inverse_mass;
@@ -26,17 +26,18 @@ mod tests {
     #[test]
     fn a_point_between_free_corners_has_the_mass_that_a_push_feels() {
         let third = 1.0 / 3.0;
-        assert!((felt([third; 3], [6.0; 3]) - 2.0).abs() < 1e-6);
-        assert_eq!(felt([1.0, -0.5, -0.5, 0.0], [2.0; 4]), 3.0);
+        assert!((effective_inverse_mass([third; 3], [6.0; 3]) - 2.0).abs() < 1e-6);
+        assert_eq!(effective_inverse_mass([1.0, -0.5, -0.5, 0.0], [2.0; 4]), 3.0);
     }
 
     #[test]
     fn no_corner_moves_by_more_than_twice_the_way_of_the_point() {
         for a in [0.5, 0.1, 0.02, 1e-6] {
             let inverse_mass = 7.0;
-            let moved = a * inverse_mass / felt([a, 0.5, 0.5 - a], [inverse_mass, 0.0, 0.0]);
+            let moved =
+                a * inverse_mass / effective_inverse_mass([a, 0.5, 0.5 - a], [inverse_mass, 0.0, 0.0]);
             assert!(moved <= 2.0 * (1.0 + 1e-6), "{a}: {moved}");
         }
-        assert_eq!(felt([0.2, 0.3, 0.5], [0.0; 3]), 0.0);
+        assert_eq!(effective_inverse_mass([0.2, 0.3, 0.5], [0.0; 3]), 0.0);
     }
 }

@@ -115,7 +115,7 @@ pub(crate) fn pair_without((party, other): (Party, Other), gone: Other) -> Optio
 
 /// One projection of a ball against something: what [`record`] makes touches of.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Projection {
+pub(crate) struct BallProjection {
     pub ball: usize,
     pub other: Other,
     /// Gap between the surfaces before the projection, negative, in metres.
@@ -128,7 +128,7 @@ pub(crate) struct Projection {
     pub normal: Vec3,
 }
 
-impl Projection {
+impl BallProjection {
     /// The part of the substep after which the two first met, interpolated between the gap at its start and now:
     ///
     /// ```text
@@ -148,7 +148,7 @@ pub(crate) fn is_known(touches: &[Touch], ball: usize, other: Other) -> bool {
 }
 
 /// Begins the touch of a projection, at the interpolated moment of first contact.
-pub(crate) fn begin(touches: &mut Vec<Touch>, p: &Projection, substep_index: u32, substep: f32) {
+pub(crate) fn begin(touches: &mut Vec<Touch>, p: &BallProjection, substep_index: u32, substep: f32) {
     let fraction = p.fraction();
     touches.push(Touch {
         ball: p.ball,
@@ -170,7 +170,7 @@ pub(crate) fn add_impulse(touches: &mut [Touch], ball: usize, other: Other, impu
 }
 
 /// Adds a projection with its normal impulse (newton seconds) to the step's touches.
-pub(crate) fn record(touches: &mut Vec<Touch>, p: &Projection, impulse: f32, index: u32, substep: f32) {
+pub(crate) fn record(touches: &mut Vec<Touch>, p: &BallProjection, impulse: f32, index: u32, substep: f32) {
     if !is_known(touches, p.ball, p.other) {
         begin(touches, p, index, substep);
     }

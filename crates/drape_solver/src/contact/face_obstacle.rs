@@ -19,21 +19,22 @@
 use glam::{DVec3, Vec3};
 
 use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
-use crate::contact::ball_cloth::{Element, weighted};
-use crate::contact::depenetration::{Overlap, Pace};
-use crate::contact::dynamic_obstacle::{Mover, mover, mover_mut};
-use crate::contact::effective_mass::felt;
-use crate::contact::friction::Friction;
-use crate::contact::reaction::Given;
-use crate::geometry::nearest::{Nearest, Piece};
+use crate::contact::ball_cloth::FaceOrLink;
+use crate::contact::carried_point::{CarriedPoint, Poses, SurfaceBelow, kept};
+use crate::contact::depenetration::PushOutRate;
+use crate::contact::mover::{Mover, mover, mover_mut};
+use crate::contact::obstacle_push::ObstaclePush;
+use crate::geometry::nearest::{FaceOrEdge, Nearest};
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape, Surface};
 use crate::state::body::Body;
+use crate::state::friction::Friction;
 use crate::state::obstacle::Obstacle;
 use crate::state::particles::Particles;
 use crate::state::settings::SolverSettings;
+use crate::state::substep::Substep;
 use crate::state::topology::Topology;
-use crate::substep::sweep::Surroundings;
 
 /// Faces and segments of one body that may touch obstacles in this step, obstacle by obstacle.
 #[derive(Clone, Debug, Default)]
@@ -45,31 +46,22 @@ pub(crate) struct FaceContacts {
 
 #[derive(Clone, Copy, Debug)]
 struct FaceContact {
-    element: Element,
+    element: FaceOrLink,
     /// Place of the element among the body's faces, then segments.
     place: usize,
-    obstacle: usize,
-    friction: Friction,
-    /// Of the deepest point when last looked for.
-    weights: [f32; 3],
+    /// The deepest point when last looked for.
+    point: CarriedPoint<3>,
     /// The surface there, in the obstacle's coordinates, where asking the shape each time would be slow.
     plane: Option<Plane>,
     /// Whether one may be through the other within a substep.
-    is_swift: bool,
+    is_fast: bool,
     /// The surface that the element runs into in this substep, where it might be through and out on the other side.
     ahead: Option<Plane>,
-    depth: f32,
-    overlap: Overlap,
-    /// In the world, of the last projection.
-    normal: Vec3,
-    /// How far the deepest point was moved in this substep where that counts as velocity, times the mass it has: in
-    /// kilogram metres.
-    given: Vec3,
 }
 
 /// A face or segment that an obstacle has pushed.
 pub(crate) struct PushedElement {
-    pub element: Element,
+    pub element: FaceOrLink,
     /// Place of the element among the body's faces, then segments.
     pub place: usize,
     pub obstacle: usize,
@@ -83,7 +75,7 @@ pub(crate) struct PushedElement {
 
 /// An obstacle as a body meets it in a step: all in its own coordinates, at the start of the step.
 #[derive(Clone, Copy)]
-pub(crate) struct Met<'a> {
+pub(crate) struct SearchedObstacle<'a> {
     pub shape: &'a Shape,
     /// By index in the environment.
     pub obstacle: usize,
@@ -92,7 +84,7 @@ pub(crate) struct Met<'a> {
     /// How far apart they may be to touch within the step, in metres.
     pub reach: f32,
     /// Whether one may be through the other within a substep.
-    pub is_swift: bool,
+    pub is_fast: bool,
 }
 
 /// How deep a shape can reach between the corners of a face with sides of `side` metres that all see the same distance, if
@@ -115,31 +107,32 @@ impl FaceContacts {
 
     /// Obstacles that have contacts, by index.
     pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
-        self.contacts.iter().map(|contact| contact.obstacle)
+        self.contacts.iter().map(|contact| contact.point.obstacle)
     }
 
     /// What was pushed in the last substep.
     pub fn pushed(&self) -> impl Iterator<Item = PushedElement> + '_ {
-        self.contacts.iter().filter(|contact| contact.depth > 0.0).map(|contact| {
-            let &FaceContact { element, place, obstacle, weights, normal, depth, .. } = contact;
+        self.contacts.iter().filter(|contact| contact.point.depth > 0.0).map(|contact| {
+            let &FaceContact { element, place, point, .. } = contact;
+            let CarriedPoint { obstacle, weights, normal, depth, .. } = point;
             PushedElement { element, place, obstacle, weights, normal, depth }
         })
     }
 
     /// What obstacles have given in the last substep: to the corners that are not held, by their weights.
-    pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = Given> + 'a {
-        self.contacts.iter().filter(|contact| contact.given != Vec3::ZERO).map(|contact| {
+    pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = ObstaclePush> + 'a {
+        self.contacts.iter().filter(|contact| contact.point.given != Vec3::ZERO).map(|contact| {
             let (mut free, mut moment) = (0.0, DVec3::ZERO);
-            for (slot, weight) in contact.element.corners().into_iter().zip(contact.weights) {
+            for (slot, weight) in contact.point.carriers.into_iter().zip(contact.point.weights) {
                 if particles.inverse_mass[slot] > 0.0 {
                     free += weight;
                     moment += particles.position.get(slot).as_dvec3() * f64::from(weight);
                 }
             }
-            Given {
-                obstacle: contact.obstacle,
+            ObstaclePush {
+                obstacle: contact.point.obstacle,
                 point: particles.origin.as_dvec3() + moment / f64::from(free),
-                push: contact.given * free,
+                push: contact.point.given * free,
                 moment: Vec3::ZERO,
             }
         })
@@ -155,42 +148,42 @@ impl FaceContacts {
         particles: &Particles,
         topology: &Topology,
         settings: &SolverSettings,
-        met: Met,
+        searched: SearchedObstacle,
     ) {
         let side = topology.longest_edge;
         let most = POKING * settings.thickness;
-        // A body without thickness is met at its particles alone.
-        let is_fine = || poke(met.shape, side).is_some_and(|depth| depth <= most);
+        // A body without thickness is searched at its particles alone.
+        let is_fine = || poke(searched.shape, side).is_some_and(|depth| depth <= most);
         if most == 0.0 || side == 0.0 || is_fine() {
             return;
         }
         // Where an obstacle has appeared around particles, those are to find their way out first.
-        let nearest = self.look(particles, met, met.reach + side);
-        if nearest >= met.reach + side || nearest < -INTRUSION * side {
+        let nearest = self.look(particles, searched, searched.reach + side);
+        if nearest >= searched.reach + side || nearest < -INTRUSION * side {
             return;
         }
         // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
         self.contacts.reserve(topology.faces.len() + topology.segments.len());
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
-        let faces = topology.faces.iter().map(|face| Element::Face(face.map(slot)));
-        let segments = topology.segments.iter().map(|ends| Element::Segment(ends.map(slot)));
+        let faces = topology.faces.iter().map(|face| FaceOrLink::Face(face.map(slot)));
+        let segments = topology.segments.iter().map(|ends| FaceOrLink::Link(ends.map(slot)));
         for (place, element) in faces.chain(segments).enumerate() {
-            self.add(element, place, particles, met, side, most);
+            self.add(element, place, particles, searched, side, most);
         }
     }
 
     /// Asks the shape for the surface next to every particle within `reach`, and tells the least distance.
-    fn look(&mut self, particles: &Particles, met: Met, reach: f32) -> f32 {
-        let (low, high) = met.shape.local_bounds();
+    fn look(&mut self, particles: &Particles, searched: SearchedObstacle, reach: f32) -> f32 {
+        let (low, high) = searched.shape.local_bounds();
         let (low, high) = (low - reach, high + reach);
         let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
         self.seen.clear();
         self.seen.resize(particles.inverse_mass.len(), away);
         let mut nearest = f32::INFINITY;
         for slot in particles.layout.slots() {
-            let local = met.pose.to_local(particles.position.get(slot));
+            let local = searched.pose.to_local(particles.position.get(slot));
             if local.cmpge(low).all() && local.cmple(high).all() {
-                let surface = met.shape.surface(local);
+                let surface = searched.shape.surface(local);
                 nearest = nearest.min(surface.distance);
                 self.seen[slot] = surface;
             }
@@ -198,59 +191,61 @@ impl FaceContacts {
         nearest
     }
 
-    fn add(&mut self, element: Element, place: usize, particles: &Particles, met: Met, side: f32, most: f32) {
+    fn add(
+        &mut self,
+        element: FaceOrLink,
+        place: usize,
+        particles: &Particles,
+        searched: SearchedObstacle,
+        side: f32,
+        most: f32,
+    ) {
         let corners = element.corners();
         let seen = corners.map(|slot| self.seen[slot]);
         let nearest = seen.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
         let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
         // Where a particle is inside already, that comes first.
         if nearest < 0.0
-            || nearest >= met.reach + side
+            || nearest >= searched.reach + side
             || is_held
-            || !met.is_swift && !may_poke(seen.map(|s| s.normal), side, most)
+            || !searched.is_fast && !may_poke(seen.map(|s| s.normal), side, most)
         {
             return;
         }
-        let local = corners.map(|slot| met.pose.to_local(particles.position.get(slot)));
-        if met.shape.is_convex() && least_distance(seen, local) >= met.reach {
+        let local = corners.map(|slot| searched.pose.to_local(particles.position.get(slot)));
+        if searched.shape.is_convex() && least_distance(seen, local) >= searched.reach {
             return;
         }
-        let (weights, surface) = match met.shape.nearest_on(element.piece(local), met.reach) {
+        let (weights, surface) = match searched.shape.nearest_on(element.piece(local), searched.reach) {
             Nearest::Apart => return,
             Nearest::At(_, point) => {
                 let weights = element.nearest(local, point);
-                (weights, met.shape.surface(weighted(weights, local)))
+                (weights, searched.shape.surface(weighted(weights, local)))
             }
             Nearest::Through => {
-                deepest(met.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
+                deepest(searched.shape, element, local, element.middle(), 0.5 * side, DESCENT_ROUNDS)
             }
         };
-        if surface.distance >= met.reach {
+        if surface.distance >= searched.reach {
             return;
         }
         let plane = surface.plane_at(weighted(weights, local));
         self.contacts.push(FaceContact {
             element,
             place,
-            obstacle: met.obstacle,
-            friction: met.friction,
-            weights,
-            plane: (!met.shape.has_formula()).then_some(plane),
-            is_swift: met.is_swift,
+            point: CarriedPoint::new(corners, weights, searched.obstacle, searched.friction),
+            plane: (!searched.shape.has_formula()).then_some(plane),
+            is_fast: searched.is_fast,
             ahead: None,
-            depth: 0.0,
-            overlap: Overlap::default(),
-            normal: Vec3::ZERO,
-            given: Vec3::ZERO,
         });
     }
 }
 
-impl Element {
-    fn piece(self, corners: [Vec3; 3]) -> Piece {
+impl FaceOrLink {
+    fn piece(self, corners: [Vec3; 3]) -> FaceOrEdge {
         match self {
-            Self::Face(_) => Piece::Triangle(corners),
-            Self::Segment(_) => Piece::Segment([corners[0], corners[1]]),
+            Self::Face(_) => FaceOrEdge::Triangle(corners),
+            Self::Link(_) => FaceOrEdge::Segment([corners[0], corners[1]]),
         }
     }
 }
@@ -282,7 +277,7 @@ fn least_distance(surfaces: [Surface; 3], corners: [Vec3; 3]) -> f32 {
 /// coordinates; `stride` (metres) is how far the first round goes.
 fn deepest(
     shape: &Shape,
-    element: Element,
+    element: FaceOrLink,
     corners: [Vec3; 3],
     mut weights: [f32; 3],
     mut stride: f32,
@@ -310,78 +305,39 @@ fn deepest(
 }
 
 /// Forgets the last substep's depths, and follows the deepest points.
-pub(crate) fn begin_substep(body: &mut Body, around: Surroundings, movers: &[Mover]) {
-    let Body { particles, context, .. } = body;
+pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: Substep, movers: &[Mover]) {
+    let particles = &body.particles;
     let mut poses = None;
-    for contact in &mut context.faces.contacts {
-        let mover = mover(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover, around, particles.origin);
-        contact.look(particles, around.obstacles[contact.obstacle].shape(), poses);
-        contact.depth = 0.0;
-        contact.given = Vec3::ZERO;
-        contact.overlap = Overlap::default();
-    }
-}
-
-/// The poses of the obstacle that was asked for last, at the start and the end of the substep.
-pub(crate) struct Poses {
-    obstacle: usize,
-    pub before: Pose,
-    pub now: Pose,
-}
-
-impl Poses {
-    fn of(obstacle: usize, around: Surroundings, origin: Vec3) -> Self {
-        let pose_at = |k: u32| around.obstacles[obstacle].pose_at(k as f32 / around.substeps as f32, origin);
-        Self { obstacle, before: pose_at(around.substep_index), now: pose_at(around.substep_index + 1) }
-    }
-
-    fn of_mover(obstacle: usize, mover: &Mover, origin: Vec3) -> Self {
-        let [before, now] = mover.poses(origin);
-        Self { obstacle, before, now }
+    for contact in &mut contacts.contacts {
+        let obstacle = contact.point.obstacle;
+        let poses = kept(&mut poses, obstacle, mover(movers, obstacle), substep, particles.origin);
+        contact.look(particles, substep.obstacles[obstacle].shape(), poses);
+        contact.point.begin_substep();
     }
 }
 
 /// Moves the faces that an obstacle pokes into out to its surface.
-pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
-    let mut contacts = core::mem::take(&mut body.context.faces.contacts);
-    let pace = Pace::gentle(around.substep);
+pub(crate) fn project(contacts: &mut FaceContacts, body: &mut Body, substep: Substep, movers: &mut [Mover]) {
+    let rate = PushOutRate::gentle(substep.duration);
     let mut poses = None;
-    for contact in &mut contacts {
-        let mover = mover_mut(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, body.particles.origin);
-        contact.project(body, around.obstacles, poses, mover, pace);
+    for contact in &mut contacts.contacts {
+        let mover = mover_mut(movers, contact.point.obstacle);
+        let poses =
+            kept(&mut poses, contact.point.obstacle, mover.as_deref(), substep, body.particles.origin);
+        contact.project(body, substep.obstacles, poses, mover, rate);
     }
-    body.context.faces.contacts = contacts;
-}
-
-/// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
-pub(crate) fn kept<'a>(
-    poses: &'a mut Option<Poses>,
-    obstacle: usize,
-    mover: Option<&Mover>,
-    around: Surroundings,
-    origin: Vec3,
-) -> &'a Poses {
-    if let Some(mover) = mover {
-        return poses.insert(Poses::of_mover(obstacle, mover, origin));
-    }
-    if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
-        *poses = None;
-    }
-    poses.get_or_insert_with(|| Poses::of(obstacle, around, origin))
 }
 
 impl FaceContact {
     /// Follows the deepest point, and keeps the surface there as a plane.
     fn look(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) {
         self.ahead = None;
-        if self.is_swift && self.look_ahead(particles, shape, poses) {
+        if self.is_fast && self.look_ahead(particles, shape, poses) {
             return;
         }
         let corners = self.element.corners().map(|slot| poses.now.to_local(particles.position.get(slot)));
-        let (weights, surface) = deepest(shape, self.element, corners, self.weights, 0.0, LOOKS_AGAIN);
-        self.weights = weights;
+        let (weights, surface) = deepest(shape, self.element, corners, self.point.weights, 0.0, LOOKS_AGAIN);
+        self.point.weights = weights;
         if let Some(plane) = &mut self.plane {
             *plane = surface.plane_at(weighted(weights, corners));
         }
@@ -390,7 +346,7 @@ impl FaceContact {
     /// Looks for what the element runs into on its way through the obstacle's coordinates: all of it as its middle does.
     /// Where it lay on the obstacle at the start of the substep, it is held by the surface there.
     fn look_ahead(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) -> bool {
-        let was_touching = self.depth > 0.0;
+        let was_touching = self.point.depth > 0.0;
         let corners = self.element.corners();
         let end = corners.map(|slot| poses.now.to_local(particles.position.get(slot)));
         let start = corners.map(|slot| {
@@ -408,19 +364,20 @@ impl FaceContact {
         let piece = self.element.piece(start);
         // What is through the shape already has no side to be swept from, and makes parry allocate.
         let is_before = matches!(shape.nearest_on(piece, way.length()), Nearest::At(..));
-        let met = if is_before { shape.sweep_piece(piece, way) } else { None };
-        let (weights, plane) = match met {
+        let searched = if is_before { shape.sweep_piece(piece, way) } else { None };
+        let (weights, plane) = match searched {
             Some(meeting) if is_outside() => {
                 let there = start.map(|corner| corner + way * meeting.fraction);
                 (self.element.nearest(there, meeting.point), meeting.plane)
             }
             _ if was_touching => {
-                let (weights, surface) = deepest(shape, self.element, start, self.weights, 0.0, LOOKS_AGAIN);
+                let (weights, surface) =
+                    deepest(shape, self.element, start, self.point.weights, 0.0, LOOKS_AGAIN);
                 (weights, surface.plane_at(weighted(weights, start)))
             }
             _ => return false,
         };
-        self.weights = weights;
+        self.point.weights = weights;
         self.ahead = Some(plane);
         true
     }
@@ -431,92 +388,48 @@ impl FaceContact {
         obstacles: &[Obstacle],
         poses: &Poses,
         mover: Option<&mut Mover>,
-        pace: Pace,
+        rate: PushOutRate,
     ) {
-        let corners = self.element.corners();
         let thickness = FACE_THICKNESS * body.settings.thickness;
-        let places = corners.map(|slot| body.particles.position.get(slot));
-        let local = places.map(|place| poses.now.to_local(place));
-        let shape = obstacles[self.obstacle].shape();
+        let local = self.point.mean(|slot| poses.now.to_local(body.particles.position.get(slot)));
+        let shape = obstacles[self.point.obstacle].shape();
         let plane = self.ahead.or(self.plane);
         let surface_at = |local: Vec3| match plane {
             Some(plane) => plane.surface(local),
             None => shape.surface(local),
         };
-        let surface = surface_at(weighted(self.weights, local));
+        let surface = surface_at(local);
         let depth = thickness - surface.distance;
-        // A corner is met as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
+        // A corner is searched as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
         let most = INTRUSION * body.topology.longest_edge;
-        let is_corner = || self.weights.iter().any(|&weight| weight > VERTEX_WEIGHT);
+        let is_corner = || self.point.weights.iter().any(|&weight| weight > VERTEX_WEIGHT);
         if depth <= 0.0 || self.ahead.is_none() && (depth > most + thickness || is_corner()) {
             return;
         }
-        let felt = self.felt(&body.particles);
-        if felt == 0.0 {
-            return;
-        }
-        let normal = poses.now.direction_to_world(surface.normal);
-        let point = weighted(self.weights, places);
-        let travel = weighted(self.weights, corners.map(|slot| body.travel(slot)));
-        let carried = point - poses.before.point_to_world(poses.now.to_local(point));
-        let start = poses.before.to_local(point - travel);
-        let at_start = || thickness - surface_at(start).distance;
-        let mut push = self.overlap.split(depth, (travel - carried).dot(normal), at_start, pace);
-        if let Some(mover) = mover {
-            let contact = body.particles.origin + point;
-            push.fresh *= felt / (felt + mover.inverse_mass_at(contact, normal));
-            let given = normal * (push.fresh / felt);
-            mover.receive(Given::at((contact - travel).as_dvec3(), self.obstacle, given), pace.substep());
-        }
-        self.depth += push.fresh;
-        self.normal = normal;
-        self.given += normal * (push.fresh / felt);
-        for (slot, weight) in corners.into_iter().zip(self.weights) {
-            let share = weight * body.particles.inverse_mass[slot] / felt;
-            let (fresh, all) = (normal * (push.fresh * share), normal * ((push.fresh + push.old) * share));
-            body.particles.displacement.add(slot, fresh);
-            body.particles.position.add(slot, all);
-            body.context.integrated.add(slot, all);
-        }
+        self.point.project(body, SurfaceBelow { surface, thickness, surface_at }, poses, mover, rate, answer);
     }
+}
 
-    /// Inverse mass of the deepest point, in 1/kg.
-    fn felt(&self, particles: &Particles) -> f32 {
-        felt(self.weights, self.element.corners().map(|slot| particles.inverse_mass[slot]))
-    }
+/// A push on the deepest point acts where its way in the substep began.
+fn answer(point: &CarriedPoint<3>, _: &Particles, begun: Vec3, push: Vec3) -> ObstaclePush {
+    ObstaclePush::at(begun.as_dvec3(), point.obstacle, push)
 }
 
 /// Friction at the deepest points, on what they have slipped in this substep. Corners that go with the point may lie around
 /// an edge: by more than a thickness it moves none.
-pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
-    let Body { particles, context, settings, .. } = body;
+pub(crate) fn apply_friction(
+    contacts: &mut FaceContacts,
+    body: &mut Body,
+    substep: Substep,
+    movers: &mut [Mover],
+) {
+    let Body { particles, settings, .. } = body;
     let mut poses = None;
-    for contact in context.faces.contacts.iter_mut().filter(|contact| contact.depth > 0.0) {
-        let mover = mover_mut(movers, contact.obstacle);
-        let poses = kept(&mut poses, contact.obstacle, mover.as_deref(), around, particles.origin);
-        let corners = contact.element.corners();
-        let point = weighted(contact.weights, corners.map(|slot| particles.position.get(slot)));
-        let moved = weighted(contact.weights, corners.map(|slot| particles.displacement.get(slot)));
-        let carried = point - poses.before.point_to_world(poses.now.to_local(point));
-        let depth = contact.depth.min(settings.thickness);
-        let felt = contact.felt(particles);
-        let slip = moved - carried;
-        let taken = match mover {
-            Some(mover) => {
-                let place = particles.origin + point;
-                let (taken, push) =
-                    mover.slip_taken(contact.friction, felt, slip, contact.normal, depth, place);
-                let given = Given::at((place - moved).as_dvec3(), contact.obstacle, push);
-                mover.receive(given, around.substep);
-                taken
-            }
-            None => contact.friction.slip_taken(slip, contact.normal, depth),
-        };
-        contact.given -= taken / felt;
-        for (slot, weight) in corners.into_iter().zip(contact.weights) {
-            let shift = taken * (-weight * particles.inverse_mass[slot] / felt);
-            particles.position.add(slot, shift);
-            particles.displacement.add(slot, shift);
-        }
+    for FaceContact { point, .. } in contacts.contacts.iter_mut().filter(|contact| contact.point.depth > 0.0)
+    {
+        let mover = mover_mut(movers, point.obstacle);
+        let poses = kept(&mut poses, point.obstacle, mover.as_deref(), substep, particles.origin);
+        let depth = point.depth.min(settings.thickness);
+        point.apply_friction(particles, depth, poses, mover, substep, answer);
     }
 }

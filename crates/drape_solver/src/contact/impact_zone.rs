@@ -20,21 +20,21 @@
 use glam::{DVec3, Vec3};
 
 use crate::constants::{CLEARANCE, PASSAGE_HALVINGS};
-use crate::contact::ball_cloth::{BallCloth, Element, weighted};
+use crate::contact::ball_cloth::{BallCloth, FaceOrLink};
 use crate::contact::event::{Other, Touch, add_impulse};
 use crate::geometry::nearest_triangle::on_triangle;
+use crate::geometry::nearest_triangle::weighted;
 use crate::state::ball::Ball;
 use crate::state::body::Body;
-use crate::state::island::Island;
 
 /// A ball's centre and the corners of a face, relative to the body's origin, in metres.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Placed {
+pub(crate) struct BallAndFace {
     pub centre: Vec3,
     pub corners: [Vec3; 3],
 }
 
-impl Placed {
+impl BallAndFace {
     pub fn of(contact: &BallCloth, ball: &Ball, body: &Body) -> Self {
         let particles = &body.particles;
         Self {
@@ -58,7 +58,7 @@ impl Placed {
 ///
 /// It does not where a plane through it keeps the face's corners on one side throughout. Where no plane is found,
 /// each half of the way is looked at; what cannot be told after so many `halvings` is a passage.
-fn may_pass(start: &Placed, end: &Placed, clearance: f32, halvings: u32) -> bool {
+fn may_pass(start: &BallAndFace, end: &BallAndFace, clearance: f32, halvings: u32) -> bool {
     let middle = start.middle(end);
     let offset = middle.offset();
     let nearest = [start, end].map(|placed| {
@@ -79,8 +79,8 @@ fn may_pass(start: &Placed, end: &Placed, clearance: f32, halvings: u32) -> bool
 impl BallCloth {
     /// Whether the ball's centre has passed through the face since the substep began.
     fn has_passed(&self, ball: &Ball, body: &Body) -> bool {
-        let Element::Face(_) = self.element else { return false };
-        let (start, end) = (&self.start, &Placed::of(self, ball, body));
+        let FaceOrLink::Face(_) = self.element else { return false };
+        let (start, end) = (&self.start, &BallAndFace::of(self, ball, body));
         // Far from the face at the end, and the way is shorter: stretched or not, a face lies within its longest side
         // of its first corner.
         let ways = [0, 1, 2].map(|k| (end.centre - end.corners[k]) - (start.centre - start.corners[k]));
@@ -195,21 +195,29 @@ impl ImpactZones {
 }
 
 /// Notes where all is that may touch, at the start of the step.
-pub(crate) fn begin_step(island: &mut Island) {
-    note_starts(island);
-    let Island { balls, context, .. } = island;
-    let zones = &mut context.impact_zones;
+pub(crate) fn begin_step(
+    zones: &mut ImpactZones,
+    contacts: &mut [BallCloth],
+    bodies: &[Body],
+    balls: &[Ball],
+) {
+    note_starts(zones, contacts, bodies, balls);
     zones.zone_of_ball.clear();
     zones.zone_of_ball.resize(balls.len(), None);
 }
 
 /// Ends the substep: where a ball's centre has passed through a face, both go on as one.
-pub(crate) fn enforce(island: &mut Island) {
-    let Island { bodies, balls, touches, context, .. } = island;
-    let zones = &mut context.impact_zones;
+pub(crate) fn enforce(
+    zones: &mut ImpactZones,
+    contacts: &mut [BallCloth],
+    bodies: &mut [Body],
+    balls: &mut [Ball],
+    touches: &mut [Touch],
+    substep: f32,
+) {
     loop {
         let mut has_grown = false;
-        for contact in &context.ball_cloth {
+        for contact in &*contacts {
             if contact.has_passed(&balls[contact.ball], &bodies[contact.body]) {
                 has_grown |= zones.join(contact);
             }
@@ -218,62 +226,62 @@ pub(crate) fn enforce(island: &mut Island) {
         if !has_grown {
             break;
         }
-        zones.carry(bodies, balls, touches, context.substep);
+        zones.carry(bodies, balls, touches, substep);
     }
     if !zones.members.is_empty() {
         zones.members.clear();
         zones.zone_of_ball.fill(None);
     }
-    note_starts(island);
+    note_starts(zones, contacts, bodies, balls);
 }
 
-fn note_starts(island: &mut Island) {
-    let Island { bodies, balls, context, .. } = island;
-    for contact in &mut context.ball_cloth {
-        contact.start = Placed::of(contact, &balls[contact.ball], &bodies[contact.body]);
+fn note_starts(zones: &mut ImpactZones, contacts: &mut [BallCloth], bodies: &[Body], balls: &[Ball]) {
+    for contact in contacts {
+        contact.start = BallAndFace::of(contact, &balls[contact.ball], &bodies[contact.body]);
     }
-    let starts = &mut context.impact_zones.ball_starts;
-    starts.clear();
-    starts.extend(balls.iter().map(|ball| ball.position));
+    zones.ball_starts.clear();
+    zones.ball_starts.extend(balls.iter().map(|ball| ball.position));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::build::cloth::ClothBuilder;
+    use crate::contact::island_contacts::IslandContacts;
+    use crate::island::Island;
+    use crate::motion::environment::Environment;
     use crate::state::ball::BallMaterial;
-    use crate::state::island::Environment;
     use crate::state::measure;
     use crate::state::settings::SolverSettings;
     use crate::step;
 
-    const FRONT: Placed = Placed {
+    const FRONT: BallAndFace = BallAndFace {
         centre: Vec3::new(0.2, 0.2, 0.5),
         corners: [Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
     };
 
-    fn passes(start: Placed, end: Placed) -> bool {
+    fn passes(start: BallAndFace, end: BallAndFace) -> bool {
         may_pass(&start, &end, CLEARANCE, PASSAGE_HALVINGS)
     }
 
     #[test]
     fn a_passage_is_told_from_a_way_past() {
-        let behind = Placed { centre: Vec3::new(0.3, 0.1, -0.5), ..FRONT };
+        let behind = BallAndFace { centre: Vec3::new(0.3, 0.1, -0.5), ..FRONT };
         assert!(passes(FRONT, behind) && passes(behind, FRONT));
         assert!(!passes(FRONT, FRONT));
-        let beside = Placed { centre: Vec3::new(1.5, 1.5, -0.5), ..FRONT };
+        let beside = BallAndFace { centre: Vec3::new(1.5, 1.5, -0.5), ..FRONT };
         assert!(!passes(FRONT, beside), "past the longest side");
         // The face flees faster than the centre follows, or the centre before the face.
         let by = |z: f32| FRONT.corners.map(|corner| corner + Vec3::Z * z);
-        assert!(!passes(FRONT, Placed { corners: by(-2.0), ..behind }));
-        assert!(passes(FRONT, Placed { corners: by(2.0), ..FRONT }));
-        assert!(!passes(FRONT, Placed { centre: Vec3::new(0.2, 0.2, 3.0), corners: by(2.0) }));
+        assert!(!passes(FRONT, BallAndFace { corners: by(-2.0), ..behind }));
+        assert!(passes(FRONT, BallAndFace { corners: by(2.0), ..FRONT }));
+        assert!(!passes(FRONT, BallAndFace { centre: Vec3::new(0.2, 0.2, 3.0), corners: by(2.0) }));
     }
 
     /// To the face and back within one substep, with both ends in front, is no passage; nor is it one to graze it.
     #[test]
     fn what_comes_near_and_goes_is_let_go() {
-        let near = Placed { centre: Vec3::new(0.2, 0.2, 1e-6), ..FRONT };
+        let near = BallAndFace { centre: Vec3::new(0.2, 0.2, 1e-6), ..FRONT };
         let clearance = 0.5 * near.offset().length();
         assert!(!may_pass(&near, &FRONT, clearance, PASSAGE_HALVINGS));
     }
@@ -300,7 +308,9 @@ mod tests {
                 + f64::from(ball.velocity().z * ball.material.mass)
         };
         let before = momentum(&island);
-        enforce(&mut island);
+        let Island { bodies, balls, touches, context, .. } = &mut island;
+        let IslandContacts { impact_zones, ball_cloth, .. } = &mut context.contacts;
+        enforce(impact_zones, &mut ball_cloth.pairs, bodies, balls, touches, context.substep);
         let ball = island.balls[0].clone();
         assert!((momentum(&island) - before).abs() < 1e-6 * before.abs());
         let sheet = &island.bodies[0].particles;

@@ -7,23 +7,29 @@
 
 use glam::Vec3;
 
-use crate::contact::depenetration::{Overlap, Pace, Push};
-use crate::contact::dynamic_obstacle::{Mover, mover_mut};
+use crate::contact::depenetration::{Correction, InitialOverlap, PushOutRate};
+use crate::contact::mover::{Mover, mover_mut};
+use crate::contact::obstacle_push::ObstaclePush;
 use crate::contact::particle_obstacle::{ObstacleContacts, Pushes};
-use crate::contact::reaction::Given;
 use crate::simd::columns::{Cell, LANES};
 use crate::state::body::Body;
-use crate::substep::sweep::Surroundings;
+use crate::state::substep::Substep;
 
 /// Moves particles out of the obstacles that they are in, and those back.
-pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover], is_first: bool) {
+pub(crate) fn project(
+    contacts: &mut ObstacleContacts,
+    body: &mut Body,
+    substep: Substep,
+    movers: &mut [Mover],
+    is_first: bool,
+) {
     if movers.is_empty() {
         return;
     }
     let Body { particles, context, settings, .. } = body;
     let (origin, thickness) = (particles.origin, settings.thickness);
-    let pace = Pace::new(around.substep, around.substeps, around.substep_index);
-    let ObstacleContacts { groups, candidates, pushes, given, planes, .. } = &mut context.contacts;
+    let rate = PushOutRate::of(substep);
+    let ObstacleContacts { groups, candidates, pushes, given, planes, .. } = contacts;
     for ((candidate, pushes), given) in candidates.iter_mut().zip(pushes).zip(given) {
         let group = &groups[usize::from(candidate.group)];
         let Some(mover) = group.is_dynamic.then(|| mover_mut(movers, group.obstacle)).flatten() else {
@@ -33,7 +39,7 @@ pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover
             candidate.is_touching = false;
             *given = Cell::default();
         }
-        let shape = around.obstacles[group.obstacle].shape();
+        let shape = substep.obstacles[group.obstacle].shape();
         let mut poses = mover.poses(origin);
         for lane in (0..LANES).filter(|lane| candidate.lanes >> lane & 1 != 0) {
             let slot = candidate.cell as usize * LANES + lane;
@@ -59,42 +65,48 @@ pub(crate) fn project(body: &mut Body, around: Surroundings, movers: &mut [Mover
             let outward = (travel - (position - before.point_to_world(local))).dot(normal);
             let push = if depth > 0.0 {
                 let start = before.to_local(position - travel);
-                let mut overlap = Overlap::with_left((pushes.left[lane] >= 0.0).then_some(pushes.left[lane]));
-                let push = overlap.split(depth, outward, || thickness - surface_at(start).distance, pace);
+                let mut overlap =
+                    InitialOverlap::with_left((pushes.left[lane] >= 0.0).then_some(pushes.left[lane]));
+                let push = overlap.split(depth, outward, || thickness - surface_at(start).distance, rate);
                 pushes.left[lane] = overlap.left().unwrap_or(-1.0);
                 push
             } else {
-                Push { fresh: depth, old: 0.0 }
+                Correction { with_velocity: depth, position_only: 0.0 }
             };
             let inverse_mass = particles.inverse_mass[slot];
             let place = origin + position;
             let share = inverse_mass / (inverse_mass + mover.inverse_mass_at(place, normal));
             // Others have pushed the obstacle away since: what was too much is taken back.
-            let fresh = (push.fresh * share).max(-pushed);
+            let fresh = (push.with_velocity * share).max(-pushed);
             let moved = normal * fresh;
             pushes.depth[lane] += fresh;
             pushes.normal.set(lane, normal);
             given.set(lane, given.get(lane) + moved);
             particles.displacement.add(slot, moved);
-            let out = normal * (fresh + push.old);
+            let out = normal * (fresh + push.position_only);
             particles.position.add(slot, out);
             context.integrated.add(slot, out);
             // A push adds to the whole way of the substep, and so acts where that began.
             let begun = (place - travel).as_dvec3();
-            mover.receive(Given::at(begun, group.obstacle, moved / inverse_mass), around.substep);
+            mover.receive(ObstaclePush::at(begun, group.obstacle, moved / inverse_mass), substep.duration);
             poses = mover.poses(origin);
         }
     }
 }
 
 /// Friction on what particles have slipped on such obstacles in this substep.
-pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut [Mover]) {
+pub(crate) fn apply_friction(
+    contacts: &mut ObstacleContacts,
+    body: &mut Body,
+    substep: Substep,
+    movers: &mut [Mover],
+) {
     if movers.is_empty() {
         return;
     }
-    let Body { particles, context, .. } = body;
+    let particles = &mut body.particles;
     let origin = particles.origin;
-    let ObstacleContacts { groups, candidates, pushes, given, .. } = &mut context.contacts;
+    let ObstacleContacts { groups, candidates, pushes, given, .. } = contacts;
     let touching =
         candidates.iter().zip(pushes).zip(given).filter(|((candidate, _), _)| candidate.is_touching);
     for ((candidate, pushes), given) in touching {
@@ -115,7 +127,7 @@ pub(crate) fn apply_friction(body: &mut Body, around: Surroundings, movers: &mut
             particles.position.add(slot, -taken);
             particles.displacement.add(slot, -taken);
             let begun = (place - displacement).as_dvec3();
-            mover.receive(Given::at(begun, group.obstacle, push), around.substep);
+            mover.receive(ObstaclePush::at(begun, group.obstacle, push), substep.duration);
         }
     }
 }

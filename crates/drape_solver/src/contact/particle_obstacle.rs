@@ -15,19 +15,19 @@ use core::ops::Range;
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
+use crate::broad_phase::obstacle_search::{Candidate, CandidateLists};
 use crate::constants::LEAST_OVERLAP;
-use crate::contact::depenetration::Pace;
-use crate::contact::friction::Friction;
-use crate::contact::reaction::add_to;
+use crate::contact::depenetration::PushOutRate;
+use crate::contact::obstacle_push::add_to;
 use crate::geometry::pose::Pose;
 use crate::geometry::surface_lanes::{LanePlanes, LanePose, Solid};
+use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
-use crate::state::body::BodyContext;
+use crate::state::friction::Friction;
 use crate::state::layout::Layout;
 use crate::state::obstacle::Obstacle;
-use crate::substep::sweep::Surroundings;
-use crate::substep::work::{Common, Moving};
+use crate::state::substep::Substep;
 
 /// The particles of one body that may touch obstacles in this step.
 #[derive(Clone, Debug, Default)]
@@ -35,7 +35,7 @@ pub(crate) struct ObstacleContacts {
     pub layout: Layout,
     /// Obstacles near the body, by index.
     pub near: Vec<u32>,
-    pub groups: Vec<Group>,
+    pub groups: Vec<ObstacleGroup>,
     pub candidates: Vec<Candidate>,
     /// Room for what a helper finds.
     pub found_by_helper: Vec<Candidate>,
@@ -50,7 +50,7 @@ pub(crate) struct ObstacleContacts {
 
 /// An obstacle that has candidates.
 #[derive(Clone, Debug)]
-pub(crate) struct Group {
+pub(crate) struct ObstacleGroup {
     pub obstacle: usize,
     pub friction: Friction,
     pub is_moving: bool,
@@ -60,19 +60,6 @@ pub(crate) struct Group {
     pub is_asking: bool,
     /// Its pose at the start of the step, in the body's own coordinates.
     pub pose: Pose,
-}
-
-/// The particles of one cell that may touch one obstacle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Candidate {
-    pub cell: u32,
-    pub group: u16,
-    pub lanes: u16,
-    /// Whether any of them has been pushed in this substep.
-    pub is_touching: bool,
-    /// The surface near each particle as a plane, by its place in the list, where asking the shape each time would be
-    /// slow or wrong.
-    pub planes: Option<u32>,
 }
 
 /// How far the particles of a candidate were pushed in this substep.
@@ -95,17 +82,18 @@ impl Pushes {
     };
 }
 
-impl BodyContext {
+impl ObstacleContacts {
+    /// The lists for a search to fill.
+    pub fn lists(&mut self) -> CandidateLists<'_> {
+        CandidateLists { candidates: &mut self.candidates, planes: &mut self.planes }
+    }
+
     /// Particles that obstacles pushed out in the last substep: the particle's index, the unit normal of the
     /// surface in the world, and the depth in metres, summed over the projections of the substep.
-    pub fn contacts(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
-        let layout = &self.contacts.layout;
-        let pushed = self.contacts.pushed();
-        pushed.filter_map(|(_, slot, normal, depth)| Some((layout.index(slot)?, normal, depth)))
+    pub fn pushed_particles(&self) -> impl Iterator<Item = (usize, Vec3, f32)> + '_ {
+        self.pushed().filter_map(|(_, slot, normal, depth)| Some((self.layout.index(slot)?, normal, depth)))
     }
-}
 
-impl ObstacleContacts {
     /// Obstacles that have candidates, by index.
     pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
         self.groups.iter().map(|group| group.obstacle)
@@ -185,7 +173,7 @@ impl ObstacleContacts {
 
 /// Some strips of a body, and what of them may touch obstacles.
 pub(crate) struct ObstacleRows<'a> {
-    groups: &'a [Group],
+    groups: &'a [ObstacleGroup],
     planes: &'a [LanePlanes],
     /// Of the whole body, as are the cells of candidates.
     first_of_strip: &'a [u32],
@@ -198,7 +186,7 @@ pub(crate) struct ObstacleRows<'a> {
 }
 
 /// What of some strips one obstacle may touch.
-struct OfGroup<'a> {
+struct GroupRows<'a> {
     candidates: &'a mut [Candidate],
     pushes: &'a mut [Pushes],
     given: &'a mut [Cell],
@@ -211,27 +199,27 @@ fn split_if_kept(given: &mut [Cell], middle: usize) -> (&mut [Cell], &mut [Cell]
 }
 
 /// What the contacts of one projection have in common.
-pub(crate) struct Meeting<'a> {
+pub(crate) struct ObstacleProjection<'a> {
     obstacles: &'a [Obstacle],
     origin: Vec3,
     /// The substep, from 0, and the number of substeps.
     substep: u32,
     substeps: u32,
     thickness: f32,
-    pace: Pace,
+    rate: PushOutRate,
     /// Whether it is the first projection of the substep.
     is_first: bool,
 }
 
-impl<'a> Meeting<'a> {
-    pub fn new(rest: &Common<'a>, substep: u32, is_first: bool) -> Self {
-        let Surroundings { obstacles, substeps, .. } = rest.around;
-        let pace = Pace::new(rest.around.substep, substeps, substep);
-        Self { obstacles, origin: rest.origin, substep, substeps, thickness: rest.thickness, pace, is_first }
+impl<'a> ObstacleProjection<'a> {
+    pub fn new(rest: &BodyColumns<'a>, substep: u32, is_first: bool) -> Self {
+        let Substep { obstacles, count: substeps, .. } = rest.substep;
+        let rate = PushOutRate::new(rest.substep.duration, substeps, substep);
+        Self { obstacles, origin: rest.origin, substep, substeps, thickness: rest.thickness, rate, is_first }
     }
 
     /// The poses of a group's obstacle at the start and the end of the substep.
-    fn poses(&self, group: &Group) -> [Pose; 2] {
+    fn poses(&self, group: &ObstacleGroup) -> [Pose; 2] {
         if !group.is_moving {
             return [group.pose; 2];
         }
@@ -275,7 +263,7 @@ impl ObstacleRows<'_> {
 
     /// The candidates of some strips with their pushes, obstacle by obstacle within a strip.
     #[inline(always)]
-    fn of_strips(&mut self, strips: Range<usize>) -> impl Iterator<Item = OfGroup<'_>> {
+    fn of_strips(&mut self, strips: Range<usize>) -> impl Iterator<Item = GroupRows<'_>> {
         let place = |strip: usize| self.first_of_strip[strip] as usize - self.before;
         let range = place(strips.start)..place(strips.end);
         let mut pushes = &mut self.pushes[range.clone()];
@@ -285,7 +273,7 @@ impl ObstacleRows<'_> {
             pushes = others;
             let (own_given, others) = split_if_kept(core::mem::take(&mut given), candidates.len());
             given = others;
-            OfGroup { candidates, pushes: own, given: own_given }
+            GroupRows { candidates, pushes: own, given: own_given }
         })
     }
 
@@ -296,31 +284,31 @@ impl ObstacleRows<'_> {
         &mut self,
         simd: S,
         strips: Range<usize>,
-        moving: &mut Moving,
+        moving: &mut MovingColumns,
         first_cell: usize,
-        meeting: &Meeting,
+        context: &ObstacleProjection,
     ) {
         let (groups, planes) = (self.groups, self.planes);
-        for OfGroup { candidates, pushes, given } in self.of_strips(strips) {
+        for GroupRows { candidates, pushes, given } in self.of_strips(strips) {
             let group = &groups[usize::from(candidates[0].group)];
             if group.is_dynamic {
                 continue;
             }
-            let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));
-            let shape = meeting.obstacles[group.obstacle].shape();
+            let [before, now] = context.poses(group).map(|pose| LanePose::new(simd, &pose));
+            let shape = context.obstacles[group.obstacle].shape();
             for (place, (candidate, pushes)) in candidates.iter_mut().zip(pushes).enumerate() {
                 let solid = match candidate.planes {
                     Some(place) => Solid::Planes(&planes[place as usize]),
                     None => Solid::Formula(shape),
                 };
-                let contact = Contact { solid, before, now, is_moving: group.is_moving, meeting };
+                let contact = CellContact { solid, before, now, is_moving: group.is_moving, context };
                 if !group.is_asking {
                     contact.project(simd, candidate, pushes, moving, first_cell);
                     continue;
                 }
                 let cell = candidate.cell as usize - first_cell;
                 let before = moving.displacement[cell];
-                if meeting.is_first {
+                if context.is_first {
                     given[place] = Cell::default();
                 }
                 contact.project(simd, candidate, pushes, moving, first_cell);
@@ -336,17 +324,17 @@ impl ObstacleRows<'_> {
         &mut self,
         simd: S,
         strips: Range<usize>,
-        moving: &mut Moving,
+        moving: &mut MovingColumns,
         first_cell: usize,
-        meeting: &Meeting,
+        context: &ObstacleProjection,
     ) {
         let groups = self.groups;
-        for OfGroup { candidates, pushes, given } in self.of_strips(strips) {
+        for GroupRows { candidates, pushes, given } in self.of_strips(strips) {
             let group = &groups[usize::from(candidates[0].group)];
             if group.is_dynamic || group.friction == Friction::default() {
                 continue;
             }
-            let [before, now] = meeting.poses(group).map(|pose| LanePose::new(simd, &pose));
+            let [before, now] = context.poses(group).map(|pose| LanePose::new(simd, &pose));
             let touching = candidates.iter().zip(pushes).enumerate();
             for (place, (candidate, pushes)) in touching.filter(|(_, (candidate, _))| candidate.is_touching) {
                 let depth = load(simd, &pushes.depth);
@@ -380,26 +368,26 @@ impl ObstacleRows<'_> {
 }
 
 /// One obstacle, as the particles of a cell meet it in one projection.
-struct Contact<'a, S: Simd> {
+struct CellContact<'a, S: Simd> {
     solid: Solid<'a>,
     before: LanePose<S>,
     now: LanePose<S>,
     is_moving: bool,
-    meeting: &'a Meeting<'a>,
+    context: &'a ObstacleProjection<'a>,
 }
 
-impl<S: Simd> Contact<'_, S> {
+impl<S: Simd> CellContact<'_, S> {
     #[inline(always)]
     fn project(
         &self,
         simd: S,
         candidate: &mut Candidate,
         pushes: &mut Pushes,
-        moving: &mut Moving,
+        moving: &mut MovingColumns,
         first_cell: usize,
     ) {
         let zero = f32x16::splat(simd, 0.0);
-        let &Meeting { thickness, pace, is_first, .. } = self.meeting;
+        let &ObstacleProjection { thickness, rate, is_first, .. } = self.context;
         let cell = candidate.cell as usize - first_cell;
         if is_first {
             candidate.is_touching = false;
@@ -436,7 +424,7 @@ impl<S: Simd> Contact<'_, S> {
             let overlap = overlap.simd_gt(zero).select(overlap, zero);
             let old = may_be_old.select(overlap.simd_lt(depth).select(overlap, depth), zero);
             let known = load(simd, &pushes.left);
-            let left = known.simd_lt(zero).select(pace.left_in_lanes(simd, old), known);
+            let left = known.simd_lt(zero).select(rate.left_in_lanes(simd, old), known);
             let taken = old - left;
             fresh = depth - old;
             out = fresh + taken.simd_gt(zero).select(taken, zero);

@@ -14,8 +14,8 @@ use glam::Vec3;
 use crate::broad_phase::cell_list::CellList;
 use crate::broad_phase::relative_motion::Motion;
 use crate::constants::{CONTACT_SLACK, NEIGHBOURS_AT_REST, SKIN};
-use crate::contact::cloth_cloth::{Contact, Corner, Meeting, has_triangles, is_on};
-use crate::contact::depenetration::Pace;
+use crate::contact::cloth_cloth::{ClothContact, Corner, Penetration, has_triangles};
+use crate::contact::depenetration::PushOutRate;
 use crate::state::body::Body;
 
 /// The particles of an island that may touch each other.
@@ -31,7 +31,7 @@ pub(crate) struct ParticlePairs {
     /// Relative motion up to which the list holds; none if there is no list.
     holds_until: Option<f32>,
     /// Those that may touch in this substep.
-    near: Vec<Contact<2>>,
+    near: Vec<ClothContact<2>>,
 }
 
 /// A particle where it was when the pairs were listed.
@@ -63,7 +63,7 @@ impl ParticlePairs {
     }
 
     /// Those that may touch in this substep.
-    pub fn near(&self) -> &[Contact<2>] {
+    pub fn near(&self) -> &[ClothContact<2>] {
         &self.near
     }
 
@@ -75,7 +75,7 @@ impl ParticlePairs {
     /// Finds the pairs that may touch in this substep.
     pub fn begin_substep(&mut self, bodies: &[Body], motion: &Motion) {
         self.near.clear();
-        if bodies.iter().filter(|body| is_on(body)).all(has_triangles) {
+        if bodies.iter().filter(|body| body.has_self_contact()).all(has_triangles) {
             self.clear();
             return;
         }
@@ -94,7 +94,7 @@ impl ParticlePairs {
             let way = a.corner.position(bodies, origin) - b.corner.position(bodies, origin);
             let distance_squared = way.length_squared();
             if distance_squared < reach * reach {
-                near.push(Contact::new([a.corner, b.corner], apart));
+                near.push(ClothContact::new([a.corner, b.corner], apart));
             } else {
                 *wake_at = motion.now + (distance_squared.sqrt() * 0.9999 - reach);
             }
@@ -108,7 +108,7 @@ impl ParticlePairs {
         pairs.clear();
         wake_at.clear();
         let origin = bodies[0].particles.origin;
-        for (place, body) in bodies.iter().enumerate().filter(|(_, body)| is_on(body)) {
+        for (place, body) in bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact()) {
             let slots = body.particles.layout.slots().enumerate();
             holders.extend(slots.map(|(index, slot)| {
                 let corner = Corner { body: place as u32, slot: slot as u32 };
@@ -138,7 +138,7 @@ impl ParticlePairs {
     }
 
     /// Moves particles apart that overlap.
-    pub fn project(&mut self, bodies: &mut [Body], pace: Pace) {
+    pub fn project(&mut self, bodies: &mut [Body], rate: PushOutRate) {
         let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
         for contact in &mut self.near {
             let [a, b] = contact.corners;
@@ -153,7 +153,11 @@ impl ParticlePairs {
             let before = a.start(bodies, origin) - b.start(bodies, origin);
             let outward = (way - before).dot(normal);
             let (at_start, depth) = (contact.apart - before.length(), contact.apart - distance);
-            contact.push(bodies, pace, Meeting { weights: [1.0, -1.0], normal, depth, outward, at_start });
+            contact.push(
+                bodies,
+                rate,
+                Penetration { weights: [1.0, -1.0], normal, depth, outward, at_start },
+            );
         }
     }
 

@@ -4,25 +4,16 @@
 //! contacts sum up these `m d` as they push; after each substep the sums are added up here in double precision, with the
 //! moments of their points. Overlaps that are taken out in position only change no momentum and do not count.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use crate::contact::ball_obstacle::BallObstacle;
-use crate::contact::dynamic_obstacle::{Mover, mover};
-use crate::simd::columns::Cell;
-use crate::state::island::{Environment, Island};
-use crate::state::obstacles::Obstacles;
-
-/// What the bodies and balls of an island did to an obstacle in the last step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reaction {
-    /// The obstacle, by its index in the environment.
-    pub obstacle: usize,
-    /// Change of its momentum in newton seconds.
-    pub impulse: Vec3,
-    /// Change of its angular momentum in newton metre seconds, in world axes, about the place of its origin at the end of
-    /// the step: where the impulse is to be given to it.
-    pub angular_impulse: Vec3,
-}
+use crate::contact::island_contacts::IslandContacts;
+use crate::contact::mover::{Mover, mover};
+use crate::contact::obstacle_push::ObstaclePush;
+use crate::state::ball::Ball;
+use crate::state::body::Body;
+use crate::state::obstacle::Obstacle;
+use crate::state::obstacle_motion::Reaction;
+use crate::state::substep::Substep;
 
 /// The sums of one step.
 #[derive(Clone, Debug, Default)]
@@ -30,12 +21,12 @@ pub(crate) struct Reactions {
     /// Whether anything near an obstacle that asks may be pushed in this step.
     is_on: bool,
     /// In order of the obstacles.
-    sums: Vec<Sum>,
+    sums: Vec<ReactionSum>,
 }
 
 /// What was given to bodies and balls by one obstacle.
 #[derive(Clone, Copy, Debug)]
-struct Sum {
+struct ReactionSum {
     obstacle: usize,
     /// In newton seconds.
     impulse: DVec3,
@@ -43,25 +34,6 @@ struct Sum {
     angular_impulse: DVec3,
     /// Where the obstacle is at the end of the step, if nothing moves it.
     end: DVec3,
-}
-
-/// A push on a body or ball.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Given {
-    pub obstacle: usize,
-    /// In the world.
-    pub point: DVec3,
-    /// Mass times displacement, in kilogram metres.
-    pub push: Vec3,
-    /// Its moment about that point, in kg m^2.
-    pub moment: Vec3,
-}
-
-impl Given {
-    /// A push in the middle of a point: no moment comes with it.
-    pub fn at(point: DVec3, obstacle: usize, push: Vec3) -> Self {
-        Self { obstacle, point, push, moment: Vec3::ZERO }
-    }
 }
 
 impl Reactions {
@@ -75,8 +47,8 @@ impl Reactions {
         self.is_on
     }
 
-    fn add(&mut self, obstacles: &Obstacles, substep: f32, given: Given) {
-        let Given { obstacle, point, push, moment } = given;
+    fn add(&mut self, obstacles: &[Obstacle], substep: f32, given: ObstaclePush) {
+        let ObstaclePush { obstacle, point, push, moment } = given;
         let [impulse, couple] = [push, moment].map(|sum| sum.as_dvec3() / f64::from(substep));
         let angular_impulse = point.cross(impulse) + couple;
         // What is lost in a body that has to be left out is lost with it.
@@ -90,55 +62,57 @@ impl Reactions {
             }
             Err(place) => {
                 let end = obstacles[obstacle].placement().translation.as_dvec3();
-                self.sums.insert(place, Sum { obstacle, impulse, angular_impulse, end });
+                self.sums.insert(place, ReactionSum { obstacle, impulse, angular_impulse, end });
             }
         }
     }
 }
 
 /// Finds out whether anything may touch an obstacle that asks.
-pub(crate) fn detect(island: &mut Island, obstacles: &Obstacles) {
-    let Island { bodies, context, .. } = island;
+pub(crate) fn detect(reactions: &mut Reactions, contacts: &mut IslandContacts, obstacles: &[Obstacle]) {
     let asks = |index: usize| obstacles[index].keeps_account();
-    for body in bodies {
-        context.reactions.is_on |= body.context.contacts.keep_given(asks);
-        context.reactions.is_on |= body.context.faces.obstacles().any(asks);
-        context.reactions.is_on |= body.context.embedded.obstacles().any(asks);
+    for contacts in &mut contacts.bodies {
+        reactions.is_on |= contacts.obstacles.keep_given(asks);
+        reactions.is_on |= contacts.faces.obstacles().any(asks);
+        reactions.is_on |= contacts.embedded.obstacles().any(asks);
     }
-    context.reactions.is_on |= context.ball_obstacle.iter().map(BallObstacle::obstacle).any(asks);
+    reactions.is_on |= contacts.ball_obstacle.obstacles().any(asks);
 }
 
 /// Adds what was given in the substep that has just been taken.
-pub(crate) fn gather(island: &mut Island, environment: &Environment) {
-    let Island { bodies, balls, context, .. } = island;
-    if !context.reactions.is_on {
+pub(crate) fn gather(
+    reactions: &mut Reactions,
+    contacts: &IslandContacts,
+    bodies: &[Body],
+    balls: &[Ball],
+    substep: Substep,
+) {
+    if !reactions.is_on {
         return;
     }
-    let (obstacles, substep) = (&environment.obstacles, context.substep);
-    let mut add = |given: Given| {
-        if obstacles[given.obstacle].reports_reaction() {
-            context.reactions.add(obstacles, substep, given);
+    let mut add = |given: ObstaclePush| {
+        if substep.obstacles[given.obstacle].reports_reaction() {
+            reactions.add(substep.obstacles, substep.duration, given);
         }
     };
-    for body in bodies {
+    for (body, contacts) in bodies.iter().zip(&contacts.bodies) {
         let particles = &body.particles;
         let origin = particles.origin.as_dvec3();
-        for (obstacle, slot, moved) in body.context.contacts.given() {
+        for (obstacle, slot, moved) in contacts.obstacles.given() {
             let point = origin + particles.position.get(slot).as_dvec3();
-            add(Given::at(point, obstacle, moved / particles.inverse_mass[slot]));
+            add(ObstaclePush::at(point, obstacle, moved / particles.inverse_mass[slot]));
         }
-        body.context.faces.given(particles).for_each(&mut add);
-        body.context.embedded.given(particles).for_each(&mut add);
+        contacts.faces.given(particles).for_each(&mut add);
+        contacts.embedded.given(particles).for_each(&mut add);
     }
-    context.ball_obstacle.iter().filter_map(|pair| pair.given(balls)).for_each(add);
+    contacts.ball_obstacle.given(balls).for_each(add);
 }
 
-/// Puts the reactions of the step into the island, in order of the obstacles.
-pub(crate) fn finish(island: &mut Island) {
-    let Island { reactions, context, .. } = island;
+/// Gives the reactions of the step, in order of the obstacles.
+pub(crate) fn finish(sums: &Reactions, movers: &[Mover], reactions: &mut Vec<Reaction>) {
     reactions.clear();
-    reactions.extend(context.reactions.sums.iter().map(|sum| {
-        let end = mover(&context.movers, sum.obstacle).map_or(sum.end, Mover::centre);
+    reactions.extend(sums.sums.iter().map(|sum| {
+        let end = mover(movers, sum.obstacle).map_or(sum.end, Mover::centre);
         let angular_impulse = sum.angular_impulse - end.cross(sum.impulse);
         Reaction {
             obstacle: sum.obstacle,
@@ -146,15 +120,4 @@ pub(crate) fn finish(island: &mut Island) {
             angular_impulse: -angular_impulse.as_vec3(),
         }
     }));
-}
-
-/// Adds to a lane-wise sum what has been given to those lanes.
-#[inline(always)]
-pub(crate) fn add_to(sum: &mut Cell, before: &Cell, after: &Cell) {
-    for (sum, (before, after)) in sum.axes_mut().into_iter().zip(before.axes().into_iter().zip(after.axes()))
-    {
-        for lane in 0..sum.len() {
-            sum[lane] += after[lane] - before[lane];
-        }
-    }
 }

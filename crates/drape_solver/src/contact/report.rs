@@ -5,15 +5,19 @@
 
 use glam::Vec3;
 
-use crate::contact::ball_cloth::{Element, weighted};
-use crate::contact::ball_obstacle::BallObstacle;
-use crate::contact::cloth_cloth as contact_self;
+use crate::contact::ball_cloth::{BallCloth, FaceOrLink};
+use crate::contact::body_contacts::BodyContacts;
+use crate::contact::cloth_cloth::SelfContacts;
 use crate::contact::event::{Contact, Feature, Other, Party, Touch, pair_without};
 use crate::contact::face_obstacle::PushedElement;
+use crate::contact::island_contacts::IslandContacts;
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::shape::Shape;
 use crate::simd::columns::LANES;
-use crate::state::island::{Environment, Island, IslandContext};
+use crate::state::ball::Ball;
+use crate::state::body::Body;
 use crate::state::obstacle::Obstacle;
+use crate::state::substep::Substep;
 
 /// The account of one step.
 #[derive(Clone, Debug, Default)]
@@ -26,8 +30,6 @@ pub(crate) struct ContactReport {
     watches: Vec<Watch>,
     /// The cells of bodies that may touch sensors.
     watched_cells: Vec<u32>,
-    /// Pairs of a ball and an obstacle that is near and does not stop it.
-    passable: Vec<(usize, usize)>,
     /// Obstacles near balls that ask for a report, in order.
     reporting: Vec<usize>,
 }
@@ -53,7 +55,7 @@ struct Watch {
 }
 
 /// A push on a particle or face.
-struct Push {
+struct ReportedPush {
     pair: (Party, Other),
     point: Vec3,
     normal: Vec3,
@@ -70,13 +72,7 @@ impl ContactReport {
         self.accounts.clear();
         self.watches.clear();
         self.watched_cells.clear();
-        self.passable.clear();
         self.reporting.clear();
-    }
-
-    /// Notes an obstacle that is near a ball and does not stop it: it may be a sensor.
-    pub fn note_passable(&mut self, ball: usize, obstacle: usize) {
-        self.passable.push((ball, obstacle));
     }
 
     /// Whether the step has to be taken substep by substep.
@@ -108,8 +104,8 @@ impl ContactReport {
         self.accounts.binary_search_by_key(&pair, |account| account.pair).is_ok()
     }
 
-    fn add(&mut self, push: Push, time: f32) {
-        let Push { pair, point, normal, impulse, feature, face } = push;
+    fn add(&mut self, push: ReportedPush, time: f32) {
+        let ReportedPush { pair, point, normal, impulse, feature, face } = push;
         let place = match self.accounts.binary_search_by_key(&pair, |account| account.pair) {
             Ok(place) => place,
             Err(place) => {
@@ -130,18 +126,21 @@ impl ContactReport {
 }
 
 /// Finds out what is to be accounted for in this step, in which no particle moves more than `reach` metres.
-pub(crate) fn detect(island: &mut Island, environment: &Environment, reach: f32) {
-    let Island { bodies, balls, context, .. } = island;
-    let report = &mut context.report;
-    let obstacles = &environment.obstacles;
-    for (index, body) in bodies.iter().enumerate() {
-        let contacts = &body.context.contacts;
+pub(crate) fn detect(
+    report: &mut ContactReport,
+    contacts: &IslandContacts,
+    bodies: &[Body],
+    balls: &[Ball],
+    obstacles: &[Obstacle],
+    reach: f32,
+) {
+    for (index, (body, of_body)) in bodies.iter().zip(&contacts.bodies).enumerate() {
         let is_reported = |obstacle: &Obstacle| body.reports_contacts || obstacle.reports_contacts();
-        let mut met = contacts.obstacles().chain(body.context.faces.obstacles());
+        let mut met = of_body.obstacles.obstacles().chain(of_body.faces.obstacles());
         let is_touched = met.any(|index| is_reported(&obstacles[index]));
         report.is_on |= is_touched || (body.reports_contacts && !balls.is_empty());
         let reach = reach + body.settings.thickness;
-        for sensor in contacts.near.iter().map(|&index| index as usize) {
+        for sensor in of_body.obstacles.near.iter().map(|&index| index as usize) {
             let obstacle = &obstacles[sensor];
             if !(obstacle.senses(body.layers) && is_reported(obstacle)) {
                 continue;
@@ -161,88 +160,93 @@ pub(crate) fn detect(island: &mut Island, environment: &Environment, reach: f32)
             report.watches.push(Watch { party: Party::Body(index), sensor, cells });
         }
     }
-    for &(index, sensor) in &report.passable {
+    for &(index, sensor) in &contacts.ball_obstacle.passable {
         let (ball, obstacle) = (&balls[index], &obstacles[sensor]);
         if obstacle.senses(ball.layers) && (ball.reports_contacts || obstacle.reports_contacts()) {
             report.watches.push(Watch { party: Party::Ball(index), sensor, cells: [0; 2] });
         }
     }
-    let is_in_company = bodies.iter().filter(|body| contact_self::is_on(body)).nth(1).is_some();
+    let is_in_company = bodies.iter().filter(|body| body.has_self_contact()).nth(1).is_some();
     report.is_on |= is_in_company && bodies.iter().any(|body| body.reports_contacts);
-    let near_balls = context.ball_obstacle.iter().map(BallObstacle::obstacle);
+    let near_balls = contacts.ball_obstacle.obstacles();
     report.reporting.extend(near_balls.filter(|&index| obstacles[index].reports_contacts()));
     report.reporting.sort_unstable();
     report.is_on |= !report.watches.is_empty() || balls.iter().any(|ball| ball.reports_contacts);
 }
 
 /// Adds what was pushed in the substep that has just been taken.
-pub(crate) fn gather(island: &mut Island, environment: &Environment) {
-    if !island.context.report.is_on {
+pub(crate) fn gather(
+    report: &mut ContactReport,
+    contacts: &IslandContacts,
+    bodies: &[Body],
+    balls: &[Ball],
+    substep: Substep,
+) {
+    if !report.is_on {
         return;
     }
-    gather_particles(island, environment);
-    gather_bodies(island);
-    gather_faces(island);
-    sense(island, environment);
+    gather_particles(report, &contacts.bodies, bodies, substep);
+    gather_bodies(report, &contacts.cloth_cloth, bodies, substep);
+    gather_faces(report, &contacts.ball_cloth.pairs, bodies, balls);
+    sense(report, bodies, balls, substep);
 }
 
 /// Particles and faces that obstacles have pushed.
-fn gather_particles(island: &mut Island, environment: &Environment) {
-    let Island { bodies, context, .. } = island;
-    let time = context.substep_index as f32 * context.substep;
-    for (index, body) in bodies.iter().enumerate() {
+fn gather_particles(
+    report: &mut ContactReport,
+    contacts: &[BodyContacts],
+    bodies: &[Body],
+    substep: Substep,
+) {
+    for (index, (body, contacts)) in bodies.iter().zip(contacts).enumerate() {
         let particles = &body.particles;
-        for (obstacle, slot, normal, depth) in body.context.contacts.pushed() {
-            if !(body.reports_contacts || environment.obstacles[obstacle].reports_contacts()) {
+        for (obstacle, slot, normal, depth) in contacts.obstacles.pushed() {
+            if !(body.reports_contacts || substep.obstacles[obstacle].reports_contacts()) {
                 continue;
             }
             let surface = particles.position.get(slot) - normal * body.settings.thickness;
-            let push = Push {
+            let push = ReportedPush {
                 pair: (Party::Body(index), Other::Obstacle(obstacle)),
                 point: surface + particles.origin,
                 normal,
                 // What was pushed out in one substep was that fast, and weighed this much.
-                impulse: depth / (particles.inverse_mass[slot] * context.substep),
+                impulse: depth / (particles.inverse_mass[slot] * substep.duration),
                 feature: particles.layout.index(slot).map(Feature::Particle),
                 face: None,
             };
-            context.report.add(push, time);
+            report.add(push, substep.start());
         }
-        for PushedElement { element, place, obstacle, weights, normal, depth } in body.context.faces.pushed()
-        {
-            if !(body.reports_contacts || environment.obstacles[obstacle].reports_contacts()) {
+        for PushedElement { element, place, obstacle, weights, normal, depth } in contacts.faces.pushed() {
+            if !(body.reports_contacts || substep.obstacles[obstacle].reports_contacts()) {
                 continue;
             }
             let corners = element.corners();
             let point = weighted(weights, corners.map(|slot| particles.position.get(slot)));
-            let felt = corners.iter().zip(weights).map(|(&slot, b)| b * b * particles.inverse_mass[slot]);
+            let inverse_mass =
+                corners.iter().zip(weights).map(|(&slot, b)| b * b * particles.inverse_mass[slot]);
             let feature = match element {
-                Element::Face(_) => Some(Feature::Face(place)),
-                Element::Segment(_) => {
+                FaceOrLink::Face(_) => Some(Feature::Face(place)),
+                FaceOrLink::Link(_) => {
                     let nearest_end = if weights[0] >= weights[1] { corners[0] } else { corners[1] };
                     particles.layout.index(nearest_end).map(Feature::Particle)
                 }
             };
-            let push = Push {
+            let push = ReportedPush {
                 pair: (Party::Body(index), Other::Obstacle(obstacle)),
                 point: point - normal * body.settings.thickness + particles.origin,
                 normal,
-                impulse: depth / (felt.sum::<f32>() * context.substep),
+                impulse: depth / (inverse_mass.sum::<f32>() * substep.duration),
                 feature,
                 face: None,
             };
-            context.report.add(push, time);
+            report.add(push, substep.start());
         }
     }
 }
 
 /// Particles of bodies that have pushed each other.
-fn gather_bodies(island: &mut Island) {
-    let Island {
-        bodies, context: IslandContext { self_contacts, report, substep, substep_index, .. }, ..
-    } = island;
-    let time = *substep_index as f32 * *substep;
-    for (ends, normal, depth) in self_contacts.pushed_bodies() {
+fn gather_bodies(report: &mut ContactReport, contacts: &SelfContacts, bodies: &[Body], substep: Substep) {
+    for (ends, normal, depth) in contacts.pushed_bodies() {
         if !ends.iter().any(|&(body, _)| bodies[body].reports_contacts) {
             continue;
         }
@@ -252,23 +256,22 @@ fn gather_bodies(island: &mut Island) {
         let normal = if is_turned { -normal } else { normal };
         let (particles, other) = (&bodies[first].particles, &bodies[second]);
         let surface = other.particles.position.get(other_slot) + normal * other.settings.thickness;
-        let felt = particles.inverse_mass[slot] + other.particles.inverse_mass[other_slot];
-        let push = Push {
+        let inverse_mass = particles.inverse_mass[slot] + other.particles.inverse_mass[other_slot];
+        let push = ReportedPush {
             pair: (Party::Body(first), Other::Body(second)),
             point: surface + other.particles.origin,
             normal,
-            impulse: depth / (felt * *substep),
+            impulse: depth / (inverse_mass * substep.duration),
             feature: particles.layout.index(slot).map(Feature::Particle),
             face: None,
         };
-        report.add(push, time);
+        report.add(push, substep.start());
     }
 }
 
 /// Faces and segments that balls have pushed. The ball's [touch](Touch) has all else about the pair.
-fn gather_faces(island: &mut Island) {
-    let Island { bodies, balls, context, .. } = island;
-    for contact in &context.ball_cloth {
+fn gather_faces(report: &mut ContactReport, contacts: &[BallCloth], bodies: &[Body], balls: &[Ball]) {
+    for contact in contacts {
         let (ball, body) = (contact.ball, contact.body);
         let Some((corners, weights, depth)) = contact.pushed() else { continue };
         if !(balls[ball].reports_contacts || bodies[body].reports_contacts) {
@@ -278,8 +281,8 @@ fn gather_faces(island: &mut Island) {
         let [Some(a), Some(b), Some(c)] = corners else { continue };
         let is_face = b != c;
         let nearest_end = if weights[0] >= weights[1] { a } else { b };
-        context.report.add(
-            Push {
+        report.add(
+            ReportedPush {
                 pair: (Party::Ball(ball), Other::Body(body)),
                 point: Vec3::ZERO,
                 normal: Vec3::ZERO,
@@ -293,18 +296,15 @@ fn gather_faces(island: &mut Island) {
 }
 
 /// Looks for whoever is within a sensor.
-fn sense(island: &mut Island, environment: &Environment) {
-    let Island { bodies, balls, context, .. } = island;
-    let report = &mut context.report;
-    let fraction = (context.substep_index + 1) as f32 / context.substeps as f32;
-    let time = context.substep_index as f32 * context.substep;
+fn sense(report: &mut ContactReport, bodies: &[Body], balls: &[Ball], substep: Substep) {
+    let fraction = (substep.index + 1) as f32 / substep.count as f32;
     for place in 0..report.watches.len() {
         let Watch { party, sensor, cells } = report.watches[place];
         let pair = (party, Other::Obstacle(sensor));
         if report.is_known(pair) {
             continue;
         }
-        let obstacle = &environment.obstacles[sensor];
+        let obstacle = &substep.obstacles[sensor];
         let within = |position: Vec3, origin: Vec3, distance: f32| {
             let local = obstacle.pose_at(fraction, origin).to_local(position);
             is_within(obstacle.shape(), local, distance)
@@ -330,7 +330,10 @@ fn sense(island: &mut Island, environment: &Environment) {
         };
         if let Some((point, feature)) = found {
             let normal = (point - obstacle.placement().translation).try_normalize().unwrap_or(Vec3::Y);
-            report.add(Push { pair, point, normal, impulse: 0.0, feature, face: None }, time);
+            report.add(
+                ReportedPush { pair, point, normal, impulse: 0.0, feature, face: None },
+                substep.start(),
+            );
         }
     }
 }
@@ -345,9 +348,13 @@ fn is_within(shape: &Shape, point: Vec3, distance: f32) -> bool {
 }
 
 /// Puts the contacts of the step into the island, in order of their pairs.
-pub(crate) fn finish(island: &mut Island) {
-    let Island { bodies, balls, touches, contacts, context, .. } = island;
-    let report = &context.report;
+pub(crate) fn finish(
+    report: &ContactReport,
+    bodies: &[Body],
+    balls: &[Ball],
+    touches: &[Touch],
+    contacts: &mut Vec<Contact>,
+) {
     contacts.clear();
     let reports = |other: Other| match other {
         Other::Body(i) => bodies[i].reports_contacts,

@@ -13,7 +13,7 @@
 //! so that neither loses the rest of its step. Restitution is Newton's: the ratio of the normal speeds after and before.
 
 use crate::constants::RESTITUTION_SPEED;
-use crate::contact::friction::combined;
+use crate::state::friction::combined;
 
 /// How two met in a substep.
 #[derive(Clone, Copy, Debug, Default)]

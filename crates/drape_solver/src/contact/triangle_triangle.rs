@@ -18,25 +18,26 @@
 use glam::Vec3;
 
 use crate::broad_phase::relative_motion::{Motion, RelativeMotion};
-use crate::broad_phase::surface_tree::{Element, Placed, PlacedTree};
+use crate::broad_phase::surface_pairs::{PlacedSurface, PlacedTree};
 use crate::constants::{
     CONTACT_SLACK, NEIGHBOURS_AT_REST, SKIN, SKIN_OF_EDGE, SLACK_OF_SUBSTEPS, UNTANGLING_SPEED,
 };
 use crate::contact::ccd::{Passage, edges_passed, face_passed};
-use crate::contact::cloth_cloth::{Contact, Corner, Meeting, has_triangles};
-use crate::contact::depenetration::Pace;
-use crate::contact::untangle::{Crossing, crossings};
+use crate::contact::cloth_cloth::{ClothContact, Corner, Penetration, has_triangles};
+use crate::contact::depenetration::PushOutRate;
+use crate::contact::untangle::{CrossedFaces, crossings};
 use crate::geometry::nearest_segments::between_segments;
 use crate::geometry::nearest_triangle::on_triangle;
 use crate::geometry::separation::separation;
 use crate::state::body::Body;
+use crate::state::surface_tree::SurfaceElement;
 
 /// The triangles of an island that may touch each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TrianglePairs {
     /// Of each body, where the patches and the particles are, the latter by slot.
     trees: Vec<PlacedTree>,
-    places: Vec<Vec<Place>>,
+    places: Vec<Vec<CornerPlaces>>,
     pairs: Vec<Pair>,
     /// For each pair the relative motion from which on it has to be looked at again.
     wake_at: Vec<f32>,
@@ -47,12 +48,12 @@ pub(crate) struct TrianglePairs {
     /// Pairs that are near enough to be looked at.
     awake: Vec<Awake>,
     /// Edges through faces, when the substep began.
-    crossings: Vec<Crossing>,
+    crossings: Vec<CrossedFaces>,
     /// For each body its slots at a crossing, and a list of those.
     is_crossing: Vec<Vec<bool>>,
     crossing_slots: Vec<Corner>,
     /// What may touch in this substep.
-    near: Vec<Contact<4>>,
+    near: Vec<ClothContact<4>>,
     kinds: Vec<Kind>,
     /// How often the projections may still be repeated in this step.
     repeats_left: u32,
@@ -60,7 +61,7 @@ pub(crate) struct TrianglePairs {
 
 /// Where a particle was when the substep began, and is after its flight.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct CornerPlaces {
     start: Vec3,
     now: Vec3,
 }
@@ -103,7 +104,8 @@ impl TrianglePairs {
 
     /// Forgets the contacts of a body.
     pub fn forget(&mut self, body: usize) {
-        let gone = |contact: &Contact<4>| contact.corners.iter().any(|corner| corner.body as usize == body);
+        let gone =
+            |contact: &ClothContact<4>| contact.corners.iter().any(|corner| corner.body as usize == body);
         if self.near.iter().any(gone) {
             self.near.clear();
             self.kinds.clear();
@@ -116,7 +118,7 @@ impl TrianglePairs {
     }
 
     /// Those that may touch in this substep.
-    pub fn near(&self) -> &[Contact<4>] {
+    pub fn near(&self) -> &[ClothContact<4>] {
         &self.near
     }
 
@@ -126,27 +128,27 @@ impl TrianglePairs {
     }
 
     /// Finds what may touch in this substep, and leads crossings apart.
-    pub fn begin_substep(&mut self, bodies: &mut [Body], motion: &RelativeMotion, pace: Pace) {
+    pub fn begin_substep(&mut self, bodies: &mut [Body], motion: &RelativeMotion, rate: PushOutRate) {
         if !bodies.iter().any(has_triangles) {
             self.clear();
             return;
         }
         // Anew in each step, so that no step knows of another.
         let now = motion.of_step.now;
-        if pace.is_first() {
+        if rate.is_first() {
             self.repeats_left = MOST_REPEATS;
         }
-        if pace.is_first() || self.holds_until.is_none() || now > self.found_until {
+        if rate.is_first() || self.holds_until.is_none() || now > self.found_until {
             self.note_places(bodies);
-            if pace.is_first() || self.holds_until.is_none_or(|end| now > end) {
+            if rate.is_first() || self.holds_until.is_none_or(|end| now > end) {
                 self.list(bodies, now);
             }
             self.wake(bodies, &motion.of_step);
             self.find_near(bodies, &motion.of_step);
         } else {
-            self.near.iter_mut().for_each(Contact::begin_substep);
+            self.near.iter_mut().for_each(ClothContact::begin_substep);
         }
-        let way = UNTANGLING_SPEED * pace.substep();
+        let way = UNTANGLING_SPEED * rate.substep();
         self.crossings.iter().for_each(|crossing| crossing.lead_apart(bodies, way));
     }
 
@@ -160,7 +162,7 @@ impl TrianglePairs {
                 let slots = 0..body.particles.inverse_mass.len();
                 places.extend(slots.map(|slot| {
                     let now = body.particles.position.get(slot) + shift;
-                    Place { start: now - body.particles.displacement.get(slot), now }
+                    CornerPlaces { start: now - body.particles.displacement.get(slot), now }
                 }));
             }
         }
@@ -194,7 +196,8 @@ impl TrianglePairs {
         let skin = SKIN * widest + SKIN_OF_EDGE * longest_edge;
         *holds_until = Some(motion + skin);
         let margin = widest * (1.0 + CONTACT_SLACK) + skin;
-        let placed = |place: usize| Placed { tree: bodies[place].topology.surface_tree(), at: &trees[place] };
+        let placed =
+            |place: usize| PlacedSurface { tree: bodies[place].topology.surface_tree(), at: &trees[place] };
         for a in (0..bodies.len()).filter(|&a| has_triangles(&bodies[a])) {
             placed(a).own_pairs(margin, &mut |p, q| {
                 let elements = [p.min(q), p.max(q)];
@@ -283,7 +286,7 @@ impl TrianglePairs {
                 let start = corners.map(|corner| places[corner.body as usize][corner.slot as usize].start);
                 let weights = kind.nearest(start);
                 if weighted(weights, start).length_squared() < reach * reach {
-                    near.push(Contact::new(corners, apart));
+                    near.push(ClothContact::new(corners, apart));
                     kinds.push(kind);
                 }
             });
@@ -292,18 +295,18 @@ impl TrianglePairs {
 
     /// Moves apart what overlaps, and back what has passed: again and again while something has, as what leads one back
     /// may push another through. A heap that no order of projections sorts out is left to the next steps.
-    pub fn project(&mut self, bodies: &mut [Body], pace: Pace) {
+    pub fn project(&mut self, bodies: &mut [Body], rate: PushOutRate) {
         for _ in 1..MOST_PASSES {
-            if !self.project_once(bodies, pace) || self.repeats_left == 0 {
+            if !self.project_once(bodies, rate) || self.repeats_left == 0 {
                 return;
             }
             self.repeats_left -= 1;
         }
-        self.project_once(bodies, pace);
+        self.project_once(bodies, rate);
     }
 
     /// True if something had passed through something.
-    fn project_once(&mut self, bodies: &mut [Body], pace: Pace) -> bool {
+    fn project_once(&mut self, bodies: &mut [Body], rate: PushOutRate) -> bool {
         let mut has_passed = false;
         let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
         for (contact, &kind) in self.near.iter_mut().zip(&self.kinds) {
@@ -311,7 +314,7 @@ impl TrianglePairs {
             let start = contact.corners.map(|corner| corner.start(bodies, origin));
             if let Some(found) = kind.meet(Passage { start, now }, contact.apart) {
                 has_passed |= found.depth > contact.apart;
-                contact.push(bodies, pace, found);
+                contact.push(bodies, rate, found);
             }
         }
         has_passed
@@ -324,7 +327,7 @@ impl TrianglePairs {
 }
 
 impl Pair {
-    fn elements<'a>(&self, bodies: &'a [Body]) -> [&'a Element; 2] {
+    fn elements<'a>(&self, bodies: &'a [Body]) -> [&'a SurfaceElement; 2] {
         [0, 1].map(|k| {
             let tree = bodies[self.bodies[k] as usize].topology.surface_tree();
             &tree.elements[self.elements[k] as usize]
@@ -353,7 +356,7 @@ impl Pair {
         }
         for (j, k) in (0..3).flat_map(|j| (0..3).map(move |k| (j, k))) {
             if self.parts & edge_part(j, k) != 0 {
-                let ([p, q], [r, s]) = (Element::edge(j), Element::edge(k));
+                let ([p, q], [r, s]) = (SurfaceElement::edge(j), SurfaceElement::edge(k));
                 look(Kind::EdgeEdge, [a[p], a[q], b[r], b[s]]);
             }
         }
@@ -376,14 +379,14 @@ impl Kind {
     }
 
     /// How the two overlap, if they do.
-    fn meet(self, passage: Passage, apart: f32) -> Option<Meeting<4>> {
-        let slack = PASSING_SLACK * apart;
+    fn meet(self, passage: Passage, apart: f32) -> Option<Penetration<4>> {
+        let slack = CRACK_SLACK * apart;
         let passed = match self {
             Self::CornerFace => face_passed(&passage, slack),
             Self::EdgeEdge => edges_passed(&passage, slack),
         };
         let Passage { start, now } = passage;
-        let meeting = |weights, normal: Vec3, height: f32| Meeting {
+        let meeting = |weights, normal: Vec3, height: f32| Penetration {
             weights,
             normal,
             depth: apart - height,
@@ -442,13 +445,13 @@ const MOST_REPEATS: u32 = 256;
 
 /// How far beside a triangle or an edge the way may lead that still passes it, in distances that are kept: closes the
 /// cracks between them.
-const PASSING_SLACK: f32 = 0.1;
+const CRACK_SLACK: f32 = 0.1;
 
 fn weighted(weights: [f32; 4], points: [Vec3; 4]) -> Vec3 {
     points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2] + points[3] * weights[3]
 }
 
-fn corners_of(element: &Element, body: u32) -> [Corner; 3] {
+fn corners_of(element: &SurfaceElement, body: u32) -> [Corner; 3] {
     element.slots.map(|slot| Corner { body, slot })
 }
 
@@ -463,7 +466,7 @@ fn edge_part(j: usize, k: usize) -> u16 {
 }
 
 /// What is looked at of two elements that have nothing to do with each other at rest.
-fn all_parts([a, b]: [&Element; 2]) -> u16 {
+fn all_parts([a, b]: [&SurfaceElement; 2]) -> u16 {
     let mut parts = 0;
     if b.is_face() {
         parts |= u16::from(a.corners);
@@ -490,7 +493,7 @@ fn own_parts(body: &Body, elements: [usize; 2]) -> u16 {
         parts &= !MAY_CROSS;
     }
     let near = 2.0 * body.settings.thickness * NEIGHBOURS_AT_REST;
-    let rest = |element: &Element| {
+    let rest = |element: &SurfaceElement| {
         element.indices.map(|index| topology.rest.get(index as usize).copied().unwrap_or_default())
     };
     let (p, q) = (rest(a), rest(b));
@@ -508,7 +511,7 @@ fn own_parts(body: &Body, elements: [usize; 2]) -> u16 {
         }
     }
     for (j, k) in (0..3).flat_map(|j| (0..3).map(move |k| (j, k))) {
-        let (own, other) = (Element::edge(j), Element::edge(k));
+        let (own, other) = (SurfaceElement::edge(j), SurfaceElement::edge(k));
         let corners = [p[own[0]], p[own[1]], q[other[0]], q[other[1]]];
         if parts & edge_part(j, k) != 0 && (shares(&own, &other) || is_near(Kind::EdgeEdge, corners)) {
             parts &= !edge_part(j, k);

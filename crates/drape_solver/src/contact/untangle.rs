@@ -16,14 +16,14 @@
 
 use glam::Vec3;
 
-use crate::broad_phase::surface_tree::Element;
 use crate::contact::cloth_cloth::Corner;
-use crate::contact::effective_mass::felt;
+use crate::contact::effective_mass::effective_inverse_mass;
 use crate::state::body::Body;
+use crate::state::surface_tree::SurfaceElement;
 
 /// An edge of one triangle through the face of another.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
+pub(crate) struct CrossedFaces {
     edge: [Corner; 2],
     face: [Corner; 3],
     /// Where along the edge.
@@ -35,14 +35,14 @@ pub(crate) struct Crossing {
 }
 
 /// Appends the crossings of two triangles whose corners are at `places`. Either may be a segment.
-pub(crate) fn crossings(corners: [[Corner; 3]; 2], places: [[Vec3; 3]; 2], found: &mut Vec<Crossing>) {
+pub(crate) fn crossings(corners: [[Corner; 3]; 2], places: [[Vec3; 3]; 2], found: &mut Vec<CrossedFaces>) {
     for [own, other] in [[0, 1], [1, 0]] {
         let face = places[other];
         let normal = (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero();
         let own_normal = (places[own][1] - places[own][0]).cross(places[own][2] - places[own][0]);
         let heights = places[own].map(|corner| normal.dot(corner - face[0]));
         for k in 0..3 {
-            let [p, q] = Element::edge(k);
+            let [p, q] = SurfaceElement::edge(k);
             if heights[p] * heights[q] >= 0.0 {
                 continue;
             }
@@ -58,7 +58,7 @@ pub(crate) fn crossings(corners: [[Corner; 3]; 2], places: [[Vec3; 3]; 2], found
             let direction = edge.normalize_or_zero();
             let steep = direction.dot(normal);
             let share = if steep == 0.0 { 0.0 } else { (2.0 * direction.dot(line) / steep).clamp(-2.0, 2.0) };
-            found.push(Crossing {
+            found.push(CrossedFaces {
                 edge: [corners[own][p], corners[own][q]],
                 face: corners[other],
                 along,
@@ -77,7 +77,7 @@ fn inside([a, b, c]: [Vec3; 3], normal: Vec3, point: Vec3) -> Option<[f32; 3]> {
     (sum > 0.0 && areas.iter().all(|&area| area >= 0.0)).then(|| areas.map(|area| area / sum))
 }
 
-impl Crossing {
+impl CrossedFaces {
     /// The particles at the crossing.
     pub fn corners(&self) -> impl Iterator<Item = Corner> {
         self.edge.into_iter().chain(self.face)
@@ -89,7 +89,7 @@ impl Crossing {
         let weights = [1.0 - self.along, self.along, -u, -v, -w];
         let corners = [self.edge[0], self.edge[1], self.face[0], self.face[1], self.face[2]];
         let masses = corners.map(|corner| corner.inverse_mass(bodies));
-        let total = felt(weights, masses);
+        let total = effective_inverse_mass(weights, masses);
         if total == 0.0 {
             return;
         }

@@ -4,10 +4,10 @@ use glam::Vec3;
 use parry3d::shape::Compound;
 
 use crate::error::BuildError;
-use crate::geometry::nearest::{Nearest, Piece};
+use crate::geometry::nearest::{FaceOrEdge, Nearest};
 use crate::geometry::pose::{Placement, Pose};
 use crate::geometry::shape::{Plane, Shape, Surface};
-use crate::geometry::sweep::Meeting;
+use crate::geometry::sweep::SweepHit;
 
 /// Shapes that are moved as one. Made by [`Shape::from_parry`](crate::Shape::from_parry).
 #[derive(Clone, Debug)]
@@ -88,7 +88,7 @@ impl CompoundShape {
     }
 
     /// The point of `piece` that is nearest to any part.
-    pub(crate) fn nearest_on(&self, piece: Piece, reach: f32) -> Nearest {
+    pub(crate) fn nearest_on(&self, piece: FaceOrEdge, reach: f32) -> Nearest {
         let mut nearest = Nearest::Apart;
         let mut reach = reach;
         for part in &self.parts {
@@ -105,7 +105,7 @@ impl CompoundShape {
     }
 
     /// Where a ball that flies from `start` by `way` first meets a part.
-    pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, way: Vec3) -> Option<Meeting> {
+    pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, way: Vec3) -> Option<SweepHit> {
         let sweep = |shape: &Shape, pose: &Pose| {
             let from = pose.to_local(start);
             shape.sweep_ball(radius, from, pose.to_local(start + way) - from)
@@ -114,7 +114,7 @@ impl CompoundShape {
     }
 
     /// Where a triangle or a segment that flies by `way` first meets a part.
-    pub(crate) fn sweep_piece(&self, piece: Piece, way: Vec3) -> Option<Meeting> {
+    pub(crate) fn sweep_piece(&self, piece: FaceOrEdge, way: Vec3) -> Option<SweepHit> {
         let sweep = |shape: &Shape, pose: &Pose| {
             let way = pose.to_local(way) - pose.to_local(Vec3::ZERO);
             shape.sweep_piece(piece.map(|corner| pose.to_local(corner)), way)
@@ -122,11 +122,11 @@ impl CompoundShape {
         self.first_met(sweep)
     }
 
-    fn first_met(&self, sweep: impl Fn(&Shape, &Pose) -> Option<Meeting>) -> Option<Meeting> {
+    fn first_met(&self, sweep: impl Fn(&Shape, &Pose) -> Option<SweepHit>) -> Option<SweepHit> {
         let meetings = self.parts.iter().filter_map(|Part { shape, pose, .. }| {
-            let Meeting { fraction, point, plane } = sweep(shape, pose)?;
+            let SweepHit { fraction, point, plane } = sweep(shape, pose)?;
             let (point, normal) = (pose.point_to_world(point), pose.direction_to_world(plane.normal));
-            Some(Meeting { fraction, point, plane: Plane { normal, offset: normal.dot(point) } })
+            Some(SweepHit { fraction, point, plane: Plane { normal, offset: normal.dot(point) } })
         });
         meetings.min_by(|a, b| a.fraction.total_cmp(&b.fraction))
     }

@@ -1,4 +1,6 @@
-//! geometry.
+//! Shapes, poses, and the nearest points, distances and sweeps between them.
+//!
+//! Imports: `simd` and the ground. Callers: everything above.
 
 pub mod compound;
 pub mod mesh;

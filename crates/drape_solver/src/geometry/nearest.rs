@@ -6,7 +6,7 @@ use parry3d::query::details::closest_points_support_map_support_map;
 use parry3d::query::{ClosestPoints, closest_points};
 use parry3d::shape::{Cuboid, Segment, Shape as ParryShape, SupportMap, Triangle};
 
-use crate::contact::ball_cloth::weighted;
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::nearest_triangle::{on_segment, on_triangle};
 use crate::geometry::shape::Shape;
 
@@ -23,12 +23,12 @@ pub(crate) enum Nearest {
 
 /// A triangle or a segment, in the coordinates of a shape.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Piece {
+pub(crate) enum FaceOrEdge {
     Triangle([Vec3; 3]),
     Segment([Vec3; 2]),
 }
 
-impl Piece {
+impl FaceOrEdge {
     /// The same with all its corners moved.
     pub fn map(self, move_corner: impl Fn(Vec3) -> Vec3) -> Self {
         match self {
@@ -79,7 +79,7 @@ impl Nearest {
 
 impl Shape {
     /// The point of `piece` that is nearest to the shape, if it is within `reach` metres.
-    pub(crate) fn nearest_on(&self, piece: Piece, reach: f32) -> Nearest {
+    pub(crate) fn nearest_on(&self, piece: FaceOrEdge, reach: f32) -> Nearest {
         match self {
             // They are met by particles alone.
             Self::HalfSpace { .. } | Self::Container { .. } => Nearest::Through,
@@ -129,14 +129,14 @@ mod tests {
         let corners = [Vec3::new(0.31, 0.4, -0.1), Vec3::new(0.31, 0.4, 0.1), Vec3::new(0.71, 0.0, 0.0)];
         for shape in shapes {
             let shape = Shape::from_parry(shape).expect("valid");
-            let Nearest::At(distance, point) = shape.nearest_on(Piece::Triangle(corners), 0.1) else {
+            let Nearest::At(distance, point) = shape.nearest_on(FaceOrEdge::Triangle(corners), 0.1) else {
                 panic!("{shape:?} is near");
             };
             assert!((distance - 0.01 / 2.0_f32.sqrt()).abs() < 1e-5, "{shape:?}: {distance}");
             assert!((point.truncate() - glam::Vec2::new(0.505, 0.205)).length() < 1e-4, "{shape:?}: {point}");
-            let away = Piece::Triangle(corners).map(|corner| corner + Vec3::X);
+            let away = FaceOrEdge::Triangle(corners).map(|corner| corner + Vec3::X);
             assert_eq!(shape.nearest_on(away, 0.1), Nearest::Apart, "{shape:?}");
-            let through = Piece::Triangle(corners).map(|corner| corner - Vec3::X * 0.1);
+            let through = FaceOrEdge::Triangle(corners).map(|corner| corner - Vec3::X * 0.1);
             assert_eq!(shape.nearest_on(through, 0.1), Nearest::Through, "{shape:?}");
         }
     }

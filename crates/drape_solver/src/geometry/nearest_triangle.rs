@@ -64,6 +64,11 @@ pub(crate) fn on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     [1.0 - v - w, v, w]
 }
 
+/// The point of a triangle with these barycentric weights.
+pub(crate) fn weighted(weights: [f32; 3], vectors: [Vec3; 3]) -> Vec3 {
+    vectors[0] * weights[0] + vectors[1] * weights[1] + vectors[2] * weights[2]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use crate::motion::environment::Environment;
 use crate::motion::wind::{Air, Wind};
 use crate::state::body::Body;
-use crate::state::island::Environment;
 use crate::state::particles::Particles;
 use crate::state::topology::Topology;
 
@@ -28,15 +28,25 @@ pub(crate) fn accumulate(body: &mut Body, environment: &Environment) {
     }
     let Some(air) = air else { return };
     let accelerations = &mut context.acceleration;
-    blow(particles, topology, settings.thickness, &air, &wind, dt, |corners, Push { normal, size, lift }| {
-        let share = 1.0 / corners.len() as f32;
-        for &i in corners {
-            accelerations.add(i, normal * (size * share * particles.inverse_mass[i]));
-        }
-        if lift != Vec3::ZERO {
-            corners.iter().for_each(|&i| accelerations.add(i, lift * (share * particles.inverse_mass[i])));
-        }
-    });
+    blow(
+        particles,
+        topology,
+        settings.thickness,
+        &air,
+        &wind,
+        dt,
+        |corners, AirForce { normal, size, lift }| {
+            let share = 1.0 / corners.len() as f32;
+            for &i in corners {
+                accelerations.add(i, normal * (size * share * particles.inverse_mass[i]));
+            }
+            if lift != Vec3::ZERO {
+                corners
+                    .iter()
+                    .for_each(|&i| accelerations.add(i, lift * (share * particles.inverse_mass[i])));
+            }
+        },
+    );
 }
 
 /// The force of the air on a body as it is now, in newtons: on pinned particles too.
@@ -56,7 +66,7 @@ pub fn wind_force(body: &Body, environment: &Environment) -> Vec3 {
 }
 
 /// What the air does to a face or link: a force of `size` along `normal`, and lift, in newtons.
-struct Push {
+struct AirForce {
     normal: Vec3,
     size: f32,
     lift: Vec3,
@@ -70,7 +80,7 @@ fn blow(
     air: &Air,
     wind: &Wind,
     dt: f32,
-    mut push: impl FnMut(&[usize], Push),
+    mut push: impl FnMut(&[usize], AirForce),
 ) {
     for &face in topology.faces() {
         let corners = face.map(|i| particles.layout.slot(i as usize));
@@ -111,7 +121,7 @@ fn push_on(
     area: f32,
     wind: &Wind,
     dt: f32,
-) -> Push {
+) -> AirForce {
     let share = 1.0 / corners.len() as f32;
     let own: Vec3 = corners.iter().map(|&slot| particles.displacement.get(slot)).sum::<Vec3>()
         * (share / particles.substep);
@@ -133,7 +143,7 @@ fn push_on(
     } else {
         Vec3::ZERO
     };
-    Push { normal, size, lift }
+    AirForce { normal, size, lift }
 }
 
 /// The lift on a face in newtons: at right angles to the wind, so that it does no work in the air's own frame.

@@ -8,48 +8,10 @@ use core::ops::Range;
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
+use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::simd::lanes::{Lanes3, load};
 use crate::state::body::Body;
-use crate::substep::work::{Common, Moving};
-
-/// What drag does to a displacement and to an acceleration in one substep.
-///
-/// A drag of `c` (1/s) multiplies the velocity by `f = exp(-c h)` in a substep `h`; an acceleration then acts
-/// for the mean of that decay, `g = (1 - f) / (c h)`. The terminal velocity is `a / c` for every `h`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drag {
-    decay: f32,
-    gain: f32,
-}
-
-impl Default for Drag {
-    fn default() -> Self {
-        Self { decay: 1.0, gain: 1.0 }
-    }
-}
-
-impl Drag {
-    /// For a drag in 1/s and a substep in seconds.
-    pub fn new(drag: f32, substep: f32) -> Self {
-        let exponent = f64::from(drag) * f64::from(substep);
-        if exponent == 0.0 {
-            return Self::default();
-        }
-        let lost = -libm::expm1(-exponent);
-        Self { decay: (1.0 - lost) as f32, gain: (lost / exponent) as f32 }
-    }
-
-    /// The substep, in seconds, as a load feels it: where drag takes a part of what an acceleration gives, it must
-    /// take the same part of what a soft stick gives back, or drag would change how far a load stretches it.
-    pub(crate) fn felt_substep(self, substep: f32) -> f32 {
-        substep * self.gain.sqrt()
-    }
-
-    /// The displacement of the next substep.
-    pub(crate) fn step(self, displacement: Vec3, acceleration: Vec3, substep: f32) -> Vec3 {
-        displacement * self.decay + acceleration * (self.gain * substep * substep)
-    }
-}
+use crate::state::drag::Drag;
 
 /// One substep of free flight for all particles of a body.
 #[derive(Clone, Copy)]
@@ -68,9 +30,9 @@ impl Flight {
     pub fn integrate<S: Simd>(
         self,
         simd: S,
-        moving: &mut Moving,
+        moving: &mut MovingColumns,
         places: Range<usize>,
-        rest: &Common,
+        rest: &BodyColumns,
         cells: Range<usize>,
     ) {
         let gain = self.drag.gain * self.substep * self.substep;
@@ -99,7 +61,12 @@ impl Flight {
 /// Carries what the projections moved into the displacements of these cells: this is where a contact takes the normal
 /// part of the velocity, and where restitution zero falls out by itself.
 #[inline(always)]
-pub(crate) fn update_displacements<S: Simd>(simd: S, places: Range<usize>, moving: &mut Moving, drift: Vec3) {
+pub(crate) fn update_displacements<S: Simd>(
+    simd: S,
+    places: Range<usize>,
+    moving: &mut MovingColumns,
+    drift: Vec3,
+) {
     let drift = Lanes3::splat(simd, drift);
     for cell in places {
         let position = Lanes3::load(simd, &moving.position[cell]);

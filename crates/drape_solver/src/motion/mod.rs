@@ -1,8 +1,13 @@
-//! motion.
+//! Free motion: forces, wind, the Verlet step, moving frames, and the account of rest.
+//!
+//! Imports: `state` and below. Callers: `substep` and `step`.
 
 pub mod ballistics;
+pub(crate) mod body_columns;
+pub mod environment;
 pub mod force;
-pub mod frame_motion;
 pub(crate) mod integrate;
+pub(crate) mod moving_frame;
+pub(crate) mod particle_stats;
 pub(crate) mod rest;
 pub mod wind;

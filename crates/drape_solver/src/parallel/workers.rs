@@ -16,7 +16,7 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::parallel::threads::Threads;
 
-/// The most helpers that a crew has work for.
+/// The most helpers that a workers has work for.
 const MOST_HELPERS: usize = 7;
 
 /// Rounds of waiting after which a thread lets others have its core.
@@ -26,8 +26,8 @@ type Job<'a> = &'a mut (dyn FnMut() + Send);
 
 /// A leader's helpers.
 #[derive(Default)]
-pub(crate) struct Crew {
-    places: [Place; MOST_HELPERS],
+pub(crate) struct Workers {
+    places: [WorkerSlot; MOST_HELPERS],
     is_dismissed: AtomicBool,
     /// How many were called.
     called: usize,
@@ -36,7 +36,7 @@ pub(crate) struct Crew {
 /// Where one helper stands.
 #[repr(align(128))]
 #[derive(Default)]
-struct Place {
+struct WorkerSlot {
     state: AtomicU32,
     job: UnsafeCell<Option<Job<'static>>>,
 }
@@ -54,18 +54,18 @@ const DONE: u32 = 4;
 
 // SAFETY: `job` is only touched by the thread that `state` names: whoever moved it from IDLE to CLAIMED, until it stores
 // WORKING; then the helper, until it stores DONE. These stores release and the loads that see them acquire.
-unsafe impl Sync for Place {}
+unsafe impl Sync for WorkerSlot {}
 
-impl Crew {
+impl Workers {
     /// Runs `lead` with this thread as leader, and with as many of `threads` as come to help.
     pub fn run(threads: &dyn Threads, lead: &mut (dyn FnMut(&Self) + Send)) {
         let helpers = threads.count().saturating_sub(1).min(MOST_HELPERS);
-        let crew = Self { called: helpers, ..Self::default() };
+        let workers = Self { called: helpers, ..Self::default() };
         let mut lead = || {
-            let _end = Dismissal(&crew);
-            lead(&crew);
+            let _end = Release(&workers);
+            lead(&workers);
         };
-        crew.call(threads, &mut lead, helpers);
+        workers.call(threads, &mut lead, helpers);
     }
 
     /// Calls helpers, one beside the other, and runs `lead`.
@@ -79,7 +79,7 @@ impl Crew {
     }
 
     /// Stands by until dismissed.
-    fn help(&self, place: &Place) {
+    fn help(&self, place: &WorkerSlot) {
         if self.is_dismissed.load(Ordering::Acquire) {
             return;
         }
@@ -108,7 +108,7 @@ impl Crew {
     }
 }
 
-impl Crew {
+impl Workers {
     /// How many there are now, with the leader: those that have come and have nothing to do.
     pub fn count(&self) -> usize {
         1 + self.places.iter().filter(|place| place.state.load(Ordering::Relaxed) == IDLE).count()
@@ -121,7 +121,7 @@ impl Crew {
 
     /// Runs both, at the same time if a helper has nothing to do, and returns when both are through.
     pub fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
-        let is_claimed = |place: &&Place| {
+        let is_claimed = |place: &&WorkerSlot| {
             place.state.compare_exchange(IDLE, CLAIMED, Ordering::AcqRel, Ordering::Relaxed).is_ok()
         };
         let Some(place) = self.places.iter().find(is_claimed) else {
@@ -141,16 +141,16 @@ impl Crew {
 }
 
 /// Lets all helpers go when the leader is through, or panics.
-struct Dismissal<'a>(&'a Crew);
+struct Release<'a>(&'a Workers);
 
-impl Drop for Dismissal<'_> {
+impl Drop for Release<'_> {
     fn drop(&mut self) {
         self.0.is_dismissed.store(true, Ordering::Release);
     }
 }
 
 /// Says that the work is done when it is, or panics.
-struct Done<'a>(&'a Place);
+struct Done<'a>(&'a WorkerSlot);
 
 impl Drop for Done<'_> {
     fn drop(&mut self) {
@@ -159,7 +159,7 @@ impl Drop for Done<'_> {
 }
 
 /// Waits until the work that was given is done.
-struct Wait<'a>(&'a Place);
+struct Wait<'a>(&'a WorkerSlot);
 
 impl Drop for Wait<'_> {
     fn drop(&mut self) {
@@ -202,13 +202,13 @@ mod tests {
     }
 
     /// Adds up `numbers`, halved until they are few.
-    fn sum(crew: &Crew, numbers: &[u64]) -> u64 {
+    fn sum(workers: &Workers, numbers: &[u64]) -> u64 {
         if numbers.len() < 4 {
             return numbers.iter().sum();
         }
         let (left, right) = numbers.split_at(numbers.len() / 2);
         let (mut a, mut b) = (0, 0);
-        crew.join(&mut || a = sum(crew, left), &mut || b = sum(crew, right));
+        workers.join(&mut || a = sum(workers, left), &mut || b = sum(workers, right));
         a + b
     }
 
@@ -217,8 +217,8 @@ mod tests {
         let numbers: Vec<u64> = (0..100).collect();
         for threads in [&Alone as &dyn Threads, &Fresh(1), &Fresh(2), &Fresh(4), &Fresh(20)] {
             let mut total = 0;
-            Crew::run(threads, &mut |crew| {
-                (0..20).for_each(|_| total += sum(crew, &numbers));
+            Workers::run(threads, &mut |workers| {
+                (0..20).for_each(|_| total += sum(workers, &numbers));
             });
             assert_eq!(total, 20 * 4950);
         }
@@ -228,11 +228,11 @@ mod tests {
     #[test]
     fn a_helper_that_has_come_is_used() {
         let mut of_helper = None;
-        Crew::run(&Fresh(2), &mut |crew| {
-            while crew.count() < 2 {
+        Workers::run(&Fresh(2), &mut |workers| {
+            while workers.count() < 2 {
                 std::thread::yield_now();
             }
-            crew.join(&mut || {}, &mut || of_helper = Some(std::thread::current().id()));
+            workers.join(&mut || {}, &mut || of_helper = Some(std::thread::current().id()));
         });
         assert!(of_helper.is_some_and(|id| id != std::thread::current().id()));
     }
@@ -241,11 +241,11 @@ mod tests {
     fn a_panic_waits_for_the_other_half() {
         let finished = AtomicBool::new(false);
         let outcome = std::panic::catch_unwind(|| {
-            Crew::run(&Fresh(2), &mut |crew| {
-                while crew.count() < 2 {
+            Workers::run(&Fresh(2), &mut |workers| {
+                while workers.count() < 2 {
                     std::thread::yield_now();
                 }
-                crew.join(&mut || panic!("on purpose"), &mut || {
+                workers.join(&mut || panic!("on purpose"), &mut || {
                     std::thread::sleep(core::time::Duration::from_millis(20));
                     finished.store(true, Ordering::Release);
                 });

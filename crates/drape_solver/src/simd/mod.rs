@@ -1,4 +1,6 @@
-//! simd.
+//! Columns of sixteen lanes, and the instruction sets that kernels run on.
+//!
+//! Imports: nothing. Callers: every kernel.
 
 pub(crate) mod columns;
 pub mod isa;

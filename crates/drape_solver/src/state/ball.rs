@@ -3,9 +3,9 @@
 use glam::{Quat, Vec3};
 
 use crate::constants::{CONTACT_MARGIN, INITIAL_SUBSTEP};
-use crate::contact::friction::Friction;
 use crate::error::{BuildError, finite_vector, in_range, positive};
 use crate::geometry::pose::turned;
+use crate::state::friction::Friction;
 use crate::state::layers::Layers;
 
 /// What a ball is made of.
@@ -74,7 +74,7 @@ pub struct Ball {
     /// What projections have moved it by in this substep, where that counts as velocity. Summed up here, as the
     /// difference of two positions would be rounded to more than the momentum may lose.
     pub(crate) projected: Vec3,
-    pub(crate) drag: crate::motion::integrate::Drag,
+    pub(crate) drag: crate::state::drag::Drag,
 }
 
 impl Ball {
@@ -107,7 +107,7 @@ impl Ball {
             still_for: 0.0,
             hit_substeps: 0.0,
             projected: Vec3::ZERO,
-            drag: crate::motion::integrate::Drag::default(),
+            drag: crate::state::drag::Drag::default(),
         })
     }
 

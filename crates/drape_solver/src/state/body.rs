@@ -4,20 +4,14 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use crate::constraint::direct::line::LineScratch;
-use crate::constraint::stick::{greatest_error, iteration_stiffness, substep_damping};
-use crate::contact::embedded_obstacle::EmbeddedContacts;
-use crate::contact::face_obstacle::FaceContacts;
-use crate::contact::particle_obstacle::ObstacleContacts;
-use crate::motion::frame_motion::SubstepMotion;
-use crate::motion::integrate::Drag;
 use crate::simd::columns::Columns;
 use crate::simd::rows::Rows;
+use crate::state::drag::Drag;
+use crate::state::frame_motion::SubstepMotion;
 use crate::state::layers::Layers;
 use crate::state::particles::Particles;
-use crate::state::settings::{SolverSettings, StructuralSolve};
+use crate::state::settings::SolverSettings;
 use crate::state::topology::Topology;
-use crate::substep::plan::{Extras, Plan};
 
 /// A cloth, a rope or a rig, ready to be stepped.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +44,11 @@ impl Body {
     pub fn still_for(&self) -> f32 {
         self.context.still_for()
     }
+
+    /// True if the body touches itself and others that do so.
+    pub(crate) fn has_self_contact(&self) -> bool {
+        self.settings.has_self_contact() && !self.particles.is_empty()
+    }
 }
 
 /// What one body needs during a step. Holds nothing that outlives the step but its own memory and the time
@@ -62,9 +61,6 @@ pub struct BodyContext {
     pub(crate) acceleration: Columns,
     /// Positions after integration: what projections are measured against.
     pub(crate) integrated: Columns,
-    pub(crate) contacts: ObstacleContacts,
-    pub(crate) faces: FaceContacts,
-    pub(crate) embedded: EmbeddedContacts,
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
@@ -79,15 +75,18 @@ pub struct BodyContext {
     pub(crate) limit_conflicts: Vec<u32>,
     /// What listed sticks are relaxed in.
     pub(crate) rows: Rows,
-    pub(crate) lines: LineScratch,
     /// How the volume grows with each particle's place.
     pub(crate) gradient: Vec<DVec3>,
-    /// The order of work of a substep.
-    pub(crate) plan: Plan,
     pub(crate) still_for: f32,
 }
 
 impl BodyContext {
+    /// Particles that were deeper in an obstacle at the end of the last step than contacts leave them, as their
+    /// [limit](Particles::set_motion_limit) let them go no farther.
+    pub fn limit_conflicts(&self) -> usize {
+        self.limit_conflicts.len()
+    }
+
     /// How long the body has been slower than the threshold of rest, in seconds.
     pub fn still_for(&self) -> f32 {
         self.still_for
@@ -95,68 +94,6 @@ impl BodyContext {
 }
 
 impl Body {
-    /// Puts the particles where the topology looks for them, and takes a look at them where something has changed.
-    pub(crate) fn prepare(&mut self) {
-        let Self { particles, topology, .. } = self;
-        particles.arrange(&topology.layout);
-        particles.masses.update(&particles.inverse_mass, &particles.layout);
-        particles.take_survey();
-    }
-
-    /// Sets everything that stays the same through the substeps of one step.
-    ///
-    /// `projections` is the number of iterations of the island, and so of the projections of contacts.
-    pub(crate) fn begin_step(&mut self, substep: f32, substeps: u32, projections: u32) {
-        let Self { particles, topology, settings, context, .. } = self;
-        particles.set_substep(substep);
-        context.drag = Drag::new(settings.drag, substep);
-        let materials = topology.batches.iter().map(|batch| &batch.material);
-        let felt = context.drag.felt_substep(substep);
-        context.stiffness.clear();
-        context
-            .stiffness
-            .extend(materials.clone().map(|m| iteration_stiffness(m.stiffness, felt, settings.iterations)));
-        context.damping.clear();
-        context.damping.extend(materials.map(|m| substep_damping(m, substep)));
-        if context.integrated.cells.len() != particles.layout.cells() {
-            context.integrated.reset(particles.layout.cells());
-        }
-        context.rows.reset(topology.window(), particles.layout.cells());
-        if settings.structural == StructuralSolve::Lines {
-            context.lines.reserve(&topology.layout);
-        }
-        let frame = particles.frame.as_ref();
-        context.frame = frame.map(|motion| SubstepMotion::new(motion, substeps, particles.origin));
-        let extras = Extras { has_frame: context.frame.is_some(), has_limits: !particles.limits.is_empty() };
-        context.plan.make(topology, settings, &context.stiffness, projections, extras);
-        context.pin_shifts.clear();
-        for &(i, target) in &particles.pin_targets {
-            let way = target - particles.origin - particles.position.get(i as usize);
-            context.pin_shifts.push((i, way / substeps as f32));
-        }
-    }
-
-    /// How far an edit can make sticks, pins, limits and the frame pull a particle in the coming step, in metres. Zero where nothing was
-    /// edited: what sticks did in the last step is in the velocities already.
-    pub(crate) fn pull(&self) -> f32 {
-        if !self.particles.disturbed {
-            return 0.0;
-        }
-        let pins = self.particles.pin_targets.iter();
-        let ways = pins.map(|&(i, target)| {
-            target.distance(self.particles.origin + self.particles.position.get(i as usize))
-        });
-        let pull = ways.fold(greatest_error(&self.particles, &self.topology), f32::max);
-        let Particles { layout, limits, position, frame, .. } = &self.particles;
-        let limited = layout.slots().filter(|_| !limits.is_empty());
-        let held_back = limited.filter_map(|slot| {
-            let (_, target, reach) = limits.get(slot)?;
-            Some(target.distance(position.get(slot)) - reach)
-        });
-        let carried = frame.map_or(0.0, |motion| motion.reach(self.particles.bounds()));
-        held_back.fold(pull, f32::max) + carried
-    }
-
     /// Displacement of the particle in `slot` in this substep so far: integration and projections.
     pub(crate) fn travel(&self, slot: usize) -> Vec3 {
         let projected = self.particles.position.get(slot) - self.context.integrated.get(slot);
@@ -177,13 +114,12 @@ impl Body {
         }
     }
 
-    /// Memory of the state, of what a step needs, and of sticks and tethers, in bytes. Faces, which only contacts with
-    /// balls and the wind read, and lists of contacts are not counted.
-    pub fn bytes(&self) -> usize {
+    /// Memory of the state, of the scratch here, and of sticks and tethers, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
         let Self { particles, topology, context, .. } = self;
         let columns = [&particles.position, &particles.displacement, &context.integrated];
         let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
         let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
-        cells + masses + context.rows.bytes() + context.lines.bytes() + topology.bytes()
+        cells + masses + context.rows.bytes() + topology.bytes()
     }
 }

@@ -1,14 +1,20 @@
-//! state.
+//! Data of bodies, balls and obstacles. Nothing here moves anything: kernels stand on the floors above.
+//!
+//! Imports: `geometry`, `simd` and the ground. Callers: everything above.
 
 pub mod ball;
 pub mod body;
+pub mod drag;
+pub mod frame_motion;
+pub(crate) mod friction;
 pub(crate) mod grid;
 pub mod hash;
-pub mod island;
 pub mod layers;
 pub(crate) mod layout;
 pub mod measure;
+pub mod motion_limits;
 pub mod obstacle;
+pub mod obstacle_motion;
 pub mod obstacles;
 pub(crate) mod particle_stats;
 pub mod particles;
@@ -16,5 +22,10 @@ pub(crate) mod renumbering;
 pub mod rigid_body;
 pub mod settings;
 pub mod snapshot;
+pub(crate) mod stick_list;
+pub(crate) mod substep;
+pub(crate) mod surface_tree;
+pub mod tethers;
 pub mod topology;
 pub(crate) mod torn_grid;
+pub mod volume;

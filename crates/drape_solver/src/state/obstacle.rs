@@ -3,12 +3,12 @@
 use glam::Vec3;
 
 use crate::constants::TELEPORT_SPEED;
-use crate::contact::dynamic_obstacle::MovedObstacle;
-use crate::contact::friction::Friction;
 use crate::error::{BuildError, in_range};
 use crate::geometry::pose::{Placement, Pose};
 use crate::geometry::shape::Shape;
+use crate::state::friction::Friction;
 use crate::state::layers::Layers;
+use crate::state::obstacle_motion::MovedObstacle;
 use crate::state::rigid_body::RigidBody;
 
 /// A shape at a place, still or moving.

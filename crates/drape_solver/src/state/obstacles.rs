@@ -267,6 +267,7 @@ mod tests {
     use super::*;
     use crate::geometry::pose::Placement;
     use crate::geometry::shape::Shape;
+    use crate::random::{between, cases};
 
     fn sphere(centre: Vec3) -> Obstacle {
         Obstacle::new(Shape::Sphere { radius: 0.4 }, Placement::at(centre), 0.5).expect("valid")
@@ -287,7 +288,7 @@ mod tests {
     }
 
     fn point() -> impl Strategy<Value = Vec3> {
-        prop::array::uniform3(-4.0_f32..4.0).prop_map(Vec3::from_array)
+        prop::array::uniform3(between(-4.0, 4.0)).prop_map(Vec3::from_array)
     }
 
     #[derive(Clone, Debug)]
@@ -301,8 +302,8 @@ mod tests {
 
     fn obstacle() -> impl Strategy<Value = Obstacle> {
         let shape = prop_oneof![
-            4 => (0.1_f32..1.0).prop_map(|radius| Shape::Sphere { radius }),
-            3 => prop::array::uniform3(0.1_f32..1.5)
+            4 => between(0.1, 1.0).prop_map(|radius| Shape::Sphere { radius }),
+            3 => prop::array::uniform3(between(0.1, 1.5))
                 .prop_map(|half| Shape::Cuboid { half_extents: Vec3::from_array(half) }),
             1 => Just(Shape::HalfSpace { normal: Vec3::Y }),
             1 => Just(Shape::Container { half_extents: Vec3::ONE }),
@@ -321,8 +322,10 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases(256))]
+
         #[test]
-        fn a_search_finds_what_looking_at_each_finds(
+        fn a_search_of_random_obstacles_finds_what_looking_at_each_finds(
             changes in prop::collection::vec(change(), 1..120),
             corners in prop::array::uniform2(point()),
         ) {

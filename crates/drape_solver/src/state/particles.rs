@@ -3,13 +3,12 @@
 use glam::Vec3;
 
 use crate::constants::INITIAL_SUBSTEP;
-use crate::constraint::motion_limit::MotionLimits;
 use crate::error::{BuildError, finite_vector};
-use crate::motion::frame_motion::FrameMotion;
-use crate::parallel::workers::Crew;
-use crate::simd::columns::{Cell, Columns, LANES};
+use crate::simd::columns::{Columns, LANES};
+use crate::state::frame_motion::FrameMotion;
 use crate::state::layout::Layout;
-use crate::state::particle_stats::{MassSurvey, Survey};
+use crate::state::motion_limits::MotionLimits;
+use crate::state::particle_stats::{MassStats, ParticleStats};
 
 /// Positions, displacements and inverse masses of a body's particles, as columns.
 ///
@@ -43,9 +42,9 @@ pub struct Particles {
     /// Set by whatever should rouse a sleeping body.
     pub(crate) disturbed: bool,
     /// What the last look at all particles showed; none if one has been moved since.
-    pub(crate) survey: Option<Survey>,
+    pub(crate) stats: Option<ParticleStats>,
     /// The same for the masses.
-    pub(crate) masses: MassSurvey,
+    pub(crate) masses: MassStats,
 }
 
 impl Default for Particles {
@@ -62,8 +61,8 @@ impl Default for Particles {
             limits: MotionLimits::default(),
             frame: None,
             disturbed: false,
-            survey: None,
-            masses: MassSurvey::default(),
+            stats: None,
+            masses: MassStats::default(),
         }
     }
 }
@@ -133,7 +132,7 @@ impl Particles {
         self.pin_targets = old.pin_targets.iter().filter_map(slot_of).collect();
         self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
         self.limits = old.limits.arranged(&old.layout, layout);
-        self.masses = MassSurvey::default();
+        self.masses = MassStats::default();
     }
 
     /// The slot of particle `i`.
@@ -148,7 +147,7 @@ impl Particles {
     /// Notes that a particle has been moved or pushed.
     pub(crate) fn disturb(&mut self) {
         self.disturbed = true;
-        self.survey = None;
+        self.stats = None;
     }
 
     /// The number of particles.
@@ -302,50 +301,9 @@ impl Particles {
         self.disturbed
     }
 
-    /// Whether every position, velocity, force and pin target is finite.
-    pub fn is_finite(&self) -> bool {
-        let forces = self.force.cells.iter().flat_map(Cell::axes);
-        self.surveyed().is_finite
-            && forces.flatten().all(|value| value.is_finite())
-            && self.origin.is_finite()
-            && self.limits.is_finite()
-            && self.pin_targets.iter().all(|(_, target)| target.is_finite())
-    }
-
-    /// Greatest speed of a particle in m/s.
-    pub fn greatest_speed(&self) -> f32 {
-        self.surveyed().greatest_displacement / self.substep
-    }
-
     /// Mean velocity of all particles, each counted alike, in m/s.
     pub(crate) fn mean_velocity(&self) -> Vec3 {
         self.velocities().sum::<Vec3>() / self.len().max(1) as f32
-    }
-
-    /// The smallest box around all particles, as (least, greatest) corner in the world.
-    pub fn bounds(&self) -> (Vec3, Vec3) {
-        let Survey { low, high, .. } = self.surveyed();
-        (self.origin + low, self.origin + high)
-    }
-
-    /// Mean of the squared speeds of the free particles in (m/s)^2; 0 where all are pinned.
-    pub fn mean_square_speed(&self) -> f32 {
-        self.surveyed().mean_square_displacement / (self.substep * self.substep)
-    }
-
-    /// What a look at all particles shows.
-    pub(crate) fn surveyed(&self) -> Survey {
-        self.survey.unwrap_or_else(|| Survey::of(self))
-    }
-
-    /// Takes that look, and keeps what it shows.
-    pub(crate) fn take_survey(&mut self) {
-        self.survey = Some(self.surveyed());
-    }
-
-    /// Takes a new look, with the crew's help.
-    pub(crate) fn renew_survey(&mut self, crew: &Crew) {
-        self.survey = Some(Survey::of_shared(self, crew));
     }
 
     /// Brings displacements to the substep `substep` (seconds), so that velocities stay what they are when
@@ -361,7 +319,7 @@ impl Particles {
             }
         }
         self.substep = substep;
-        self.survey = None;
+        self.stats = None;
     }
 
     /// Moves the origin to `origin`, keeping world positions.
@@ -374,7 +332,7 @@ impl Particles {
             }
         }
         self.origin = origin;
-        self.survey = None;
+        self.stats = None;
     }
 }
 

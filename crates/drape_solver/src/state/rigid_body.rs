@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use crate::contact::reaction::Reaction;
 use crate::error::{BuildError, finite_vector, positive};
 use crate::geometry::pose::{Placement, Pose, turned};
+use crate::state::obstacle_motion::Reaction;
 
 /// A rigid body between two steps. Its centre of mass is the origin of its [`Placement`], its principal axes are the
 /// placement's.

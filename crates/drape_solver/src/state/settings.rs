@@ -1,11 +1,18 @@
 //! How hard the solver works on a body, and what its surface is like.
 
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
+#[cfg(feature = "bevy")]
+use bevy_reflect::std_traits::ReflectDefault;
+
 use crate::constants::{MAX_ITERATIONS, MAX_SUBSTEPS};
-use crate::contact::friction::Friction;
 use crate::error::{BuildError, in_range};
+use crate::state::friction::Friction;
 
 /// Which formula moves the ends of a stick to its rest length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StickProjection {
     /// The exact projection: one square root a stick (Liu 2019, section 3).
     #[default]
@@ -18,6 +25,8 @@ pub enum StickProjection {
 
 /// How structural sticks are brought to their rest lengths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StructuralSolve {
     /// Sweeps: one stick after another, as all other sticks. A pull goes a few sticks far in a substep.
     #[default]
@@ -42,6 +51,8 @@ pub enum StructuralSolve {
 ///
 /// Such a body is not swept in strips or shared out to threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SelfContact {
     /// Not at all.
     #[default]
@@ -59,6 +70,7 @@ pub enum SelfContact {
 /// The figures are those of a falling sheet of 128 x 128 particles with all sticks rigid, held by two corners, against
 /// [`Medium`](Self::Medium): `docs/performance.md` has the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum Quality {
     /// For what is far away or small: a quarter of the time, six times the stretch.
     Low,
@@ -70,7 +82,15 @@ pub enum Quality {
 }
 
 /// How a body is stepped: accuracy, damping and surface.
+///
+/// With the feature `bevy` this is a component.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_ecs::component::Component, bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SolverSettings {
     /// Substeps per step, 1 to 256. Small steps buy more stiffness than iterations for the same work.
     pub substeps: u32,
@@ -135,6 +155,15 @@ impl SolverSettings {
             Quality::High => (16, 1, StickProjection::SquareRootFree, StructuralSolve::Lines),
         };
         Self { substeps, iterations, tolerance: 0.0, projection, structural, tethers: true, ..self }
+    }
+
+    /// True if the two are the same to the bit: unlike `==`, also where they are not a number.
+    pub fn has_same_bits(&self, other: &Self) -> bool {
+        let bits =
+            |s: &Self| [s.tolerance, s.drag, s.friction, s.static_friction, s.thickness].map(f32::to_bits);
+        let choices =
+            |s: &Self| (s.substeps, s.iterations, s.projection, s.structural, s.tethers, s.self_contact);
+        choices(self) == choices(other) && bits(self) == bits(other)
     }
 
     /// How rough the surface is.

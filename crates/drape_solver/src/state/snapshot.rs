@@ -6,12 +6,12 @@
 use glam::{Quat, Vec3};
 
 use crate::error::{BuildError, in_range, positive};
-use crate::motion::frame_motion::FrameMotion;
 use crate::simd::columns::LANES;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::BodyContext;
+use crate::state::frame_motion::FrameMotion;
 use crate::state::layers::Layers;
-use crate::state::particle_stats::MassSurvey;
+use crate::state::particle_stats::MassStats;
 use crate::state::particles::Particles;
 
 /// The state of a body's [`Particles`], by index.
@@ -144,8 +144,8 @@ impl Particles {
             FrameMotion { pivot, turn, translation }
         });
         self.disturbed = snapshot.is_disturbed;
-        self.survey = None;
-        self.masses = MassSurvey::default();
+        self.stats = None;
+        self.masses = MassStats::default();
         Ok(())
     }
 }

@@ -2,18 +2,21 @@
 
 use std::sync::OnceLock;
 
+#[cfg(feature = "bevy")]
+use bevy_reflect::std_traits::ReflectDefault;
 use glam::{DMat3, Vec3};
 
-use crate::broad_phase::surface_tree::SurfaceTree;
-use crate::constraint::listed_stick::{ListedBatch, ListedSticks};
-use crate::constraint::tether::TetherPlan;
-use crate::constraint::volume::RestVolume;
 use crate::error::{BuildError, in_range};
 use crate::state::grid::{GridBatch, GridRuns};
 use crate::state::layout::Layout;
+use crate::state::stick_list::{ListedBatch, ListedSticks};
+use crate::state::surface_tree::SurfaceTree;
+use crate::state::tethers::TetherPlan;
+use crate::state::volume::RestVolume;
 
 /// What a stick is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum StickKind {
     /// Joins neighbours: keeps the cloth from stretching.
     #[default]
@@ -26,6 +29,7 @@ pub enum StickKind {
 
 /// Which lengths a stick allows: all three act at the rest length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum StickBound {
     /// The rest length alone: a rod.
     #[default]

@@ -1,15 +1,17 @@
-//! The order of a substep's work for one body.
+//! The plan of a body's substep: the stages of the [order](crate::substep::order) that are done strip by strip, for this
+//! body's sticks.
 
 use core::ops::Range;
 
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
-use crate::constraint::direct::line::Lines;
+use crate::constraint::direct::line::{LineScratch, Lines};
 use crate::state::settings::{SolverSettings, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, Topology};
+use crate::substep::order::{BodyStage, Order};
 
-/// A piece of a substep's work that can be done strip by strip.
+/// A piece of a stage that can be done strip by strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Stage {
+pub(crate) enum StripStage {
     Integrate,
     /// Contacts with obstacles.
     Contacts {
@@ -42,13 +44,20 @@ pub(crate) enum Stage {
     Leave,
 }
 
-impl Stage {
+impl StripStage {
     /// The same work the other way round.
     fn turn(&mut self) {
         if let Self::Listed { backwards, .. } | Self::Loose { backwards, .. } = self {
             *backwards = true;
         }
     }
+}
+
+/// The plan of a body's substep, and the memory of its line solves: kept so that a step allocates nothing once warm.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BodyPlan {
+    pub plan: Plan,
+    pub lines: LineScratch,
 }
 
 /// What few bodies need.
@@ -60,18 +69,22 @@ pub(crate) struct Extras {
     pub has_limits: bool,
 }
 
-/// The stages of a substep in their order.
+/// The stages of a substep that are done strip by strip, in their order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
-    pub stages: Vec<Stage>,
+    pub stages: Vec<StripStage>,
     /// Strips that each stage must stay behind the first, in a sweep.
     lags: Vec<usize>,
-    /// Place of each projection's contacts, sticks and tethers in the stages, in turn.
-    projections: Vec<[usize; 3]>,
+    /// For each stage of the [order](crate::substep::order), the place where its own begin; one more at the end.
+    first_of_stage: Vec<u32>,
     /// Lines to be solved, with the length of their sticks in metres, and the places in the stages before which all of
-    /// them are: after the tethers of each projection. They run through all strips, and no sweep through them.
+    /// them are. They run through all strips, and no sweep through them.
     pub lines: Vec<(Lines, f32)>,
     pub places_of_lines: Vec<usize>,
+    /// The place of [`StripStage::Update`], at which displacements follow positions.
+    pub update: usize,
+    /// The place of the last contacts with obstacles, which layers of cloth repeat.
+    pub last_contacts: Range<usize>,
     pub cells_of_strip: usize,
     pub strips: usize,
     /// Whether the body may be swept strip by strip, and is large enough for that to pay.
@@ -79,10 +92,11 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Writes down the order of work for a body with this `stiffness` of its batches, whose island takes `projections`
+    /// Writes down the strip stages of a body with this `stiffness` of its batches, whose island takes `projections`
     /// iterations.
     pub fn make(
         &mut self,
+        order: Order,
         topology: &Topology,
         settings: &SolverSettings,
         stiffness: &[f32],
@@ -96,48 +110,67 @@ impl Plan {
             settings.structural = StructuralSolve::default();
         }
         let settings = &settings;
+        self.list_lines(topology, settings, stiffness);
+        self.stages.clear();
+        self.first_of_stage.clear();
+        for (stage, projection) in order.of_body(projections) {
+            self.first_of_stage.push(self.stages.len() as u32);
+            let has_sticks = projection < settings.iterations;
+            match stage {
+                BodyStage::Integrate => self.stages.push(StripStage::Integrate),
+                BodyStage::Carry => self.stages.extend(extras.has_frame.then_some(StripStage::Carry)),
+                BodyStage::ObstacleContacts => {
+                    let is_first = projection == 0 && projections > 0;
+                    self.last_contacts = self.stages.len()..self.stages.len() + 1;
+                    self.stages.push(StripStage::Contacts { is_first });
+                }
+                BodyStage::Sticks if has_sticks => {
+                    self.push_sticks(topology, settings, stiffness, projection % 2 == 1);
+                }
+                BodyStage::Tethers if has_sticks && settings.tethers && !topology.tethers.is_empty() => {
+                    self.stages.push(StripStage::Tethers);
+                }
+                BodyStage::Lines if has_sticks && !self.lines.is_empty() => {
+                    self.places_of_lines.push(self.stages.len());
+                }
+                BodyStage::Update => {
+                    self.update = self.stages.len();
+                    self.stages.push(StripStage::Update);
+                }
+                BodyStage::ObstacleFriction => self.stages.push(StripStage::Friction),
+                BodyStage::Limits => self.stages.extend(extras.has_limits.then_some(StripStage::Limits)),
+                BodyStage::Leave => self.stages.extend(extras.has_frame.then_some(StripStage::Leave)),
+                _ => {}
+            }
+        }
+        self.first_of_stage.push(self.stages.len() as u32);
+        self.lag(topology);
+    }
+
+    /// Adds the batches of sticks that no line solve takes; there and back in turn, as a symmetric pair of sweeps gains no
+    /// energy.
+    fn push_sticks(
+        &mut self,
+        topology: &Topology,
+        settings: &SolverSettings,
+        stiffness: &[f32],
+        is_odd: bool,
+    ) {
+        let first = self.stages.len();
         let is_swept = |&batch: &usize| {
             stiffness[batch] > 0.0
                 && Lines::of(&topology.batches[batch], stiffness[batch], settings).is_none()
         };
-        let active = (0..stiffness.len()).filter(is_swept).count();
-        self.list_lines(topology, settings, stiffness);
-        self.stages.clear();
-        self.projections.clear();
-        self.stages.push(Stage::Integrate);
-        if extras.has_frame {
-            self.stages.push(Stage::Carry);
+        let mut active = 0;
+        for batch in (0..stiffness.len()).filter(is_swept) {
+            self.push_batch(topology, batch, first);
+            active += 1;
         }
-        for projection in 0..projections {
-            let first = self.stages.len();
-            self.stages.push(Stage::Contacts { is_first: projection == 0 });
-            let mut tethers = self.stages.len();
-            if projection < settings.iterations {
-                for batch in (0..stiffness.len()).filter(is_swept) {
-                    self.push_batch(topology, batch);
-                }
-                // There and back: a symmetric pair of sweeps gains no energy. A rope has only two batches, and the way
-                // back would begin with the one just done, which does nothing.
-                if projection % 2 == 1 && active > 2 {
-                    self.stages[first + 1..].reverse();
-                    self.stages[first + 1..].iter_mut().for_each(Stage::turn);
-                }
-                tethers = self.stages.len();
-                if settings.tethers && !topology.tethers.is_empty() {
-                    self.stages.push(Stage::Tethers);
-                }
-                if !self.lines.is_empty() {
-                    self.places_of_lines.push(self.stages.len());
-                }
-            }
-            self.projections.push([first, first + 1, tethers]);
+        // A rope has only two batches, and the way back would begin with the one just done, which does nothing.
+        if is_odd && active > 2 {
+            self.stages[first..].reverse();
+            self.stages[first..].iter_mut().for_each(StripStage::turn);
         }
-        let last = self.stages.len();
-        self.projections.push([last, last + 1, last + 1]);
-        self.stages.extend([Stage::Contacts { is_first: false }, Stage::Update, Stage::Friction]);
-        self.stages.extend(extras.has_limits.then_some(Stage::Limits));
-        self.stages.extend(extras.has_frame.then_some(Stage::Leave));
-        self.lag(topology);
     }
 
     /// Last of a projection, as the other sticks would undo what lines have done; columns first, as they hang from the
@@ -152,36 +185,35 @@ impl Plan {
     }
 
     /// Adds a batch of sticks, to the listed ones before if it is listed as well.
-    fn push_batch(&mut self, topology: &Topology, batch: usize) {
+    fn push_batch(&mut self, topology: &Topology, batch: usize, first: usize) {
         let is_listed = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Listed(_));
         let is_loose = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Loose(_));
         let all =
             |between: Range<usize>, are: fn(&StickBatch) -> bool| topology.batches[between].iter().all(are);
-        match (&topology.batches[batch].sticks, self.stages.last_mut()) {
-            (BatchSticks::Grid { .. }, _) => self.stages.push(Stage::Sticks(batch)),
-            (BatchSticks::Listed(_), Some(Stage::Listed { end, .. })) if all(*end..batch, is_listed) => {
+        match (&topology.batches[batch].sticks, self.stages[first..].last_mut()) {
+            (BatchSticks::Grid { .. }, _) => self.stages.push(StripStage::Sticks(batch)),
+            (BatchSticks::Listed(_), Some(StripStage::Listed { end, .. })) if all(*end..batch, is_listed) => {
                 *end = batch + 1;
             }
-            (BatchSticks::Loose(_), Some(Stage::Loose { end, .. })) if all(*end..batch, is_loose) => {
+            (BatchSticks::Loose(_), Some(StripStage::Loose { end, .. })) if all(*end..batch, is_loose) => {
                 *end = batch + 1;
             }
             (BatchSticks::Loose(_), _) => {
-                self.stages.push(Stage::Loose { first: batch, end: batch + 1, backwards: false });
+                self.stages.push(StripStage::Loose { first: batch, end: batch + 1, backwards: false });
             }
             (BatchSticks::Listed(_), _) => {
-                self.stages.push(Stage::Listed { first: batch, end: batch + 1, backwards: false });
+                self.stages.push(StripStage::Listed { first: batch, end: batch + 1, backwards: false });
             }
         }
     }
 
-    /// Where the contacts, sticks and tethers of a projection are in the stages.
-    pub fn places(&self, projection: u32) -> [usize; 3] {
-        self.projections.get(projection as usize).copied().unwrap_or_default()
-    }
-
-    /// The place of [`Stage::Update`], at which displacements follow positions; friction comes next.
-    pub fn update(&self) -> usize {
-        self.places(self.projections.len().saturating_sub(1) as u32)[1]
+    /// The places of the strip stages of one stage of the order; none for a body that was taken out in the middle of the
+    /// step, which has no plan.
+    pub fn span(&self, stage: usize) -> Range<usize> {
+        match self.first_of_stage.get(stage..stage + 2) {
+            Some(&[first, end]) => first as usize..end as usize,
+            _ => 0..0,
+        }
     }
 
     /// How far each stage must stay behind the one before, and whether that works for this body.
@@ -192,12 +224,12 @@ impl Plan {
         let mut lag = 0;
         for stage in &self.stages {
             match *stage {
-                Stage::Sticks(batch) => {
+                StripStage::Sticks(batch) => {
                     if let BatchSticks::Grid { runs, .. } = &topology.batches[batch].sticks {
                         lag += runs.reach;
                     }
                 }
-                Stage::Listed { .. } | Stage::Loose { .. } => self.can_sweep = false,
+                StripStage::Listed { .. } | StripStage::Loose { .. } => self.can_sweep = false,
                 _ => {}
             }
             self.lags.push(lag);
@@ -208,7 +240,8 @@ impl Plan {
     /// strip to strip; then one for all up to listed sticks, and so on.
     pub fn passes(&self, stages: Range<usize>) -> impl Iterator<Item = Range<usize>> + '_ {
         let (mut next, end) = (stages.start, stages.end);
-        let goes_alone = |stage: Stage| matches!(stage, Stage::Listed { .. } | Stage::Loose { .. });
+        let goes_alone =
+            |stage: StripStage| matches!(stage, StripStage::Listed { .. } | StripStage::Loose { .. });
         let is_alone = move |place: usize| self.lag_of_substep() > 0 || goes_alone(self.stages[place]);
         core::iter::from_fn(move || {
             let first = next;

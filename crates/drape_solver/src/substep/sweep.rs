@@ -33,185 +33,128 @@ use glam::Vec3;
 use crate::constants::{BYTES_OF_CELL, LEAST_SHARED_CELLS, LEAST_STRIPS_PER_LAG, SWEPT_BYTES, TETHER_SPEED};
 use crate::constraint::direct::line;
 use crate::constraint::stick::{Exact, Projection, SquareRootFree};
-use crate::contact::cloth_cloth as contact_self;
+use crate::contact::body_contacts::BodyContacts;
+use crate::contact::particle_obstacle::ObstacleContacts;
+use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::motion::integrate::{Flight, drift};
-use crate::parallel::workers::Crew;
+use crate::parallel::workers::Workers;
 use crate::simd::columns::LANES;
-use crate::simd::isa::{Isa, Kernel};
+use crate::simd::isa::Kernel;
 use crate::state::body::Body;
-use crate::state::obstacle::Obstacle;
 use crate::state::settings::StickProjection;
-use crate::substep::plan::{Plan, Stage};
-use crate::substep::work::{Common, Moving, Work};
+use crate::state::substep::Substep;
+use crate::substep::plan::{BodyPlan, Plan, StripStage};
+use crate::substep::work::Work;
 
-/// What is the same for all stages of a substep, and comes from outside the body.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Surroundings<'a> {
-    pub obstacles: &'a [Obstacle],
-    /// The substep, from 0, and the number of substeps.
-    pub substep_index: u32,
-    pub substeps: u32,
-    /// Seconds.
-    pub substep: f32,
-    pub isa: Isa,
+/// Takes pins to the end of the substep.
+pub(crate) fn move_pins(body: &mut Body) {
+    body.move_pins();
+    body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
 }
 
-/// Free flight for one substep.
-pub(crate) fn integrate(body: &mut Body, around: Surroundings) {
-    begin(body);
-    let [contacts, ..] = body.context.plan.places(0);
-    run(body, around, 0..contacts);
-    body.note_pin_travel();
-}
-
-/// Contacts with obstacles, before the sticks of projection `index` or, after the last, at the end of the substep.
-pub(crate) fn project_contacts(body: &mut Body, around: Surroundings, index: u32) {
-    let [contacts, sticks, _] = body.context.plan.places(index);
-    run(body, around, contacts..sticks);
-}
-
-/// The sticks of projection `index`.
-pub(crate) fn relax(body: &mut Body, around: Surroundings, index: u32) {
-    let [_, sticks, tethers] = body.context.plan.places(index);
-    run(body, around, sticks..tethers);
-}
-
-/// The tethers of projection `index`.
-pub(crate) fn tether(body: &mut Body, around: Surroundings, index: u32) {
-    let plan = &body.context.plan;
-    let [_, _, tethers] = plan.places(index);
-    if plan.stages.get(tethers) == Some(&Stage::Tethers) {
-        run(body, around, tethers..tethers + 1);
+/// The lines of iteration `index`.
+pub(crate) fn solve_lines(body: &mut Body, plan: &mut BodyPlan, substep: Substep, index: u32) {
+    if (index as usize) < plan.plan.places_of_lines.len() {
+        line::solve(body, &plan.plan.lines, &mut plan.lines, substep.isa);
     }
 }
 
-/// The lines of projection `index`.
-pub(crate) fn solve_lines(body: &mut Body, around: Surroundings, index: u32) {
-    if (index as usize) < body.context.plan.places_of_lines.len() {
-        line::solve(body, around.isa);
-    }
-}
-
-/// Velocities follow positions.
-pub(crate) fn update(body: &mut Body, around: Surroundings) {
-    let update = body.context.plan.update();
-    run(body, around, update..update + 1);
-}
-
-/// Friction against obstacles.
-pub(crate) fn apply_friction(body: &mut Body, around: Surroundings) {
-    let update = body.context.plan.update();
-    run(body, around, update + 1..update + 2);
-}
-
-/// What comes last of all: limits on motion; and the frame is left.
-pub(crate) fn finish(body: &mut Body, around: Surroundings) {
-    let plan = &body.context.plan;
-    let last = plan.update() + 2..plan.stages.len();
-    run(body, around, last);
-}
-
-/// Whether [`substeps`] may be called for the body.
-pub(crate) fn is_all_stages(body: &Body) -> bool {
-    // Damping is no stage, and how many iterations a tolerance takes is not known beforehand.
+/// True if [`substeps`] may be called for the body: the stages that cannot be done in strips have nothing to do.
+pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
+    // A tolerance decides only on the way how many iterations there are.
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
-    // Self-contact meets all of the body at once, and faces more than a strip of it.
-    let is_in_strips =
-        !contact_self::is_on(body) && body.context.faces.is_empty() && body.context.embedded.is_empty();
-    // Pressure is felt by the whole body.
     let has_pressure = body.pressure > 0.0;
-    is_fixed && is_in_strips && !has_pressure && body.context.damping.iter().all(|&d| d == 0.0)
+    let is_damped = body.context.damping.iter().any(|&damping| damping != 0.0);
+    let is_in_strips = contacts.faces.is_empty() && contacts.embedded.is_empty() && !body.has_self_contact();
+    is_fixed && is_in_strips && !has_pressure && !is_damped
 }
 
 /// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.
-pub(crate) fn substeps(body: &mut Body, mut around: Surroundings, crew: &Crew) {
-    let count = body.context.plan.stages.len();
+pub(crate) fn substeps(
+    body: &mut Body,
+    contacts: &mut ObstacleContacts,
+    plan: &mut BodyPlan,
+    mut substep: Substep,
+    workers: &Workers,
+) {
+    let BodyPlan { plan, lines } = plan;
+    let count = plan.stages.len();
     if count == 0 {
         // Taken out in the middle of the step.
         return;
     }
-    let at_once = substeps_at_once(body, crew);
-    let stages = |body: &mut Body, around: Surroundings, stages: Range<usize>| {
-        if body.context.plan.can_sweep {
-            sweep(body, around, stages, crew);
+    let at_once = substeps_at_once(body, plan, workers);
+    let mut stages = |body: &mut Body, substep: Substep, stages: Range<usize>| {
+        if plan.can_sweep {
+            sweep(body, contacts, plan, substep, stages, workers);
         } else {
-            run(body, around, stages);
+            run(body, contacts, plan, substep, stages);
         }
     };
     // Stages of the substep that the sweep before has done already.
     let mut done = 0;
-    while around.substep_index < around.substeps {
-        let taken = at_once.min(around.substeps - around.substep_index);
+    while substep.index < substep.count {
+        let taken = at_once.min(substep.count - substep.index);
         if done == 0 {
-            begin(body);
+            move_pins(body);
         }
         // Lines are solved between sweeps.
-        for projection in 0..body.context.plan.places_of_lines.len() {
-            let place = body.context.plan.places_of_lines[projection];
-            stages(body, around, done..place);
-            line::solve(body, around.isa);
+        for &place in &plan.places_of_lines {
+            stages(body, substep, done..place);
+            line::solve(body, &plan.lines, lines, substep.isa);
             done = place;
         }
-        let next = match body.context.plan.places_of_lines.first() {
+        let next = match plan.places_of_lines.first() {
             // The first of these sweeps goes together with the last of the substep before.
-            Some(&place)
-                if body.context.plan.can_sweep
-                    && may_join(body)
-                    && around.substep_index + 1 < around.substeps =>
-            {
-                place
-            }
+            Some(&place) if may_join(body, plan) && substep.index + 1 < substep.count => place,
             _ => 0,
         };
         if body.particles.masses.has_pins {
-            stages(body, around, done..taken as usize * count + next);
+            stages(body, substep, done..taken as usize * count + next);
         } else {
             // The drift of a free body is a sum over all of it.
-            let update = body.context.plan.update();
-            stages(body, around, done..update);
-            stages(body, around, update..count);
+            stages(body, substep, done..plan.update);
+            stages(body, substep, plan.update..count);
         }
         body.note_pin_travel();
-        around.substep_index += taken;
+        substep.index += taken;
         done = next;
     }
 }
 
 /// Whether a sweep may go from one substep into the next.
-fn may_join(body: &Body) -> bool {
+fn may_join(body: &Body, plan: &Plan) -> bool {
     let Body { particles, context, .. } = body;
-    context.plan.can_sweep && particles.masses.has_pins && context.pin_shifts.is_empty()
+    plan.can_sweep && particles.masses.has_pins && context.pin_shifts.is_empty()
 }
 
 /// How many substeps one trip through memory carries: as many as the strips between its first stage and its last fit
 /// the cache.
-fn substeps_at_once(body: &Body, crew: &Crew) -> u32 {
-    let plan = &body.context.plan;
-    if !plan.can_sweep || !may_join(body) || !plan.lines.is_empty() {
+fn substeps_at_once(body: &Body, plan: &Plan, workers: &Workers) -> u32 {
+    if !may_join(body, plan) || !plan.lines.is_empty() {
         return 1;
     }
     let lag = plan.lag_of_substep().max(1);
     let strips = SWEPT_BYTES / (BYTES_OF_CELL * plan.cells_of_strip);
     let by_cache = strips.saturating_sub(plan.strips_at_once()) / lag;
-    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * crew.most() * lag);
-    let most = if crew.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
+    let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * workers.most() * lag);
+    let most = if workers.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
     most.max(1) as u32
 }
 
-/// Takes pins to the end of the substep.
-fn begin(body: &mut Body) {
-    body.move_pins();
-    body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
-}
-
 /// Some stages of a substep, pass after pass over the whole body.
-fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
-    // A body that was taken out in the middle of the step has no plan.
-    if stages.is_empty() || stages.end > body.context.plan.stages.len() {
+pub(crate) fn run(
+    body: &mut Body,
+    contacts: &mut ObstacleContacts,
+    plan: &Plan,
+    substep: Substep,
+    stages: Range<usize>,
+) {
+    if stages.is_empty() {
         return;
     }
-    with_work(body, around, stages.start, |work, plan, projection| {
-        let (top, bottom) = (Edge::level(0), Edge::level(plan.strips));
+    with_work(body, contacts, plan, substep, stages.start, |work, plan, projection| {
+        let (top, bottom) = (RegionEdge::level(0), RegionEdge::level(plan.strips));
         for stages in plan.passes(stages) {
             // Listed sticks go down the body by themselves.
             let at_once = if stages.len() == 1 { plan.strips } else { plan.strips_at_once() };
@@ -221,38 +164,47 @@ fn run(body: &mut Body, around: Surroundings, stages: Range<usize>) {
 }
 
 /// Some stages, counted through several substeps, in a sweep.
-fn sweep(body: &mut Body, around: Surroundings, stages: Range<usize>, crew: &Crew) {
+fn sweep(
+    body: &mut Body,
+    contacts: &mut ObstacleContacts,
+    plan: &Plan,
+    substep: Substep,
+    stages: Range<usize>,
+    workers: &Workers,
+) {
     if stages.is_empty() {
         return;
     }
-    with_work(body, around, stages.start, |work, plan, projection| {
-        let region = Region { stages, top: Edge::level(0), bottom: Edge::level(plan.strips) };
-        region.share(work, plan, projection, crew, crew.count());
+    with_work(body, contacts, plan, substep, stages.start, |work, plan, projection| {
+        let region = Region { stages, top: RegionEdge::level(0), bottom: RegionEdge::level(plan.strips) };
+        region.share(work, plan, projection, workers, workers.count());
     });
 }
 
 /// Lays out what the stages from `first` on read and write.
 fn with_work(
     body: &mut Body,
-    around: Surroundings,
+    contacts: &mut ObstacleContacts,
+    plan: &Plan,
+    substep: Substep,
     first: usize,
     run: impl FnOnce(&mut Work, &Plan, StickProjection),
 ) {
-    let is_update = body.context.plan.stages.get(first) == Some(&Stage::Update);
+    let is_update = plan.stages.get(first) == Some(&StripStage::Update);
     let drift = if is_update { drift(body) } else { Vec3::ZERO };
     let Body { particles, topology, settings, context, .. } = body;
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let mut work = Work {
         first_strip: 0,
-        cells_of_strip: context.plan.cells_of_strip,
-        moving: Moving {
+        cells_of_strip: plan.cells_of_strip,
+        moving: MovingColumns {
             position: &mut particles.position.cells,
             displacement: &mut particles.displacement.cells,
             integrated: &mut context.integrated.cells,
         },
-        contacts: context.contacts.rows(),
+        contacts: contacts.rows(),
         rows: Some(&mut context.rows),
-        rest: Common {
+        rest: BodyColumns {
             inverse_mass,
             common_mass: &particles.masses.common,
             topology,
@@ -264,7 +216,7 @@ fn with_work(
             },
             varying: &context.acceleration.cells,
             anchors: &context.anchors.cells,
-            around,
+            substep,
             origin: particles.origin,
             thickness: settings.thickness,
             drift,
@@ -273,7 +225,7 @@ fn with_work(
             tether_reach: TETHER_SPEED * particles.substep,
         },
     };
-    run(&mut work, &context.plan, settings.projection);
+    run(&mut work, plan, settings.projection);
 }
 
 /// Some stages, each on the strips between two edges.
@@ -281,13 +233,13 @@ fn with_work(
 struct Region {
     /// Counted through several substeps.
     stages: Range<usize>,
-    top: Edge,
-    bottom: Edge,
+    top: RegionEdge,
+    bottom: RegionEdge,
 }
 
 /// Where the strips of a region begin or end, stage by stage.
 #[derive(Clone, Copy)]
-struct Edge {
+struct RegionEdge {
     strip: usize,
     slope: Slope,
 }
@@ -303,7 +255,7 @@ enum Slope {
     Down,
 }
 
-impl Edge {
+impl RegionEdge {
     fn level(strip: usize) -> Self {
         Self { strip, slope: Slope::Level }
     }
@@ -316,7 +268,7 @@ impl Region {
     }
 
     fn strips_of(&self, plan: &Plan, place: usize) -> Range<usize> {
-        let at = |edge: Edge| match edge.slope {
+        let at = |edge: RegionEdge| match edge.slope {
             Slope::Level => edge.strip,
             Slope::Up => edge.strip - self.lag(plan, place),
             Slope::Down => edge.strip + self.lag(plan, place.max(self.stages.start + 1) - 1),
@@ -325,7 +277,14 @@ impl Region {
     }
 
     /// Sweeps it on up to `count` threads.
-    fn share(&self, work: &mut Work, plan: &Plan, projection: StickProjection, crew: &Crew, count: usize) {
+    fn share(
+        &self,
+        work: &mut Work,
+        plan: &Plan,
+        projection: StickProjection,
+        workers: &Workers,
+        count: usize,
+    ) {
         let (top, bottom) = (self.top.strip, self.bottom.strip);
         let steepest = self.lag(plan, self.stages.end - 1) + 1;
         let is_small = (bottom - top) * plan.cells_of_strip < count * LEAST_SHARED_CELLS;
@@ -337,19 +296,19 @@ impl Region {
         let strip = work
             .balanced_cut(top..bottom, above as f32 / count as f32)
             .clamp(top + 2 * steepest, bottom - 2 * steepest);
-        let (up, down) = (Edge { strip, slope: Slope::Up }, Edge { strip, slope: Slope::Down });
+        let (up, down) = (RegionEdge { strip, slope: Slope::Up }, RegionEdge { strip, slope: Slope::Down });
         let [upper, lower, wedge] = [(self.top, up), (down, self.bottom), (up, down)]
             .map(|(top, bottom)| Self { stages: self.stages.clone(), top, bottom });
         let (mut work_above, mut work_below) = work.split_at(strip);
-        crew.join(&mut || upper.share(&mut work_above, plan, projection, crew, above), &mut || {
-            lower.share(&mut work_below, plan, projection, crew, count - above);
+        workers.join(&mut || upper.share(&mut work_above, plan, projection, workers, above), &mut || {
+            lower.share(&mut work_below, plan, projection, workers, count - above);
         });
         wedge.sweep(work, plan, projection, plan.strips_at_once());
     }
 
     /// Sweeps it, `at_once` strips at a time.
     fn sweep(&self, work: &mut Work, plan: &Plan, projection: StickProjection, at_once: usize) {
-        let isa = work.rest.around.isa;
+        let isa = work.rest.substep.isa;
         let region = self;
         match projection {
             StickProjection::Exact => isa.run(Sweep { region, work, plan, at_once, projection: Exact }),
@@ -386,7 +345,7 @@ impl<P: Projection> Kernel for Sweep<'_, '_, P> {
                 let from = ahead.saturating_sub(lag).max(of_stage.start);
                 let to = (ahead + at_once).saturating_sub(lag).min(of_stage.end);
                 if from < to {
-                    let substep = work.rest.around.substep_index + (place / count) as u32;
+                    let substep = work.rest.substep.index + (place / count) as u32;
                     work.stage(simd, plan.stages[place % count], substep, from..to, projection);
                 }
             }

@@ -3,62 +3,27 @@
 use core::ops::Range;
 
 use fearless_simd::Simd;
-use glam::Vec3;
 
 use crate::constants::WORK_OF_CONTACTS;
 use crate::constraint::listed_stick::{Descent, RelaxedBatch};
-use crate::constraint::motion_limit::MotionLimits;
 use crate::constraint::stick::{Alike, Joined, OneSided, Projection, project_loose, project_runs};
-use crate::contact::particle_obstacle::{Meeting, ObstacleRows};
-use crate::motion::frame_motion::SubstepMotion;
-use crate::motion::integrate::{Flight, update_displacements};
-use crate::simd::columns::{Cell, LANES};
+use crate::contact::particle_obstacle::{ObstacleProjection, ObstacleRows};
+use crate::motion::body_columns::{BodyColumns, MovingColumns};
+use crate::motion::integrate::update_displacements;
 use crate::simd::rows::Rows;
-use crate::state::topology::{BatchSticks, StickBatch, Topology};
-use crate::substep::plan::Stage;
-use crate::substep::sweep::Surroundings;
-
-/// The columns of some cells that a substep changes.
-pub(crate) struct Moving<'a> {
-    pub position: &'a mut [Cell],
-    pub displacement: &'a mut [Cell],
-    /// Positions after integration.
-    pub integrated: &'a mut [Cell],
-}
+use crate::state::topology::{BatchSticks, StickBatch};
+use crate::substep::plan::StripStage;
 
 /// Some strips of a body at work: all, or those above or below a cut.
 pub(crate) struct Work<'a> {
     /// Of the body's, the first strip here.
     pub first_strip: usize,
     pub cells_of_strip: usize,
-    pub moving: Moving<'a>,
+    pub moving: MovingColumns<'a>,
     pub contacts: ObstacleRows<'a>,
     /// What listed sticks are relaxed in; none where the body is cut, as one with listed sticks never is.
     pub rows: Option<&'a mut Rows>,
-    pub rest: Common<'a>,
-}
-
-/// What all strips share. Columns are those of the whole body.
-#[derive(Clone, Copy)]
-pub(crate) struct Common<'a> {
-    pub inverse_mass: &'a [[f32; LANES]],
-    /// For each cell the inverse mass that all its particles share, or 0.
-    pub common_mass: &'a [f32],
-    pub topology: &'a Topology,
-    pub stiffness: &'a [f32],
-    pub flight: Flight,
-    pub varying: &'a [Cell],
-    pub anchors: &'a [Cell],
-    pub around: Surroundings<'a>,
-    /// Where the body's own coordinates begin, in the world.
-    pub origin: Vec3,
-    /// Metres.
-    pub thickness: f32,
-    pub drift: Vec3,
-    pub limits: &'a MotionLimits,
-    pub frame: Option<&'a SubstepMotion>,
-    /// How far a tether may pull in one substep, in metres.
-    pub tether_reach: f32,
+    pub rest: BodyColumns<'a>,
 }
 
 impl Work<'_> {
@@ -82,13 +47,15 @@ impl Work<'_> {
     pub fn split_at(&mut self, strip: usize) -> (Work<'_>, Work<'_>) {
         let &mut Self { first_strip, cells_of_strip, rest, .. } = self;
         let cells = ((strip - first_strip) * cells_of_strip).min(self.moving.position.len());
-        let Moving { position, displacement, integrated } = &mut self.moving;
+        let MovingColumns { position, displacement, integrated } = &mut self.moving;
         let position = position.split_at_mut(cells);
         let displacement = displacement.split_at_mut(cells);
         let integrated = integrated.split_at_mut(cells);
         let contacts = self.contacts.split_at(strip);
-        let above = Moving { position: position.0, displacement: displacement.0, integrated: integrated.0 };
-        let below = Moving { position: position.1, displacement: displacement.1, integrated: integrated.1 };
+        let above =
+            MovingColumns { position: position.0, displacement: displacement.0, integrated: integrated.0 };
+        let below =
+            MovingColumns { position: position.1, displacement: displacement.1, integrated: integrated.1 };
         (
             Work { first_strip, cells_of_strip, moving: above, contacts: contacts.0, rows: None, rest },
             Work {
@@ -102,13 +69,13 @@ impl Work<'_> {
         )
     }
 
-    /// One stage on some strips of the body, in substep `substep` of the step.
+    /// One stage on some strips of the body, in substep `index` of the step.
     #[inline(always)]
     pub fn stage<S: Simd>(
         &mut self,
         simd: S,
-        stage: Stage,
-        substep: u32,
+        stage: StripStage,
+        index: u32,
         strips: Range<usize>,
         projection: impl Projection,
     ) {
@@ -120,26 +87,26 @@ impl Work<'_> {
         let cells = strips.start * cells_of_strip..(strips.end * cells_of_strip).min(last_cell);
         let places = cells.start - first_cell..cells.end - first_cell;
         match stage {
-            Stage::Integrate => simd.vectorize(
+            StripStage::Integrate => simd.vectorize(
                 #[inline(always)]
                 || rest.flight.integrate(simd, moving, places, &rest, cells),
             ),
-            Stage::Contacts { is_first } if !contacts.is_empty() => {
-                let meeting = Meeting::new(&rest, substep, is_first);
+            StripStage::Contacts { is_first } if !contacts.is_empty() => {
+                let context = ObstacleProjection::new(&rest, index, is_first);
                 simd.vectorize(
                     #[inline(always)]
-                    || contacts.project(simd, strips, moving, first_cell, &meeting),
+                    || contacts.project(simd, strips, moving, first_cell, &context),
                 );
             }
-            Stage::Friction if !contacts.is_empty() => {
-                let meeting = Meeting::new(&rest, substep, false);
+            StripStage::Friction if !contacts.is_empty() => {
+                let context = ObstacleProjection::new(&rest, index, false);
                 simd.vectorize(
                     #[inline(always)]
-                    || contacts.apply_friction(simd, strips, moving, first_cell, &meeting),
+                    || contacts.apply_friction(simd, strips, moving, first_cell, &context),
                 );
             }
-            Stage::Contacts { .. } | Stage::Friction => {}
-            Stage::Sticks(batch) => {
+            StripStage::Contacts { .. } | StripStage::Friction => {}
+            StripStage::Sticks(batch) => {
                 let stiffness = rest.stiffness[batch];
                 let mut joined = Joined::new(moving.position, &rest, first_cell);
                 if let BatchSticks::Grid { ref runs, rest_length, .. } = rest.topology.batches[batch].sticks {
@@ -151,8 +118,8 @@ impl Work<'_> {
                     }
                 }
             }
-            Stage::Listed { first, end, backwards } => {
-                let Common { topology, stiffness, inverse_mass, .. } = rest;
+            StripStage::Listed { first, end, backwards } => {
+                let BodyColumns { topology, stiffness, inverse_mass, .. } = rest;
                 let batches = (first..end).map(move |i| if backwards { end - 1 - (i - first) } else { i });
                 let batches = batches.filter_map(move |place| {
                     let StickBatch { material, sticks, .. } = &topology.batches[place];
@@ -169,7 +136,7 @@ impl Work<'_> {
                     Descent { rows, position, inverse_mass, sticks }.relax(simd, batches, projection);
                 }
             }
-            Stage::Loose { first, end, backwards } => {
+            StripStage::Loose { first, end, backwards } => {
                 let batches = (first..end).map(|i| if backwards { end - 1 - (i - first) } else { i });
                 for batch in batches.filter(|&batch| rest.stiffness[batch] > 0.0) {
                     if let BatchSticks::Loose(loose) = &rest.topology.batches[batch].sticks {
@@ -183,7 +150,7 @@ impl Work<'_> {
                     }
                 }
             }
-            Stage::Tethers => {
+            StripStage::Tethers => {
                 let mut joined = Joined::new(moving.position, &rest, first_cell);
                 let (tethers, most) = (&rest.topology.tethers, rest.tether_reach);
                 simd.vectorize(
@@ -191,29 +158,29 @@ impl Work<'_> {
                     || tethers.project(simd, cells, places, &mut joined, rest.anchors, most, projection),
                 );
             }
-            Stage::Carry | Stage::Leave => {
+            StripStage::Carry | StripStage::Leave => {
                 if let Some(frame) = rest.frame {
-                    let is_start = stage == Stage::Carry;
+                    let is_start = stage == StripStage::Carry;
                     simd.vectorize(
                         #[inline(always)]
                         || {
                             if is_start {
-                                frame.carry(simd, moving, places, &rest, cells, substep);
+                                frame.carry(simd, moving, places, &rest, cells, index);
                             } else {
-                                frame.leave(simd, moving, places, &rest, cells, substep);
+                                frame.leave(simd, moving, places, &rest, cells, index);
                             }
                         },
                     );
                 }
             }
-            Stage::Limits => {
-                let fraction = (substep + 1) as f32 / rest.around.substeps as f32;
+            StripStage::Limits => {
+                let fraction = (index + 1) as f32 / rest.substep.count as f32;
                 simd.vectorize(
                     #[inline(always)]
                     || rest.limits.enforce(simd, moving, places, &rest, cells, fraction),
                 );
             }
-            Stage::Update => simd.vectorize(
+            StripStage::Update => simd.vectorize(
                 #[inline(always)]
                 || update_displacements(simd, places, moving, rest.drift),
             ),

@@ -21,7 +21,7 @@ pub struct Cloth {
     /// Mass per area in kg/m^2; 0.25 by default.
     pub areal_density: Positive,
     /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching.
-    pub structural_stiffness: Fraction,
+    pub stretch_stiffness: Fraction,
     /// Stiffness of shear sticks, 0 to 1: resists skewing.
     pub shear_stiffness: Fraction,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
@@ -74,7 +74,7 @@ impl Default for Cloth {
             size: (Positive::known(plain.size.x), Positive::known(plain.size.y)),
             particles: (Whole::known(plain.particles.x), Whole::known(plain.particles.y)),
             areal_density: Positive::known(plain.areal_density),
-            structural_stiffness: Fraction::known(plain.structural_stiffness),
+            stretch_stiffness: Fraction::known(plain.stretch_stiffness),
             shear_stiffness: Fraction::known(plain.shear_stiffness),
             bend_stiffness: Fraction::known(plain.bend_stiffness),
             damping: NonNegative::known(plain.damping),
@@ -98,7 +98,7 @@ impl From<&Cloth> for drape::Cloth {
             size: Vec2::new(cloth.size.0.get(), cloth.size.1.get()),
             particles: UVec2::new(cloth.particles.0.get(), cloth.particles.1.get()),
             areal_density: cloth.areal_density.get(),
-            structural_stiffness: cloth.structural_stiffness.get(),
+            stretch_stiffness: cloth.stretch_stiffness.get(),
             shear_stiffness: cloth.shear_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
             damping: cloth.damping.get(),

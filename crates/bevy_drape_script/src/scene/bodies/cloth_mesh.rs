@@ -21,7 +21,7 @@ pub struct ClothMesh {
     /// Mass per area in kg/m^2; 0.25 by default.
     pub areal_density: Positive,
     /// Stiffness of the edges, 0 (slack) to 1 (rigid): resists stretching and skewing.
-    pub structural_stiffness: Fraction,
+    pub stretch_stiffness: Fraction,
     /// Stiffness across the edges, 0 to 1: resists folding.
     pub bend_stiffness: Fraction,
     /// Damping along the sticks in 1/s.
@@ -63,7 +63,7 @@ impl Default for ClothMesh {
         Self {
             mesh: MeshSource::default(),
             areal_density: Positive::known(plain.areal_density),
-            structural_stiffness: Fraction::known(plain.structural_stiffness),
+            stretch_stiffness: Fraction::known(plain.stretch_stiffness),
             bend_stiffness: Fraction::known(plain.bend_stiffness),
             damping: NonNegative::known(plain.damping),
             pins: Vec::new(),
@@ -100,7 +100,7 @@ impl From<&ClothMesh> for drape::ClothMesh {
     fn from(cloth: &ClothMesh) -> Self {
         Self {
             areal_density: cloth.areal_density.get(),
-            structural_stiffness: cloth.structural_stiffness.get(),
+            stretch_stiffness: cloth.stretch_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
             damping: cloth.damping.get(),
             pins: cloth.pins.clone(),

@@ -4,7 +4,7 @@
 //!   x0 o---C0---o x1 ---C1---o x2 --- ...      C_i = |x_{i+1} - x_i| - r,   n_i = (x_{i+1} - x_i) / |x_{i+1} - x_i|
 //! ```
 //!
-//! Moving the particles by `w_i (lambda_i n_i - lambda_{i-1} n_{i-1})` brings every `C_i` to zero, to first order, if
+//! MovingColumns the particles by `w_i (lambda_i n_i - lambda_{i-1} n_{i-1})` brings every `C_i` to zero, to first order, if
 //!
 //! ```text
 //!   - w_i n_{i-1}.n_i lambda_{i-1}  +  (w_i + w_{i+1}) lambda_i  -  w_{i+1} n_i.n_{i+1} lambda_{i+1}  =  C_i

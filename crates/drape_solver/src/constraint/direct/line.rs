@@ -73,12 +73,12 @@ impl Lines {
         }
     }
 
-    fn way(self, grid: Grid) -> Way {
+    fn way(self, grid: Grid) -> LineStorage {
         match self {
-            _ if self.size(grid).0 < LEAST_BUNDLED_LINES => Way::Lone,
-            _ if !Layout::Grid(grid).has_whole_rows() => Way::Gathered,
-            Self::Rows => Way::Turned,
-            Self::Columns => Way::InPlace,
+            _ if self.size(grid).0 < LEAST_BUNDLED_LINES => LineStorage::Lone,
+            _ if !Layout::Grid(grid).has_whole_rows() => LineStorage::Gathered,
+            Self::Rows => LineStorage::Turned,
+            Self::Columns => LineStorage::InPlace,
         }
     }
 
@@ -93,7 +93,7 @@ impl Lines {
 
 /// How lines come into the lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
+enum LineStorage {
     /// Columns, each of which is in a lane already.
     InPlace,
     /// Rows, which run through all lanes.
@@ -134,11 +134,11 @@ impl LineScratch {
             let (_, count) = lines.size(grid);
             let way = lines.way(grid);
             // Rows are turned with the ghosts at their end.
-            let turned = if way == Way::Turned { grid.across * grid.width } else { count };
+            let turned = if way == LineStorage::Turned { grid.across * grid.width } else { count };
             match way {
-                Way::Lone => grow(&mut self.lone, count),
-                Way::InPlace => self.chain.reserve(count),
-                Way::Turned | Way::Gathered => {
+                LineStorage::Lone => grow(&mut self.lone, count),
+                LineStorage::InPlace => self.chain.reserve(count),
+                LineStorage::Turned | LineStorage::Gathered => {
                     self.chain.reserve(count);
                     grow(&mut self.position, turned);
                     grow(&mut self.inverse_mass, turned);
@@ -165,9 +165,9 @@ fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
 /// The slots of the particles of all lines, where they must be gathered.
 fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
     let lanes = match lines.way(grid) {
-        Way::Gathered => LANES,
-        Way::Lone => 1,
-        Way::InPlace | Way::Turned => return Vec::new(),
+        LineStorage::Gathered => LANES,
+        LineStorage::Lone => 1,
+        LineStorage::InPlace | LineStorage::Turned => return Vec::new(),
     };
     let (number, count) = lines.size(grid);
     let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
@@ -177,16 +177,15 @@ fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
 }
 
 /// Solves the lines of a body, as its plan lists them.
-pub(crate) fn solve(body: &mut Body, isa: Isa) {
-    let Body { particles, topology, settings, context, .. } = body;
+pub(crate) fn solve(body: &mut Body, lines: &[(Lines, f32)], scratch: &mut LineScratch, isa: Isa) {
+    let Body { particles, topology, settings, .. } = body;
     let Layout::Grid(grid) = topology.layout else {
         return;
     };
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
-    let (position, scratch) = (&mut particles.position.cells, &mut context.lines);
+    let position = &mut particles.position.cells;
     let lone_steps = if settings.iterations == 1 { 2 } else { 1 };
     let solve = LineSolve { grid, position, inverse_mass, lone_steps, scratch };
-    let lines = &context.plan.lines;
     match settings.projection {
         StickProjection::Exact => isa.run(SolveAll { solve, lines, projection: Exact }),
         StickProjection::SquareRootFree => isa.run(SolveAll { solve, lines, projection: SquareRootFree }),
@@ -226,10 +225,10 @@ impl LineSolve<'_> {
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
         match lines.way(self.grid) {
-            Way::InPlace => self.columns_in_place(simd, rest, projection),
-            Way::Turned => self.turned_rows(simd, rest, projection),
-            Way::Gathered => self.gathered(simd, lines, rest, projection),
-            Way::Lone => self.lone(lines, rest, projection),
+            LineStorage::InPlace => self.columns_in_place(simd, rest, projection),
+            LineStorage::Turned => self.turned_rows(simd, rest, projection),
+            LineStorage::Gathered => self.gathered(simd, lines, rest, projection),
+            LineStorage::Lone => self.lone(lines, rest, projection),
         }
     }
 

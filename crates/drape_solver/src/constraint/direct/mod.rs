@@ -1,4 +1,6 @@
-//! direct.
+//! Direct solves: rows, columns and ropes as chains, whose sticks are solved all at once.
+//!
+//! Imports: `state` and below. Callers: `substep`.
 
 pub(crate) mod chain;
 pub(crate) mod line;

@@ -1,0 +1,69 @@
+//! Writes the surfaces that have moved into their meshes.
+
+use bevy::camera::primitives::Aabb;
+use bevy::prelude::*;
+
+use crate::attach::animated_pose::AnimatedPose;
+use crate::body::particles::Particles;
+use crate::render::any_mesh::{AnyMesh, handle_of};
+use crate::render::from_mesh::driven_mesh::DrivenMesh;
+use crate::render::rope_mesh::{RopeSurface, write_ropes};
+use crate::render::surface::{EntitySpace, Surface};
+use crate::transform::interpolation::step_fraction;
+
+/// Whether the time between two steps is known, so that what lies between them can be shown.
+#[derive(Resource, Clone, Copy, Debug)]
+pub(crate) struct InterpolateSurfaces(pub bool);
+
+/// Notes where the step left each cloth. Those that were not stepped have nothing to be shown in between.
+pub(crate) fn record_surfaces(
+    mut surfaces: Query<(Ref<Particles>, &mut Surface, Option<&mut AnimatedPose>)>,
+) {
+    for (particles, mut surface, posed) in &mut surfaces {
+        if let Some(mut posed) = posed {
+            posed.record();
+        }
+        if particles.is_changed() {
+            surface.record(&particles);
+        } else {
+            surface.settle();
+        }
+    }
+}
+
+/// Writes what is to be shown now into the meshes of the cloths that have moved.
+pub(crate) fn write_surfaces(
+    mut surfaces: Query<
+        (Entity, &mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>, Option<&DrivenMesh>),
+        (Or<(With<Particles>, With<DrivenMesh>)>, Without<RopeSurface>),
+    >,
+    poses: Query<&AnimatedPose>,
+    mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
+    places: Query<&GlobalTransform>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    interpolate: Res<InterpolateSurfaces>,
+    time: Option<Res<Time<Fixed>>>,
+) {
+    let fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
+    write_ropes(&mut ropes, &mut meshes, fraction);
+    for (entity, mut surface, mesh, transform, aabb, driven) in &mut surfaces {
+        let Some(mesh) = handle_of(mesh) else { continue };
+        let posed = poses.get(driven.map_or(entity, |driven| driven.driver)).ok();
+        let ahead = posed.and_then(|posed| posed.ahead(fraction, |joint| places.get(joint).ok()));
+        // Shown from where the character was in the steps that are shown, a cloth is where the character is now.
+        let from = ahead.map(|ahead| GlobalTransform::from(ahead.inverse() * transform.affine()));
+        let Some(space) = EntitySpace::new(from.as_ref().unwrap_or(transform)) else {
+            continue;
+        };
+        if !surface.must_be_written(&space, fraction) || surface.mesh != mesh.id() {
+            continue;
+        }
+        let Some(mut asset) = meshes.get_mut(mesh) else {
+            continue;
+        };
+        let bounds = surface.write(&mut asset, &space, fraction);
+        if let (Some(bounds), Some(mut aabb)) = (bounds, aabb) {
+            *aabb = bounds;
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! The number of bodies in each state of activity.
+
+use bevy::prelude::*;
+
+use crate::ball::projectile::ProjectileState;
+use crate::body::activity::Activity;
+use crate::body::particles::Particles;
+
+/// How many bodies, balls included, are in each state of [`Activity`] after the last step.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Debug, Clone, PartialEq)]
+pub struct ActivityCounts {
+    /// Bodies that are simulated.
+    pub active: usize,
+    /// Bodies at rest.
+    pub resting: usize,
+    /// Bodies that are culled.
+    pub culled: usize,
+    /// Bodies that stand still as they are far away.
+    pub frozen: usize,
+}
+
+/// Counts what has been built.
+pub(crate) fn count_activity(
+    bodies: Query<&Activity, Or<(With<Particles>, With<ProjectileState>)>>,
+    mut counts: ResMut<ActivityCounts>,
+) {
+    let mut new = ActivityCounts::default();
+    for activities in bodies.contiguous_iter().into_iter().flatten() {
+        // In 32 bits, so that many are counted at once.
+        let count =
+            |state| activities.iter().map(|&activity| u32::from(activity == state)).sum::<u32>() as usize;
+        new.active += count(Activity::Active);
+        new.resting += count(Activity::Resting);
+        new.culled += count(Activity::Culled);
+        new.frozen += count(Activity::Frozen);
+    }
+    counts.set_if_neq(new);
+}

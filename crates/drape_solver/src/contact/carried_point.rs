@@ -1,0 +1,203 @@
+//! A point that `N` particles carry, against an obstacle: the push and the friction of faces and of embedded points.
+//!
+//! ```text
+//!     x1 o------p------o x2      p = sum b_i x_i;  C = n . (p - q) - t
+//!         \     |n    /          if C < 0:  x_i -= b_i w_i C n / sum(b_i^2 w_i)
+//!   ============q==========      q, n: the nearest point of the surface, and its normal
+//! ```
+
+use glam::Vec3;
+
+use crate::contact::depenetration::{InitialOverlap, PushOutRate};
+use crate::contact::effective_mass::effective_inverse_mass;
+use crate::contact::mover::Mover;
+use crate::contact::obstacle_push::ObstaclePush;
+use crate::geometry::pose::Pose;
+use crate::geometry::shape::Surface;
+use crate::state::body::Body;
+use crate::state::friction::Friction;
+use crate::state::particles::Particles;
+use crate::state::substep::Substep;
+
+/// A point of a body that may touch an obstacle in this step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CarriedPoint<const N: usize> {
+    /// By slot.
+    pub carriers: [usize; N],
+    /// Their sum is 1.
+    pub weights: [f32; N],
+    /// By index in the environment.
+    pub obstacle: usize,
+    pub friction: Friction,
+    /// Penetration depth that motion made, summed over the projections of the substep, in metres.
+    pub depth: f32,
+    overlap: InitialOverlap,
+    /// In the world, of the last projection.
+    pub normal: Vec3,
+    /// How far the point was moved in this substep where that counts as velocity, times its mass: in kilogram metres.
+    pub given: Vec3,
+}
+
+/// The poses of an obstacle at the start and the end of a substep.
+pub(crate) struct Poses {
+    obstacle: usize,
+    pub before: Pose,
+    pub now: Pose,
+}
+
+impl Poses {
+    fn of(obstacle: usize, substep: Substep, origin: Vec3) -> Self {
+        let pose_at = |k: u32| substep.obstacles[obstacle].pose_at(k as f32 / substep.count as f32, origin);
+        Self { obstacle, before: pose_at(substep.index), now: pose_at(substep.index + 1) }
+    }
+
+    fn of_mover(obstacle: usize, mover: &Mover, origin: Vec3) -> Self {
+        let [before, now] = mover.poses(origin);
+        Self { obstacle, before, now }
+    }
+
+    /// Where the obstacle has carried a point of its surface from within the substep.
+    fn carried(&self, point: Vec3) -> Vec3 {
+        point - self.before.point_to_world(self.now.to_local(point))
+    }
+}
+
+/// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
+pub(crate) fn kept<'a>(
+    poses: &'a mut Option<Poses>,
+    obstacle: usize,
+    mover: Option<&Mover>,
+    substep: Substep,
+    origin: Vec3,
+) -> &'a Poses {
+    if let Some(mover) = mover {
+        return poses.insert(Poses::of_mover(obstacle, mover, origin));
+    }
+    if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
+        *poses = None;
+    }
+    poses.get_or_insert_with(|| Poses::of(obstacle, substep, origin))
+}
+
+/// The surface next to a point: how deep the point is below it, and what it was at the start of the substep.
+pub(crate) struct SurfaceBelow<F> {
+    /// In the obstacle's coordinates.
+    pub surface: Surface,
+    /// Metres between the point and the surface at rest.
+    pub thickness: f32,
+    /// The surface next to a place in the obstacle's coordinates.
+    pub surface_at: F,
+}
+
+impl<const N: usize> CarriedPoint<N> {
+    pub fn new(carriers: [usize; N], weights: [f32; N], obstacle: usize, friction: Friction) -> Self {
+        Self {
+            carriers,
+            weights,
+            obstacle,
+            friction,
+            depth: 0.0,
+            overlap: InitialOverlap::default(),
+            normal: Vec3::ZERO,
+            given: Vec3::ZERO,
+        }
+    }
+
+    /// Forgets what has happened in the last substep.
+    pub fn begin_substep(&mut self) {
+        *self = Self::new(self.carriers, self.weights, self.obstacle, self.friction);
+    }
+
+    /// The mean of some vectors of the carriers.
+    pub fn mean(&self, of: impl Fn(usize) -> Vec3) -> Vec3 {
+        mean(self.weights, self.carriers.map(of))
+    }
+
+    /// Inverse mass of the point in 1/kg.
+    fn inverse_mass(&self, particles: &Particles) -> f32 {
+        effective_inverse_mass(self.weights, self.carriers.map(|slot| particles.inverse_mass[slot]))
+    }
+
+    /// Moves the point out to the surface that it is below; an obstacle that gives way takes its share, as `answer` has it:
+    /// for a push on the point, whose way in this substep began at a place in the world.
+    pub fn project(
+        &mut self,
+        body: &mut Body,
+        found: SurfaceBelow<impl Fn(Vec3) -> Surface>,
+        poses: &Poses,
+        mover: Option<&mut Mover>,
+        rate: PushOutRate,
+        answer: impl Fn(&Self, &Particles, Vec3, Vec3) -> ObstaclePush,
+    ) {
+        let SurfaceBelow { surface, thickness, surface_at } = found;
+        let inverse_mass = self.inverse_mass(&body.particles);
+        if inverse_mass == 0.0 {
+            return;
+        }
+        let point = self.mean(|slot| body.particles.position.get(slot));
+        let normal = poses.now.direction_to_world(surface.normal);
+        let travel = self.mean(|slot| body.travel(slot));
+        let start = poses.before.to_local(point - travel);
+        let at_start = || thickness - surface_at(start).distance;
+        let outward = (travel - poses.carried(point)).dot(normal);
+        let mut push = self.overlap.split(thickness - surface.distance, outward, at_start, rate);
+        if let Some(mover) = mover {
+            let contact = body.particles.origin + point;
+            push.with_velocity *= inverse_mass / (inverse_mass + mover.inverse_mass_at(contact, normal));
+            let given = normal * (push.with_velocity / inverse_mass);
+            mover.receive(answer(self, &body.particles, contact - travel, given), rate.substep());
+        }
+        self.depth += push.with_velocity;
+        self.normal = normal;
+        self.given += normal * (push.with_velocity / inverse_mass);
+        for (slot, weight) in self.carriers.into_iter().zip(self.weights) {
+            let share = weight * body.particles.inverse_mass[slot] / inverse_mass;
+            let (fresh, all) = (
+                normal * (push.with_velocity * share),
+                normal * ((push.with_velocity + push.position_only) * share),
+            );
+            body.particles.displacement.add(slot, fresh);
+            body.particles.position.add(slot, all);
+            body.context.integrated.add(slot, all);
+        }
+    }
+
+    /// Friction on the way that the point has slipped in this substep, for a summed penetration `depth` in metres.
+    pub fn apply_friction(
+        &mut self,
+        particles: &mut Particles,
+        depth: f32,
+        poses: &Poses,
+        mover: Option<&mut Mover>,
+        substep: Substep,
+        answer: impl Fn(&Self, &Particles, Vec3, Vec3) -> ObstaclePush,
+    ) {
+        let point = self.mean(|slot| particles.position.get(slot));
+        let moved = self.mean(|slot| particles.displacement.get(slot));
+        let slip = moved - poses.carried(point);
+        let inverse_mass = self.inverse_mass(particles);
+        let taken = match mover {
+            Some(mover) => {
+                let place = particles.origin + point;
+                let (taken, push) =
+                    mover.slip_taken(self.friction, inverse_mass, slip, self.normal, depth, place);
+                mover.receive(answer(self, particles, place - moved, push), substep.duration);
+                taken
+            }
+            None => self.friction.slip_taken(slip, self.normal, depth),
+        };
+        self.given -= taken / inverse_mass;
+        for (slot, weight) in self.carriers.into_iter().zip(self.weights) {
+            let shift = taken * (-weight * particles.inverse_mass[slot] / inverse_mass);
+            particles.position.add(slot, shift);
+            particles.displacement.add(slot, shift);
+        }
+    }
+}
+
+/// The sum of `vectors`, each times its weight, from the first to the last.
+pub(crate) fn mean<const N: usize>(weights: [f32; N], vectors: [Vec3; N]) -> Vec3 {
+    let mut terms = vectors.into_iter().zip(weights).map(|(vector, weight)| vector * weight);
+    let first = terms.next().unwrap_or_default();
+    terms.fold(first, |sum, term| sum + term)
+}

@@ -1,0 +1,23 @@
+//! All contacts of an island, kind by kind.
+
+use crate::contact::ball_ball::BallPair;
+use crate::contact::ball_cloth::BallClothContacts;
+use crate::contact::ball_obstacle::BallObstacleContacts;
+use crate::contact::body_contacts::BodyContacts;
+use crate::contact::cloth_cloth::SelfContacts;
+use crate::contact::impact_zone::ImpactZones;
+use crate::contact::mover::Mover;
+
+/// The contacts that an island may have in a step. Each kind owns its lists and is handed what it works on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct IslandContacts {
+    /// Of each body with obstacles, by the body's index.
+    pub bodies: Vec<BodyContacts>,
+    pub cloth_cloth: SelfContacts,
+    pub ball_cloth: BallClothContacts,
+    pub ball_ball: Vec<BallPair>,
+    pub ball_obstacle: BallObstacleContacts,
+    /// Obstacles that are moved by what hits them.
+    pub movers: Vec<Mover>,
+    pub impact_zones: ImpactZones,
+}

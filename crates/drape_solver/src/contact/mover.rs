@@ -1,0 +1,114 @@
+//! Movers: obstacles with a [`RigidBody`], on their way through a step.
+
+use glam::{DVec3, Vec3};
+
+use crate::contact::obstacle_push::ObstaclePush;
+use crate::geometry::pose::{Placement, Pose, turned};
+use crate::state::friction::Friction;
+use crate::state::obstacle::Obstacle;
+use crate::state::rigid_body::RigidBody;
+
+/// An obstacle with a rigid body, on its way through a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mover {
+    pub obstacle: usize,
+    /// At the start of the substep.
+    from: Placement,
+    /// At its end, if nothing touches it.
+    free: (Placement, RigidBody),
+    /// At its end, by all that is known so far.
+    pub to: Placement,
+    pub end: RigidBody,
+    /// What was done to it in this substep, in newton seconds.
+    impulse: DVec3,
+    /// The same about its centre, in newton metre seconds.
+    angular_impulse: DVec3,
+}
+
+impl Mover {
+    pub fn new(obstacle: usize, of: &Obstacle, body: RigidBody) -> Self {
+        let from = of.start();
+        Self {
+            obstacle,
+            from,
+            free: (from, body),
+            to: from,
+            end: body,
+            impulse: DVec3::ZERO,
+            angular_impulse: DVec3::ZERO,
+        }
+    }
+
+    /// Its poses at the start and the end of the substep, relative to `origin`.
+    pub fn poses(&self, origin: Vec3) -> [Pose; 2] {
+        [self.from, self.to].map(|placement| Pose::between(&placement, &placement, 1.0, origin))
+    }
+
+    /// Its centre at the end of the substep.
+    pub fn centre(&self) -> DVec3 {
+        self.to.translation.as_dvec3()
+    }
+
+    /// Inverse mass of the point in the world against a push along a unit vector, in 1/kg.
+    pub fn inverse_mass_at(&self, point: Vec3, direction: Vec3) -> f32 {
+        self.end.inverse_mass_at(self.to, point - self.to.translation, direction)
+    }
+
+    /// Friction between it and a point of inverse mass `inverse_mass` (1/kg) in the world, which has slipped by `slip` and sunk in
+    /// by `depth`, its own part (metres): how far the point is to go back, and the push on it (kg m).
+    pub fn slip_taken(
+        &self,
+        friction: Friction,
+        inverse_mass: f32,
+        slip: Vec3,
+        normal: Vec3,
+        depth: f32,
+        point: Vec3,
+    ) -> (Vec3, Vec3) {
+        let along = (slip - normal * slip.dot(normal)).normalize_or_zero();
+        // What gives way itself takes a longer push for the same slip.
+        let both = inverse_mass + self.inverse_mass_at(point, along);
+        let push = friction.scaled(both / inverse_mass).slip_taken(slip, normal, depth) / both;
+        (push * inverse_mass, -push)
+    }
+
+    /// Feels the opposite of what it has given in this substep of so many seconds.
+    pub fn receive(&mut self, given: ObstaclePush, substep: f32) {
+        let [push, moment] = [given.push, given.moment].map(|sum| sum.as_dvec3() / f64::from(substep));
+        let angular = (given.point - self.from.translation.as_dvec3()).cross(push) + moment;
+        // What is lost in a body that has to be left out is lost with it.
+        if !(push.is_finite() && angular.is_finite()) {
+            return;
+        }
+        self.impulse -= push;
+        self.angular_impulse -= angular;
+        let (linear, angular) = (self.impulse.as_vec3(), self.angular_impulse.as_vec3());
+        let (free, body) = self.free;
+        let mut pushed = body;
+        pushed.push(linear, angular, free);
+        self.to.translation = free.translation + (pushed.velocity - body.velocity) * substep;
+        let turn = (pushed.angular_velocity - body.angular_velocity) * substep;
+        self.to.rotation = turned(free.rotation, turn);
+        self.end = body;
+        self.end.turn_to(free, self.to);
+        self.end.push(linear, angular, self.to);
+    }
+
+    pub fn begin_substep(&mut self, substep: f32) {
+        self.from = self.to;
+        (self.impulse, self.angular_impulse) = (DVec3::ZERO, DVec3::ZERO);
+        self.to = self.end.advance(self.from, substep);
+        self.free = (self.to, self.end);
+    }
+}
+
+/// The mover that this obstacle is, if it is one.
+pub(crate) fn mover(movers: &[Mover], obstacle: usize) -> Option<&Mover> {
+    movers.binary_search_by_key(&obstacle, |mover| mover.obstacle).ok().map(|place| &movers[place])
+}
+
+/// The same, to be pushed.
+pub(crate) fn mover_mut(movers: &mut [Mover], obstacle: usize) -> Option<&mut Mover> {
+    let place = movers.binary_search_by_key(&obstacle, |mover| mover.obstacle).ok()?;
+    movers.get_mut(place)
+}

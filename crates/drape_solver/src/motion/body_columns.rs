@@ -1,0 +1,41 @@
+//! The columns of a body as kernels see them: those that a substep changes, and those that it only reads.
+
+use glam::Vec3;
+
+use crate::motion::integrate::Flight;
+use crate::simd::columns::{Cell, LANES};
+use crate::state::frame_motion::SubstepMotion;
+use crate::state::motion_limits::MotionLimits;
+use crate::state::substep::Substep;
+use crate::state::topology::Topology;
+
+/// The columns of some cells that a substep changes.
+pub(crate) struct MovingColumns<'a> {
+    pub position: &'a mut [Cell],
+    pub displacement: &'a mut [Cell],
+    /// Positions after integration.
+    pub integrated: &'a mut [Cell],
+}
+
+/// What all strips share. Columns are those of the whole body.
+#[derive(Clone, Copy)]
+pub(crate) struct BodyColumns<'a> {
+    pub inverse_mass: &'a [[f32; LANES]],
+    /// For each cell the inverse mass that all its particles share, or 0.
+    pub common_mass: &'a [f32],
+    pub topology: &'a Topology,
+    pub stiffness: &'a [f32],
+    pub flight: Flight,
+    pub varying: &'a [Cell],
+    pub anchors: &'a [Cell],
+    pub substep: Substep<'a>,
+    /// Where the body's own coordinates begin, in the world.
+    pub origin: Vec3,
+    /// Metres.
+    pub thickness: f32,
+    pub drift: Vec3,
+    pub limits: &'a MotionLimits,
+    pub frame: Option<&'a SubstepMotion>,
+    /// How far a tether may pull in one substep, in metres.
+    pub tether_reach: f32,
+}

@@ -1,0 +1,36 @@
+//! Gravity, wind, time and obstacles: the same for all islands in one step.
+
+use glam::Vec3;
+
+use crate::motion::wind::{Wind, WindZone};
+use crate::state::obstacles::Obstacles;
+
+/// What is the same for all islands in one step.
+#[derive(Clone, Debug)]
+pub struct Environment {
+    /// Length of the step in seconds.
+    pub dt: f32,
+    /// Acceleration of gravity in m/s^2.
+    pub gravity: Vec3,
+    /// The wind that blows everywhere.
+    pub wind: Wind,
+    /// Places with a wind of their own.
+    pub wind_zones: Vec<WindZone>,
+    /// Time in seconds since the start, by which gusts go.
+    pub time: f64,
+    /// The obstacles.
+    pub obstacles: Obstacles,
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Self {
+            dt: 1.0 / 60.0,
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            wind: Wind::default(),
+            wind_zones: Vec::new(),
+            time: 0.0,
+            obstacles: Obstacles::new(),
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Drag: the part of a velocity that a substep takes.
+
+use glam::Vec3;
+
+/// What drag does to a displacement and to an acceleration in one substep.
+///
+/// A drag of `c` (1/s) multiplies the velocity by `f = exp(-c h)` in a substep `h`; an acceleration then acts
+/// for the mean of that decay, `g = (1 - f) / (c h)`. The terminal velocity is `a / c` for every `h`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drag {
+    pub(crate) decay: f32,
+    pub(crate) gain: f32,
+}
+
+impl Default for Drag {
+    fn default() -> Self {
+        Self { decay: 1.0, gain: 1.0 }
+    }
+}
+
+impl Drag {
+    /// For a drag in 1/s and a substep in seconds.
+    pub fn new(drag: f32, substep: f32) -> Self {
+        let exponent = f64::from(drag) * f64::from(substep);
+        if exponent == 0.0 {
+            return Self::default();
+        }
+        let lost = -libm::expm1(-exponent);
+        Self { decay: (1.0 - lost) as f32, gain: (lost / exponent) as f32 }
+    }
+
+    /// The substep, in seconds, as a load feels it: where drag takes a part of what an acceleration gives, it must
+    /// take the same part of what a soft stick gives back, or drag would change how far a load stretches it.
+    pub(crate) fn effective_substep(self, substep: f32) -> f32 {
+        substep * self.gain.sqrt()
+    }
+
+    /// The displacement of the next substep.
+    pub(crate) fn step(self, displacement: Vec3, acceleration: Vec3, substep: f32) -> Vec3 {
+        displacement * self.decay + acceleration * (self.gain * substep * substep)
+    }
+}

@@ -1,0 +1,119 @@
+//! Limits on motion as data: how far each particle may be from a place that an animation gives it.
+//!
+//! `constraint/motion_limit.rs` enforces them.
+
+use glam::Vec3;
+
+use crate::simd::columns::{Columns, LANES};
+use crate::state::layout::Layout;
+use crate::state::particles::Particles;
+
+/// The limits of a body's particles, by slot; empty where there are none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct MotionLimits {
+    /// Middle of each limit, relative to the body's origin.
+    pub centre: Columns,
+    /// Where that is to be at the end of the next step.
+    pub target: Columns,
+    /// How far the particle may be from it, in metres; infinite without a limit.
+    pub reach: Vec<f32>,
+}
+
+impl MotionLimits {
+    pub fn is_empty(&self) -> bool {
+        self.reach.is_empty()
+    }
+
+    /// Room for those of `cells` cells, none of which has a limit yet.
+    pub fn reset(&mut self, cells: usize) {
+        self.centre.reset(cells);
+        self.target.reset(cells);
+        self.reach.clear();
+        self.reach.resize(cells * LANES, f32::INFINITY);
+    }
+
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    pub fn set(&mut self, slot: usize, centre: Vec3, target: Vec3, reach: f32) {
+        self.centre.set(slot, centre);
+        self.target.set(slot, target);
+        self.reach[slot] = reach;
+    }
+
+    /// Centre, its target and reach, if there is a limit.
+    pub fn get(&self, slot: usize) -> Option<(Vec3, Vec3, f32)> {
+        let reach = self.reach.get(slot).copied().filter(|reach| *reach < f32::INFINITY)?;
+        Some((self.centre.get(slot), self.target.get(slot), reach))
+    }
+
+    /// The same limits in the slots of another layout.
+    pub fn arranged(&self, from: &Layout, to: &Layout) -> Self {
+        let mut arranged = Self::default();
+        if !self.is_empty() {
+            arranged.reset(to.cells());
+            for (from, to) in from.slots().zip(to.slots()) {
+                if let Some((centre, target, reach)) = self.get(from) {
+                    arranged.set(to, centre, target, reach);
+                }
+            }
+        }
+        arranged
+    }
+
+    /// Brings centres to where they were to be.
+    pub fn arrive(&mut self) {
+        self.centre.cells.clone_from_slice(&self.target.cells);
+    }
+
+    pub fn is_finite(&self) -> bool {
+        let mut columns = self.centre.cells.iter().chain(&self.target.cells);
+        columns.all(|cell| cell.axes().into_iter().flatten().all(|value| value.is_finite()))
+    }
+}
+
+impl Particles {
+    /// Keeps particle `i` within `distance` (metres) of `centre` (world, metres), whatever pulls or pushes it, obstacles included:
+    /// the least that an animation may ask of a cloth. An infinite distance is no limit; one that is negative or not a number
+    /// counts as 0. Pinned particles have their pin for a limit.
+    ///
+    /// The centre is moved by [`set_limit_centre`](Self::set_limit_centre).
+    pub fn set_motion_limit(&mut self, i: usize, centre: Vec3, distance: f32) {
+        let slot = self.slot(i);
+        if self.limits.is_empty() {
+            if distance == f32::INFINITY {
+                return;
+            }
+            self.limits.reset(self.layout.cells());
+        }
+        let centre = centre - self.origin;
+        self.limits.set(slot, centre, centre, distance.max(0.0));
+        self.disturb();
+    }
+
+    /// Moves the middle of particle `i`'s limit to `centre` (world, metres) within the next step, evenly over the substeps. Without
+    /// a limit this does nothing.
+    pub fn set_limit_centre(&mut self, i: usize, centre: Vec3) {
+        let slot = self.slot(i);
+        let centre = centre - self.origin;
+        if self.limits.get(slot).is_some_and(|(_, target, _)| target != centre) {
+            self.limits.target.set(slot, centre);
+            self.disturb();
+        }
+    }
+
+    /// The middle of particle `i`'s limit in the world, as of the end of the last step, and its distance, in metres; none without a
+    /// limit.
+    pub fn motion_limit(&self, i: usize) -> Option<(Vec3, f32)> {
+        self.limits.get(self.slot(i)).map(|(centre, _, reach)| (self.origin + centre, reach))
+    }
+
+    /// Takes off all limits.
+    pub fn clear_motion_limits(&mut self) {
+        if !self.limits.is_empty() {
+            self.limits.clear();
+            self.disturb();
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The begin of a body's step: everything that stays the same through its substeps.
+
+use crate::constraint::stick::{greatest_error, iteration_stiffness, substep_damping};
+use crate::state::body::Body;
+use crate::state::drag::Drag;
+use crate::state::frame_motion::SubstepMotion;
+use crate::state::particles::Particles;
+use crate::state::settings::StructuralSolve;
+use crate::substep::order::Order;
+use crate::substep::plan::{BodyPlan, Extras};
+
+/// Puts the particles where the topology looks for them, and gathers their statistics where something has changed.
+pub(crate) fn prepare(body: &mut Body) {
+    let Body { particles, topology, .. } = body;
+    particles.arrange(&topology.layout);
+    particles.masses.update(&particles.inverse_mass, &particles.layout);
+    particles.take_stats();
+}
+
+/// Sets everything that stays the same through the substeps of one step, `substep` seconds each.
+///
+/// `projections` is the number of iterations of the island, and so of the projections of contacts.
+pub(crate) fn begin_step(
+    body: &mut Body,
+    plan: &mut BodyPlan,
+    order: Order,
+    substep: f32,
+    substeps: u32,
+    projections: u32,
+) {
+    let Body { particles, topology, settings, context, .. } = body;
+    particles.set_substep(substep);
+    context.drag = Drag::new(settings.drag, substep);
+    let materials = topology.batches.iter().map(|batch| &batch.material);
+    let felt = context.drag.effective_substep(substep);
+    context.stiffness.clear();
+    context
+        .stiffness
+        .extend(materials.clone().map(|m| iteration_stiffness(m.stiffness, felt, settings.iterations)));
+    context.damping.clear();
+    context.damping.extend(materials.map(|m| substep_damping(m, substep)));
+    if context.integrated.cells.len() != particles.layout.cells() {
+        context.integrated.reset(particles.layout.cells());
+    }
+    context.rows.reset(topology.window(), particles.layout.cells());
+    if settings.structural == StructuralSolve::Lines {
+        plan.lines.reserve(&topology.layout);
+    }
+    let frame = particles.frame.as_ref();
+    context.frame = frame.map(|motion| SubstepMotion::new(motion, substeps, particles.origin));
+    let extras = Extras { has_frame: context.frame.is_some(), has_limits: !particles.limits.is_empty() };
+    plan.plan.make(order, topology, settings, &context.stiffness, projections, extras);
+    context.pin_shifts.clear();
+    for &(i, target) in &particles.pin_targets {
+        let way = target - particles.origin - particles.position.get(i as usize);
+        context.pin_shifts.push((i, way / substeps as f32));
+    }
+}
+
+/// How far an edit can make sticks, pins, limits and the frame pull a particle in the coming step, in metres. Zero where
+/// nothing was edited: what sticks did in the last step is in the velocities already.
+pub(crate) fn pull(body: &Body) -> f32 {
+    if !body.particles.disturbed {
+        return 0.0;
+    }
+    let pins = body.particles.pin_targets.iter();
+    let ways = pins
+        .map(|&(i, target)| target.distance(body.particles.origin + body.particles.position.get(i as usize)));
+    let pull = ways.fold(greatest_error(&body.particles, &body.topology), f32::max);
+    let Particles { layout, limits, position, frame, .. } = &body.particles;
+    let limited = layout.slots().filter(|_| !limits.is_empty());
+    let held_back = limited.filter_map(|slot| {
+        let (_, target, reach) = limits.get(slot)?;
+        Some(target.distance(position.get(slot)) - reach)
+    });
+    let carried = frame.map_or(0.0, |motion| motion.reach(body.particles.bounds()));
+    held_back.fold(pull, f32::max) + carried
+}

@@ -1,0 +1,220 @@
+//! The order of a substep: all of its stages, once, as data.
+//!
+//! ```text
+//! integrate            INTEGRATE
+//! relax                [ ROPES, CONTACTS, STICKS ] x N, RELAXED
+//! project collisions   CLOTH, CONTACTS, VELOCITIES
+//! ```
+//!
+//! An island walks the list [stage by stage](crate::step), span by span, so that a schedule may run systems of its own
+//! between the spans. A body that nothing but obstacles can touch walks the same list in
+//! [sweeps](crate::substep::sweep) down its strips: its [plan](crate::substep::plan) is made from this list. To add a
+//! stage, add it here and say in `step.rs` (of an island) or in `sweep.rs` (of a body) what it does.
+
+/// A stage of a substep that one body takes by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BodyStage {
+    /// Kinematic pins go one substep further.
+    MovePins,
+    /// Free flight.
+    Integrate,
+    /// The moving frame takes the particles along.
+    Carry,
+    /// Pins get the displacement of the way that they went.
+    NotePins,
+    /// Contacts of faces and of embedded points follow their deepest points.
+    BeginContacts,
+    FaceContacts,
+    EmbeddedContacts,
+    ObstacleContacts,
+    DynamicContacts,
+    Sticks,
+    Tethers,
+    /// Rows, columns and ropes that are solved directly.
+    Lines,
+    Volume,
+    AngularMomentum,
+    /// Displacements follow positions.
+    Update,
+    Damping,
+    ObstacleFriction,
+    FaceFriction,
+    EmbeddedFriction,
+    DynamicFriction,
+    /// Limits on motion have the last word.
+    Limits,
+    /// The motion of the frame is taken off the displacements.
+    Leave,
+}
+
+/// A stage of a substep that concerns the whole island.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum IslandStage {
+    BeginMovers,
+    IntegrateBalls,
+    BeginContacts,
+    /// Ropes against themselves and each other: one turn of a knot holds all that hangs on it, so they meet in each iteration.
+    RopeContacts,
+    /// Cloth against cloth and the obstacles below, in turn: dear, and as good once a substep, after the sticks.
+    ClothContacts,
+    BallClothContacts,
+    BallBallContacts,
+    BallObstacleContacts,
+    UpdateBalls,
+    Rebound,
+    BallFriction,
+    ClothFriction,
+    ImpactZones,
+    TurnBalls,
+    Account,
+}
+
+/// Stages that follow each other: of the island, or of each body, one body after another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stages {
+    Island(IslandStage),
+    Bodies(&'static [BodyStage]),
+}
+
+/// The order of a substep, in named spans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Order {
+    pub integrate: &'static [Stages],
+    pub ropes: &'static [Stages],
+    pub contacts: &'static [Stages],
+    pub sticks: &'static [Stages],
+    pub relaxed: &'static [Stages],
+    pub cloth: &'static [Stages],
+    pub velocities: &'static [Stages],
+}
+
+use BodyStage as Body;
+use IslandStage as Island;
+
+/// Bodies, balls and obstacles fly freely.
+const INTEGRATE: &[Stages] = &[
+    Stages::Island(Island::BeginMovers),
+    Stages::Bodies(&[Body::MovePins, Body::Integrate, Body::Carry, Body::NotePins, Body::BeginContacts]),
+    Stages::Island(Island::IntegrateBalls),
+    Stages::Island(Island::BeginContacts),
+];
+
+const ROPES: &[Stages] = &[Stages::Island(Island::RopeContacts)];
+
+/// Everything that touches, once.
+const CONTACTS: &[Stages] = &[
+    Stages::Island(Island::BallClothContacts),
+    Stages::Island(Island::BallBallContacts),
+    Stages::Island(Island::BallObstacleContacts),
+    Stages::Bodies(&[
+        Body::FaceContacts,
+        Body::EmbeddedContacts,
+        Body::ObstacleContacts,
+        Body::DynamicContacts,
+    ]),
+];
+
+/// All constraints of a body on itself, once.
+const STICKS: &[Stages] = &[Stages::Bodies(&[Body::Sticks, Body::Tethers, Body::Lines, Body::Volume])];
+
+const RELAXED: &[Stages] = &[Stages::Bodies(&[Body::AngularMomentum])];
+
+const CLOTH: &[Stages] = &[Stages::Island(Island::ClothContacts)];
+
+/// Velocities follow positions; then come friction, restitution, impact zones and limits.
+const VELOCITIES: &[Stages] = &[
+    Stages::Bodies(&[
+        Body::Update,
+        Body::Damping,
+        Body::ObstacleFriction,
+        Body::FaceFriction,
+        Body::EmbeddedFriction,
+        Body::DynamicFriction,
+    ]),
+    Stages::Island(Island::UpdateBalls),
+    Stages::Island(Island::Rebound),
+    Stages::Island(Island::BallFriction),
+    Stages::Island(Island::ClothFriction),
+    Stages::Island(Island::ImpactZones),
+    Stages::Island(Island::TurnBalls),
+    Stages::Island(Island::Account),
+    Stages::Bodies(&[Body::Limits, Body::Leave]),
+];
+
+impl Default for Order {
+    fn default() -> Self {
+        Self {
+            integrate: INTEGRATE,
+            ropes: ROPES,
+            contacts: CONTACTS,
+            sticks: STICKS,
+            relaxed: RELAXED,
+            cloth: CLOTH,
+            velocities: VELOCITIES,
+        }
+    }
+}
+
+/// A span of the list, with the number of the projection of contacts and sticks that its stages belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Span {
+    pub stages: &'static [Stages],
+    pub projection: u32,
+    /// Stages of a body that the substep has before this span.
+    pub first: usize,
+}
+
+impl Order {
+    /// Free flight.
+    pub fn integrate(self) -> [Span; 1] {
+        [Span { stages: self.integrate, projection: 0, first: 0 }]
+    }
+
+    /// One iteration of contacts and sticks, by its number.
+    pub fn iteration(self, index: u32) -> [Span; 3] {
+        let parts = [self.ropes, self.contacts, self.sticks];
+        let length: usize = parts.into_iter().map(body_stages).sum();
+        spans(parts, index, body_stages(self.integrate) + index as usize * length)
+    }
+
+    /// The end of the relaxation of so many iterations.
+    pub fn relaxed(self, iterations: u32) -> [Span; 1] {
+        spans([self.relaxed], iterations, self.iteration(iterations)[0].first)
+    }
+
+    /// Contacts once more, and all that follows from them.
+    pub fn project_collisions(self, iterations: u32) -> [Span; 3] {
+        let first = self.relaxed(iterations)[0].first + body_stages(self.relaxed);
+        spans([self.cloth, self.contacts, self.velocities], iterations, first)
+    }
+
+    /// The stages of one body through a whole substep of so many iterations, each with its projection.
+    pub fn of_body(self, iterations: u32) -> impl Iterator<Item = (BodyStage, u32)> {
+        let relax = (0..iterations).flat_map(move |index| self.iteration(index));
+        let all = self.integrate().into_iter().chain(relax).chain(self.relaxed(iterations));
+        all.chain(self.project_collisions(iterations)).flat_map(|span| {
+            let of_bodies = |stages: &'static Stages| match stages {
+                Stages::Bodies(stages) => *stages,
+                Stages::Island(_) => &[],
+            };
+            span.stages.iter().flat_map(of_bodies).map(move |&stage| (stage, span.projection))
+        })
+    }
+}
+
+fn spans<const N: usize>(parts: [&'static [Stages]; N], projection: u32, mut first: usize) -> [Span; N] {
+    parts.map(|stages| {
+        let span = Span { stages, projection, first };
+        first += body_stages(stages);
+        span
+    })
+}
+
+/// The number of stages that a body takes in a part of the list.
+fn body_stages(stages: &[Stages]) -> usize {
+    let count = |stages: &Stages| match stages {
+        Stages::Bodies(stages) => stages.len(),
+        Stages::Island(_) => 0,
+    };
+    stages.iter().map(count).sum()
+}
