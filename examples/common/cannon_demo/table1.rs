@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use drape_bench::Failure;
 use drape_bench::bombardment::{Bombardment, Shot as BenchShot};
-use drape_bench::contender::Failure;
 use drape_bench::table1::{CurtainReport, measure};
 use drape_solver::{BallMaterial, SolverSettings};
 use serde::Serialize;
