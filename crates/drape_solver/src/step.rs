@@ -24,7 +24,7 @@ use crate::constraint::{angular_momentum, stick, strain::greatest_strain, volume
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
     ball_ball, ball_cloth, ball_obstacle, body_contacts, cloth_cloth, dynamic_obstacle, embedded_obstacle,
-    face_obstacle, impact_zone, limit_conflict, particle_dynamic, reaction, report,
+    face_obstacle, hit_substeps, impact_zone, limit_conflict, particle_dynamic, reaction, report,
 };
 use crate::error::{StepError, in_range};
 use crate::island::{Island, IslandContext};
@@ -142,10 +142,10 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     for ball in &mut island.balls {
         let path = (ball.velocity().length() + environment.gravity.length() * dt) * dt;
         let wanted = path / (ball.material.radius * BALL_TRAVEL_PER_SUBSTEP);
-        ball.hit_substeps = ball_cloth::hit_substeps(ball, &island.bodies, path);
+        ball.hit_substeps = hit_substeps::of_ball(ball, &island.bodies, path);
         substeps = substeps.max(wanted.max(ball.hit_substeps).min(MAX_SUBSTEPS as f32).ceil() as u32);
     }
-    let wanted = cloth_cloth::hit_substeps(&island.bodies, dt);
+    let wanted = hit_substeps::of_bodies(&island.bodies, dt);
     substeps = substeps.max(wanted.min(MAX_SUBSTEPS as f32).ceil() as u32);
     let h = dt / substeps as f32;
     island.context.substeps = substeps;

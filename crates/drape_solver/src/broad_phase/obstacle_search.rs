@@ -45,6 +45,18 @@ pub(crate) struct Candidate {
     pub planes: Option<u32>,
 }
 
+impl Candidate {
+    /// The lanes of the particles that may touch.
+    pub fn each_lane(self) -> impl Iterator<Item = usize> {
+        (0..LANES).filter(move |lane| self.lanes >> lane & 1 != 0)
+    }
+
+    /// The slot of the particle in a lane.
+    pub fn slot(self, lane: usize) -> usize {
+        self.cell as usize * LANES + lane
+    }
+}
+
 fn candidate(cell: usize, group: u16, lanes: u16, planes: Option<u32>) -> Candidate {
     Candidate { cell: cell as u32, group, lanes, is_touching: false, planes }
 }

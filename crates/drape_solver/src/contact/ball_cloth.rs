@@ -17,20 +17,17 @@
 use glam::Vec3;
 
 use crate::broad_phase::ball_search::{BallAndBody, BallSearch, Corners};
-use crate::constants::{
-    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
-    TETHERLESS_REACH,
-};
+use crate::constants::{PASSING_SLACK, TETHERLESS_REACH};
 use crate::contact::ball_cloth_query::BallClothContact;
 use crate::contact::ccd::Passage;
 use crate::contact::depenetration::{InitialOverlap, PushOutRate};
 use crate::contact::event::{BallProjection, Other, Touch, add_impulse, begin, is_known};
+use crate::contact::hit_substeps::is_near_bounds;
 use crate::contact::impact_zone::BallAndFace;
 use crate::geometry::nearest_triangle::{on_segment, on_triangle, weighted};
 use crate::simd::isa::Isa;
-use crate::state::ball::{Ball, BallMaterial};
+use crate::state::ball::Ball;
 use crate::state::body::Body;
-use crate::state::particle_stats::MassStats;
 use crate::state::particles::Particles;
 use crate::state::substep::Substep;
 
@@ -111,45 +108,6 @@ impl FaceOrLink {
     }
 }
 
-/// How many substeps a ball needs that may meet a cloth on its `path` (metres) in a step; 0 if it meets none.
-///
-/// In a substep `h` a projection gives the ball the momentum `m s / h` where sticks have pulled the patch of cloth in
-/// front of it, of mass `m`, back by `s`. N iterations make N + 1 projections: a spring of stiffness `(N + 1) m / h^2`.
-/// A ball of mass `M` and speed `v` stretches it by `v h sqrt(M / ((N + 1) m))` before it stops. More than a part of
-/// its radius, and the sticks pull the cloth past its middle, and the ball goes through.
-///
-/// The ball is slowed by the hit, and the number would fall while the cloth is still stretched: it is let go only
-/// slowly. It must not grow then, either: that would stiffen a stretched spring, and make energy.
-pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
-    let BallMaterial { radius, mass, .. } = ball.material;
-    let mut wanted = 0.0_f32;
-    for body in bodies.iter().filter(|body| body.layers.interact(ball.layers)) {
-        let (low, high) = body.particles.bounds();
-        let reach = radius + 2.0 * path + CONTACT_MARGIN;
-        if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
-            continue;
-        }
-        let MassStats { free_count, free_mass, .. } = &body.particles.masses;
-        if *free_count == 0 {
-            continue;
-        }
-        // The longest side of a face is the diagonal of its cell; a link of a rope has the ball's width.
-        let side = body.topology.longest_edge.max(f32::MIN_POSITIVE);
-        let covered = if body.topology.faces.is_empty() {
-            2.0 * radius / side
-        } else {
-            // A sweep carries a pull to the next particles only: of a large patch, its rim alone pulls.
-            let across = core::f32::consts::SQRT_2 * radius / side;
-            core::f32::consts::PI * (across * across).min(2.0 * across)
-        };
-        let patch = covered.max(1.0) * (free_mass / *free_count as f64) as f32;
-        let ratio = mass / (patch * (body.settings.iterations + 1) as f32);
-        wanted = wanted.max(path / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());
-        wanted = wanted.max(ball.hit_substeps * HIT_SUBSTEPS_KEPT);
-    }
-    wanted.min(MAX_HIT_SUBSTEPS)
-}
-
 /// Lists the faces and segments that each ball can meet within `dt` seconds, if no particle moves faster
 /// than `speed` (m/s).
 pub(crate) fn detect(
@@ -164,13 +122,13 @@ pub(crate) fn detect(
     search.clear();
     for (body_index, body) in bodies.iter().enumerate() {
         let topology = &body.topology;
-        let (low, high) = body.particles.bounds();
+        let bounds = body.particles.bounds();
         let layers = body.layers;
         for (ball_index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.layers.interact(layers)) {
             // The ball's own reach, the cloth's, and from any point of a face to its nearest corner.
             let reach =
                 ball.reach(dt, gravity) + speed * dt + body.settings.thickness + topology.longest_edge;
-            if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
+            if !is_near_bounds(ball, reach, bounds) {
                 continue;
             }
             let centre = ball.position - body.particles.origin;

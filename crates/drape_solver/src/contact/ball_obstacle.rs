@@ -83,6 +83,15 @@ impl BallObstacle {
         ObstaclePush { obstacle: self.obstacle, point, push, moment }
     }
 
+    /// Adds up the push that moves the ball by `distance` (metres) along the normal, and pushes the mover back.
+    fn give(&mut self, ball: &Ball, distance: f32, mover: Option<&mut Mover>, substep: f32) {
+        let given = self.normal * (distance * ball.material.mass);
+        self.given.push += given;
+        if let Some(mover) = mover {
+            mover.receive(self.gives(ball, given, Vec3::ZERO), substep);
+        }
+    }
+
     /// The plane that a ball meets on its way through the obstacle's coordinates, if that way is so long that the ball may
     /// have the obstacle behind it at the end of the substep.
     fn look_ahead(&self, ball: &Ball, shape: &Shape) -> Option<Plane> {
@@ -179,10 +188,7 @@ pub(crate) fn project(
         let mover = pair.follow(movers);
         let local = pair.now.to_local(ball.position);
         let (plane, shape) = (pair.plane.or(pair.ahead), obstacles[pair.obstacle].shape());
-        let surface_at = |local: Vec3| match plane {
-            Some(plane) => plane.surface(local),
-            None => shape.surface(local),
-        };
+        let surface_at = |local: Vec3| shape.surface_or(plane, local);
         let surface = surface_at(local);
         let depth = ball.material.radius - surface.distance;
         if depth > 0.0 {
@@ -209,11 +215,7 @@ pub(crate) fn project(
             let impulse = fresh * ball.material.mass / substep.duration;
             record(touches, &projection, impulse, substep.index, substep.duration);
             pair.impact.note(gap_change, projection.fraction());
-            let given = pair.normal * (fresh * ball.material.mass);
-            pair.given.push += given;
-            if let Some(mover) = mover {
-                mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
-            }
+            pair.give(ball, fresh, mover, substep.duration);
             ball.project(pair.normal * fresh, pair.normal * push.position_only);
         }
     }
@@ -245,11 +247,7 @@ pub(crate) fn rebound(
         pair.depth += change;
         let impulse = change * ball.material.mass / substep.duration;
         add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);
-        let given = pair.normal * (change * ball.material.mass);
-        pair.given.push += given;
-        if let Some(mover) = mover {
-            mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
-        }
+        pair.give(ball, change, mover, substep.duration);
         ball.displacement += pair.normal * change;
         ball.position += pair.normal * (share * rebound.position);
     }

@@ -10,8 +10,9 @@ use glam::Vec3;
 
 use crate::contact::depenetration::{InitialOverlap, PushOutRate};
 use crate::contact::effective_mass::effective_inverse_mass;
-use crate::contact::mover::Mover;
+use crate::contact::mover::{Mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::Surface;
 use crate::state::body::Body;
@@ -62,21 +63,37 @@ impl Poses {
     }
 }
 
-/// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
-pub(crate) fn kept<'a>(
-    poses: &'a mut Option<Poses>,
-    obstacle: usize,
-    mover: Option<&Mover>,
-    substep: Substep,
-    origin: Vec3,
-) -> &'a Poses {
-    if let Some(mover) = mover {
-        return poses.insert(Poses::of_mover(obstacle, mover, origin));
+/// The poses of the last obstacle that was asked for: contacts are in the order of their obstacles.
+#[derive(Default)]
+pub(crate) struct PoseCache {
+    last: Option<Poses>,
+}
+
+impl PoseCache {
+    /// The poses of an obstacle, in coordinates relative to `origin`. A mover's are worked out anew in each call, as any
+    /// contact may have moved it.
+    pub fn of(&mut self, obstacle: usize, mover: Option<&Mover>, substep: Substep, origin: Vec3) -> &Poses {
+        if let Some(mover) = mover {
+            return self.last.insert(Poses::of_mover(obstacle, mover, origin));
+        }
+        if self.last.as_ref().is_none_or(|known| known.obstacle != obstacle) {
+            self.last = None;
+        }
+        self.last.get_or_insert_with(|| Poses::of(obstacle, substep, origin))
     }
-    if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
-        *poses = None;
+
+    /// The mover that the obstacle is, if it is one, and the obstacle's poses.
+    pub fn with_mover<'m>(
+        &mut self,
+        obstacle: usize,
+        movers: &'m mut [Mover],
+        substep: Substep,
+        origin: Vec3,
+    ) -> (Option<&'m mut Mover>, &Poses) {
+        let mover = mover_mut(movers, obstacle);
+        let poses = self.of(obstacle, mover.as_deref(), substep, origin);
+        (mover, poses)
     }
-    poses.get_or_insert_with(|| Poses::of(obstacle, substep, origin))
 }
 
 /// The surface next to a point: how deep the point is below it, and what it was at the start of the substep.
@@ -110,7 +127,7 @@ impl<const N: usize> CarriedPoint<N> {
 
     /// The mean of some vectors of the carriers.
     pub fn mean(&self, of: impl Fn(usize) -> Vec3) -> Vec3 {
-        mean(self.weights, self.carriers.map(of))
+        weighted(self.weights, self.carriers.map(of))
     }
 
     /// Inverse mass of the point in 1/kg.
@@ -193,11 +210,4 @@ impl<const N: usize> CarriedPoint<N> {
             particles.displacement.add(slot, shift);
         }
     }
-}
-
-/// The sum of `vectors`, each times its weight, from the first to the last.
-pub(crate) fn mean<const N: usize>(weights: [f32; N], vectors: [Vec3; N]) -> Vec3 {
-    let mut terms = vectors.into_iter().zip(weights).map(|(vector, weight)| vector * weight);
-    let first = terms.next().unwrap_or_default();
-    terms.fold(first, |sum, term| sum + term)
 }

@@ -14,11 +14,12 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::contact::carried_point::{CarriedPoint, Poses, SurfaceBelow, kept, mean};
+use crate::contact::carried_point::{CarriedPoint, PoseCache, Poses, SurfaceBelow};
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::face_obstacle::SearchedObstacle;
-use crate::contact::mover::{Mover, mover_mut};
+use crate::contact::mover::Mover;
 use crate::contact::obstacle_push::ObstaclePush;
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::shape::Plane;
 use crate::state::body::Body;
 use crate::state::obstacle::Obstacle;
@@ -75,8 +76,8 @@ impl EmbeddedContacts {
         let (low, high) = searched.shape.local_bounds();
         for &EmbeddedPoint { particles: carriers, weights } in &topology.embedded {
             let carriers = carriers.map(|i| particles.layout.slot(i as usize));
-            let place = mean(weights, carriers.map(|slot| particles.position.get(slot)));
-            let moved = mean(weights, carriers.map(|slot| particles.displacement.get(slot)));
+            let place = weighted(weights, carriers.map(|slot| particles.position.get(slot)));
+            let moved = weighted(weights, carriers.map(|slot| particles.displacement.get(slot)));
             let local = searched.pose.to_local(place);
             let way = way(place, moved, local);
             let path = way.length();
@@ -118,11 +119,9 @@ pub(crate) fn project(
     movers: &mut [Mover],
 ) {
     let rate = PushOutRate::of(substep);
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for contact in &mut contacts.contacts {
-        let mover = mover_mut(movers, contact.point.obstacle);
-        let poses =
-            kept(&mut poses, contact.point.obstacle, mover.as_deref(), substep, body.particles.origin);
+        let (mover, poses) = poses.with_mover(contact.point.obstacle, movers, substep, body.particles.origin);
         contact.project(body, substep.obstacles, poses, mover, rate);
     }
 }
@@ -137,10 +136,8 @@ impl EmbeddedContact {
         rate: PushOutRate,
     ) {
         let shape = obstacles[self.point.obstacle].shape();
-        let surface_at = |local: Vec3| match self.plane {
-            Some(plane) => plane.surface(local),
-            None => shape.surface(local),
-        };
+        let plane = self.plane;
+        let surface_at = |local: Vec3| shape.surface_or(plane, local);
         let thickness = body.settings.thickness;
         let point = self.point.mean(|slot| body.particles.position.get(slot));
         let surface = surface_at(poses.now.to_local(point));
@@ -183,12 +180,11 @@ pub(crate) fn apply_friction(
     movers: &mut [Mover],
 ) {
     let particles = &mut body.particles;
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for EmbeddedContact { point, .. } in
         contacts.contacts.iter_mut().filter(|contact| contact.point.depth > 0.0)
     {
-        let mover = mover_mut(movers, point.obstacle);
-        let poses = kept(&mut poses, point.obstacle, mover.as_deref(), substep, particles.origin);
+        let (mover, poses) = poses.with_mover(point.obstacle, movers, substep, particles.origin);
         point.apply_friction(particles, point.depth, poses, mover, substep, answer);
     }
 }

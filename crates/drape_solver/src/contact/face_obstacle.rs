@@ -20,9 +20,9 @@ use glam::{DVec3, Vec3};
 
 use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
 use crate::contact::ball_cloth::FaceOrLink;
-use crate::contact::carried_point::{CarriedPoint, Poses, SurfaceBelow, kept};
+use crate::contact::carried_point::{CarriedPoint, PoseCache, Poses, SurfaceBelow};
 use crate::contact::depenetration::PushOutRate;
-use crate::contact::mover::{Mover, mover, mover_mut};
+use crate::contact::mover::{Mover, mover};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::nearest::{FaceOrEdge, Nearest};
 use crate::geometry::nearest_triangle::weighted;
@@ -307,10 +307,10 @@ fn deepest(
 /// Forgets the last substep's depths, and follows the deepest points.
 pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: Substep, movers: &[Mover]) {
     let particles = &body.particles;
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for contact in &mut contacts.contacts {
         let obstacle = contact.point.obstacle;
-        let poses = kept(&mut poses, obstacle, mover(movers, obstacle), substep, particles.origin);
+        let poses = poses.of(obstacle, mover(movers, obstacle), substep, particles.origin);
         contact.look(particles, substep.obstacles[obstacle].shape(), poses);
         contact.point.begin_substep();
     }
@@ -319,11 +319,9 @@ pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: S
 /// Moves the faces that an obstacle pokes into out to its surface.
 pub(crate) fn project(contacts: &mut FaceContacts, body: &mut Body, substep: Substep, movers: &mut [Mover]) {
     let rate = PushOutRate::gentle(substep.duration);
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for contact in &mut contacts.contacts {
-        let mover = mover_mut(movers, contact.point.obstacle);
-        let poses =
-            kept(&mut poses, contact.point.obstacle, mover.as_deref(), substep, body.particles.origin);
+        let (mover, poses) = poses.with_mover(contact.point.obstacle, movers, substep, body.particles.origin);
         contact.project(body, substep.obstacles, poses, mover, rate);
     }
 }
@@ -394,10 +392,7 @@ impl FaceContact {
         let local = self.point.mean(|slot| poses.now.to_local(body.particles.position.get(slot)));
         let shape = obstacles[self.point.obstacle].shape();
         let plane = self.ahead.or(self.plane);
-        let surface_at = |local: Vec3| match plane {
-            Some(plane) => plane.surface(local),
-            None => shape.surface(local),
-        };
+        let surface_at = |local: Vec3| shape.surface_or(plane, local);
         let surface = surface_at(local);
         let depth = thickness - surface.distance;
         // A corner is searched as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
@@ -424,11 +419,10 @@ pub(crate) fn apply_friction(
     movers: &mut [Mover],
 ) {
     let Body { particles, settings, .. } = body;
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for FaceContact { point, .. } in contacts.contacts.iter_mut().filter(|contact| contact.point.depth > 0.0)
     {
-        let mover = mover_mut(movers, point.obstacle);
-        let poses = kept(&mut poses, point.obstacle, mover.as_deref(), substep, particles.origin);
+        let (mover, poses) = poses.with_mover(point.obstacle, movers, substep, particles.origin);
         let depth = point.depth.min(settings.thickness);
         point.apply_friction(particles, depth, poses, mover, substep, answer);
     }

@@ -10,10 +10,15 @@ use glam::Vec3;
 use crate::contact::depenetration::{Correction, InitialOverlap, PushOutRate};
 use crate::contact::mover::{Mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
-use crate::contact::particle_obstacle::{ObstacleContacts, Pushes};
+use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup, Pushes};
 use crate::simd::columns::{Cell, LANES};
 use crate::state::body::Body;
 use crate::state::substep::Substep;
+
+/// The mover that a group's obstacle is, if it is one.
+fn mover_of<'a>(group: &ObstacleGroup, movers: &'a mut [Mover]) -> Option<&'a mut Mover> {
+    if group.is_dynamic { mover_mut(movers, group.obstacle) } else { None }
+}
 
 /// Moves particles out of the obstacles that they are in, and those back.
 pub(crate) fn project(
@@ -32,23 +37,19 @@ pub(crate) fn project(
     let ObstacleContacts { groups, candidates, pushes, given, planes, .. } = contacts;
     for ((candidate, pushes), given) in candidates.iter_mut().zip(pushes).zip(given) {
         let group = &groups[usize::from(candidate.group)];
-        let Some(mover) = group.is_dynamic.then(|| mover_mut(movers, group.obstacle)).flatten() else {
-            continue;
-        };
+        let Some(mover) = mover_of(group, movers) else { continue };
         if is_first {
             candidate.is_touching = false;
             *given = Cell::default();
         }
         let shape = substep.obstacles[group.obstacle].shape();
         let mut poses = mover.poses(origin);
-        for lane in (0..LANES).filter(|lane| candidate.lanes >> lane & 1 != 0) {
-            let slot = candidate.cell as usize * LANES + lane;
+        for lane in candidate.each_lane() {
+            let slot = candidate.slot(lane);
             let [before, now] = poses;
             let position = particles.position.get(slot);
-            let surface_at = |local: Vec3| match candidate.planes {
-                Some(place) => planes[place as usize].get(lane).surface(local),
-                None => shape.surface(local),
-            };
+            let plane = candidate.planes.map(|place| planes[place as usize].get(lane));
+            let surface_at = |local: Vec3| shape.surface_or(plane, local);
             let local = now.to_local(position);
             let surface = surface_at(local);
             let depth = thickness - surface.distance;
@@ -111,11 +112,9 @@ pub(crate) fn apply_friction(
         candidates.iter().zip(pushes).zip(given).filter(|((candidate, _), _)| candidate.is_touching);
     for ((candidate, pushes), given) in touching {
         let group = &groups[usize::from(candidate.group)];
-        let Some(mover) = group.is_dynamic.then(|| mover_mut(movers, group.obstacle)).flatten() else {
-            continue;
-        };
+        let Some(mover) = mover_of(group, movers) else { continue };
         for lane in (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0) {
-            let slot = candidate.cell as usize * LANES + lane;
+            let slot = candidate.slot(lane);
             let [before, now] = mover.poses(origin);
             let (position, displacement) = (particles.position.get(slot), particles.displacement.get(slot));
             let slip = displacement - (position - before.point_to_world(now.to_local(position)));

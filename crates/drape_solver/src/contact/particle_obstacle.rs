@@ -83,6 +83,15 @@ impl Pushes {
 }
 
 impl ObstacleContacts {
+    /// Forgets the last step's candidates; the body's particles now have this layout.
+    pub fn clear(&mut self, layout: &Layout) {
+        self.layout = layout.clone();
+        self.groups.clear();
+        self.candidates.clear();
+        self.planes.clear();
+        self.near.clear();
+    }
+
     /// The lists for a search to fill.
     pub fn lists(&mut self) -> CandidateLists<'_> {
         CandidateLists { candidates: &mut self.candidates, planes: &mut self.planes }
@@ -107,8 +116,7 @@ impl ObstacleContacts {
             let obstacle = self.groups[usize::from(candidate.group)].obstacle;
             let touching = (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0);
             touching.map(move |lane| {
-                let slot = candidate.cell as usize * LANES + lane;
-                (obstacle, slot, pushes.normal.get(lane), pushes.depth[lane])
+                (obstacle, candidate.slot(lane), pushes.normal.get(lane), pushes.depth[lane])
             })
         })
     }
@@ -136,7 +144,7 @@ impl ObstacleContacts {
         asking.flat_map(|(candidate, obstacle, given)| {
             let pushed =
                 (0..LANES).map(|lane| (lane, given.get(lane))).filter(|(_, given)| *given != Vec3::ZERO);
-            pushed.map(move |(lane, given)| (obstacle, candidate.cell as usize * LANES + lane, given))
+            pushed.map(move |(lane, given)| (obstacle, candidate.slot(lane), given))
         })
     }
 

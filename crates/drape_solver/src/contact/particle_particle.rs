@@ -14,7 +14,7 @@ use glam::Vec3;
 use crate::broad_phase::cell_list::CellList;
 use crate::broad_phase::relative_motion::Motion;
 use crate::constants::{CONTACT_SLACK, NEIGHBOURS_AT_REST, SKIN};
-use crate::contact::cloth_cloth::{ClothContact, Corner, Penetration, has_triangles};
+use crate::contact::cloth_contact::{ClothContact, Corner, Penetration, has_triangles};
 use crate::contact::depenetration::PushOutRate;
 use crate::state::body::Body;
 

@@ -16,7 +16,7 @@
 
 use glam::Vec3;
 
-use crate::contact::cloth_cloth::Corner;
+use crate::contact::cloth_contact::Corner;
 use crate::contact::effective_mass::effective_inverse_mass;
 use crate::state::body::Body;
 use crate::state::surface_tree::SurfaceElement;

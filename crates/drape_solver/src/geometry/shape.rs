@@ -94,6 +94,14 @@ impl Surface {
 }
 
 impl Shape {
+    /// The surface next to a point: `plane` if one is given, else that of the shape.
+    pub(crate) fn surface_or(&self, plane: Option<Plane>, point: Vec3) -> Surface {
+        match plane {
+            Some(plane) => plane.surface(point),
+            None => self.surface(point),
+        }
+    }
+
     /// A parry shape, as one of the shapes worked out here where there is one.
     ///
     /// The inside of a closed triangle mesh is solid, whichever way its triangles turn; an open one is a thin sheet. What is
