@@ -1,4 +1,6 @@
 //! The contacts of one body with obstacles: by particles, by faces, and by the points of a collision mesh.
+//!
+//! Design: docs/design/obstacles.md.
 
 use glam::Vec3;
 
@@ -139,7 +141,8 @@ impl<'a> BodySearch<'a> {
         let Body { particles, topology, settings, .. } = self.body;
         let obstacle = near.obstacle;
         let reach = settings.thickness + self.fastest + obstacle.travel() + FACE_MARGIN;
-        // Particles look ahead for themselves; faces do where an obstacle is small enough to slip between them.
+        // Particles are swept by themselves; faces are swept where an obstacle is small enough to slip between
+        // particles.
         let is_fast = near.is_fast && obstacle.shape().middle_half_extent() < topology.longest_edge;
         faces.search(particles, topology, settings, near.searched(reach, is_fast));
     }

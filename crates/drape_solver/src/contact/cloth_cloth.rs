@@ -1,11 +1,13 @@
 //! Cloth and ropes against themselves and against each other.
 //!
-//! Where both of two bodies are asked for [triangles](SelfContact::Triangles) they touch by faces and edges
-//! (`contact_triangle_triangle`), else particle by particle (`contact_particle_particle`). Both keep lists of pairs that
-//! are near each other, with a skin, so that a list holds until something has moved through it (Verlet 1967, "Computer
-//! experiments on classical fluids"); and in a list each pair tells by how much motion it sleeps on
-//! (`relative_motion`). Which pairs touch, and in which order they are projected, follows from where the particles are
-//! and not from when the list was made: lists live on from step to step and leave no trace in the bits.
+//! Two bodies that both ask for [triangles](crate::SelfContact::Triangles) touch by faces and edges
+//! (`triangle_triangle.rs`), all others by particles (`particle_particle.rs`). Both keep lists of pairs near each
+//! other. A list has a skin, and holds until something has moved through the skin (Verlet 1967, "Computer experiments
+//! on classical fluids"). Within a list each pair sleeps until enough motion has added up (`relative_motion.rs`). The
+//! places of the particles alone decide which pairs touch and in which order they are projected, so the age of a list
+//! never changes the bits.
+//!
+//! Design: docs/design/self_contact.md.
 
 use glam::Vec3;
 
@@ -25,12 +27,12 @@ pub(crate) struct SelfContacts {
     triangles: TrianglePairs,
 }
 
-/// Whether a rope, or what else has no faces, is among those that touch themselves and others.
+/// True if a body without faces, such as a rope, has self-contact.
 pub(crate) fn is_on_ropes(bodies: &[Body]) -> bool {
     bodies.iter().any(|body| body.has_self_contact() && body.topology.faces().is_empty())
 }
 
-/// Forgets the last substep's contacts, and finds those of this one, once all have flown.
+/// Forgets the contacts of the last substep and finds those of this one. It comes after free flight.
 pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
     let rate = PushOutRate::of(substep);
     let SelfContacts { motion, particles, triangles } = contacts;
@@ -48,7 +50,7 @@ pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], su
     triangles.begin_substep(bodies, motion, rate);
 }
 
-/// Moves apart what overlaps.
+/// Moves overlapping parts apart.
 pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
     let rate = PushOutRate::of(substep);
     let SelfContacts { particles, triangles, .. } = contacts;
@@ -56,27 +58,27 @@ pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep:
     triangles.project(bodies, rate);
 }
 
-/// Friction between all that touched, on what it has slipped past each other in this substep.
+/// Friction between all parts that touched, against their slip in this substep.
 pub(crate) fn apply_friction(contacts: &SelfContacts, bodies: &mut [Body]) {
     contacts.particles.apply_friction(bodies);
     contacts.triangles.apply_friction(bodies);
 }
 
 impl SelfContacts {
-    /// Forgets the contacts of a body that is no more; the next substep lists anew.
+    /// Forgets the contacts of a body that was taken out; the next substep makes new lists.
     pub fn forget(&mut self, body: usize) {
         self.particles.forget(body);
         self.triangles.forget(body);
     }
 
-    /// Whether anything may touch in this substep.
+    /// True if anything may touch in this substep.
     pub fn is_near(&self) -> bool {
         self.particles.is_near() || self.triangles.is_near()
     }
 
-    /// Particles of different bodies that were pushed apart in the last substep: each as its body and slot, the unit normal
-    /// from the second to the first, and the depth in metres, summed over the projections of the substep. Of edges and
-    /// faces, their nearest particles.
+    /// Particles of different bodies that were pushed apart in the last substep: each as its body and slot, the unit
+    /// normal from the second to the first, and the depth in metres, summed over the projections of the substep. Edges
+    /// and faces count as their nearest particles.
     pub fn pushed_bodies(&self) -> impl Iterator<Item = ([(usize, usize); 2], Vec3, f32)> + '_ {
         let particles = self.particles.near().iter().filter_map(ClothContact::pushed_bodies);
         particles.chain(self.triangles.near().iter().filter_map(ClothContact::pushed_bodies))

@@ -1,4 +1,6 @@
 //! A contact between particles of cloths and ropes: the push and the friction of particles, faces and edges alike.
+//!
+//! Design: docs/design/self_contact.md.
 
 use glam::Vec3;
 
@@ -7,7 +9,7 @@ use crate::contact::effective_mass::effective_inverse_mass;
 use crate::state::body::Body;
 use crate::state::settings::SelfContact;
 
-/// Whether it does so by its triangles, where the other does too.
+/// True if the body touches by its triangles, where the other body does so too.
 pub(crate) fn has_triangles(body: &Body) -> bool {
     body.has_self_contact() && body.settings.self_contact == SelfContact::Triangles
 }
@@ -20,14 +22,14 @@ pub(crate) struct Corner {
 }
 
 impl Corner {
-    /// Where it is, relative to `origin`.
+    /// Its position relative to `origin`.
     #[inline]
     pub fn position(self, bodies: &[Body], origin: Vec3) -> Vec3 {
         let particles = &bodies[self.body as usize].particles;
         particles.position.get(self.slot as usize) + (particles.origin - origin)
     }
 
-    /// Where it was when the substep began.
+    /// Its position relative to `origin` when the substep began.
     #[inline]
     pub fn start(self, bodies: &[Body], origin: Vec3) -> Vec3 {
         let (body, slot) = (&bodies[self.body as usize], self.slot as usize);
@@ -40,7 +42,7 @@ impl Corner {
         bodies[self.body as usize].particles.inverse_mass[self.slot as usize]
     }
 
-    /// Moves it in position only.
+    /// Moves it in position only, without a velocity.
     #[inline]
     pub fn shift(self, bodies: &mut [Body], way: Vec3) {
         let (body, slot) = (&mut bodies[self.body as usize], self.slot as usize);
@@ -63,15 +65,15 @@ pub(crate) struct ClothContact<const N: usize> {
     overlap: InitialOverlap,
 }
 
-/// How two things lie that are nearer than they may be.
+/// The geometry of two parts that are nearer than they may be.
 pub(crate) struct Penetration<const N: usize> {
     pub weights: [f32; N],
     pub normal: Vec3,
-    /// Above zero, in metres.
+    /// Penetration depth in metres, above zero.
     pub depth: f32,
-    /// How far the two have moved apart along the normal in this substep so far, in metres.
+    /// Metres that the two have moved apart along the normal in this substep so far.
     pub outward: f32,
-    /// The overlap at the start of the substep, negative if there was none.
+    /// The overlap at the start of the substep in metres, negative if there was none.
     pub at_start: f32,
 }
 
@@ -95,7 +97,7 @@ impl<const N: usize> ClothContact<N> {
         (self.depth > 0.0 && first.0 != second.0).then_some(([first, second], self.normal, self.depth))
     }
 
-    /// Forgets what has happened in the last substep.
+    /// Forgets the last substep.
     pub fn begin_substep(&mut self) {
         *self = Self::new(self.corners, self.apart);
     }
@@ -111,17 +113,18 @@ impl<const N: usize> ClothContact<N> {
         let push = self.overlap.split(depth, outward, || at_start, rate);
         (self.weights, self.normal) = (weights, normal);
         self.depth += push.with_velocity;
-        let [fresh, old] = [push.with_velocity, push.position_only].map(|way| normal * (way / total));
+        let [with_velocity, position_only] =
+            [push.with_velocity, push.position_only].map(|way| normal * (way / total));
         for ((corner, weight), mass) in self.corners.into_iter().zip(weights).zip(masses) {
             let share = weight * mass;
-            // Straight into the displacement, which is finer than the position: momentum is kept.
+            // The displacement resolves finer steps than the position, so the push is added to both: momentum is kept.
             let (body, slot) = (&mut bodies[corner.body as usize], corner.slot as usize);
-            body.particles.displacement.add(slot, fresh * share);
-            corner.shift(bodies, (fresh + old) * share);
+            body.particles.displacement.add(slot, with_velocity * share);
+            corner.shift(bodies, (with_velocity + position_only) * share);
         }
     }
 
-    /// Takes from the slip what friction takes.
+    /// Friction: shortens the slip of this substep.
     pub fn apply_friction(&self, bodies: &mut [Body]) {
         if self.depth == 0.0 {
             return;

@@ -1,4 +1,4 @@
-//! Points that particles carry against obstacles: the corners of a rigid body's collision mesh.
+//! Points that particles carry, against obstacles: the corners of a rigid body's collision mesh.
 //!
 //! ```text
 //!          o x1            p = sum c_i x_i, where the sum of c_i is 1; outside the four, some c_i are negative
@@ -11,6 +11,8 @@
 //!
 //! Of all moves that take `p` out, this one costs the least kinetic energy, `sum |dx_i|^2 / w_i`: the push acts at `p`, so that
 //! momentum and angular momentum are those that it gives. With equal masses it is Jakobsen's formula (2001, section 5).
+//!
+//! Design: docs/design/obstacles.md.
 
 use glam::{DVec3, Vec3};
 
@@ -36,8 +38,8 @@ pub(crate) struct EmbeddedContacts {
 #[derive(Clone, Copy, Debug)]
 struct EmbeddedContact {
     point: CarriedPoint<4>,
-    /// What the point will run into, or the surface near it, in the obstacle's coordinates, where asking the shape each
-    /// time would be wrong or slow.
+    /// The plane that the point will run into, or the surface near it, in the obstacle's coordinates. None if each
+    /// substep queries the shape itself.
     plane: Option<Plane>,
 }
 
@@ -55,14 +57,14 @@ impl EmbeddedContacts {
         self.contacts.clear();
     }
 
-    /// What obstacles have given in the last substep.
+    /// The pushes of obstacles in the last substep.
     pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = ObstaclePush> + 'a {
         let given = self.contacts.iter().filter(|contact| contact.point.given != Vec3::ZERO);
         given.map(|contact| shared(&contact.point, particles, contact.point.given))
     }
 
-    /// Lists the points that may touch an obstacle. `way` tells where a point that is here and moves so in a substep gets in
-    /// the step, in the obstacle's coordinates.
+    /// Lists the points that may touch an obstacle. `way` takes a point's position, its displacement in a substep and
+    /// its place in the obstacle's coordinates, and returns its way through the step in these coordinates.
     pub fn search(
         &mut self,
         particles: &Particles,
@@ -71,7 +73,7 @@ impl EmbeddedContacts {
         searched: SearchedObstacle,
         way: impl Fn(Vec3, Vec3, Vec3) -> Vec3,
     ) {
-        // As much as one obstacle can ask for, at once.
+        // Reserves for all points at once, so that points that come near one by one do not allocate one by one.
         self.contacts.reserve(topology.embedded.len());
         let (low, high) = searched.shape.local_bounds();
         for &EmbeddedPoint { particles: carriers, weights } in &topology.embedded {
@@ -148,17 +150,17 @@ impl EmbeddedContact {
                 poses,
                 mover,
                 rate,
-                answer,
+                reaction,
             );
         }
     }
 }
 
-fn answer(point: &CarriedPoint<4>, particles: &Particles, _: Vec3, push: Vec3) -> ObstaclePush {
+fn reaction(point: &CarriedPoint<4>, particles: &Particles, _: Vec3, push: Vec3) -> ObstaclePush {
     shared(point, particles, push)
 }
 
-/// A push (kg m) on the point, as it comes to the carriers that are not held.
+/// The share of a push (kg m) on the point that moves its unpinned carriers.
 fn shared(point: &CarriedPoint<4>, particles: &Particles, push: Vec3) -> ObstaclePush {
     let (mut free, mut moment) = (0.0, DVec3::ZERO);
     for (slot, weight) in point.carriers.into_iter().zip(point.weights) {
@@ -172,7 +174,7 @@ fn shared(point: &CarriedPoint<4>, particles: &Particles, push: Vec3) -> Obstacl
     ObstaclePush { obstacle: point.obstacle, point: place, push: push * free, moment: Vec3::ZERO }
 }
 
-/// Friction at the points, on what they have slipped in this substep.
+/// Friction at the points, against their slip in this substep.
 pub(crate) fn apply_friction(
     contacts: &mut EmbeddedContacts,
     body: &mut Body,
@@ -185,6 +187,6 @@ pub(crate) fn apply_friction(
         contacts.contacts.iter_mut().filter(|contact| contact.point.depth > 0.0)
     {
         let (mover, poses) = poses.with_mover(point.obstacle, movers, substep, particles.origin);
-        point.apply_friction(particles, point.depth, poses, mover, substep, answer);
+        point.apply_friction(particles, point.depth, poses, mover, substep, reaction);
     }
 }

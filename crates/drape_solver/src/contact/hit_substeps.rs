@@ -1,4 +1,6 @@
 //! The number of substeps that fast or heavy things need, so that none passes through a cloth.
+//!
+//! Design: docs/design/ball_cloth.md.
 
 use glam::Vec3;
 
@@ -8,18 +10,18 @@ use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::Body;
 use crate::state::particle_stats::MassStats;
 
-/// The part of an edge's length that two bodies may fly at each other in a substep.
+/// Greatest approach of two bodies in a substep, in lengths of an edge.
 const PATH_OF_SUBSTEP: f32 = 0.25;
 
-/// How many substeps a ball needs that may meet a cloth on its `path` (metres) in a step; 0 if it meets none.
+/// The number of substeps for a ball that may meet a cloth on its `path` (metres) in a step; 0 if it meets none.
 ///
-/// In a substep `h` a projection gives the ball the momentum `m s / h` where sticks have pulled the patch of cloth in
-/// front of it, of mass `m`, back by `s`. N iterations make N + 1 projections: a spring of stiffness `(N + 1) m / h^2`.
-/// A ball of mass `M` and speed `v` stretches it by `v h sqrt(M / ((N + 1) m))` before it stops. More than a part of
-/// its radius, and the sticks pull the cloth past its middle, and the ball goes through.
+/// In a substep `h` sticks pull the patch of cloth in front of the ball, of mass `m`, back by `s`, and a projection
+/// then gives the ball the momentum `m s / h`. N iterations make N + 1 projections, which act as a spring of stiffness
+/// `(N + 1) m / h^2`. A ball of mass `M` and speed `v` stretches it by `v h sqrt(M / ((N + 1) m))` before it stops. If
+/// that is more than a part of its radius, the sticks pull the cloth past its middle, and the ball passes through.
 ///
-/// The ball is slowed by the hit, and the number would fall while the cloth is still stretched: it is let go only
-/// slowly. It must not grow then, either: that would stiffen a stretched spring, and make energy.
+/// The hit slows the ball, and the number would fall while the cloth is still stretched, so it falls only slowly. It
+/// must not grow then, either: that would stiffen a stretched spring and make energy.
 pub(crate) fn of_ball(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
     let BallMaterial { radius, mass, .. } = ball.material;
     let mut wanted = 0.0_f32;
@@ -32,12 +34,12 @@ pub(crate) fn of_ball(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
         if *free_count == 0 {
             continue;
         }
-        // The longest side of a face is the diagonal of its cell; a link of a rope has the ball's width.
+        // The longest side of a face is the diagonal of its square; a rope lies across the width of the ball.
         let side = body.topology.longest_edge.max(f32::MIN_POSITIVE);
         let covered = if body.topology.faces.is_empty() {
             2.0 * radius / side
         } else {
-            // A sweep carries a pull to the next particles only: of a large patch, its rim alone pulls.
+            // A sweep carries a pull to the next particles only, so only the rim of a large patch pulls.
             let across = core::f32::consts::SQRT_2 * radius / side;
             core::f32::consts::PI * (across * across).min(2.0 * across)
         };
@@ -49,8 +51,9 @@ pub(crate) fn of_ball(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
     wanted.min(MAX_HIT_SUBSTEPS)
 }
 
-/// How many substeps two bodies need that fly at each other: what passes deep through sheds its velocity on many corners
-/// that have passed as well, and no order of projections sorts them out; shallow passages are led back.
+/// The number of substeps for bodies that fly at each other. A corner that passes deep through another cloth shares its
+/// velocity with many corners that have passed as well, and no order of projections separates them; shallow passages
+/// are moved back.
 pub(crate) fn of_bodies(bodies: &[Body], dt: f32) -> f32 {
     let mut wanted = 0.0_f32;
     for (place, a) in bodies.iter().enumerate().filter(|(_, body)| has_triangles(body)) {
@@ -64,7 +67,7 @@ pub(crate) fn of_bodies(bodies: &[Body], dt: f32) -> f32 {
             }
             let edge = a.topology.longest_edge.min(b.topology.longest_edge);
             let most = apart.max(PATH_OF_SUBSTEP * edge);
-            // The exact speed is worth a look at all particles only where it may matter.
+            // The exact speed costs a pass over all particles, so it is computed only where it may matter.
             if path > most {
                 let way = a.particles.mean_velocity() - b.particles.mean_velocity();
                 wanted = wanted.max(way.length() * dt / most);

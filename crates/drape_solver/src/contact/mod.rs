@@ -1,6 +1,7 @@
 //! The narrow phase: each file handles one kind of contact, from detection to projection and friction.
 //!
-//! Imports: `broad_phase` and below. A contact owns its scratch, and is handed the bodies and balls that it works on. Callers: `substep` and `step`.
+//! Imports: `broad_phase` and below. A contact owns its scratch and is handed the bodies and balls that it works on.
+//! Callers: `substep` and `step`.
 
 pub(crate) mod ball_ball;
 pub(crate) mod ball_cloth;

@@ -1,9 +1,11 @@
-//! Particles against obstacles that are moved by what hits them: one by one, each push shared out by inverse masses.
+//! Particles against movers, one by one: inverse masses split each push between particle and obstacle.
 //!
-//! As [`contact_particle_obstacle`](crate::contact::particle_obstacle) has it, but for the normal push: the particle, of
-//! inverse mass `w`, takes the part `w / (w + W)` of the depth, where `W` is the obstacle's inverse mass at the point of
-//! contact, and the obstacle the rest. The next particle meets the obstacle where that has brought it. Where many push at
-//! once, the first have pushed too much: later projections take that back, down to no push at all (projected Gauss-Seidel).
+//! This differs from [`particle_obstacle`](crate::contact::particle_obstacle) in the normal push: the particle, of
+//! inverse mass `w`, takes the part `w / (w + W)` of the depth and the obstacle the rest, where `W` is the obstacle's
+//! inverse mass at the contact point. The next particle sees the obstacle in its new pose. If many particles push, the
+//! first push too much; later projections take that back, down to no push at all (projected Gauss-Seidel).
+//!
+//! Design: docs/design/dynamic_obstacles.md.
 
 use glam::Vec3;
 
@@ -20,7 +22,7 @@ fn mover_of<'a>(group: &ObstacleGroup, movers: &'a mut [Mover]) -> Option<&'a mu
     if group.is_dynamic { mover_mut(movers, group.obstacle) } else { None }
 }
 
-/// Moves particles out of the obstacles that they are in, and those back.
+/// Moves particles out of movers, and the movers back.
 pub(crate) fn project(
     contacts: &mut ObstacleContacts,
     body: &mut Body,
@@ -77,17 +79,17 @@ pub(crate) fn project(
             let inverse_mass = particles.inverse_mass[slot];
             let place = origin + position;
             let share = inverse_mass / (inverse_mass + mover.inverse_mass_at(place, normal));
-            // Others have pushed the obstacle away since: what was too much is taken back.
-            let fresh = (push.with_velocity * share).max(-pushed);
-            let moved = normal * fresh;
-            pushes.depth[lane] += fresh;
+            // Other particles may have pushed the obstacle away since: the excess of earlier pushes is taken back.
+            let distance = (push.with_velocity * share).max(-pushed);
+            let moved = normal * distance;
+            pushes.depth[lane] += distance;
             pushes.normal.set(lane, normal);
             given.set(lane, given.get(lane) + moved);
             particles.displacement.add(slot, moved);
-            let out = normal * (fresh + push.position_only);
+            let out = normal * (distance + push.position_only);
             particles.position.add(slot, out);
             context.integrated.add(slot, out);
-            // A push adds to the whole way of the substep, and so acts where that began.
+            // A push changes the displacement of the whole substep, so it acts where the displacement began.
             let begun = (place - travel).as_dvec3();
             mover.receive(ObstaclePush::at(begun, group.obstacle, moved / inverse_mass), substep.duration);
             poses = mover.poses(origin);
@@ -95,7 +97,7 @@ pub(crate) fn project(
     }
 }
 
-/// Friction on what particles have slipped on such obstacles in this substep.
+/// Friction against the slip of particles on movers in this substep.
 pub(crate) fn apply_friction(
     contacts: &mut ObstacleContacts,
     body: &mut Body,

@@ -1,4 +1,6 @@
 //! Two triangles or links that may touch: which of their corners and edges are tested, and how these overlap.
+//!
+//! Design: docs/design/self_contact.md.
 
 use glam::Vec3;
 
@@ -10,19 +12,20 @@ use crate::geometry::nearest_triangle::{on_triangle, weighted};
 use crate::state::body::Body;
 use crate::state::surface_tree::SurfaceElement;
 
-/// Two elements and what of them is looked at.
+/// Two elements, and the parts of them that are tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Pair {
     pub bodies: [u32; 2],
     pub elements: [u32; 2],
-    /// Bits of corners of the first on the second's face (0 to 2) and the other way round (3 to 5), of edge `j` on edge
-    /// `k` (6 + 3 j + k), and of whether they may cross (15).
+    /// One bit for each tested part: corners of the first on the face of the second (0 to 2), corners of the second on
+    /// the face of the first (3 to 5), edge `j` on edge `k` (6 + 3 j + k). Bit 15 is set if the two may cross.
     pub parts: u16,
 }
 
 pub(crate) const MAY_CROSS: u16 = 1 << 15;
 
-/// What touches: the first corner the face of the others, or the first two the last two.
+/// The parts that touch: the first corner and the face of the others, or the edge of the first two and that of the last
+/// two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     CornerFace,
@@ -47,20 +50,20 @@ impl Pair {
         self.bodies.iter().map(|&body| bodies[body as usize].settings.thickness).sum()
     }
 
-    pub fn for_each_part(&self, bodies: &[Body], mut look: impl FnMut(Kind, [Corner; 4])) {
+    pub fn for_each_part(&self, bodies: &[Body], mut visit: impl FnMut(Kind, [Corner; 4])) {
         let [a, b] = self.corners(bodies);
         for k in 0..3 {
             if self.parts & (1 << k) != 0 {
-                look(Kind::CornerFace, [a[k], b[0], b[1], b[2]]);
+                visit(Kind::CornerFace, [a[k], b[0], b[1], b[2]]);
             }
             if self.parts & (8 << k) != 0 {
-                look(Kind::CornerFace, [b[k], a[0], a[1], a[2]]);
+                visit(Kind::CornerFace, [b[k], a[0], a[1], a[2]]);
             }
         }
         for (j, k) in (0..3).flat_map(|j| (0..3).map(move |k| (j, k))) {
             if self.parts & edge_part(j, k) != 0 {
                 let ([p, q], [r, s]) = (SurfaceElement::edge(j), SurfaceElement::edge(k));
-                look(Kind::EdgeEdge, [a[p], a[q], b[r], b[s]]);
+                visit(Kind::EdgeEdge, [a[p], a[q], b[r], b[s]]);
             }
         }
     }
@@ -81,15 +84,15 @@ impl Kind {
         }
     }
 
-    /// How the two overlap, if they do.
-    pub fn meet(self, passage: Passage, apart: f32) -> Option<Penetration<4>> {
+    /// The penetration of the two, if they overlap.
+    pub fn penetration(self, passage: Passage, apart: f32) -> Option<Penetration<4>> {
         let slack = CRACK_SLACK * apart;
         let passed = match self {
             Self::CornerFace => face_passed(&passage, slack),
             Self::EdgeEdge => edges_passed(&passage, slack),
         };
         let Passage { start, now } = passage;
-        let meeting = |weights, normal: Vec3, height: f32| Penetration {
+        let overlap = |weights, normal: Vec3, height: f32| Penetration {
             weights,
             normal,
             depth: apart - height,
@@ -98,22 +101,22 @@ impl Kind {
         };
         if let Some((weights, normal)) = passed {
             let height = weighted(weights, now).dot(normal);
-            return (height < apart).then(|| meeting(weights, normal, height));
+            return (height < apart).then(|| overlap(weights, normal, height));
         }
         let weights = self.nearest(now);
         let way = weighted(weights, now);
         let distance_squared = way.length_squared();
-        // What touches without a distance has no direction: it is left to others around.
+        // Parts at a distance of zero have no direction: contacts around them move them apart.
         if distance_squared >= apart * apart || distance_squared == 0.0 {
             return None;
         }
         let distance = distance_squared.sqrt();
-        Some(meeting(weights, way / distance, distance))
+        Some(overlap(weights, way / distance, distance))
     }
 }
 
-/// How far beside a triangle or an edge the way may lead that still passes it, in distances that are kept: closes the
-/// cracks between them.
+/// A way that leads past a triangle or an edge at most this far beside it passes through it, in distances that contacts
+/// keep. This closes the cracks between triangles.
 const CRACK_SLACK: f32 = 0.1;
 
 fn corners_of(element: &SurfaceElement, body: u32) -> [Corner; 3] {
@@ -124,7 +127,7 @@ fn edge_part(j: usize, k: usize) -> u16 {
     1 << (6 + 3 * j + k)
 }
 
-/// What is looked at of two elements that have nothing to do with each other at rest.
+/// The parts that are tested of two elements that are not neighbours at rest.
 pub(crate) fn all_parts([a, b]: [&SurfaceElement; 2]) -> u16 {
     let mut parts = 0;
     if b.is_face() {
@@ -142,7 +145,7 @@ pub(crate) fn all_parts([a, b]: [&SurfaceElement; 2]) -> u16 {
     if a.is_face() || b.is_face() { parts | MAY_CROSS } else { parts }
 }
 
-/// The same for two elements of one body: without what shares a corner, or is as near at rest.
+/// The same for two elements of one body, without parts that share a corner or are near at rest.
 pub(crate) fn own_parts(body: &Body, elements: [usize; 2]) -> u16 {
     let topology = &body.topology;
     let [a, b] = elements.map(|place| &topology.surface_tree().elements[place]);

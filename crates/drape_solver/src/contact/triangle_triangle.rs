@@ -10,10 +10,12 @@
 //!     /--+--\                 o
 //! ```
 //!
-//! What has passed through within the substep is led back to the side that it came from: then the normal is that of the
-//! place and time of passing. Layers that cross when a substep begins have no such side. There contacts would hold the
-//! tangle fast, so those whose corners all lie at a crossing are let be, and the crossing is led apart instead, in
-//! position only (`crossing`).
+//! Parts that have passed through within the substep are moved back to their own side: the normal is then that of the
+//! place and time of passing. Layers that cross when a substep begins have no such side, and contacts would hold them
+//! tangled. So contacts whose corners all lie at a crossing are skipped, and the crossing is moved apart instead, in
+//! position only (`untangle.rs`).
+//!
+//! Design: docs/design/self_contact.md.
 
 use glam::Vec3;
 
@@ -32,31 +34,32 @@ use crate::state::body::Body;
 /// The triangles of an island that may touch each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TrianglePairs {
-    /// Of each body, where the patches and the particles are, the latter by slot.
+    /// For each body, the boxes of its patches.
     trees: Vec<PlacedTree>,
+    /// For each body, the places of its particles, by slot.
     places: Vec<Vec<CornerPlaces>>,
     pairs: Vec<Pair>,
-    /// For each pair the relative motion from which on it has to be looked at again.
+    /// For each pair the relative motion in metres at which it must be tested again.
     wake_at: Vec<f32>,
-    /// Relative motion up to which the list holds; none if there is no list.
+    /// Relative motion in metres up to which the list holds; none if there is no list.
     holds_until: Option<f32>,
-    /// Relative motion up to which those found near are all that may touch.
+    /// Relative motion in metres up to which `near` holds all that may touch.
     found_until: f32,
-    /// Pairs that are near enough to be looked at.
+    /// Pairs that are near enough to be tested.
     awake: Vec<Awake>,
     /// Edges through faces, when the substep began.
     crossings: Vec<CrossedFaces>,
-    /// For each body its slots at a crossing, and a list of those.
+    /// For each body and slot, true at a crossing; and a list of these slots.
     is_crossing: Vec<Vec<bool>>,
     crossing_slots: Vec<Corner>,
-    /// What may touch in this substep.
+    /// Contacts that may touch in this substep.
     near: Vec<ClothContact<4>>,
     kinds: Vec<Kind>,
-    /// How often the projections may still be repeated in this step.
+    /// The number of repeated projections that are left in this step.
     repeats_left: u32,
 }
 
-/// Where a particle was when the substep began, and is after its flight.
+/// The place of a particle when the substep began, and after free flight.
 #[derive(Clone, Copy, Debug)]
 struct CornerPlaces {
     start: Vec3,
@@ -66,7 +69,7 @@ struct CornerPlaces {
 #[derive(Clone, Copy, Debug)]
 struct Awake {
     pair: Pair,
-    /// How far the two could come nearer in the flight of this substep, in metres.
+    /// Greatest approach of the two in this substep's free flight, in metres.
     flight: f32,
 }
 
@@ -90,12 +93,12 @@ impl TrianglePairs {
         }
     }
 
-    /// Whether anything may touch in this substep.
+    /// True if anything may touch in this substep.
     pub fn is_near(&self) -> bool {
         !self.near.is_empty()
     }
 
-    /// Those that may touch in this substep.
+    /// Contacts that may touch in this substep.
     pub fn near(&self) -> &[ClothContact<4>] {
         &self.near
     }
@@ -105,13 +108,13 @@ impl TrianglePairs {
         self.pairs.len()
     }
 
-    /// Finds what may touch in this substep, and leads crossings apart.
+    /// Finds contacts that may touch in this substep, and moves crossings apart.
     pub fn begin_substep(&mut self, bodies: &mut [Body], motion: &RelativeMotion, rate: PushOutRate) {
         if !bodies.iter().any(has_triangles) {
             self.clear();
             return;
         }
-        // Anew in each step, so that no step knows of another.
+        // Each step makes new lists, so that no step depends on another.
         let now = motion.of_step.now;
         if rate.is_first() {
             self.repeats_left = MOST_REPEATS;
@@ -127,7 +130,7 @@ impl TrianglePairs {
             self.near.iter_mut().for_each(ClothContact::begin_substep);
         }
         let way = UNTANGLING_SPEED * rate.substep();
-        self.crossings.iter().for_each(|crossing| crossing.lead_apart(bodies, way));
+        self.crossings.iter().for_each(|crossing| crossing.move_apart(bodies, way));
     }
 
     fn note_places(&mut self, bodies: &[Body]) {
@@ -200,7 +203,7 @@ impl TrianglePairs {
                 });
             }
         }
-        // So that the order in which they are projected does not tell when they were listed.
+        // Sorted, so that the order of projections does not depend on when the pairs were listed.
         pairs.sort_unstable();
         wake_at.resize(pairs.len(), f32::NEG_INFINITY);
     }
@@ -243,7 +246,7 @@ impl TrianglePairs {
         }
     }
 
-    /// Picks the parts of those that may touch, before things have moved by the slack of substeps.
+    /// Picks the parts that may touch before anything has moved by the slack of substeps.
     fn find_near(&mut self, bodies: &[Body], motion: &Motion) {
         let Self { places, awake, is_crossing, near, kinds, .. } = self;
         near.clear();
@@ -271,8 +274,9 @@ impl TrianglePairs {
         }
     }
 
-    /// Moves apart what overlaps, and back what has passed: again and again while something has, as what leads one back
-    /// may push another through. A heap that no order of projections sorts out is left to the next steps.
+    /// Moves overlapping parts apart, and parts that have passed back. It repeats while anything has passed, because
+    /// moving one part back may push another through. A heap that no order of projections separates is left to the next
+    /// steps.
     pub fn project(&mut self, bodies: &mut [Body], rate: PushOutRate) {
         for _ in 1..MOST_PASSES {
             if !self.project_once(bodies, rate) || self.repeats_left == 0 {
@@ -290,7 +294,7 @@ impl TrianglePairs {
         for (contact, &kind) in self.near.iter_mut().zip(&self.kinds) {
             let now = contact.corners.map(|corner| corner.position(bodies, origin));
             let start = contact.corners.map(|corner| corner.start(bodies, origin));
-            if let Some(found) = kind.meet(Passage { start, now }, contact.apart) {
+            if let Some(found) = kind.penetration(Passage { start, now }, contact.apart) {
                 has_passed |= found.depth > contact.apart;
                 contact.push(bodies, rate, found);
             }
@@ -298,19 +302,19 @@ impl TrianglePairs {
         has_passed
     }
 
-    /// Friction between what touched.
+    /// Friction between parts that touched.
     pub fn apply_friction(&self, bodies: &mut [Body]) {
         self.near.iter().for_each(|contact| contact.apply_friction(bodies));
     }
 }
 
-/// Projections of a substep at most, where things pass each other.
+/// Greatest number of projections in a substep in which parts pass each other.
 const MOST_PASSES: u32 = 32;
 
-/// Repeated projections of a step at most, over all of its substeps.
+/// Greatest number of repeated projections in a step, over all of its substeps.
 const MOST_REPEATS: u32 = 256;
 
-/// Bound on how far two elements whose corners move by these ways come nearer.
+/// Upper bound in metres on the approach of two elements whose corners move by these ways.
 fn greatest_approach([a, b]: [[Vec3; 3]; 2]) -> f32 {
     let between = a.iter().flat_map(|p| b.iter().map(move |q| p.distance_squared(*q)));
     between.fold(0.0, f32::max).sqrt()
