@@ -1,4 +1,6 @@
-//! What the stages of a substep read and write, and what each does to some strips of a body.
+//! The work of each stage on some strips of a body, and the data that stages read and write.
+//!
+//! Design: docs/design/sweeps_and_threads.md.
 
 use core::ops::Range;
 
@@ -14,14 +16,14 @@ use crate::simd::rows::Rows;
 use crate::state::topology::{BatchSticks, StickBatch};
 use crate::substep::plan::StripStage;
 
-/// Some strips of a body at work: all, or those above or below a cut.
+/// Some strips of a body: all, or those above or below a cut.
 pub(crate) struct Work<'a> {
-    /// Of the body's, the first strip here.
+    /// Index in the body of the first strip here.
     pub first_strip: usize,
     pub cells_of_strip: usize,
     pub moving: MovingColumns<'a>,
     pub contacts: ObstacleRows<'a>,
-    /// What listed sticks are relaxed in; none where the body is cut, as one with listed sticks never is.
+    /// The rows in which listed sticks are relaxed. None in a part of a body: a body with listed sticks is never cut.
     pub rows: Option<&'a mut Rows>,
     pub rest: BodyColumns<'a>,
 }
@@ -43,7 +45,7 @@ impl Work<'_> {
         low
     }
 
-    /// Cuts it in two above `strip`.
+    /// Splits it in two above `strip`.
     pub fn split_at(&mut self, strip: usize) -> (Work<'_>, Work<'_>) {
         let &mut Self { first_strip, cells_of_strip, rest, .. } = self;
         let cells = ((strip - first_strip) * cells_of_strip).min(self.moving.position.len());
