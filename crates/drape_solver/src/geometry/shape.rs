@@ -93,6 +93,14 @@ impl Surface {
 }
 
 impl Shape {
+    /// The surface next to a point: `plane` if one is given, else that of the shape.
+    pub(crate) fn surface_or(&self, plane: Option<Plane>, point: Vec3) -> Surface {
+        match plane {
+            Some(plane) => plane.surface(point),
+            None => self.surface(point),
+        }
+    }
+
     /// Converts a parry shape; common ones become shapes with a formula.
     ///
     /// The inside of a closed triangle mesh is solid, however its triangles are wound; an open one is a thin sheet.

@@ -9,7 +9,9 @@
 //! An island walks the list [stage by stage](crate::step), span by span, so that a schedule may run systems of its own
 //! between the spans. A body that nothing but obstacles can touch walks the same list in
 //! [sweeps](crate::substep::sweep) down its strips: its [plan](crate::substep::plan) is made from this list. To add a
-//! stage, add it here and say in `step.rs` (of an island) or in `sweep.rs` (of a body) what it does.
+//! stage, add it here and write its code in `step.rs` (island) or in `work.rs` (strips of a body).
+//!
+//! Design: docs/design/relaxation.md.
 
 /// A stage of a substep that one body takes by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,9 +22,9 @@ pub(crate) enum BodyStage {
     Integrate,
     /// The moving frame takes the particles along.
     Carry,
-    /// Pins get the displacement of the way that they went.
+    /// Pins get the displacement of their move.
     NotePins,
-    /// Contacts of faces and of embedded points follow their deepest points.
+    /// Contacts of faces follow their deepest points; all of them forget the last substep.
     BeginContacts,
     FaceContacts,
     EmbeddedContacts,
@@ -41,9 +43,9 @@ pub(crate) enum BodyStage {
     FaceFriction,
     EmbeddedFriction,
     DynamicFriction,
-    /// Limits on motion have the last word.
+    /// Limits on motion come last.
     Limits,
-    /// The motion of the frame is taken off the displacements.
+    /// The motion of the frame is subtracted from the displacements.
     Leave,
 }
 
@@ -53,9 +55,10 @@ pub(crate) enum IslandStage {
     BeginMovers,
     IntegrateBalls,
     BeginContacts,
-    /// Ropes against themselves and each other: one turn of a knot holds all that hangs on it, so they meet in each iteration.
+    /// Ropes against themselves and each other: one turn of a knot holds all that hangs on it, so they are projected in
+    /// each iteration.
     RopeContacts,
-    /// Cloth against cloth and the obstacles below, in turn: dear, and as good once a substep, after the sticks.
+    /// Cloth against cloth and the obstacles below, in turn: expensive, and as good once a substep, after the sticks.
     ClothContacts,
     BallClothContacts,
     BallBallContacts,
@@ -160,7 +163,7 @@ impl Default for Order {
 pub(crate) struct Span {
     pub stages: &'static [Stages],
     pub projection: u32,
-    /// Stages of a body that the substep has before this span.
+    /// The number of stages of a body before this span.
     pub first: usize,
 }
 
@@ -177,7 +180,7 @@ impl Order {
         spans(parts, index, body_stages(self.integrate) + index as usize * length)
     }
 
-    /// The end of the relaxation of so many iterations.
+    /// The end of a relaxation of this many iterations.
     pub fn relaxed(self, iterations: u32) -> [Span; 1] {
         spans([self.relaxed], iterations, self.iteration(iterations)[0].first)
     }
@@ -188,7 +191,7 @@ impl Order {
         spans([self.cloth, self.contacts, self.velocities], iterations, first)
     }
 
-    /// The stages of one body through a whole substep of so many iterations, each with its projection.
+    /// The stages of one body through a whole substep of this many iterations, each with the number of its projection.
     pub fn of_body(self, iterations: u32) -> impl Iterator<Item = (BodyStage, u32)> {
         let relax = (0..iterations).flat_map(move |index| self.iteration(index));
         let all = self.integrate().into_iter().chain(relax).chain(self.relaxed(iterations));
