@@ -1,7 +1,7 @@
-//! Vectors as three numbers each. With the feature `serde` of glam all of Bevy would be built once more.
+//! Vectors written as three numbers each. The `serde` feature of glam would rebuild all of Bevy.
 
 use bevy::math::Vec3;
-use serde::{Deserializer, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub(crate) fn serialize<S: Serializer>(vector: &Vec3, serializer: S) -> Result<S::Ok, S::Error> {
     vector.to_array().serialize(serializer)

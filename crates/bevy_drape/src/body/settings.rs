@@ -1,64 +1,64 @@
-//! How bodies are stepped: a component for one body, a resource for all others.
+//! Solver settings: a component for one body, a resource for all others.
 
 use bevy::prelude::*;
 use drape_solver::state::settings as solver;
 
-/// Which formula moves the ends of a stick to its rest length.
+/// Formula that moves the ends of a stick to its rest length.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StickProjection {
-    /// The exact projection: one square root a stick.
+    /// The exact projection: one square root per stick.
     #[default]
     Exact,
-    /// One Newton step and no square root: right to second order in the strain.
+    /// One Newton step without a square root: exact to second order in the strain.
     SquareRootFree,
 }
 
-/// How structural sticks are brought to their rest lengths.
+/// Method that brings structural sticks to their rest lengths.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StructuralSolve {
-    /// One stick after another, as all other sticks.
+    /// One stick after another, like all other sticks.
     #[default]
     Sweeps,
-    /// Each row and each column of a cloth, and a rope, directly as a chain: in equal time a tenth of the stretch, from
-    /// 8 substeps on. Soft sticks and small bodies are swept.
+    /// Solves each row and each column of a cloth, and each rope, directly as a chain: a tenth of the stretch in equal
+    /// time, from 8 substeps on. Soft sticks and small bodies are swept.
     Lines,
 }
 
-/// How a body touches itself, and others that have this on. What it costs and gives stands at the
-/// [solver's](solver::SelfContact).
+/// Contact of a body with itself, and with other bodies that have this on. The [solver's](solver::SelfContact) docs
+/// give costs and benefits.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SelfContact {
-    /// Not at all.
+    /// None.
     #[default]
     Off,
-    /// Particle by particle: for cloth as thick as its particles are apart.
+    /// Particle against particle: for cloth as thick as its particles are apart.
     Particles,
-    /// By faces, links and edges: for thin cloth, ropes, and layers that move fast.
+    /// Faces, links and edges: for thin cloth, ropes, and layers that move fast.
     Triangles,
 }
 
-/// How well a body is to be solved: `SolverSettings::from(Quality::High)`. What it costs and gives stands at the
-/// [solver's](solver::Quality).
+/// Quality of the solution: `SolverSettings::from(Quality::High)`. The [solver's](solver::Quality) docs give costs and
+/// benefits.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum Quality {
-    /// For what is far away or small.
+    /// For distant or small bodies.
     Low,
-    /// What [`SolverSettings::default`] is.
+    /// Equal to [`SolverSettings::default`].
     #[default]
     Medium,
-    /// For what must not stretch: rows and columns of cloth are solved as chains.
+    /// For bodies that must not stretch: solves rows and columns of cloth as chains.
     High,
 }
 
-/// How a body is stepped: accuracy, damping and surface. A body without this component uses
-/// [`DefaultSolverSettings`]. Values out of range leave the body out of the simulation, with an error logged.
+/// Settings of one body: accuracy, damping and surface. A body without this component uses [`DefaultSolverSettings`].
+/// With values out of range the body is left out of the simulation and an error is logged.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -67,25 +67,26 @@ pub struct SolverSettings {
     pub substeps: u32,
     /// Relaxation iterations per substep, 1 to 1024. Even numbers run as symmetric pairs.
     pub iterations: u32,
-    /// Strain below which relaxation stops before its last iteration, from 0 (never) to 1. It pays from some 8
+    /// Strain below which relaxation stops before its last iteration, from 0 (never) to 1. It pays from about 8
     /// iterations on.
     pub tolerance: f32,
     /// Drag of still air in 1/s, 0 or more: velocity decays as `exp(-drag t)`.
     pub drag: f32,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
-    /// Coefficient of static friction, which holds what does not slide yet, 0 or more; below `friction` it counts as
-    /// `friction`. Two surfaces in contact use the mean of theirs.
+    /// Coefficient of static friction, 0 or more, which holds until sliding begins; at least `friction` counts. Two
+    /// surfaces in contact use the mean of theirs.
     pub static_friction: f32,
-    /// Distance that the middle of the cloth keeps from what it touches, in metres.
+    /// Distance in metres that the middle of the cloth keeps from everything that it touches.
     pub thickness: f32,
     /// The formula for sticks.
     pub projection: StickProjection,
-    /// How structural sticks are solved.
+    /// Method for structural sticks.
     pub structural: StructuralSolve,
-    /// Whether tethers hold particles within their rest distance from the pins.
+    /// True if tethers hold particles within their rest distance from the pins.
     pub tethers: bool,
-    /// How the body touches itself, and others that have this on: layers keep the sum of the two thicknesses apart.
+    /// Contact of the body with itself, and with others that have this on. Layers keep apart by the sum of the two
+    /// thicknesses.
     pub self_contact: SelfContact,
 }
 
@@ -96,7 +97,7 @@ impl Default for SolverSettings {
 }
 
 impl SolverSettings {
-    /// These, solved as well as `quality` asks: drag, friction and thickness stay.
+    /// Sets the quality of the solution. Drag, friction and thickness stay.
     pub fn with_quality(self, quality: Quality) -> Self {
         let quality = match quality {
             Quality::Low => solver::Quality::Low,
@@ -201,7 +202,7 @@ impl From<SolverSettings> for solver::SolverSettings {
     }
 }
 
-/// Whether two settings are the same to the bit: unlike `==`, also where they are not a number.
+/// True if two settings are the same to the bit. Unlike with `==`, NaN equals itself.
 pub(crate) fn same_settings(a: &solver::SolverSettings, b: &solver::SolverSettings) -> bool {
     let bits = |s: &solver::SolverSettings| {
         [s.tolerance, s.drag, s.friction, s.static_friction, s.thickness].map(f32::to_bits)
@@ -212,7 +213,7 @@ pub(crate) fn same_settings(a: &solver::SolverSettings, b: &solver::SolverSettin
     choices(a) == choices(b) && bits(a) == bits(b)
 }
 
-/// The [`SolverSettings`] of all bodies that have none of their own.
+/// The [`SolverSettings`] of all bodies without settings of their own.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

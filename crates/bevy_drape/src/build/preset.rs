@@ -1,4 +1,4 @@
-//! Materials that are known by name.
+//! Materials by name.
 
 use bevy::prelude::*;
 use drape_solver::ClothMaterial;
@@ -8,14 +8,14 @@ use crate::build::cloth::Cloth;
 
 /// A material of cloth: `Cloth::new(2.0, 1.5).with_preset(Preset::Silk)` with `SolverSettings::from(Preset::Silk)`.
 ///
-/// What each weighs, and where that is from, stands at the [solver's](drape_solver::Preset); `docs/presets.md` has what
-/// was measured. Stiffness is that for some 20 particles to the metre, as [`Cloth::new`] has them.
+/// The [solver's](drape_solver::Preset) docs give weights and sources, `docs/presets.md` the measurements. Stiffness is
+/// for about 20 particles per metre, as in [`Cloth::new`].
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum Preset {
-    /// Flows, and falls slowly.
+    /// Soft, and falls slowly.
     Silk,
-    /// A shirt.
+    /// Cloth of a shirt.
     #[default]
     Cotton,
     /// Stands in stiff folds.
@@ -24,7 +24,7 @@ pub enum Preset {
     Leather,
     /// Stretches, and has no tethers.
     Rubber,
-    /// Skews as it likes.
+    /// Skews freely.
     Net,
     /// Mail of steel rings: heavy and limp.
     Chain,
@@ -51,7 +51,7 @@ impl From<Preset> for SolverSettings {
 }
 
 impl SolverSettings {
-    /// These with the surface, the air and the tethers of a material; how well it is solved stays.
+    /// Sets the surface, drag and tethers of a material. The quality of the solution stays.
     #[must_use]
     pub fn with_preset(self, preset: Preset) -> Self {
         drape_solver::Preset::from(preset).settings(self.into()).into()
@@ -59,7 +59,7 @@ impl SolverSettings {
 }
 
 impl Cloth {
-    /// Sets what it weighs and how stiff it is. Friction, drag and thickness are in its [`SolverSettings`].
+    /// Sets density and stiffness. Friction, drag and thickness are in the [`SolverSettings`].
     #[must_use]
     pub fn with_preset(self, preset: Preset) -> Self {
         let ClothMaterial { areal_density, structural, shear, bend, damping } =
