@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::bounds::{Bounds, distance_to};
 
-/// An entity, usually the camera, that bodies are culled by their distance from.
+/// Marks an entity, usually the camera, whose distance decides the culling and the level of detail of bodies.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Transform)]

@@ -5,8 +5,8 @@ use drape_solver::Layers;
 
 use crate::bounds::Bounds;
 
-/// Boxes and layers of what appeared, vanished, changed or moves in this step: bodies at rest there wake up, if they could
-/// touch it.
+/// Boxes and layers of obstacles that appeared, vanished, changed or move in this step. Resting bodies that could touch
+/// them wake.
 #[derive(Resource, Default)]
 pub(crate) struct WakeRegions(pub Vec<(Bounds, Layers)>);
 

@@ -10,7 +10,7 @@ use crate::sleep::candidates::Candidates;
 use crate::sleep::scene_manager::SceneManager;
 use crate::viewer::View;
 
-/// Culls what left the play area or sleeps far from every viewer, and brings it back when it is in sight again.
+/// Culls bodies and balls that left the play area or rest far from every viewer, and brings them back in sight.
 pub(crate) fn cull(
     mut commands: Commands,
     mut bodies: Query<(&mut Activity, &BodyState)>,
@@ -34,7 +34,7 @@ pub(crate) fn cull(
         }
     }
     let is_far = |bounds: Bounds| view.is_farther(manager.viewer_distance, bounds);
-    // False for what is not finite or empty: that is not lost but refused.
+    // False for empty boxes and NaN: such bodies are refused, not lost.
     let is_lost = |(low, high): Bounds| {
         let outside = low.cmpgt(manager.play_area_max) | high.cmplt(manager.play_area_min);
         outside.any() && low.cmple(high).all()
@@ -49,7 +49,7 @@ pub(crate) fn cull(
                 Activity::Resting
             }
         }
-        // It left while it moved, and goes on from there.
+        // It left in motion, and continues from there.
         Activity::Culled => Activity::Active,
         same => same,
     };

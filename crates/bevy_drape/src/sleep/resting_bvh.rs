@@ -1,4 +1,4 @@
-//! Where bodies and balls are at rest, so that what moves finds those in its way.
+//! A bounding volume hierarchy of resting bodies and balls.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
@@ -7,23 +7,23 @@ use drape_solver::parry3d::partitioning::{Bvh, BvhWorkspace};
 
 use crate::bounds::Bounds;
 
-/// Boxes of what is at rest, in a tree of boxes. Looking for what a box meets takes time by what is found, not by
-/// what is there.
+/// Boxes of resting entities in a tree. The time of a query grows with the number of hits, not with the number of
+/// resting entities.
 #[derive(Default)]
 pub(crate) struct RestingBvh {
     tree: Bvh,
     /// The entity of each leaf of the tree, and its box.
     leaves: Vec<(Entity, Bounds)>,
     leaf_of: EntityHashMap<u32>,
-    /// Leaves that are not in use.
+    /// Unused leaves.
     free: Vec<u32>,
-    /// Leaves taken out since the tree was last tidied up, which leave their branches behind.
+    /// Leaves removed since the tree was last refitted; their branches remain.
     removals: usize,
     workspace: BvhWorkspace,
 }
 
 impl RestingBvh {
-    /// Puts `entity` to rest at `bounds`, or moves it there. What has no bounds is never in the way.
+    /// Inserts `entity` at `bounds`, or moves it there. An entity without finite bounds is never found.
     pub fn insert(&mut self, entity: Entity, bounds: Bounds) {
         let (low, high) = bounds;
         if !(low.is_finite() && high.is_finite()) {
@@ -42,13 +42,13 @@ impl RestingBvh {
         self.tree.insert(Aabb::new(low, high), leaf);
     }
 
-    /// Takes `entity` out, if it is here, and tells where it was.
+    /// Removes `entity`, and returns its box if it was in the tree.
     pub fn remove(&mut self, entity: Entity) -> Option<Bounds> {
         let leaf = self.leaf_of.remove(&entity)?;
         self.tree.remove(leaf);
         self.free.push(leaf);
         self.removals += 1;
-        // As many steps of tidying up as there were removals.
+        // Refits after as many removals as there are leaves: constant work per removal.
         if self.removals > self.leaves.len() {
             self.tree.refit(&mut self.workspace);
             self.removals = 0;
@@ -56,7 +56,7 @@ impl RestingBvh {
         Some(self.leaves[leaf as usize].1)
     }
 
-    /// Appends to `found` what may rest within `bounds`.
+    /// Appends to `found` the entities whose boxes overlap `bounds`.
     pub fn find(&self, (low, high): Bounds, found: &mut Vec<Entity>) {
         let within = Aabb::new(low, high);
         found.extend(self.tree.intersect_aabb(&within).map(|leaf| self.leaves[leaf as usize].0));

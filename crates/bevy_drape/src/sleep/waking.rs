@@ -1,4 +1,4 @@
-//! Wakes what is at rest.
+//! Wakes resting bodies and balls.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -18,7 +18,7 @@ use crate::environment::wake_regions::WakeRegions;
 use crate::sleep::candidates::Candidates;
 use crate::sleep::resting_bvh::RestingBvh;
 
-/// Something active, and where it can get in this step: it wakes what rests there.
+/// A source of waking: it wakes resting bodies and balls in a box.
 #[derive(Clone, Copy)]
 struct WakeSource {
     bounds: Bounds,
@@ -26,7 +26,7 @@ struct WakeSource {
     touches: Touches,
 }
 
-/// Which bodies something active touches, and so wakes. All touch balls.
+/// Bodies that a source touches and therefore wakes. Every source touches balls.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Touches {
     NoBodies,
@@ -40,7 +40,7 @@ impl Touches {
     }
 }
 
-/// What moves in this step, and what rests.
+/// Sources of waking in this step, and everything that rests.
 #[derive(Default)]
 pub(crate) struct WakeSearch {
     sources: Vec<WakeSource>,
@@ -49,7 +49,7 @@ pub(crate) struct WakeSearch {
     found: Vec<Entity>,
 }
 
-/// What may rest, and what tells how far it gets in this step.
+/// Bodies and balls that may wake, and the data for their motion in this step.
 #[derive(SystemParam)]
 pub(crate) struct WakeTargets<'w, 's> {
     bodies: Query<
@@ -81,25 +81,25 @@ pub(crate) struct WakeTargets<'w, 's> {
 }
 
 impl WakeTargets<'_, '_> {
-    /// Length of the step in seconds and size of gravity in m/s^2.
+    /// Returns the length of the step in seconds and the magnitude of gravity in m/s^2.
     fn step_and_gravity(&self) -> (f32, f32) {
         (self.clock.delta(), self.solver.environment.gravity.length())
     }
 }
 
 impl WakeSearch {
-    /// Has what rests where a body or ball rested until now looked at: it may have lain on it.
+    /// Wakes the neighbours of a body or ball that rested here until now: they may have lain on it.
     fn wake_around(&mut self, bounds: Bounds, touches: Touches) {
         self.sources.push(WakeSource { bounds, layers: Layers::ALL, touches });
     }
 
-    /// Wakes the balls that were pushed or edited, and notes what is active and what rests.
+    /// Wakes balls that were pushed or edited, and sorts all candidates into sources and resting balls.
     fn update_balls(&mut self, candidates: &[Entity], targets: &mut WakeTargets) {
         let (dt, gravity) = targets.step_and_gravity();
         let WakeTargets { balls, solver, .. } = targets;
         for &entity in candidates {
             let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
-            // A ball that was refused gets another chance when somebody has edited it.
+            // An edit gives a refused ball another chance.
             let mended = record.refused && ball.is_changed();
             let bounds = ball.bounds_within_step(dt, gravity);
             let resting = *activity == Activity::Resting;
@@ -123,7 +123,8 @@ impl WakeSearch {
         }
     }
 
-    /// Wakes the bodies that were pushed, edited or given other settings, and notes what is active and what rests.
+    /// Wakes bodies that were pushed, edited or given other settings, and sorts all candidates into sources and resting
+    /// bodies.
     fn update_bodies(
         &mut self,
         candidates: &[Entity],
@@ -184,7 +185,7 @@ impl WakeSearch {
         }
     }
 
-    /// Wakes what rests where something is active, and what rests where that can get, until nothing is found.
+    /// Wakes everything that rests near a source. What wakes becomes a source itself, until nothing more is found.
     fn spread(&mut self, wake_regions: &WakeRegions, targets: &mut WakeTargets) {
         for &(space, layers) in &wake_regions.0 {
             self.bodies.find(space, &mut self.found);
@@ -202,7 +203,7 @@ impl WakeSearch {
         }
     }
 
-    /// Wakes what was found, does rest where `who` moves and could touch it, so that it moves itself.
+    /// Wakes the found entities that rest and that `who` could touch, and makes them sources.
     fn wake_found(&mut self, who: WakeSource, targets: &mut WakeTargets) {
         let WakeSource { bounds: space, layers, touches } = who;
         let (dt, gravity) = targets.step_and_gravity();
@@ -228,7 +229,7 @@ impl WakeSearch {
                     self.sources.push(WakeSource { bounds, layers: state.layers, touches: own });
                 }
             } else {
-                // It was despawned in its sleep.
+                // Despawned while it slept.
                 self.balls.remove(entity);
                 self.bodies.remove(entity);
             }
@@ -236,7 +237,7 @@ impl WakeSearch {
     }
 }
 
-/// Wakes what was pushed, edited, or may be touched in this step. What has just been woken may wake others.
+/// Wakes everything that was pushed, edited, or may be touched in this step. What wakes may wake others.
 pub(crate) fn wake(
     mut targets: WakeTargets,
     mut candidates: ResMut<Candidates>,

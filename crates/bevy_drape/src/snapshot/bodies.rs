@@ -49,7 +49,7 @@ impl BodySnapshot {
         Key::Body(self.order)
     }
 
-    /// The particles and sticks of the body, where it has others now, at another level of detail.
+    /// Builds the particles and sticks of the snapshot, if the body has another level of detail now.
     fn other_parts(&self, entity: EntityRef) -> Option<BodyParts> {
         let wanted = self.detail?.coarseness;
         let is_other = wanted != entity.get::<CurrentDetail>()?.coarseness;
@@ -112,7 +112,7 @@ pub(super) fn check(bodies: &[BodySnapshot], world: &World, keys: &Keys) -> Resu
     Ok(())
 }
 
-/// What has been [checked](check).
+/// Restores bodies that have been [checked](check).
 pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Result<(), SnapshotError> {
     for &(key, body) in keys {
         let is_known = bodies.binary_search_by_key(&key, BodySnapshot::key).is_ok();
@@ -151,7 +151,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         if let Some(mut place) = entity.get_mut::<RigidPlace>() {
             place.set(body.placed.transform());
         }
-        // A rig has the settings of one of its particles.
+        // A rig takes its settings from one of its particles.
         if !entity.contains::<Rig>() {
             put_component(&mut entity, body.own_settings.as_ref());
         }

@@ -1,4 +1,4 @@
-//! One island on its way through a step.
+//! One island's run through a step.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ use crate::body::layers::DrapeLayers;
 use crate::step::components::{BallQuery, BodyQuery};
 use crate::step::compute_threads::ComputeThreads;
 
-/// The stages of a step, in their order. The three of a substep come once for each substep.
+/// The stages of a step in order. The three stages of a substep repeat for each substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum StepStage {
     #[default]
@@ -26,25 +26,25 @@ pub(crate) enum StepStage {
     Done,
 }
 
-/// One island: the solver's, and the entities behind its bodies and balls.
+/// One island's run through a step: the solver's island, the entities behind its bodies and balls, and its progress.
 #[derive(Default)]
 pub(crate) struct IslandRun {
     pub solver: drape_solver::Island,
     pub bodies: Vec<Entity>,
     pub balls: Vec<Entity>,
-    /// How long all of them have been slower than the threshold of rest, in seconds; known at the end of the step.
+    /// Time in seconds for which all of them have been slower than the threshold of rest; set at the end of the step.
     pub still_for: f32,
-    /// Where the bodies were at the end of the step and how fast; empty before that.
+    /// Boxes and greatest speeds of the bodies at the end of the step; empty before.
     pub extents: Vec<Extent>,
-    /// Particles that limits on motion kept in obstacles; known at the end of the step.
+    /// Number of particles that motion limits keep in obstacles; set at the end of the step.
     pub limit_conflicts: usize,
-    /// Why the next stage cannot be run. Nothing goes on while there is a reason.
+    /// Error of the last stage. The island stops until it is taken away.
     pub error: Option<StepError>,
-    /// Time that the search for contacts took in this step.
+    /// Time of the search for contacts in this step.
     pub detect_time: Duration,
-    /// Time that the substeps took.
+    /// Time of the substeps.
     pub substep_time: Duration,
-    /// Whether no other island runs at the same time, so that its bodies may have all threads.
+    /// True if no other island runs at the same time, so that its bodies may use all threads.
     pub is_alone: bool,
     /// The stage that comes next.
     next: StepStage,
@@ -53,7 +53,7 @@ pub(crate) struct IslandRun {
 }
 
 impl IslandRun {
-    /// Makes it an empty island at the start of a step, keeping the memory.
+    /// Empties the island for a new step, and keeps its memory.
     pub fn reset(&mut self) {
         self.solver.clear();
         self.bodies.clear();
@@ -69,7 +69,7 @@ impl IslandRun {
         self.taken = 0;
     }
 
-    /// Runs the stages that are left before `end`, however many have been run one by one already.
+    /// Runs all remaining stages before `end`.
     pub fn advance(&mut self, environment: &Environment, end: StepStage) {
         while self.next < end && self.error.is_none() {
             if self.next == StepStage::Integrate && end > StepStage::ProjectCollisions {
@@ -80,8 +80,7 @@ impl IslandRun {
         }
     }
 
-    /// Runs one stage of a substep, if it is that stage's turn. An island that needs fewer substeps than others is
-    /// through before them.
+    /// Runs one stage of a substep if it is next. An island with fewer substeps than others finishes before them.
     pub fn run_substep_stage(&mut self, environment: &Environment, stage: StepStage) {
         if self.next == stage && self.error.is_none() {
             let start = Instant::now();
@@ -169,7 +168,7 @@ impl IslandRun {
             let is_gone = body.particles.is_empty();
             solver.push_body(body, scratch);
             if is_gone {
-                // A user's system took the body away in the middle of the step.
+                // A user system removed the body within the step.
                 solver.vacate_body(solver.bodies.len() - 1);
                 *entity = Entity::PLACEHOLDER;
             }

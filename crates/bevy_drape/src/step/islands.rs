@@ -1,8 +1,8 @@
-//! Islands: which bodies and balls are stepped together, and their way into the solver and back.
+//! Islands: groups of bodies and balls that are stepped together.
 //!
-//! The solver owns what it steps. A body's columns are moved out of its component into an island (a few pointers,
-//! no copy of the particles), stepped, and moved back. Islands do not depend on each other, so they run on all
-//! threads of the compute pool and give the same bits on any number of them.
+//! The solver owns the bodies that it steps. A body's columns are moved from its component into an island (a few
+//! pointers, no copy of particles), stepped, and moved back. Islands are independent, so they run on all threads of the
+//! compute pool and give the same bits on any number of threads.
 
 use bevy::prelude::*;
 use drape_solver::Body;
@@ -16,44 +16,45 @@ use crate::step::island_run::IslandRun;
 pub(crate) struct Islands {
     slots: Vec<IslandRun>,
     live: usize,
-    /// What is to be grouped.
+    /// Members to be grouped.
     pub members: Vec<IslandMember>,
     parents: Vec<usize>,
-    /// Members in order of where their boxes begin, and those whose boxes reach on.
+    /// Members sorted by the beginnings of their boxes, and those whose boxes are open in the sweep.
     sweep: Vec<u32>,
     open: Vec<u32>,
     slot_of: Vec<usize>,
-    /// Memory that bodies are stepped in on one thread, one island after another.
+    /// Memory in which one thread steps the bodies of one island after another.
     pub bodies: Vec<Body>,
-    /// Whether nobody has a system of their own between the stages of this step. Each island then goes through all
-    /// of them in one go, on its own thread, while its particles are in the cache.
+    /// True without user systems between the stages of this step. Then each island runs all stages at once, on its own
+    /// thread, while its particles are in the cache.
     pub is_fused: bool,
 }
 
-/// What is grouped.
+/// Kind of a member.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum MemberKind {
     Body {
-        /// Whether it touches other such bodies.
+        /// True if it touches other bodies of this kind.
         has_self_contact: bool,
     },
     Ball,
-    /// A dynamic obstacle: what it touches has to be in one island. Later than all others in order.
+    /// A dynamic obstacle: everything that it touches must be in one island. Ordered after all others.
     Obstacle,
 }
 
-/// A body, ball or dynamic obstacle on its way into an island.
+/// A body, ball or dynamic obstacle to be grouped.
 #[derive(Clone, Copy)]
 pub(crate) struct IslandMember {
     pub order: u64,
     pub entity: Entity,
     pub kind: MemberKind,
-    /// Where it can get within the step.
+    /// Box that it does not leave within the step.
     pub bounds: Bounds,
 }
 
 impl IslandMember {
-    /// Whether the two can meet in this step. Balls touch everything, and bodies each other where both do so.
+    /// True if the two can touch in this step. Balls touch everything; bodies touch each other if both have self
+    /// contact.
     fn may_touch(&self, other: &Self) -> bool {
         let do_touch = match (self.kind, other.kind) {
             (MemberKind::Body { has_self_contact }, MemberKind::Body { has_self_contact: others_has }) => {
@@ -66,7 +67,7 @@ impl IslandMember {
     }
 }
 
-/// The axis on which the members lie farthest apart.
+/// Returns the axis along which the members are spread the farthest.
 fn widest_axis(members: &[IslandMember]) -> usize {
     let corners = members.iter().map(|member| member.bounds.0);
     let low = corners.clone().fold(Vec3::INFINITY, Vec3::min);
@@ -75,7 +76,7 @@ fn widest_axis(members: &[IslandMember]) -> usize {
 }
 
 impl Islands {
-    /// The islands of this step.
+    /// Returns the islands of this step.
     pub fn live(&self) -> &[IslandRun] {
         &self.slots[..self.live]
     }
@@ -84,12 +85,12 @@ impl Islands {
         &mut self.slots[..self.live]
     }
 
-    /// The most substeps that an island takes in this step.
+    /// Returns the greatest number of substeps of an island in this step.
     pub fn substeps(&self) -> u32 {
         self.live().iter().map(|island| island.solver.substeps()).max().unwrap_or(0)
     }
 
-    /// Whether the islands are not worth more threads than one, or there is none.
+    /// True if there are fewer than two islands, or only one thread.
     pub fn are_for_one_thread(&self) -> bool {
         self.live < 2 || pool().thread_num() < 2
     }
@@ -107,7 +108,7 @@ impl Islands {
         });
     }
 
-    /// Groups the members whose boxes meet in this step: islands in order of their oldest member.
+    /// Groups the members whose boxes overlap, into islands in the order of their oldest members.
     pub fn form(&mut self) {
         self.members.sort_unstable_by_key(|member| member.order);
         let count = self.members.len();
@@ -117,10 +118,10 @@ impl Islands {
         self.live = 0;
         self.slot_of.clear();
         for i in 0..count {
-            // The root of an island is its oldest member, so it has its slot before the others ask for it.
+            // The root of an island is its oldest member, so it gets its slot before the others need it.
             let root = root(&mut self.parents, i);
             if self.members[i].kind == MemberKind::Obstacle {
-                // It has joined others; itself it stays with the environment.
+                // It only joins others; the obstacle itself stays in the environment.
                 continue;
             }
             if root == i {
@@ -134,8 +135,8 @@ impl Islands {
         }
     }
 
-    /// Joins the members that may touch each other, by a sweep along the axis on which they lie farthest apart: each box
-    /// is compared with those that have begun before it and not yet ended.
+    /// Joins members that may touch (sweep and prune): along the axis of the widest spread, each box is compared with
+    /// those that begin before it and have not ended.
     fn join_neighbours(&mut self) {
         let Self { members, parents, sweep, open, .. } = self;
         let axis = widest_axis(members);
@@ -166,7 +167,7 @@ impl Islands {
     }
 }
 
-/// The oldest member of `i`'s group.
+/// Returns the oldest member of `i`'s group.
 fn root(parents: &mut [usize], mut i: usize) -> usize {
     while parents[i] != i {
         parents[i] = parents[parents[i]];
