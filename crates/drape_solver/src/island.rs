@@ -109,19 +109,6 @@ impl Island {
         self.context.plans.push(scratch.plan);
     }
 
-    /// Takes the body at `index` with its scratch, and leaves an empty one in its place.
-    ///
-    /// # Panics
-    /// If there is no such body.
-    pub fn take_body(&mut self, index: usize) -> (Body, BodyScratch) {
-        self.fit_scratch();
-        let scratch = BodyScratch {
-            contacts: core::mem::take(&mut self.context.contacts.bodies[index]),
-            plan: core::mem::take(&mut self.context.plans[index]),
-        };
-        (core::mem::take(&mut self.bodies[index]), scratch)
-    }
-
     /// Takes all bodies out with their scratch, in order.
     pub fn drain_bodies(&mut self) -> impl Iterator<Item = (Body, BodyScratch)> + '_ {
         self.fit_scratch();
@@ -175,7 +162,10 @@ impl Island {
     /// Takes the body at `index` out in the middle of a step, and leaves an empty body that touches nothing. The other
     /// bodies keep their indices.
     pub fn vacate_body(&mut self, index: usize) {
-        self.take_body(index);
+        self.fit_scratch();
+        self.bodies[index] = Body::default();
+        self.context.contacts.bodies[index] = BodyContacts::default();
+        self.context.plans[index] = BodyPlan::default();
         self.context.contacts.ball_cloth.forget(index);
         self.context.contacts.cloth_cloth.forget(index);
         self.context.report.vacate(index);

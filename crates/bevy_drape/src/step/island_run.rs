@@ -190,8 +190,7 @@ impl IslandRun {
     /// Moves the bodies and balls back into their components.
     pub fn give_back(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
         let mut extents = self.extents.drain(..);
-        for (index, &entity) in self.bodies.iter().enumerate() {
-            let (body, scratch) = self.solver.take_body(index);
+        for (&entity, (body, scratch)) in self.bodies.iter().zip(self.solver.drain_bodies()) {
             let extent = extents.next();
             if let Ok((mut particles, _, mut state, ..)) = bodies.get_mut(entity) {
                 particles.0 = body.particles;
@@ -200,7 +199,6 @@ impl IslandRun {
                 state.extent = extent.unwrap_or(state.extent);
             }
         }
-        self.solver.bodies.clear();
         for (&entity, ball) in self.balls.iter().zip(&self.solver.balls) {
             if let Ok((mut state, ..)) = balls.get_mut(entity) {
                 state.0.clone_from(ball);
