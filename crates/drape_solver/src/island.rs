@@ -120,6 +120,15 @@ impl Island {
         (core::mem::take(&mut self.bodies[index]), scratch)
     }
 
+    /// Takes all bodies out with their scratch, in order.
+    pub fn drain_bodies(&mut self) -> impl Iterator<Item = (Body, BodyScratch)> + '_ {
+        self.fit_scratch();
+        let contacts = self.context.contacts.bodies.drain(..);
+        let scratch = contacts.zip(self.context.plans.drain(..));
+        let scratch = scratch.map(|(contacts, plan)| BodyScratch { contacts, plan });
+        self.bodies.drain(..).zip(scratch)
+    }
+
     /// Removes the body at `index` with its scratch; the bodies behind it move up.
     ///
     /// # Panics

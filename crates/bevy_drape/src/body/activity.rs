@@ -1,6 +1,7 @@
 //! Whether a body is simulated.
 
 use bevy::prelude::*;
+use drape_solver::world::activity as solver;
 
 /// Whether a body is simulated, at rest, or out of sight. The scene manager keeps it; setting it by hand puts a
 /// body to sleep or wakes it.
@@ -30,5 +31,27 @@ impl Activity {
     /// Whether the body goes along with its entity as it is, because nobody simulates it.
     pub(crate) fn is_carried(self) -> bool {
         matches!(self, Self::Culled | Self::Frozen)
+    }
+}
+
+impl From<solver::Activity> for Activity {
+    fn from(activity: solver::Activity) -> Self {
+        match activity {
+            solver::Activity::Active => Self::Active,
+            solver::Activity::Resting => Self::Resting,
+            solver::Activity::Culled => Self::Culled,
+            solver::Activity::Frozen => Self::Frozen,
+        }
+    }
+}
+
+impl From<Activity> for solver::Activity {
+    fn from(activity: Activity) -> Self {
+        match activity {
+            Activity::Active => Self::Active,
+            Activity::Resting => Self::Resting,
+            Activity::Culled => Self::Culled,
+            Activity::Frozen => Self::Frozen,
+        }
     }
 }

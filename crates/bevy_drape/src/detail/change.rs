@@ -9,6 +9,7 @@ use std::sync::Arc;
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
+use drape_solver::world::extent::Extent;
 use drape_solver::state::measure;
 use drape_solver::{BodyContext, BuildError, Topology};
 
@@ -16,7 +17,7 @@ use crate::attach::attachment::Attachment;
 use crate::attach::follow_particle::FollowParticle;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
-use crate::body::body_state::{BodyState, Extent};
+use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;

@@ -8,10 +8,11 @@ use std::sync::Arc;
 
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
+use drape_solver::world::extent::Extent;
 use drape_solver::Topology;
 use drape_solver::constants::MAX_MAGNITUDE;
 
-use crate::body::body_state::{BodyState, CreationOrder, Extent};
+use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::refusal::Refusals;

@@ -1,6 +1,7 @@
 //! Messages: cuts that are asked for, sticks that gave way, pieces that came off.
 
 use bevy::prelude::*;
+use drape_solver::world::bounds::Bounds;
 
 /// Cuts what a blade passes through. Sent at any time; carried out at the start of the next step.
 #[derive(Message, Reflect, Clone, Debug, Default, PartialEq)]
@@ -59,9 +60,10 @@ impl CutCloth {
         self
     }
 
-    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+    pub(crate) fn bounds(&self) -> Bounds {
         let corners = self.blade.as_flattened().iter();
-        corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &c| (low.min(c), high.max(c)))
+        let nothing = Bounds::new(Vec3::INFINITY, Vec3::NEG_INFINITY);
+        corners.fold(nothing, |Bounds { low, high }, &c| Bounds::new(low.min(c), high.max(c)))
     }
 }
 

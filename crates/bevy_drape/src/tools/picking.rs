@@ -28,6 +28,7 @@ use bevy::picking::pointer::{PointerButton, PointerId};
 use bevy::picking::{Pickable, PickingSystems};
 use bevy::prelude::*;
 
+use drape_solver::world::bounds::Bounds;
 use crate::attach::grab::{Grab, Hand, nearest_particle};
 use crate::ball::projectile::ProjectileState;
 use crate::body::body_state::BodyState;
@@ -122,7 +123,7 @@ fn find_hits(
         let mut picks = Vec::new();
         for (entity, particles, sticks, state) in &bodies {
             let radius = state.settings.thickness.max(LINK_RADIUS);
-            let (low, high) = state.extent.bounds;
+            let Bounds { low, high } = state.extent.bounds;
             if meets_box(ray, low - radius, high + radius)
                 && is_seen(entity)
                 && let Some(hit) = cast_ray(ray, f32::INFINITY, particles, sticks, radius)

@@ -3,8 +3,8 @@
 use thiserror::Error;
 
 use crate::contact::event::{Contact, Touch};
-use crate::contact::reaction::Reaction;
 use crate::error::BuildError;
+use crate::state::obstacle_motion::Reaction;
 use crate::world::id::{BallId, BodyId, MemberId, ObstacleId, WorldId};
 
 /// What happened in the last step of a [`World`](crate::World).

@@ -4,10 +4,10 @@ use core::ops::Index;
 
 use glam::Vec3;
 
+use crate::motion::environment::Environment;
 use crate::motion::wind::{Wind, WindZone};
 use crate::state::ball::Ball;
 use crate::state::body::Body;
-use crate::state::island::Environment;
 use crate::state::obstacle::Obstacle;
 use crate::world::activity::{Activity, ActivityCounts};
 use crate::world::activity_rules::ActivityRules;

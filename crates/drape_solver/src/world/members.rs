@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::island::BodyScratch;
 use crate::state::ball::Ball;
 use crate::state::body::Body;
 use crate::state::layers::Layers;
@@ -39,6 +40,8 @@ pub(crate) struct MemberState {
 #[derive(Clone, Debug)]
 pub(crate) struct BodyEntry {
     pub body: Body,
+    /// Kept from step to step, so that a warm step allocates nothing.
+    scratch: BodyScratch,
     /// As of the last step or edit.
     pub extent: Extent,
     pub state: MemberState,
@@ -70,7 +73,12 @@ pub(crate) struct Members {
 impl Members {
     pub fn add_body(&mut self, body: Body) -> BodyId {
         let state = self.new_state();
-        let id = BodyId(self.bodies.insert(BodyEntry { body, extent: Extent::default(), state }));
+        let id = BodyId(self.bodies.insert(BodyEntry {
+            body,
+            scratch: BodyScratch::default(),
+            extent: Extent::default(),
+            state,
+        }));
         self.list_new(id.into());
         id
     }
@@ -108,15 +116,16 @@ impl Members {
     }
 
     /// Takes a body out for a step, until it is [put back](Self::put_body).
-    pub fn take_body(&mut self, id: BodyId) -> Option<Body> {
+    pub fn take_body(&mut self, id: BodyId) -> Option<(Body, BodyScratch)> {
         let entry = self.bodies.get_mut(id.0)?;
         let spare = self.spares.pop().unwrap_or_default();
-        Some(core::mem::replace(&mut entry.body, spare))
+        Some((core::mem::replace(&mut entry.body, spare), core::mem::take(&mut entry.scratch)))
     }
 
     /// Puts a body back after a step that has brought it to `extent`, if it got that far.
-    pub fn put_body(&mut self, id: BodyId, body: Body, extent: Option<Extent>) {
+    pub fn put_body(&mut self, id: BodyId, body: Body, scratch: BodyScratch, extent: Option<Extent>) {
         let Some(entry) = self.bodies.get_mut(id.0) else { return };
+        entry.scratch = scratch;
         self.spares.push(core::mem::replace(&mut entry.body, body));
         entry.extent = extent.unwrap_or(entry.extent);
     }

@@ -3,10 +3,11 @@
 
 use crate::contact::event::Other;
 use crate::error::StepError;
+use crate::island::{BodyScratch, Island};
+use crate::motion::environment::Environment;
 use crate::parallel::threads::Threads;
 use crate::state::ball::Ball;
 use crate::state::body::Body;
-use crate::state::island::{Environment, Island};
 use crate::step;
 use crate::world::extent::Extent;
 
@@ -129,15 +130,16 @@ impl StagedIsland {
         }
     }
 
-    /// Takes the body at `index` out, with what was asked of it for this step; the others can go on without it.
+    /// Takes the body at `index` out with its scratch, and drops what was asked of it for this step; the others can go on
+    /// without it.
     ///
     /// # Panics
     /// If there is no such body.
-    pub fn leave_body_out(&mut self, index: usize) -> Body {
-        let mut body = self.island.bodies.remove(index);
+    pub fn leave_body_out(&mut self, index: usize) -> (Body, BodyScratch) {
+        let (mut body, scratch) = self.island.remove_body(index);
         body.particles.clear_requests();
         self.island.forget(Other::Body(index));
-        body
+        (body, scratch)
     }
 
     /// The same for a ball.

@@ -7,10 +7,10 @@
 use crate::constants::CONTACT_MARGIN;
 use crate::contact::event::{Other, Party};
 use crate::error::StepError;
+use crate::motion::environment::Environment;
 use crate::motion::wind::WindZone;
 use crate::parallel::for_each::for_each;
 use crate::parallel::threads::{Alone, Threads};
-use crate::state::island::{Environment, Island};
 use crate::world::activity::Activity;
 use crate::world::bounds::Bounds;
 use crate::world::events::{BallTouch, Events, Fault, ObstacleReaction, ReportedContact};
@@ -186,17 +186,19 @@ impl WorldIsland {
 
     /// Moves its bodies and balls here from the lists of the world.
     fn take(&mut self, members: &mut Members) {
-        let Island { bodies, balls, .. } = &mut self.staged.island;
-        bodies.extend(self.bodies.iter().filter_map(|&id| members.take_body(id)));
-        balls.extend(self.balls.iter().filter_map(|id| Some(members.balls.get(id.0)?.ball.clone())));
+        let island = &mut self.staged.island;
+        for (body, scratch) in self.bodies.iter().filter_map(|&id| members.take_body(id)) {
+            island.push_body(body, scratch);
+        }
+        island.balls.extend(self.balls.iter().filter_map(|id| Some(members.balls.get(id.0)?.ball.clone())));
     }
 
     /// Moves them back.
     fn give_back(&mut self, members: &mut Members) {
         let island = &mut self.staged.island;
         let mut extents = self.staged.extents.iter();
-        for (&id, body) in self.bodies.iter().zip(island.bodies.drain(..)) {
-            members.put_body(id, body, extents.next().copied());
+        for (&id, (body, scratch)) in self.bodies.iter().zip(island.drain_bodies()) {
+            members.put_body(id, body, scratch, extents.next().copied());
         }
         for (id, ball) in self.balls.iter().zip(island.balls.drain(..)) {
             if let Some(entry) = members.balls.get_mut(id.0) {
@@ -234,7 +236,8 @@ impl WorldIsland {
 
     fn leave_body_out(&mut self, index: usize, members: &mut Members) -> BodyId {
         let id = self.bodies.remove(index);
-        members.put_body(id, self.staged.leave_body_out(index), None);
+        let (body, scratch) = self.staged.leave_body_out(index);
+        members.put_body(id, body, scratch, None);
         id
     }
 
