@@ -1,11 +1,12 @@
 //! Cannon balls.
 
 use bevy::prelude::*;
+use drape_solver::world::bounds::Bounds;
+use drape_solver::world::extent::{ball_bounds, ball_reach};
 use drape_solver::{Ball, BallMaterial, BuildError};
 
 use crate::body::activity::Activity;
 use crate::body::body_state::CreationOrder;
-use crate::bounds::{Bounds, grown};
 use crate::environment::gravity::DrapeGravity;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::refusal::Refusals;
@@ -77,12 +78,12 @@ pub struct ProjectileState(pub Ball);
 impl ProjectileState {
     /// Box around the ball.
     pub(crate) fn bounds(&self) -> Bounds {
-        grown((self.position(), self.position()), self.material().radius)
+        ball_bounds(self)
     }
 
     /// Box that the ball does not leave within a step of `dt` seconds.
     pub(crate) fn bounds_within_step(&self, dt: f32, gravity: f32) -> Bounds {
-        grown((self.position(), self.position()), self.reach(dt, gravity))
+        ball_reach(self, dt, gravity)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Activity of bodies: simulated, at rest, or culled.
 
 use bevy::prelude::*;
+use drape_solver::world::activity as solver;
 
 /// Activity of a body: simulated, at rest, or out of sight. The scene manager writes it; set it by hand to put a body
 /// to sleep or to wake it.
@@ -29,5 +30,27 @@ impl Activity {
     /// True if the body moves rigidly with its entity, because it is not simulated.
     pub(crate) fn is_carried(self) -> bool {
         matches!(self, Self::Culled | Self::Frozen)
+    }
+}
+
+impl From<solver::Activity> for Activity {
+    fn from(activity: solver::Activity) -> Self {
+        match activity {
+            solver::Activity::Active => Self::Active,
+            solver::Activity::Resting => Self::Resting,
+            solver::Activity::Culled => Self::Culled,
+            solver::Activity::Frozen => Self::Frozen,
+        }
+    }
+}
+
+impl From<Activity> for solver::Activity {
+    fn from(activity: Activity) -> Self {
+        match activity {
+            Activity::Active => Self::Active,
+            Activity::Resting => Self::Resting,
+            Activity::Culled => Self::Culled,
+            Activity::Frozen => Self::Frozen,
+        }
     }
 }

@@ -2,9 +2,9 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use drape_solver::{BodyContext, BodyScratch, Topology};
-
-use crate::bounds::{Bounds, grown};
+use drape_solver::world::bounds::Bounds;
+use drape_solver::world::extent::Extent;
+use drape_solver::{BodyContext, BodyScratch};
 
 /// State of bodies that the plugin keeps from step to step.
 #[derive(Component, Default)]
@@ -34,30 +34,12 @@ pub(crate) struct BodyState {
 impl BodyState {
     /// Box around the surface of the body.
     pub fn bounds(&self) -> Bounds {
-        grown(self.extent.bounds, self.settings.thickness)
+        self.extent.surface(&self.settings)
     }
 
     /// Box that the surface does not leave within a step of `dt` seconds.
     pub fn bounds_within_step(&self, dt: f32, gravity: f32) -> Bounds {
-        let Extent { bounds, greatest_speed } = self.extent;
-        grown(bounds, self.settings.thickness + (greatest_speed + gravity * dt) * dt)
-    }
-}
-
-/// Box and greatest speed of the particles of a body.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Extent {
-    /// Least and greatest corner of the box around the particles and everything that they carry.
-    pub bounds: (Vec3, Vec3),
-    /// Greatest speed of a particle in m/s.
-    pub greatest_speed: f32,
-}
-
-impl Extent {
-    pub fn of(particles: &drape_solver::Particles, topology: &Topology) -> Self {
-        let (low, high) = particles.bounds();
-        let overhang = topology.overhang();
-        Self { bounds: (low - overhang, high + overhang), greatest_speed: particles.greatest_speed() }
+        self.extent.reach(&self.settings, dt, gravity)
     }
 }
 

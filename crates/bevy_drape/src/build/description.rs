@@ -2,10 +2,11 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
+use drape_solver::world::extent::Extent;
 use drape_solver::BuildError;
 
 use crate::body::activity::Activity;
-use crate::body::body_state::{BodyState, CreationOrder, Extent};
+use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::change_detection::collect_changed;
 use crate::refusal::Refusals;

@@ -19,13 +19,13 @@ pub(crate) fn give_reactions(
         reaction.set_if_neq(ObstacleReaction::default());
     }
     for island in islands.live() {
-        for reaction in &island.solver.reactions {
+        for reaction in &island.solver().reactions {
             if let Ok(mut sum) = reactions.get_mut(known.entity(reaction.obstacle)) {
                 sum.impulse += reaction.impulse;
                 sum.angular_impulse += reaction.angular_impulse;
             }
         }
-        for moved in &island.solver.moved {
+        for moved in &island.solver().moved {
             environment.obstacles[moved.obstacle].land(moved);
         }
     }

@@ -42,7 +42,7 @@ pub(crate) fn send_contacts(
         is_room
     };
     for island in islands.live() {
-        for contact in &island.solver.contacts {
+        for contact in &island.solver().contacts {
             let contact = told(contact, island, &solver, now);
             let entities = (contact.body, contact.other);
             let place = pairs.binary_search_by_key(&entities, |pair| pair.entities).unwrap_or_else(|place| {

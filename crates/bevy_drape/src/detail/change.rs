@@ -9,13 +9,14 @@ use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use drape_solver::state::measure;
+use drape_solver::world::extent::Extent;
 use drape_solver::{BodyContext, BuildError};
 
 use crate::attach::attachment::Attachment;
 use crate::attach::follow_particle::FollowParticle;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
-use crate::body::body_state::{BodyState, Extent};
+use crate::body::body_state::BodyState;
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;

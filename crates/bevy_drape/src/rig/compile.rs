@@ -8,8 +8,9 @@ use std::collections::BTreeMap;
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 use drape_solver::constants::MAX_MAGNITUDE;
+use drape_solver::world::extent::Extent;
 
-use crate::body::body_state::{BodyState, CreationOrder, Extent};
+use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::refusal::Refusals;

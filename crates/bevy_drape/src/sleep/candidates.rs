@@ -4,6 +4,7 @@ use core::ops::Range;
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;
+use drape_solver::world::bounds::Bounds;
 
 use crate::ball::projectile::ProjectileState;
 use crate::body::activity::Activity;
@@ -11,7 +12,6 @@ use crate::body::body_state::BodyState;
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::{DefaultSolverSettings, SolverSettings};
-use crate::bounds::Bounds;
 use crate::change_detection::{collect_rows, is_any_changed};
 use crate::environment::solver_environment::SolverEnvironment;
 

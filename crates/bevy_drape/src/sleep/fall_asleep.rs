@@ -12,10 +12,8 @@ pub(crate) fn fall_asleep(
     manager: Res<SceneManager>,
     mut activities: Query<&mut Activity>,
 ) {
-    if !manager.sleeping {
-        return;
-    }
-    for island in islands.live().iter().filter(|island| island.still_for >= manager.sleep_time) {
+    let rules = manager.rules();
+    for island in islands.live().iter().filter(|island| rules.falls_asleep(island.staged.still_for)) {
         for &entity in island.bodies.iter().chain(&island.balls) {
             if let Ok(mut activity) = activities.get_mut(entity) {
                 *activity = Activity::Resting;

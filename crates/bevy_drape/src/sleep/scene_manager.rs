@@ -1,6 +1,7 @@
 //! Settings for sleeping and culling.
 
 use bevy::prelude::*;
+use drape_solver::ActivityRules;
 
 /// Settings for the sleeping and culling of bodies.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -27,13 +28,17 @@ pub struct SceneManager {
 
 impl Default for SceneManager {
     fn default() -> Self {
-        Self {
-            sleeping: true,
-            sleep_time: 1.0,
-            play_area_min: Vec3::splat(-1000.0),
-            play_area_max: Vec3::splat(1000.0),
-            viewer_distance: 200.0,
-            despawn_lost_balls: false,
-        }
+        let ActivityRules { sleeping, sleep_time, play_area_min, play_area_max, viewer_distance } =
+            ActivityRules::default();
+        let despawn_lost_balls = false;
+        Self { sleeping, sleep_time, play_area_min, play_area_max, viewer_distance, despawn_lost_balls }
+    }
+}
+
+impl SceneManager {
+    /// The rules of the solver.
+    pub(crate) fn rules(&self) -> ActivityRules {
+        let Self { sleeping, sleep_time, play_area_min, play_area_max, viewer_distance, .. } = *self;
+        ActivityRules { sleeping, sleep_time, play_area_min, play_area_max, viewer_distance }
     }
 }

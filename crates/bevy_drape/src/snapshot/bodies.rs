@@ -2,11 +2,13 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
+use drape_solver::world::bounds::Bounds;
+use drape_solver::world::extent::Extent;
 use drape_solver::{BodyContext, Layers, ParticlesSnapshot};
 
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
-use crate::body::body_state::{BodyState, Extent};
+use crate::body::body_state::BodyState;
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
@@ -75,7 +77,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             still_for: state.context.still_for(),
             anchor: state.anchor.to_cols_array(),
             pins: state.pins.iter().map(|&(pin, place)| (pin, place.to_array())).collect(),
-            bounds: [state.extent.bounds.0, state.extent.bounds.1].map(|corner| corner.to_array()),
+            bounds: [state.extent.bounds.low, state.extent.bounds.high].map(|corner| corner.to_array()),
             greatest_speed: state.extent.greatest_speed,
             is_refused: state.refused,
             settings: state.settings,
@@ -139,7 +141,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
             state.anchor = Affine3A::from_cols_array(&body.anchor);
             state.pins = body.pins.iter().map(|&(pin, place)| (pin, place.into())).collect();
             let [low, high] = body.bounds.map(Vec3::from_array);
-            state.extent = Extent { bounds: (low, high), greatest_speed: body.greatest_speed };
+            state.extent = Extent { bounds: Bounds::new(low, high), greatest_speed: body.greatest_speed };
             state.refused = body.is_refused;
             state.settings = body.settings;
             state.layers = body.layers;

@@ -4,10 +4,10 @@
 //! and the last one runs all stages.
 
 use bevy::prelude::*;
+use drape_solver::world::staged_island::StepStage;
 
 use crate::schedule::StepTimes;
 use crate::step::components::StepComponents;
-use crate::step::island_run::StepStage;
 use crate::step::islands::Islands;
 use crate::step::motion_limits::MotionLimitCounts;
 

@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use bevy::prelude::*;
+use drape_solver::world::staged_island::StepStage;
 
 use crate::clock::DrapeClock;
 use crate::schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems, StepTimes};
 use crate::step::advance::{
     begin_islands, detect_collisions, finish_islands, run_substeps_of_islands, substep_stage,
 };
-use crate::step::island_run::StepStage;
 use crate::step::islands::Islands;
 
 /// The plugin's own systems in [`DrapeSubsteps`].

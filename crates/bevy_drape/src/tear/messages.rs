@@ -1,6 +1,7 @@
 //! Messages: requested cuts, torn sticks, pieces that come off.
 
 use bevy::prelude::*;
+use drape_solver::world::bounds::Bounds;
 
 /// Cuts everything that a blade passes through. Send it at any time; the next step cuts first.
 #[derive(Message, Reflect, Clone, Debug, Default, PartialEq)]
@@ -59,9 +60,10 @@ impl CutCloth {
         self
     }
 
-    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+    pub(crate) fn bounds(&self) -> Bounds {
         let corners = self.blade.as_flattened().iter();
-        corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &c| (low.min(c), high.max(c)))
+        let nothing = Bounds::new(Vec3::INFINITY, Vec3::NEG_INFINITY);
+        corners.fold(nothing, |Bounds { low, high }, &c| Bounds::new(low.min(c), high.max(c)))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Parts a body, and makes entities of its pieces.
 
 use bevy::prelude::*;
+use drape_solver::world::extent::Extent;
 use drape_solver::{Body, Piece, Torn, TornStick};
 
 use crate::attach::animated_pose::AnimatedPose;
@@ -8,7 +9,7 @@ use crate::attach::attachment::Attachment;
 use crate::attach::attachment_state::AttachmentState;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
-use crate::body::body_state::{BodyState, CreationOrder, Extent};
+use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{Particles, Sticks};
 use crate::body::tearable::{Tearable, TornMesh, Untearable};
 use crate::build::cloth::Cloth;

@@ -6,7 +6,6 @@ use drape_solver::TearLimits;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::tearable::{Tearable, Untearable};
-use crate::bounds::overlap;
 use crate::clock::DrapeClock;
 use crate::pending_messages::Pending;
 use crate::rig::components::Rig;
@@ -30,7 +29,7 @@ pub(crate) fn cut_bodies(
         }
         let bounds = cut.bounds();
         let is_near = |entity: Entity, state: &BodyState| {
-            cut.only.is_none_or(|only| only == entity) && !state.refused && overlap(bounds, state.bounds())
+            cut.only.is_none_or(|only| only == entity) && !state.refused && bounds.overlaps(state.bounds())
         };
         // In order of creation, so that entity ids do not matter to the order of the pieces.
         let mut near: Vec<(u64, Entity)> =

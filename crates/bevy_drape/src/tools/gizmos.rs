@@ -148,7 +148,7 @@ fn draw_touches(mut gizmos: Gizmos<DrapeGizmos>, islands: Res<Islands>) {
     if !gizmos.config.enabled || !drawn.touches {
         return;
     }
-    for touch in islands.live().iter().flat_map(|island| &island.solver.touches) {
+    for touch in islands.live().iter().flat_map(|island| &island.solver().touches) {
         gizmos.cross(touch.point, 2.0 * drawn.particle_size, TOUCH_COLOR);
         let tip = touch.point + touch.normal * (NORMAL_LENGTH * drawn.particle_size);
         gizmos.line(touch.point, tip, TOUCH_COLOR);

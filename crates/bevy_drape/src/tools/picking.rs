@@ -33,6 +33,7 @@ use crate::ball::projectile::ProjectileState;
 use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
 use crate::tools::ray_cast::{BodyHit, cast_ray, meet_sphere};
+use drape_solver::world::bounds::Bounds;
 
 /// Least radius of links for pointers, in metres: ropes are thin.
 const LINK_RADIUS: f32 = 0.03;
@@ -122,7 +123,7 @@ fn find_hits(
         let mut picks = Vec::new();
         for (entity, particles, sticks, state) in &bodies {
             let radius = state.settings.thickness.max(LINK_RADIUS);
-            let (low, high) = state.extent.bounds;
+            let Bounds { low, high } = state.extent.bounds;
             if meets_box(ray, low - radius, high + radius)
                 && is_seen(entity)
                 && let Some(hit) = cast_ray(ray, f32::INFINITY, particles, sticks, radius)
