@@ -1,7 +1,7 @@
 //! Air in closed cloth: the same ball with little, enough and much air in it.
 //!
-//! `cargo run --release --example balloon --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example balloon --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.0, 1.5, 4.2),
     target: Vec3::new(0.0, 0.55, 0.0),
-    moment: 2.2,
+    picture_time: 2.2,
     build: |app| {
         app.add_systems(Startup, setup);
     },

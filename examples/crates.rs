@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(2.2, 2.0, 4.4),
     target: Vec3::new(0.3, 0.6, 0.0),
-    moment: 1.4,
+    picture_time: 1.4,
     build: |app| {
         app.add_systems(Startup, setup);
     },

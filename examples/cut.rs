@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "space  slash",
     eye: Vec3::new(1.6, 1.5, 3.4),
     target: Vec3::new(0.0, 1.0, 0.0),
-    moment: 1.1,
+    picture_time: 1.1,
     build: |app| {
         app.add_systems(FixedUpdate, slash).add_systems(Startup, setup);
     },

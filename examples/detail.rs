@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(-7.0, 5.5, 11.0),
     target: Vec3::new(0.6, 2.6, -7.0),
-    moment: 3.0,
+    picture_time: 3.0,
     build: |app| {
         app.add_systems(Startup, setup)
             .add_systems(FixedUpdate, run_down_the_street)

@@ -15,7 +15,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.3, 2.2, 5.0),
     target: Vec3::new(0.0, 0.45, 0.0),
-    moment: 3.0,
+    picture_time: 3.0,
     build: |app| {
         app.add_systems(Startup, setup);
     },

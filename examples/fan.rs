@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(1.5, 1.7, 3.6),
     target: Vec3::new(0.2, 0.9, 0.0),
-    moment: 2.0,
+    picture_time: 2.0,
     build: |app| {
         app.add_systems(Startup, setup);
     },

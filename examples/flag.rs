@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(1.2, 2.4, 5.6),
     target: Vec3::new(0.6, 1.7, 0.0),
-    moment: 3.5,
+    picture_time: 3.5,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.75, 0.6, 1.2),
     target: Vec3::new(0.0, 0.12, 0.05),
-    moment: 2.4,
+    picture_time: 2.4,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -1,7 +1,7 @@
 //! Knots hold by self-contact: two ropes that are laid alike, with it and without.
 //!
-//! `cargo run --release --example knot --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example knot --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.8, 2.0, 3.4),
     target: Vec3::new(0.0, 1.5, 0.0),
-    moment: 2.5,
+    picture_time: 2.5,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, lay);
     },

@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(3.2, 1.9, 2.6),
     target: Vec3::new(0.0, 0.9, -0.2),
-    moment: 0.42,
+    picture_time: 0.42,
     build: |app| {
         app.add_systems(Startup, setup);
     },

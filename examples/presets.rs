@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.0, 2.6, 6.2),
     target: Vec3::new(0.0, 0.6, 0.0),
-    moment: 2.5,
+    picture_time: 2.5,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(3.4, 2.2, 3.6),
     target: Vec3::new(0.5, 0.7, 0.0),
-    moment: 1.1,
+    picture_time: 1.1,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -1,7 +1,7 @@
 //! Runs scripted scenes: with a verdict and without a window, or in one.
 //!
-//! `cargo run --release --example scene -- assets/scenes --headless` runs all scenes of a folder as a suite; the exit code is
-//! the verdict. `--set PATH=VALUE` changes a scene, `--report junit` writes for CI systems, `--record FILE` keeps where
+//! `cargo run --release --features scenes --example scene -- assets/scenes --headless` runs all scenes of a folder as a suite;
+//! the exit code is the verdict. `--set PATH=VALUE` changes a scene, `--report junit` writes for CI systems, `--record FILE` keeps where
 //! everything was, to the last bit, and `--replay FILE` shows it; `--diff OTHER` tells where two recordings part.
 //!
 //! `cargo run --release --example scene --features window -- FILE` opens a window, in which the scene begins anew whenever
@@ -31,8 +31,8 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use drape_examples::scene_arguments::SceneArguments;
-use drape_examples::{scene_replay, scene_suite};
+use drape_examples::scripted::arguments::SceneArguments;
+use drape_examples::scripted::{replay as scene_replay, suite as scene_suite};
 
 fn main() -> ExitCode {
     let arguments = SceneArguments::parse();
@@ -61,7 +61,7 @@ fn replay(
 ) -> Result<bool, Box<dyn std::error::Error>> {
     #[cfg(feature = "window")]
     if !arguments.headless && arguments.diff.is_none() {
-        return drape_examples::scene_replay_window::run(recording).map_err(Into::into);
+        return drape_examples::scripted::replay_window::run(recording).map_err(Into::into);
     }
     scene_replay::run(recording, arguments.diff.as_deref()).map_err(Into::into)
 }
@@ -69,7 +69,7 @@ fn replay(
 fn play(arguments: &SceneArguments) -> Result<bool, Box<dyn std::error::Error>> {
     #[cfg(feature = "window")]
     if !arguments.headless {
-        return drape_examples::scene_window::run(arguments).map_err(Into::into);
+        return drape_examples::scripted::window::run(arguments).map_err(Into::into);
     }
     scene_suite::run(arguments).map_err(Into::into)
 }

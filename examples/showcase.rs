@@ -14,7 +14,7 @@
 //! | H | help on the screen |
 //! | Esc | quit |
 //!
-//! `--headless` runs all of them without a window and tells what came of each.
+//! `--headless` runs all of them without a window, with `--features meshes` at least, and prints the result of each.
 
 use std::process::ExitCode;
 
@@ -60,7 +60,7 @@ features! {
 pub fn main() -> ExitCode {
     #[cfg(feature = "window")]
     if !std::env::args().any(|argument| argument == "--headless") {
-        return match drape_examples::showcase_window::open(FEATURES) {
+        return match drape_examples::showcase::window::open(FEATURES) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 eprintln!("error: {error}");
@@ -70,7 +70,7 @@ pub fn main() -> ExitCode {
     }
     let mut verdict = ExitCode::SUCCESS;
     for (name, feature) in FEATURES {
-        match feature.run_headless(feature.moment) {
+        match feature.run_headless(feature.picture_time) {
             Ok(report) => println!(
                 "{name}: {} bodies, {} particles, {} balls",
                 report.bodies, report.particles, report.balls

@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(0.0, 1.2, 4.6),
     target: Vec3::new(0.0, 0.9, 0.0),
-    moment: 1.15,
+    picture_time: 1.15,
     build: |app| {
         app.add_systems(Startup, setup);
     },

@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(2.6, 2.0, 4.4),
     target: Vec3::new(0.0, 1.15, 0.0),
-    moment: 1.25,
+    picture_time: 1.25,
     build: |app| {
         app.add_systems(Startup, setup);
     },

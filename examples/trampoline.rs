@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(1.8, 1.9, 3.6),
     target: Vec3::new(0.0, 0.7, 0.0),
-    moment: 2.0,
+    picture_time: 2.0,
     build: |app| {
         app.add_systems(Update, count).add_systems(Startup, setup);
     },

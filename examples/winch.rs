@@ -1,7 +1,7 @@
 //! A winch lifts a load out of a pit and lets it down again; the rope is drawn as a tube.
 //!
-//! `cargo run --release --example winch --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example winch --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -13,7 +13,7 @@ pub const FEATURE: Feature = Feature {
     controls: "",
     eye: Vec3::new(2.2, 2.0, 3.4),
     target: Vec3::new(0.0, 1.2, 0.0),
-    moment: 1.2,
+    picture_time: 1.2,
     build: |app| {
         app.add_systems(Startup, setup).add_systems(FixedUpdate, (hang, turn));
     },

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use drape_examples::scene_arguments::SceneArguments;
-use drape_examples::{scene_replay, scene_suite};
+use drape_examples::scripted::arguments::SceneArguments;
+use drape_examples::scripted::{replay as scene_replay, suite as scene_suite};
 
 /// A ball that falls for half a second, from as high as `--set height=` says.
 const SCENE: &str = r#"(

@@ -3,8 +3,8 @@
 use std::alloc::System;
 
 use bevy::prelude::*;
-use drape_examples::scene::CannonScene;
-use drape_examples::soak::{app, soak};
+use drape_examples::cannon_demo::scene::CannonScene;
+use drape_examples::cannon_demo::soak::{app, soak};
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 
 #[global_allocator]

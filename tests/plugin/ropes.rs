@@ -1,8 +1,8 @@
 //! Ropes that carry a weight, and ropes that are paid out and reeled in.
 
 use bevy::prelude::*;
+use bevy_drape::attach::winch::rest_length;
 use bevy_drape::prelude::*;
-use bevy_drape::winch::rest_length;
 use drape_solver::state::measure;
 
 use crate::common::*;

@@ -1,102 +1,64 @@
 #![doc = include_str!("../README.md")]
+//!
+//! # Floors
+//!
+//! A file imports from its own floor and from floors below; `.ci/floors` checks it.
+//!
+//! ```text
+//! plugin             the plugin group, and the features in the order of a step
+//! snapshot/          saves and restores a running world
+//! tools/             picking, gestures, ray casts, gizmos, diagnostics
+//! tear/              parts bodies, and makes entities of the pieces
+//! render/            meshes that show bodies, and bodies made from meshes
+//! transform/         interpolation between fixed steps and between frames
+//! contact/           messages about contacts and hits, reactions of obstacles
+//! sleep/             sleeping, waking and culling
+//! step/              takes islands of bodies and balls through the solver
+//! detail/            level of detail
+//! attach/            ties between particles and entities
+//! rig/               bodies whose particles are entities
+//! ball/              cannon balls and cannons
+//! environment/       obstacles, gravity, wind
+//! build/             descriptions of bodies, and the bodies built from them
+//! body/              components of bodies
+//! schedule           labels of a step: schedules, sets, times
+//! viewer             viewers, and distances from them
+//! pending_messages   messages that wait for the next step
+//! change_detection   change ticks read as columns
+//! rigid_motion       placements, and rigid motions between them
+//! bounds             boxes along the axes
+//! clock              simulated time
+//! refusal            components that cannot be used, and why
+//! serde_vector       vectors written as three numbers
+//! ```
 
-pub mod activity;
-pub mod attachment;
-mod attachment_state;
-mod attention;
-pub mod cannon;
+pub mod attach;
+pub mod ball;
+pub mod body;
+mod bounds;
+pub mod build;
+mod change_detection;
 pub mod clock;
-pub mod cloth;
-#[cfg(feature = "mesh")]
-pub mod cloth_mesh;
-#[cfg(feature = "mesh")]
-mod cloth_mesh_skin;
-pub mod contact_events;
-mod description;
+pub mod contact;
 pub mod detail;
-mod detail_change;
-#[cfg(feature = "mesh")]
-mod detail_mesh;
-pub mod diagnostics;
-#[cfg(feature = "mesh")]
-pub mod driven_mesh;
-pub mod dynamic_obstacle;
 pub mod environment;
-pub mod follow_particle;
-pub mod gestures;
-#[cfg(feature = "gizmos")]
-pub mod gizmos;
-pub mod grab;
-mod grid_resampling;
-pub mod hit;
-pub mod interpolation;
-mod island;
-mod island_systems;
-mod islands;
-pub mod layers;
-#[cfg(feature = "mesh")]
-pub mod mesh;
-#[cfg(feature = "mesh")]
-mod mesh_body;
-#[cfg(feature = "mesh")]
-pub mod mesh_reading;
-#[cfg(feature = "mesh")]
-mod mesh_source;
-pub mod motion_limits;
-pub mod moved_by_frame;
-#[cfg(feature = "mesh")]
-mod normals;
-pub mod obstacle;
-pub mod particles;
-mod pending;
-#[cfg(feature = "picking")]
-pub mod picking;
-pub mod plane_lock;
+mod pending_messages;
 pub mod plugin;
-mod posed;
-pub mod preset;
-pub mod pressure;
-pub mod projectile;
-pub mod ragdoll;
-pub mod ray_cast;
 pub mod refusal;
+#[cfg(feature = "mesh")]
+pub mod render;
 pub mod rig;
-mod rig_body;
-mod rig_compile;
-mod rig_transforms;
-pub mod rigid_tetrahedron;
-pub mod rope;
-#[cfg(feature = "mesh")]
-pub mod rope_mesh;
-mod scan;
-pub mod scene_manager;
+mod rigid_motion;
 pub mod schedule;
-pub mod settings;
-mod sleepers;
-#[cfg(feature = "mesh")]
-mod smoothing;
+#[cfg(feature = "serde")]
+mod serde_vector;
+pub mod sleep;
 pub mod snapshot;
-pub mod soft_ball;
-#[cfg(feature = "mesh")]
-pub mod soft_body;
-#[cfg(feature = "mesh")]
-mod surface;
+pub mod step;
 pub mod tear;
-#[cfg(feature = "mesh")]
-mod torn_mesh;
-mod transforms;
-#[cfg(feature = "mesh")]
-mod tube;
-#[cfg(feature = "mesh")]
-mod vertex_map;
-#[cfg(feature = "mesh")]
-mod vertices;
-#[cfg(feature = "mesh")]
-mod visibility;
-mod waking;
-pub mod winch;
-pub mod wind_zone;
-pub mod world_motion;
+pub mod tools;
+pub mod transform;
+pub mod viewer;
 
 pub use drape_solver;
 pub use plugin::DrapePlugins;
@@ -109,66 +71,81 @@ pub use plugin::DrapePlugins;
 pub mod prelude {
     #[cfg(feature = "mesh")]
     #[doc(inline)]
-    pub use crate::cloth_mesh::{ClothMesh, ClothPaint, ClothWeave, PaintChannel, WeldedVertices};
+    pub use crate::render::from_mesh::{
+        cloth_mesh::{ClothMesh, ClothWeave, WeldedVertices},
+        driven_mesh::DrivenMesh,
+        paint::{ClothPaint, PaintChannel},
+        soft_body::SoftBody,
+    };
     #[cfg(feature = "mesh")]
     #[doc(inline)]
-    pub use crate::driven_mesh::DrivenMesh;
+    pub use crate::render::rope_mesh::RopeMesh;
     #[cfg(feature = "gizmos")]
     #[doc(inline)]
-    pub use crate::gizmos::DrapeGizmos;
+    pub use crate::tools::gizmos::DrapeGizmos;
     #[cfg(feature = "picking")]
     #[doc(inline)]
-    pub use crate::picking::Draggable;
-    #[cfg(feature = "mesh")]
-    #[doc(inline)]
-    pub use crate::rope_mesh::RopeMesh;
-    #[cfg(feature = "mesh")]
-    #[doc(inline)]
-    pub use crate::soft_body::SoftBody;
+    pub use crate::tools::picking::Draggable;
     #[doc(inline)]
     pub use crate::{
-        activity::{Activity, ActivityCounts},
-        attachment::{Attachment, Tie, TiedParticles},
-        cannon::{Cannon, CannonFired, FireCannon},
+        attach::{
+            attachment::{Attachment, Tie, TiedParticles},
+            follow_particle::{FollowParticle, FollowedParticle},
+            grab::{Grab, Hand},
+            plane_lock::PlaneLock,
+            winch::Winch,
+            world_motion::{TeleportCloth, WorldMotion},
+        },
+        ball::{
+            cannon::{Cannon, CannonFired, FireCannon},
+            projectile::{Projectile, ProjectileState},
+        },
+        body::{
+            activity::Activity,
+            contact_events::ContactEvents,
+            layers::DrapeLayers,
+            particles::{Particles, Sticks},
+            pressure::Pressure,
+            settings::{
+                DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
+            },
+            tearable::Tearable,
+        },
+        build::{
+            cloth::{Cloth, ClothPins},
+            preset::Preset,
+            rigid_tetrahedron::RigidTetrahedron,
+            rope::Rope,
+            soft_ball::SoftBall,
+        },
         clock::DrapeClock,
-        cloth::{Cloth, ClothPins},
-        contact_events::{
-            ContactEvents, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded,
-            DrapeContactHit, DrapeContactSettings, DrapeContactStarted,
+        contact::{
+            events::{
+                ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded, DrapeContactHit,
+                DrapeContactSettings, DrapeContactStarted,
+            },
+            hit::{BallHit, HitTarget},
         },
-        detail::{CurrentDetail, DetailLevel, LevelOfDetail},
-        diagnostics::DrapeDiagnosticsPlugin,
-        dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
-        environment::{DrapeGravity, Gusts, Wind},
-        follow_particle::{FollowParticle, FollowedParticle},
-        gestures::Gestures,
-        grab::{Grab, Hand},
-        hit::{BallHit, HitTarget},
-        interpolation::Interpolated,
-        layers::DrapeLayers,
-        motion_limits::MotionLimitCounts,
-        moved_by_frame::MovedByFrame,
-        obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
-        particles::{Particles, Sticks},
-        plane_lock::PlaneLock,
+        detail::level::{CurrentDetail, DetailLevel, LevelOfDetail},
+        environment::{
+            dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
+            gravity::DrapeGravity,
+            obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
+            wind::{Gusts, Wind},
+            wind_zone::{WindFlow, WindRegion, WindZone},
+        },
         plugin::DrapePlugins,
-        preset::Preset,
-        pressure::Pressure,
-        projectile::{Projectile, ProjectileState},
-        ragdoll::{Ragdoll, RagdollEntities},
         refusal::Refusals,
-        rig::{InRig, Particle, Rig, Stick, StickBound, StickKind},
-        rigid_tetrahedron::RigidTetrahedron,
-        rope::Rope,
-        scene_manager::{SceneManager, Viewer},
-        schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
-        settings::{
-            DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
+        rig::{
+            components::{InRig, Particle, Rig, Stick, StickBound, StickKind},
+            ragdoll::{Ragdoll, RagdollEntities},
         },
-        soft_ball::SoftBall,
-        tear::{BodySplit, CutCloth, StickTorn, Tearable},
-        winch::Winch,
-        wind_zone::{WindFlow, WindRegion, WindZone},
-        world_motion::{TeleportCloth, WorldMotion},
+        schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
+        sleep::{activity_counts::ActivityCounts, scene_manager::SceneManager},
+        step::motion_limits::MotionLimitCounts,
+        tear::messages::{BodySplit, CutCloth, StickTorn},
+        tools::{diagnostics::DrapeDiagnosticsPlugin, gestures::Gestures},
+        transform::{interpolation::Interpolated, moved_by_frame::MovedByFrame},
+        viewer::Viewer,
     };
 }

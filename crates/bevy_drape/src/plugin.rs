@@ -1,72 +1,28 @@
 //! The plugins.
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
-use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
-use bevy::transform::TransformSystems;
-use bevy::transform::systems::{
-    StaticTransformOptimizations, mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms,
-};
 
-use crate::activity::{Activity, ActivityCounts, count_activity};
-use crate::attachment::{Attachment, Tie, TiedParticles};
-use crate::attachment_state::{move_attached, release_attached};
-use crate::attention::{Attention, note_gone_ball, note_gone_body, note_lost, pay_attention};
-use crate::cannon::{Cannon, CannonFired, FireCannon, fire_cannons};
-use crate::clock::DrapeClock;
-use crate::cloth::Cloth;
-use crate::contact_events::{
-    ContactEvents, ContactFeature, ContactPairs, DrapeContact, DrapeContactCounts, DrapeContactEnded,
-    DrapeContactHit, DrapeContactSettings, DrapeContactStarted, send_contacts,
+use crate::attach::plugin::{
+    AttachmentPlugin, FollowParticlePlugin, GrabPlugin, PlaneLockPlugin, WinchPlugin, WorldMotionPlugin,
 };
-use crate::description::{build_described, remove_described_body};
-use crate::detail::{CurrentDetail, LevelOfDetail};
-use crate::detail_change::{LostDetail, choose_detail, note_lost_detail};
-use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, fly_dynamic_obstacles, give_reactions};
-use crate::environment::{DrapeGravity, Gusts, SolverEnvironment, Wind, read_environment};
-use crate::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
-use crate::grab::{Grab, Hand, pull_grabbed};
-use crate::hit::{BallHit, Touching};
-use crate::interpolation::InterpolationPlugin;
-use crate::island_systems::{begin_islands, detect_collisions, finish_islands, form_islands};
-use crate::islands::Islands;
-use crate::layers::DrapeLayers;
-use crate::motion_limits::MotionLimitCounts;
-use crate::moved_by_frame::MovedByFramePlugin;
-use crate::obstacle::{
-    Obstacle, ObstacleNews, StirredSpace, TeleportObstacle, look_again, note_disabled_obstacle,
-    note_gone_obstacle, sync_obstacles,
-};
-use crate::particles::{CreationOrder, Particles, Sticks, move_pins};
-use crate::pending::{Pending, collect_pending};
-use crate::plane_lock::{PlaneLock, lock_planes};
-use crate::posed::move_posed;
-use crate::preset::Preset;
-use crate::pressure::{Pressure, wake_pressed, wake_slack};
-use crate::projectile::{
-    Projectile, ProjectileState, build_projectiles, remove_ball, teleport_projectiles,
-    write_projectile_transforms,
-};
-use crate::refusal::{Refusals, forget_despawned_body, forget_removed};
-use crate::rig::{InRig, Particle, Rig, RigEdits, Stick};
-use crate::rig_compile::compile_rigs;
-use crate::rig_transforms::{follow_rig_transforms, write_rig_transforms};
-use crate::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedra, write_rigid_tetrahedra};
-use crate::rope::Rope;
-use crate::scene_manager::{SceneManager, Viewer, cull};
-use crate::schedule::{DrapeSchedule, DrapeSystems, StepTimes, configure, run_drape_schedule};
-use crate::settings::{DefaultSolverSettings, Quality, SolverSettings};
-use crate::soft_ball::SoftBall;
-use crate::tear::{BodySplit, CutCloth, StickTorn, Tearable, cut_bodies, tear_bodies};
-use crate::transforms::{have_loners_moved, have_trees_moved};
-use crate::waking::wake;
-use crate::winch::{Winch, turn_winches};
-use crate::wind_zone::{WindFlow, WindRegion, WindZone};
-use crate::world_motion::{TeleportCloth, WorldMotion, inherit_motion};
+use crate::ball::plugin::{BallPlugin, CannonPlugin};
+use crate::body::plugin::{BodyPlugin, PressurePlugin};
+use crate::build::plugin::{DescriptionPlugin, RigidTetrahedronPlugin};
+use crate::contact::plugin::{ContactEventsPlugin, HitPlugin, ReactionPlugin};
+use crate::detail::plugin::LevelOfDetailPlugin;
+use crate::environment::plugin::{DynamicObstaclePlugin, ObstaclePlugin, WindPlugin};
+use crate::rig::plugin::RigPlugin;
+use crate::sleep::plugin::SleepPlugin;
+use crate::step::plugin::StepPlugin;
+use crate::tear::plugin::TearPlugin;
+use crate::transform::interpolation::InterpolationPlugin;
+use crate::transform::moved_by_frame::MovedByFramePlugin;
+use crate::transform::plugin::PropagationPlugin;
 
-/// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`].
+/// All plugins of bevy_drape. Add them, spawn a [`Cloth`](crate::build::cloth::Cloth), done.
 ///
 /// ```no_run
 /// use bevy::prelude::*;
@@ -85,7 +41,7 @@ pub struct DrapePlugins {
 }
 
 impl DrapePlugins {
-    /// Takes steps in `schedule`, as long as the time that the schedule's `Time` advances by.
+    /// Takes a step in each run of `schedule`, as long as the delta of the schedule's `Time`.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
     }
@@ -105,170 +61,36 @@ impl PluginGroup for DrapePlugins {
             .add(InterpolationPlugin)
             .add(MovedByFramePlugin);
         #[cfg(feature = "mesh")]
-        let plugins = plugins.add(crate::mesh::MeshPlugin::new(self.schedule));
+        let plugins = plugins.add(crate::render::plugin::MeshPlugin::new(self.schedule));
         #[cfg(feature = "picking")]
-        let plugins = plugins.add(crate::picking::DrapePickingPlugin);
+        let plugins = plugins.add(crate::tools::picking::DrapePickingPlugin);
         #[cfg(feature = "gizmos")]
-        let plugins = plugins.add(crate::gizmos::GizmosPlugin);
+        let plugins = plugins.add(crate::tools::gizmos::GizmosPlugin);
         plugins
     }
 }
 
-/// Bodies, balls, obstacles, the scene manager and the schedule that steps them.
+/// The simulation: bodies, balls, obstacles, and the schedule that steps them.
 #[derive(Clone, Copy, Debug)]
 pub struct SolverPlugin {
     schedule: Interned<dyn ScheduleLabel>,
 }
 
 impl Plugin for SolverPlugin {
+    /// Adds the features, roughly in the order of a step. [`schedule`](crate::schedule) orders their systems.
     fn build(&self, app: &mut App) {
-        app.register_type::<(Activity, Cloth, Rope, Particles, Sticks, SolverSettings, Obstacle)>()
-            .register_type::<(Projectile, ProjectileState, Cannon, Viewer, Quality)>()
-            .register_type::<(DrapeClock, DrapeGravity, Wind, DefaultSolverSettings, SceneManager)>()
-            .register_type::<(DynamicObstacle, ObstacleReaction, TeleportObstacle)>()
-            .register_type::<(Particle, Stick, Rig, InRig, Grab, Hand)>()
-            .register_type::<(ContactEvents, ContactFeature, DrapeContact, DrapeLayers)>()
-            .register_type::<(DrapeContactStarted, DrapeContactHit, DrapeContactEnded)>()
-            .register_type::<(DrapeContactSettings, DrapeContactCounts)>()
-            .register_type::<(SoftBall, Pressure, RigidTetrahedron, Preset, Winch, PlaneLock)>()
-            .register_type::<(LevelOfDetail, CurrentDetail)>()
-            .register_type::<(WorldMotion, TeleportCloth, MotionLimitCounts)>()
-            .register_type::<(Attachment, Tie, TiedParticles, FollowParticle, FollowedParticle)>()
-            .register_type::<(Tearable, CutCloth, StickTorn, BodySplit)>()
-            .register_type::<(Gusts, WindZone, WindRegion, WindFlow)>()
-            .register_type::<(ActivityCounts, FireCannon, CannonFired, BallHit, StepTimes, Refusals)>();
-        app.init_resource::<ActivityCounts>()
-            .init_resource::<Attention>()
-            .init_resource::<ContactPairs>()
-            .init_resource::<CreationOrder>()
-            .init_resource::<DefaultSolverSettings>()
-            .init_resource::<DrapeClock>()
-            .init_resource::<DrapeContactCounts>()
-            .init_resource::<DrapeContactSettings>()
-            .init_resource::<DrapeGravity>()
-            .init_resource::<Islands>()
-            .init_resource::<LostDetail>()
-            .init_resource::<MotionLimitCounts>()
-            .init_resource::<ObstacleNews>()
-            .init_resource::<Pending<CutCloth>>()
-            .init_resource::<Pending<FireCannon>>()
-            .init_resource::<Refusals>()
-            .init_resource::<RigEdits>()
-            .init_resource::<SceneManager>()
-            .init_resource::<SolverEnvironment>()
-            // In case the app has no `TransformPlugin`.
-            .init_resource::<StaticTransformOptimizations>()
-            .init_resource::<StepTimes>()
-            .init_resource::<StirredSpace>()
-            .init_resource::<Touching>()
-            .init_resource::<Wind>()
-            .add_message::<BallHit>()
-            .add_message::<BodySplit>()
-            .add_message::<CannonFired>()
-            .add_message::<CutCloth>()
-            .add_message::<DrapeContactEnded>()
-            .add_message::<DrapeContactHit>()
-            .add_message::<DrapeContactStarted>()
-            .add_message::<FireCannon>()
-            .add_message::<StickTorn>();
-        app.add_observer(remove_described_body::<Cloth>)
-            .add_observer(remove_described_body::<Rope>)
-            .add_observer(remove_described_body::<RigidTetrahedron>)
-            .add_observer(remove_described_body::<SoftBall>)
-            .add_observer(remove_ball)
-            .add_observer(note_gone_body)
-            .add_observer(note_gone_ball)
-            .add_observer(note_lost::<SolverSettings>)
-            .add_observer(note_lost_detail)
-            .add_observer(forget_removed::<LevelOfDetail>)
-            .add_observer(note_gone_obstacle)
-            .add_observer(note_disabled_obstacle)
-            .add_observer(look_again::<Remove, Disabled>)
-            .add_observer(look_again::<Add, ContactEvents>)
-            .add_observer(look_again::<Add, ObstacleReaction>)
-            .add_observer(look_again::<Remove, ObstacleReaction>)
-            .add_observer(look_again::<Add, TeleportObstacle>)
-            .add_observer(look_again::<Remove, DynamicObstacle>)
-            .add_observer(forget_removed::<DynamicObstacle>)
-            .add_observer(look_again::<Remove, ContactEvents>)
-            .add_observer(look_again::<Remove, DrapeLayers>)
-            .add_observer(note_lost::<DrapeLayers>)
-            .add_observer(forget_removed::<Cannon>)
-            .add_observer(release_attached)
-            .add_observer(wake_slack)
-            .add_observer(forget_removed::<Attachment>)
-            .add_observer(forget_removed::<Cloth>)
-            .add_observer(forget_removed::<Obstacle>)
-            .add_observer(forget_despawned_body)
-            .add_observer(forget_removed::<Projectile>)
-            .add_observer(forget_removed::<Rope>)
-            .add_observer(forget_removed::<RigidTetrahedron>)
-            .add_observer(forget_removed::<SoftBall>)
-            .add_observer(forget_removed::<Tearable>)
-            .add_observer(forget_removed::<Winch>)
-            .add_observer(forget_removed::<WindZone>)
-            .add_observer(forget_removed::<WorldMotion>);
-        configure(app);
-        app.add_systems(
-            self.schedule,
-            (collect_pending::<CutCloth>, collect_pending::<FireCannon>, run_drape_schedule)
-                .chain()
-                .before(TransformSystems::Propagate),
-        );
-        app.add_systems(
-            DrapeSchedule,
-            (
-                (
-                    // Bevy brings global transforms up to date after the fixed loop only: too late for a step.
-                    (
-                        (mark_dirty_trees, propagate_parent_transforms).chain().run_if(have_trees_moved),
-                        sync_simple_transforms.run_if(have_loners_moved),
-                    )
-                        .chain(),
-                    (collect_pending::<CutCloth>, collect_pending::<FireCannon>, fire_cannons).chain(),
-                    (
-                        build_described::<Cloth>,
-                        build_described::<Rope>,
-                        build_described::<RigidTetrahedron>,
-                        build_described::<SoftBall>,
-                        build_projectiles,
-                    )
-                        .chain(),
-                    (compile_rigs, cut_bodies, choose_detail, inherit_motion).chain(),
-                    (sync_obstacles, fly_dynamic_obstacles).chain(),
-                    (
-                        move_pins,
-                        move_posed,
-                        move_attached,
-                        teleport_projectiles,
-                        follow_rig_transforms,
-                        teleport_rigid_tetrahedra,
-                        turn_winches,
-                        pull_grabbed,
-                    )
-                        .chain(),
-                    (wake_pressed, pay_attention, wake, cull).chain(),
-                )
-                    .chain()
-                    .in_set(DrapeSystems::ManageScene),
-                read_environment.in_set(DrapeSystems::AccumulateForces),
-                (form_islands, begin_islands).chain().in_set(DrapeSystems::FormIslands),
-                detect_collisions.in_set(DrapeSystems::DetectCollisions),
-                (
-                    finish_islands,
-                    lock_planes,
-                    give_reactions,
-                    send_contacts,
-                    write_projectile_transforms,
-                    write_rig_transforms,
-                    follow_particles,
-                    write_rigid_tetrahedra,
-                    tear_bodies,
-                    count_activity,
-                )
-                    .chain()
-                    .in_set(DrapeSystems::Finish),
-            ),
-        );
+        let schedule = self.schedule;
+        app.add_plugins((BodyPlugin, StepPlugin { schedule }, PropagationPlugin))
+            .add_plugins((CannonPlugin { schedule }, DescriptionPlugin, RigidTetrahedronPlugin, BallPlugin))
+            .add_plugins((RigPlugin, TearPlugin { schedule }, LevelOfDetailPlugin, WorldMotionPlugin))
+            .add_plugins((WindPlugin, ObstaclePlugin, DynamicObstaclePlugin))
+            .add_plugins((AttachmentPlugin, WinchPlugin, GrabPlugin, PressurePlugin, SleepPlugin))
+            .add_plugins((
+                HitPlugin,
+                PlaneLockPlugin,
+                ReactionPlugin,
+                ContactEventsPlugin,
+                FollowParticlePlugin,
+            ));
     }
 }

@@ -1,4 +1,4 @@
-//! The schedule of a step.
+//! The schedule of a step: labels, sets and their order.
 //!
 //! ```text
 //! DrapeSchedule   ManageScene        obstacles, pins, new bodies, cuts; wake, cull
@@ -12,32 +12,24 @@
 //!                 Finish             rest and sleep, hits, transforms, tears, counts
 //! ```
 //!
-//! While nobody has a system of their own from [`FormIslands`](DrapeSystems::FormIslands) to
-//! [`Finish`](DrapeSystems::Finish), each island goes through all its stages in one go, on its own thread, within
-//! `Finish`. As soon as somebody does, the stages are run one by one, and bodies and balls are in their components in
-//! between; the substeps still in one go, unless somebody has a system in [`DrapeSubsteps`]. All ways run the same
-//! functions in the same order and give the same bits.
+//! Without user systems from [`FormIslands`](DrapeSystems::FormIslands) to [`Finish`](DrapeSystems::Finish), each
+//! island runs through all its stages at once, on its own thread, within `Finish`. With user systems there the stages
+//! run one by one, and bodies and balls are in their components in between. The substeps still run at once unless a
+//! user system is in [`DrapeSubsteps`]. All ways run the same functions in the same order and give the same bits.
 //!
-//! Both schedules run their systems one after another: they are many and short. The work is spread over threads by
-//! island.
+//! Both schedules run their many short systems on one thread. Islands spread the work over all threads.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-use crate::clock::DrapeClock;
-use crate::island::Stage;
-use crate::island_systems::{
-    begin_islands, detect_collisions, finish_islands, run_substeps_of_islands, substep_stage,
-};
-use crate::islands::Islands;
-
-/// The schedule of one step. Run by [`DrapePlugins`](crate::DrapePlugins) in `FixedPostUpdate`, or wherever they were told to.
+/// The schedule of one step. [`DrapePlugins`](crate::DrapePlugins) run it in `FixedPostUpdate` or in the schedule of
+/// your choice.
 #[derive(ScheduleLabel, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct DrapeSchedule;
 
-/// The schedule of one substep. See the [module](self) for what adding systems to it means.
+/// The schedule of one substep. Adding systems to it changes the way that steps run: see the [module](self).
 #[derive(ScheduleLabel, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct DrapeSubsteps;
 
@@ -45,100 +37,78 @@ pub struct DrapeSubsteps;
 /// [`DrapeSchedule`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DrapeSystems {
-    /// New bodies are built, blades cut, obstacles and pins follow their transforms, cannons fire; bodies wake and are
-    /// culled.
+    /// Builds new bodies, cuts, fires cannons, moves obstacles and pins with their transforms, wakes and culls bodies.
     ManageScene,
-    /// Gravity and wind are read. Systems that add forces to [`Particles`](crate::particles::Particles) belong here.
+    /// Reads gravity and wind. Systems that add forces to [`Particles`](crate::body::particles::Particles) belong here.
     AccumulateForces,
-    /// Bodies and balls that could touch are grouped into islands, and forces become accelerations.
+    /// Groups bodies and balls that could touch into islands, and turns forces into accelerations.
     FormIslands,
-    /// Lists what could touch what within the step.
+    /// Lists everything that could touch within the step.
     DetectCollisions,
     /// Runs [`DrapeSubsteps`].
     Substeps,
-    /// Bodies at rest fall asleep; hits are reported; transforms are written; bodies tear.
+    /// Puts resting bodies to sleep, reports hits and contacts, writes transforms, tears bodies.
     Finish,
-    /// Particles and balls fly freely for one substep.
+    /// Moves particles and balls freely for one substep.
     Integrate,
-    /// N iterations of contacts, sticks and tethers.
+    /// Relaxes contacts, sticks and tethers, for a number of iterations.
     Relax,
-    /// Contacts have the last word; velocities follow; friction.
+    /// Projects contacts last, updates velocities, and applies friction.
     ProjectCollisions,
 }
 
-/// How long the stages of the last step took.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[reflect(Resource, Default, Debug, Clone, PartialEq)]
-pub struct StepTimes {
-    /// The whole step, by the clock on the wall.
-    pub step: Duration,
-    /// The search for what could touch what: [`DrapeSystems::DetectCollisions`]. Summed up over islands, so that it is
-    /// more than by the clock on the wall where several threads are at work.
-    pub detect_collisions: Duration,
-    /// All substeps, summed up likewise.
-    pub substeps: Duration,
+/// The plugin's own systems in [`DrapeSystems::ManageScene`], one after another in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum ScenePhase {
+    PropagateTransforms,
+    CollectCuts,
+    FireCannons,
+    BuildCloths,
+    BuildRopes,
+    BuildRigidTetrahedra,
+    BuildSoftBalls,
+    BuildBalls,
+    CompileRigs,
+    CutBodies,
+    ChooseDetail,
+    InheritMotion,
+    SyncObstacles,
+    FlyDynamicObstacles,
+    MovePins,
+    MovePosed,
+    MoveAttached,
+    TeleportBalls,
+    FollowRigTransforms,
+    TeleportRigidTetrahedra,
+    TurnWinches,
+    PullGrabbed,
+    WakePressed,
+    WakeAndCull,
 }
 
-/// The plugin's own systems in [`DrapeSubsteps`].
-const SUBSTEP: [(Stage, DrapeSystems); 3] = [
-    (Stage::Integrate, DrapeSystems::Integrate),
-    (Stage::Relax, DrapeSystems::Relax),
-    (Stage::ProjectCollisions, DrapeSystems::ProjectCollisions),
-];
-
-/// Takes a step, if the clock says so.
-pub(crate) fn run_drape_schedule(world: &mut World) {
-    let timestep = world.resource::<Time>().delta_secs();
-    if !world.resource_mut::<DrapeClock>().begin_step(timestep) {
-        return;
-    }
-    let start = Instant::now();
-    world.schedule_scope(DrapeSchedule, |world, schedule| {
-        // What is wrong with the schedule is told when it is run.
-        let _ = schedule.initialize(world);
-        let is_fused = !is_substep_hooked(world) && !is_hooked(schedule);
-        world.resource_mut::<Islands>().is_fused = is_fused;
-        schedule.run(world);
-    });
-    world.resource_mut::<StepTimes>().step = start.elapsed();
-    world.resource_mut::<DrapeClock>().end_step();
+/// The plugin's own systems in [`DrapeSystems::Finish`], one after another in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum FinishPhase {
+    FinishIslands,
+    ReportHits,
+    FallAsleep,
+    LockPlanes,
+    GiveReactions,
+    SendContacts,
+    WriteBalls,
+    WriteRigs,
+    FollowParticles,
+    WriteRigidTetrahedra,
+    TearBodies,
+    CountActivity,
 }
 
-/// Whether anybody else has a system where the islands are on their way.
-fn is_hooked(schedule: &Schedule) -> bool {
-    let Ok(systems) = schedule.systems() else { return true };
-    let first = begin_islands.system_type_id();
-    let last = finish_islands.system_type_id();
-    let own = [
-        first,
-        detect_collisions.system_type_id(),
-        run_substeps.system_type_id(),
-        ApplyDeferred.system_type_id(),
-    ];
-    let order = systems.map(|(_, system)| system.system_type());
-    let mut on_their_way = order.skip_while(|system| *system != first).take_while(|system| *system != last);
-    on_their_way.any(|system| !own.contains(&system))
-}
+/// The systems that collect requests in each tick, also while the simulation is paused. They run before the step.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct CollectRequests;
 
-fn is_substep_hooked(world: &World) -> bool {
-    let systems = world.resource::<Schedules>().get(DrapeSubsteps).map_or(0, Schedule::systems_len);
-    systems != SUBSTEP.len()
-}
-
-/// Runs the substeps, one by one if somebody looks.
-pub(crate) fn run_substeps(world: &mut World) {
-    if is_substep_hooked(world) {
-        for _ in 0..world.resource::<Islands>().substeps() {
-            world.run_schedule(DrapeSubsteps);
-        }
-    } else if !world.resource::<Islands>().is_fused {
-        // The system is cached by its type: nothing is allocated from the second step on.
-        let _ = world.run_system_cached(run_substeps_of_islands);
-    }
-}
-
-/// Gives both schedules their sets and systems.
-pub(crate) fn configure(app: &mut App) {
+/// Puts the sets of both schedules in order.
+pub(crate) fn configure_schedules(app: &mut App) {
     app.edit_schedule(DrapeSchedule, |schedule| {
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule.configure_sets(
@@ -152,16 +122,87 @@ pub(crate) fn configure(app: &mut App) {
             )
                 .chain(),
         );
-        schedule.add_systems(run_substeps.in_set(DrapeSystems::Substeps));
+        configure_scene_phases(schedule);
+        configure_finish_phases(schedule);
     });
     app.edit_schedule(DrapeSubsteps, |schedule| {
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule.configure_sets(
             (DrapeSystems::Integrate, DrapeSystems::Relax, DrapeSystems::ProjectCollisions).chain(),
         );
-        for (stage, set) in SUBSTEP {
-            let stage_system = (move || -> Stage { stage }).pipe(substep_stage);
-            schedule.add_systems(stage_system.in_set(set));
-        }
     });
+}
+
+fn configure_scene_phases(schedule: &mut Schedule) {
+    use ScenePhase as Phase;
+    schedule.configure_sets(
+        (
+            (
+                Phase::PropagateTransforms,
+                Phase::CollectCuts,
+                Phase::FireCannons,
+                Phase::BuildCloths,
+                Phase::BuildRopes,
+                Phase::BuildRigidTetrahedra,
+                Phase::BuildSoftBalls,
+                Phase::BuildBalls,
+                Phase::CompileRigs,
+                Phase::CutBodies,
+                Phase::ChooseDetail,
+                Phase::InheritMotion,
+            )
+                .chain(),
+            (
+                Phase::SyncObstacles,
+                Phase::FlyDynamicObstacles,
+                Phase::MovePins,
+                Phase::MovePosed,
+                Phase::MoveAttached,
+                Phase::TeleportBalls,
+                Phase::FollowRigTransforms,
+                Phase::TeleportRigidTetrahedra,
+                Phase::TurnWinches,
+                Phase::PullGrabbed,
+                Phase::WakePressed,
+                Phase::WakeAndCull,
+            )
+                .chain(),
+        )
+            .chain()
+            .in_set(DrapeSystems::ManageScene),
+    );
+}
+
+fn configure_finish_phases(schedule: &mut Schedule) {
+    use FinishPhase as Phase;
+    schedule.configure_sets(
+        (
+            Phase::FinishIslands,
+            Phase::ReportHits,
+            Phase::FallAsleep,
+            Phase::LockPlanes,
+            Phase::GiveReactions,
+            Phase::SendContacts,
+            Phase::WriteBalls,
+            Phase::WriteRigs,
+            Phase::FollowParticles,
+            Phase::WriteRigidTetrahedra,
+            Phase::TearBodies,
+            Phase::CountActivity,
+        )
+            .chain()
+            .in_set(DrapeSystems::Finish),
+    );
+}
+
+/// Times of the stages of the last step.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Debug, Clone, PartialEq)]
+pub struct StepTimes {
+    /// Wall time of the whole step.
+    pub step: Duration,
+    /// Time of [`DrapeSystems::DetectCollisions`], added up over islands: more than wall time if several threads work.
+    pub detect_collisions: Duration,
+    /// Time of all substeps, added up over islands.
+    pub substeps: Duration,
 }

@@ -1,35 +1,32 @@
 #![doc = include_str!("../README.md")]
+//!
+//! # Floors
+//!
+//! Each folder of `src` is a floor, which imports only from floors below:
+//!
+//! ```text
+//! run/          runs scenes without a window: runner, suites, test harness, reports, assets
+//! play/         plays a scene in an app: spawns it, runs its timeline, evaluates its expectations
+//! load/         loads scenes from files: fragments, overrides, checks
+//! recording/    records positions step by step, to the last bit, and compares recordings
+//! checkpoint    the state of a running world in a file
+//! container     the binary container of recordings and checkpoints
+//! scene/        the scene file format as types
+//! mesh/         triangle meshes, read from glTF files or generated
+//! text/         the text of scene files: paths, positions, explained errors
+//! ```
 
-pub mod asset;
-mod check;
 pub mod checkpoint;
 mod container;
-mod error;
-mod explain;
-#[cfg(feature = "harness")]
-pub mod harness;
-mod hint;
-#[cfg(feature = "junit")]
-pub mod junit;
 mod load;
-mod mesh_file;
-pub mod overriding;
+mod mesh;
 pub mod play;
 pub mod recording;
-pub mod report;
-pub mod runner;
+mod run;
 pub mod scene;
-pub mod schema;
-mod step_times;
-mod suggest;
-pub mod suite;
 mod text;
 
-pub use error::SceneError;
-#[cfg(feature = "junit")]
-pub use junit::to_junit;
-pub use overriding::Override;
-pub use report::Report;
-pub use runner::{SCENE_SUFFIX, SceneRunner, run_scene, run_scene_with, scene_name};
+pub use load::Override;
+pub use run::*;
 pub use scene::SceneScript;
-pub use suite::scene_files;
+pub use text::SceneError;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bevy_drape_script::schema::schema;
+use bevy_drape_script::scene::schema;
 use serde_json::Value;
 
 /// `UPDATE_SCHEMA=1 cargo test -p bevy_drape_script --test schema` writes it anew.

@@ -109,12 +109,24 @@ impl Island {
         self.context.plans.push(scratch.plan);
     }
 
-    /// Takes out the scratch of the body at `index`, to keep it beside the body.
-    pub fn take_scratch(&mut self, index: usize) -> BodyScratch {
-        BodyScratch {
-            contacts: self.context.contacts.bodies.get_mut(index).map(core::mem::take).unwrap_or_default(),
-            plan: self.context.plans.get_mut(index).map(core::mem::take).unwrap_or_default(),
-        }
+    /// Takes all bodies out with their scratch, in order.
+    pub fn drain_bodies(&mut self) -> impl Iterator<Item = (Body, BodyScratch)> + '_ {
+        self.fit_scratch();
+        let contacts = self.context.contacts.bodies.drain(..);
+        let scratch = contacts.zip(self.context.plans.drain(..));
+        let scratch = scratch.map(|(contacts, plan)| BodyScratch { contacts, plan });
+        self.bodies.drain(..).zip(scratch)
+    }
+
+    /// Removes the body at `index` with its scratch; the bodies behind it move up.
+    ///
+    /// # Panics
+    /// If there is no such body.
+    pub fn remove_body(&mut self, index: usize) -> (Body, BodyScratch) {
+        self.fit_scratch();
+        let contacts = self.context.contacts.bodies.remove(index);
+        let plan = self.context.plans.remove(index);
+        (self.bodies.remove(index), BodyScratch { contacts, plan })
     }
 
     /// Gives each body scratch of its own.
@@ -150,8 +162,10 @@ impl Island {
     /// Takes the body at `index` out in the middle of a step, and leaves an empty body that touches nothing. The other
     /// bodies keep their indices.
     pub fn vacate_body(&mut self, index: usize) {
+        self.fit_scratch();
         self.bodies[index] = Body::default();
-        self.take_scratch(index);
+        self.context.contacts.bodies[index] = BodyContacts::default();
+        self.context.plans[index] = BodyPlan::default();
         self.context.contacts.ball_cloth.forget(index);
         self.context.contacts.cloth_cloth.forget(index);
         self.context.report.vacate(index);

@@ -5,8 +5,9 @@
 //! Folders are layers: a file imports from its own floor and from the floors below it, which `.ci/floors` checks.
 //!
 //! ```text
-//! drape_test   Cusick's drape test, as a program
-//! step         the whole step on one screen: read it first
+//! world/       bodies, balls and obstacles by name: islands, sleep, wake and culling
+//! drape_test   Cusick's drape test, and stretch by weight
+//! step         the whole step on one screen: start here
 //! island       bodies and balls that are stepped together, with their scratch
 //! tearing/     sticks tear, blades cut, bodies fall into pieces
 //! build/       builders of cloths, ropes, soft bodies, ragdolls; cloth from meshes
@@ -19,10 +20,11 @@
 //! geometry/    shapes, poses, nearest points
 //! parallel/    threads and workers
 //! simd/        columns, lanes, instruction sets
+//! union_find   groups of what hangs together
 //! error        typed errors
-//! constants    every tolerance, with its unit and its reason
+//! constants    tolerances, bounds and tuning constants, with units and reasons
 //! ```
-// Same input, same bits, on every machine: `clippy.toml` lists what rounds differently.
+// Same input, same bits, on every machine: `clippy.toml` lists the methods that round differently.
 #![warn(clippy::disallowed_methods)]
 
 pub mod broad_phase;
@@ -43,6 +45,8 @@ pub mod state;
 pub mod step;
 pub mod substep;
 pub mod tearing;
+pub(crate) mod union_find;
+pub mod world;
 
 pub use build::cloth::{ClothBuilder, ClothMaterial, Edge};
 pub use build::embedding::Embedding;
@@ -86,6 +90,11 @@ pub use state::volume::volume;
 pub use step::{step, step_on};
 pub use tearing::pieces::Piece;
 pub use tearing::tear::{TearLimits, Torn, TornStick};
+pub use world::World;
+pub use world::activity::{Activity, ActivityCounts};
+pub use world::activity_rules::ActivityRules;
+pub use world::events::{Events, Fault};
+pub use world::id::{BallId, BodyId, MemberId, ObstacleId, WorldId};
 
 pub use glam;
 pub use parry3d;

@@ -101,7 +101,7 @@ fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
 }
 
 /// True if no stage of the island has anything to do, so that its bodies may go through their substeps one by one.
-fn can_be_swept(island: &Island) -> bool {
+pub(crate) fn can_be_swept(island: &Island) -> bool {
     let IslandContext { contacts, report, reactions, .. } = &island.context;
     let is_alone = island.balls.is_empty() && !report.is_on() && !reactions.is_on();
     is_alone && island.bodies.iter().zip(&contacts.bodies).all(|(body, of)| sweep::can_be_swept(body, of))

@@ -1,4 +1,4 @@
-//! A step allocates nothing once warm.
+//! After a warm-up a step allocates nothing.
 
 use std::alloc::System;
 
@@ -8,26 +8,27 @@ use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
     Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, RigidBody, SelfContact,
-    Shape, SolverSettings, StructuralSolve, Wind, step,
+    Shape, SolverSettings, StructuralSolve, Wind, World, step,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations in the second half of a shot at a curtain, over ground, in a sensor and beside a turning capsule.
+/// Allocations in the second half of a shot at a curtain, over ground, in a sensor and beside a rotating capsule.
 #[test]
 fn a_warm_step_allocates_nothing() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
         allocate_nothing(SolverSettings { structural, ..SolverSettings::default() });
     }
-    // Not a test of its own: the count is that of the whole program.
+    // All cases are one test, as the count is that of the whole process.
     fold_allocating_nothing();
     meet_shapes_allocating_nothing();
+    step_a_world_allocating_nothing();
 }
 
-/// A cloth that lies on every shape which is asked for its surface, coarse enough for its faces to be met, with balls among
-/// them; some of the shapes move, one of them fast.
+/// A cloth with balls on all shapes with surface queries, so coarse that its faces touch them. Some shapes move, one of them
+/// fast.
 fn meet_shapes_allocating_nothing() {
     let corners: Vec<Vec3> =
         (0..8).map(|i| Vec3::from([i & 1, i >> 1 & 1, i >> 2].map(|bit| 0.3 * bit as f32))).collect();
@@ -90,6 +91,42 @@ fn meet_shapes_allocating_nothing() {
     assert!(touches > 0, "the balls must have hit something");
 }
 
+/// A world with a row of sleeping curtains. A ball that is put back again and again hits them, and they fall asleep again.
+fn step_a_world_allocating_nothing() {
+    let mut world = World::new();
+    world.add_obstacle(Obstacle::ground());
+    world.rules.sleep_time = 0.1;
+    for i in 0..4 {
+        let curtain = ClothBuilder::new(1.0, 1.0, 9, 9)
+            .placed(Vec3::new(3.0 * i as f32, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
+            .pin_edge(Edge::Top)
+            .build(SolverSettings { drag: 8.0, ..SolverSettings::default() })
+            .expect("valid");
+        world.add_body(curtain);
+    }
+    let start = (Vec3::new(0.5, 1.5, -1.0), Vec3::Z * 10.0);
+    let ball = world.add_ball(Ball::new(BallMaterial::default(), start.0, start.1).expect("valid"));
+    let (mut slept, mut woken) = (0, 0);
+    let mut rounds = |count: u32| {
+        for round in 0..count {
+            let thrown = world.ball_mut(ball).expect("it is there");
+            thrown.set_position(start.0 + Vec3::X * (3 * (round % 4)) as f32);
+            thrown.set_velocity(start.1);
+            for _ in 0..180 {
+                world.step().expect("a good step");
+                slept += world.events().slept.len();
+                woken += world.events().woken.len();
+            }
+        }
+    };
+    rounds(8);
+    let region = Region::new(ALLOCATOR);
+    rounds(4);
+    let change = region.change();
+    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    assert!(slept > 8 && woken > 8, "{slept} fell asleep, {woken} woke");
+}
+
 /// A cloth that has folded onto itself.
 fn fold_allocating_nothing() {
     let settings =
@@ -147,7 +184,7 @@ fn allocate_nothing(settings: SolverSettings) {
             contacts += island.contacts.len();
         }
     };
-    // The first seconds see the hit: every list has then been as long as it gets.
+    // The hit is in the first seconds: then every list has reached its greatest length.
     steps(240);
     let region = Region::new(ALLOCATOR);
     steps(120);

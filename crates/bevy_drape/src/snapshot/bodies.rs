@@ -1,24 +1,23 @@
 //! The state of cloths, ropes and rigs.
 
-use std::sync::Arc;
-
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use drape_solver::{BodyContext, Layers, ParticlesSnapshot, Topology};
+use drape_solver::{BodyContext, Layers, ParticlesSnapshot};
 
-use crate::activity::Activity;
-use crate::detail::CurrentDetail;
-use crate::detail_change::parts_at;
-use crate::grab::Grab;
-use crate::layers::DrapeLayers;
-use crate::particles::{BodyState, Extent, Particles, Sticks};
-use crate::rig::Rig;
-use crate::rigid_tetrahedron::RigidPlace;
-use crate::settings::SolverSettings;
+use crate::attach::grab::Grab;
+use crate::body::activity::Activity;
+use crate::body::body_state::{BodyState, Extent};
+use crate::body::layers::DrapeLayers;
+use crate::body::particles::{BodyParts, Particles, Sticks};
+use crate::body::settings::SolverSettings;
+use crate::build::rigid_tetrahedron::RigidPlace;
+use crate::detail::change::parts_at;
+use crate::detail::level::CurrentDetail;
+use crate::rig::components::Rig;
 use crate::snapshot::attachments::{self, AttachmentSnapshot};
+use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::motions::{self, MotionSnapshot};
 use crate::snapshot::world::{Placed, put_component};
-use crate::snapshot::{Key, Keys, SnapshotError, entity, out_of_order};
 
 /// The state of one body.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,8 +49,8 @@ impl BodySnapshot {
         Key::Body(self.order)
     }
 
-    /// The particles and sticks of the body, where it has others now, at another level of detail.
-    fn other_parts(&self, entity: EntityRef) -> Option<(drape_solver::Particles, Arc<Topology>)> {
+    /// Builds the particles and sticks of the snapshot, if the body has another level of detail now.
+    fn other_parts(&self, entity: EntityRef) -> Option<BodyParts> {
         let wanted = self.detail?.coarseness;
         let is_other = wanted != entity.get::<CurrentDetail>()?.coarseness;
         if is_other { parts_at(entity, wanted) } else { None }
@@ -79,7 +78,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             bounds: [state.extent.bounds.0, state.extent.bounds.1].map(|corner| corner.to_array()),
             greatest_speed: state.extent.greatest_speed,
             is_refused: state.refused,
-            settings: state.settings.into(),
+            settings: state.settings,
             layers: state.layers,
             own_settings: entity.get().copied(),
             own_layers: entity.get().copied(),
@@ -113,7 +112,7 @@ pub(super) fn check(bodies: &[BodySnapshot], world: &World, keys: &Keys) -> Resu
     Ok(())
 }
 
-/// What has been [checked](check).
+/// Restores bodies that have been [checked](check).
 pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Result<(), SnapshotError> {
     for &(key, body) in keys {
         let is_known = bodies.binary_search_by_key(&key, BodySnapshot::key).is_ok();
@@ -135,13 +134,14 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         }
         if let Some(mut state) = entity.get_mut::<BodyState>() {
             state.context = BodyContext::default();
+            state.scratch = default();
             state.context.set_still_for(body.still_for);
             state.anchor = Affine3A::from_cols_array(&body.anchor);
             state.pins = body.pins.iter().map(|&(pin, place)| (pin, place.into())).collect();
             let [low, high] = body.bounds.map(Vec3::from_array);
             state.extent = Extent { bounds: (low, high), greatest_speed: body.greatest_speed };
             state.refused = body.is_refused;
-            state.settings = body.settings.into();
+            state.settings = body.settings;
             state.layers = body.layers;
         }
         if let Some(mut activity) = entity.get_mut::<Activity>() {
@@ -151,7 +151,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         if let Some(mut place) = entity.get_mut::<RigidPlace>() {
             place.set(body.placed.transform());
         }
-        // A rig has the settings of one of its particles.
+        // A rig takes its settings from one of its particles.
         if !entity.contains::<Rig>() {
             put_component(&mut entity, body.own_settings.as_ref());
         }

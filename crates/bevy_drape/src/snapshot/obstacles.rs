@@ -3,22 +3,23 @@
 use bevy::prelude::*;
 use drape_solver::Placement;
 
-use crate::contact_events::ContactEvents;
-use crate::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
-use crate::environment::SolverEnvironment;
-use crate::layers::DrapeLayers;
-use crate::obstacle::{Obstacle, ObstacleNews, built};
+use crate::body::contact_events::ContactEvents;
+use crate::body::layers::DrapeLayers;
+use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
+use crate::environment::obstacle::{Obstacle, built};
+use crate::environment::obstacle_changes::ObstacleChanges;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::world::{Placed, put_component};
-use crate::snapshot::{Key, Keys, SnapshotError, entity};
 
-/// The state of one obstacle. In a snapshot they stand in the order of the solver's list, which contacts are sorted by.
+/// The state of one obstacle. A snapshot keeps the order of the solver's list, by which contacts are sorted.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ObstacleSnapshot {
     order: u64,
     placed: Placed,
     scale: [f32; 3],
-    /// Where the solver has it, and where it had it a step ago.
+    /// Placements in the solver, now and one step ago.
     now: ([f32; 3], [f32; 4]),
     before: ([f32; 3], [f32; 4]),
     friction: f32,
@@ -35,7 +36,7 @@ impl ObstacleSnapshot {
         Key::Obstacle(self.order)
     }
 
-    /// As the solver had it, on the entity that it is now.
+    /// Builds the solver's obstacle for its present entity.
     fn built(&self, entity: EntityRef) -> Result<drape_solver::Obstacle, SnapshotError> {
         let key = self.key();
         let obstacle = entity.get::<Obstacle>().ok_or(SnapshotError::Missing(key))?;
@@ -49,13 +50,13 @@ impl ObstacleSnapshot {
         let built = built(&obstacle, self.scale.into(), before, layers, asks);
         let mut built = built.map_err(|source| SnapshotError::BadState { key, source })?;
         if now != before {
-            // It was not a teleport then, and is none now.
+            // A move, not a teleport, as it was then.
             built.move_to(now, f32::INFINITY);
         }
         Ok(built)
     }
 
-    /// An obstacle with the surface that it had.
+    /// Returns an obstacle with the surface of the snapshot.
     fn on(&self, obstacle: Obstacle) -> Obstacle {
         let Self { friction, static_friction, restitution, is_sensor, .. } = *self;
         Obstacle { friction, static_friction, restitution, is_sensor, ..obstacle }
@@ -92,7 +93,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<ObstacleSnapshot> {
 pub(super) fn check(obstacles: &[ObstacleSnapshot], world: &World, keys: &Keys) -> Result<(), SnapshotError> {
     let mut orders: Vec<Key> = obstacles.iter().map(ObstacleSnapshot::key).collect();
     orders.sort_unstable();
-    super::out_of_order(orders.into_iter())?;
+    out_of_order(orders.into_iter())?;
     for obstacle in obstacles {
         let key = obstacle.key();
         let entity = entity(keys, key).and_then(|entity| world.get_entity(entity).ok());
@@ -101,7 +102,7 @@ pub(super) fn check(obstacles: &[ObstacleSnapshot], world: &World, keys: &Keys) 
     Ok(())
 }
 
-/// What has been [checked](check).
+/// Restores obstacles that have been [checked](check).
 pub(super) fn restore(
     obstacles: &[ObstacleSnapshot],
     world: &mut World,
@@ -128,7 +129,7 @@ pub(super) fn restore(
         solver_obstacles.push(built);
         places.push((snapshot.order, entity.id(), snapshot.scale.into()));
         if let Some(mut obstacle) = entity.get_mut::<Obstacle>() {
-            // The solver has it already: what is changed would be built anew.
+            // A marked change would rebuild the obstacle, which the solver has already.
             let obstacle = obstacle.bypass_change_detection();
             *obstacle = snapshot.on(obstacle.clone());
         }
@@ -140,6 +141,6 @@ pub(super) fn restore(
     let mut solver = world.resource_mut::<SolverEnvironment>();
     solver.environment.obstacles = solver_obstacles;
     solver.obstacles.replace(places);
-    world.resource_mut::<ObstacleNews>().set_moving(moving);
+    world.resource_mut::<ObstacleChanges>().set_moving(moving);
     Ok(())
 }

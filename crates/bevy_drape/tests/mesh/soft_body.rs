@@ -4,7 +4,8 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
 use bevy::mesh::{PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
-use bevy_drape::drape_solver::{measure, volume};
+use bevy_drape::drape_solver::state::measure;
+use bevy_drape::drape_solver::volume;
 
 use crate::*;
 

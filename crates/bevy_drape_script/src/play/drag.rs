@@ -4,13 +4,13 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::ScenePlay;
 use super::points;
+use super::scene_entities::SceneEntities;
 use crate::scene::{Action, Point, Positive, Seconds, Vector};
 
-/// A drag on its way.
+/// A drag under way.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct DragUnderWay {
+pub(super) struct Drag {
     of: String,
     point: Point,
     radius: f32,
@@ -18,17 +18,17 @@ pub(super) struct DragUnderWay {
     is_absolute: bool,
     greatest_force: Option<Positive>,
     began: f64,
-    /// The number of its hand, by which it is found on whatever piece it holds.
+    /// The number of its hand, which finds it on whatever piece it holds.
     hand: u64,
-    /// Where the particle was; none before the hand has taken hold of it.
+    /// The position of the particle when the hand took hold of it; none before.
     from: Option<Vector>,
 }
 
-/// The least number of a hand of a script: pointers and games count from 0.
+/// The least number of a script's hand: pointers and games count theirs from 0.
 const FIRST_HAND: u64 = 1 << 32;
 
-impl DragUnderWay {
-    /// The drag that an action asks for, if it asks for one.
+impl Drag {
+    /// The drag of a `Drag` action that begins at `began`, in seconds; none for other actions.
     pub fn new(action: &Action, began: f64, hand: u64) -> Option<Self> {
         let Action::Drag { of, point, radius, path, absolute, greatest_force } = action.clone() else {
             return None;
@@ -51,8 +51,8 @@ impl DragUnderWay {
         drags.iter().map(|drag| drag.hand + 1).fold(FIRST_HAND, u64::max)
     }
 
-    /// The way of the hand `time` seconds after it took hold at `start`.
-    fn way(&self, start: Vec3, time: f64) -> Vec3 {
+    /// The displacement of the hand `time` seconds after it took hold at `start`.
+    fn displacement(&self, start: Vec3, time: f64) -> Vec3 {
         let next = self.path.iter().position(|(key, _)| key.get() > time);
         let (from, to) = match next {
             Some(0) => ((0.0, Vec3::ZERO), self.key(start, 0)),
@@ -70,55 +70,45 @@ impl DragUnderWay {
     fn end(&self) -> f64 {
         self.path.last().map_or(0.0, |(time, _)| time.get())
     }
-}
 
-impl ScenePlay {
-    /// Takes hold, pulls to where the path is at `time`, and lets go at its end.
-    pub(super) fn drag(&mut self, world: &mut World, time: f64) {
-        let mut drags = core::mem::take(&mut self.drags);
-        drags.retain_mut(|drag| {
-            if drag.from.is_none() {
-                drag.from = self.take_hold(world, drag);
+    /// Takes hold if it has not yet, pulls to the position on the path at `time`, and lets go at its end. Returns true
+    /// while it goes on.
+    pub fn advance(&mut self, world: &mut World, entities: &SceneEntities, time: f64) -> bool {
+        if self.from.is_none() {
+            self.from = self.take_hold(world, entities);
+        }
+        let Some(from) = self.from else { return entities.contains(&self.of) };
+        let since = time - self.began;
+        let is_over = since > self.end() + 1e-9;
+        let target = from.get() + self.displacement(from.get(), since);
+        // A piece may have come off with the hand, so that it holds two bodies.
+        let mut holds = false;
+        let mut empty = Vec::new();
+        for (body, mut grab) in world.query::<(Entity, &mut Grab)>().iter_mut(world) {
+            let Some(hand) = grab.hand_mut(self.hand) else { continue };
+            hand.target = target;
+            holds = true;
+            if is_over {
+                empty.extend(grab.let_go(self.hand).then_some(body));
             }
-            let Some(from) = drag.from else { return self.stage.contains(&drag.of) };
-            let since = time - drag.began;
-            let is_over = since > drag.end() + 1e-9;
-            let target = from.get() + drag.way(from.get(), since);
-            // A piece may have come off with it, so that it holds two.
-            let mut holds = false;
-            let mut empty = Vec::new();
-            for (body, mut grab) in world.query::<(Entity, &mut Grab)>().iter_mut(world) {
-                let Some(hand) = grab.hand_mut(drag.hand) else { continue };
-                hand.target = target;
-                holds = true;
-                if is_over {
-                    grab.hands.retain(|hand| hand.id != drag.hand);
-                    empty.extend(grab.hands.is_empty().then_some(body));
-                }
-            }
-            for body in empty {
-                world.entity_mut(body).remove::<Grab>();
-            }
-            holds && !is_over
-        });
-        self.drags = drags;
+        }
+        for body in empty {
+            world.entity_mut(body).remove::<Grab>();
+        }
+        holds && !is_over
     }
 
-    /// Has the hand of a drag take hold, and tells where.
-    fn take_hold(&self, world: &mut World, drag: &DragUnderWay) -> Option<Vector> {
-        let all = points::particles(world, &self.stage, &drag.of)?;
-        let (body, index) = points::particle_at(world, &drag.point, &all)?;
-        let mut hand = Hand::new(world.get::<Particles>(body)?, index, drag.radius.max(1e-3));
-        hand.id = drag.hand;
-        if let Some(force) = drag.greatest_force {
+    /// Has the hand take hold of the particle. Returns the position of the particle.
+    fn take_hold(&self, world: &mut World, entities: &SceneEntities) -> Option<Vector> {
+        let all = points::particles(world, entities, &self.of)?;
+        let (body, index) = points::particle_at(world, &self.point, &all)?;
+        let mut hand = Hand::new(world.get::<Particles>(body)?, index, self.radius.max(1e-3));
+        hand.id = self.hand;
+        if let Some(force) = self.greatest_force {
             hand.greatest_force = force.get();
         }
         let from = Vector::known(hand.target);
-        let mut body = world.entity_mut(body);
-        match body.get_mut::<Grab>() {
-            Some(mut grab) => grab.hands.push(hand),
-            None => drop(body.insert(Grab { hands: vec![hand] })),
-        }
+        hand.hold(&mut world.entity_mut(body));
         Some(from)
     }
 }

@@ -1,56 +1,58 @@
-//! Blocks: some frames in a row that can be read without those before them.
+//! Blocks of frames. A block can be decoded without those before it.
+//!
+//! A state that has not changed costs a byte or less per frame. Others are kept as differences from a prediction.
 
 use serde::{Deserialize, Serialize};
 
 use super::frame::{Frame, State};
-use super::residual::{Guess, History};
+use super::residual::{History, Predictor};
 use super::track::Track;
 
-/// Some frames in a row.
+/// Consecutive frames.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Block {
-    /// Tracks of what is there before the first frame, in their order.
+    /// The tracks that exist before the first frame, in ascending order.
     pub present: Vec<u32>,
-    pub frames: Vec<CodedFrame>,
+    pub frames: Vec<EncodedFrame>,
 }
 
 /// One frame.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct CodedFrame {
+pub(super) struct EncodedFrame {
     /// Simulated time in seconds.
     time: f64,
-    /// Tracks of what has gone since the last frame.
-    gone: Vec<u32>,
-    /// What has come; each gets the next number.
-    come: Vec<Track>,
-    /// The state of everything that is there, in the order of tracks.
-    states: Vec<CodedState>,
+    /// The tracks that have ended since the last frame.
+    ended: Vec<u32>,
+    /// The tracks that begin with this frame. Each gets the next number.
+    begun: Vec<Track>,
+    /// The states of all present tracks, in their order.
+    states: Vec<EncodedState>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
-enum CodedState {
-    /// That of the last frame.
+enum EncodedState {
+    /// The state of the last frame.
     Same,
-    /// What differs from a guess.
-    Changed(Guess, Vec<u32>),
+    /// Residuals of a prediction.
+    Changed(Predictor, Vec<u32>),
 }
 
-/// Something that is there.
+/// A track that has begun and not ended.
 #[derive(Debug, Default)]
-struct Present {
+struct PresentTrack {
     track: u32,
     value_count: usize,
     history: History,
 }
 
-/// Where writing or reading has got to: what is there, and how it has moved in this block.
+/// Encodes or decodes frames one after another: knows the present tracks and their last states in this block.
 #[derive(Debug, Default)]
-pub(super) struct Progress {
-    present: Vec<Present>,
+pub(super) struct FrameCodec {
+    present: Vec<PresentTrack>,
 }
 
-impl Progress {
-    /// Begins a block: nothing before it may be needed to read it.
+impl FrameCodec {
+    /// Begins a block. Nothing before it is needed to decode it.
     pub fn begin_block(&mut self) -> Block {
         for present in &mut self.present {
             present.history.begin_block();
@@ -58,41 +60,41 @@ impl Progress {
         Block { present: self.present.iter().map(|present| present.track).collect(), frames: Vec::new() }
     }
 
-    /// Encodes a frame: what has `gone` and `come` since the last one, and the `states` of all that is there by the order
-    /// of tracks. `first` is the number of the first track that has come. Returns the frame and about how many bytes it has.
+    /// Encodes a frame: the tracks that have `ended` and `begun` since the last one, and the `states` of all present tracks in
+    /// their order. `first` is the number of the first track that begins. Returns the frame and its approximate size in bytes.
     pub fn encode(
         &mut self,
         time: f64,
-        gone: Vec<u32>,
-        come: Vec<Track>,
+        ended: Vec<u32>,
+        begun: Vec<Track>,
         first: u32,
         states: Vec<Vec<f32>>,
-    ) -> (CodedFrame, usize) {
-        self.retire(&gone);
-        self.admit(&come, first);
-        let mut bytes = 16 + come.iter().map(Track::encoded_length).sum::<usize>();
+    ) -> (EncodedFrame, usize) {
+        self.end(&ended);
+        self.begin(&begun, first);
+        let mut bytes = 16 + begun.iter().map(Track::encoded_length).sum::<usize>();
         let states = self.present.iter_mut().zip(states).map(|(present, state)| {
             let (coded, length) = encode_state(&mut present.history, state);
             bytes += length;
             coded
         });
-        (CodedFrame { time, gone, come, states: states.collect() }, bytes)
+        (EncodedFrame { time, ended, begun, states: states.collect() }, bytes)
     }
 
-    /// Takes out what has gone; the numbers are in order.
-    fn retire(&mut self, gone: &[u32]) {
-        self.present.retain(|present| gone.binary_search(&present.track).is_err());
+    /// Removes tracks, whose numbers are in ascending order.
+    fn end(&mut self, ended: &[u32]) {
+        self.present.retain(|present| ended.binary_search(&present.track).is_err());
     }
 
-    fn admit(&mut self, come: &[Track], first: u32) {
-        self.present.extend((first..).zip(come).map(|(number, track)| Present {
+    fn begin(&mut self, begun: &[Track], first: u32) {
+        self.present.extend((first..).zip(begun).map(|(number, track)| PresentTrack {
             track: number,
             value_count: track.kind.value_count(),
             history: History::default(),
         }));
     }
 
-    /// Begins to read a block; `tracks` are all that have come before its end.
+    /// Begins to decode a block. `tracks` are all that begin before its end.
     pub fn enter_block(&mut self, block: &Block, tracks: &[Track]) -> Result<(), String> {
         self.present.clear();
         for &track in &block.present {
@@ -101,54 +103,54 @@ impl Progress {
                 return Err("names tracks out of order".into());
             }
             let value_count = known.kind.value_count();
-            self.present.push(Present { track, value_count, history: History::default() });
+            self.present.push(PresentTrack { track, value_count, history: History::default() });
         }
         Ok(())
     }
 
-    /// Whether what is there is what `block` begins with.
+    /// True if the present tracks are those that `block` begins with.
     pub fn agrees_with(&self, block: &Block) -> bool {
         self.present.iter().map(|present| present.track).eq(block.present.iter().copied())
     }
 
-    /// Reads a frame. `first` is the number of the first track that comes with it; what comes is appended to `tracks`
-    /// unless it is known already.
+    /// Decodes a frame. `first` is the number of the first track that begins with it. New tracks are appended to `tracks`,
+    /// unless they are known already.
     pub fn decode(
         &mut self,
-        coded: &CodedFrame,
+        coded: &EncodedFrame,
         first: usize,
         tracks: &mut Vec<Track>,
     ) -> Result<(), String> {
         let before = self.present.len();
-        self.retire(&coded.gone);
-        if self.present.len() + coded.gone.len() != before {
+        self.end(&coded.ended);
+        if self.present.len() + coded.ended.len() != before {
             return Err("says that something has gone which was not there".into());
         }
-        if let Some(track) = coded.come.iter().find(|track| !track.kind.is_sound()) {
+        if let Some(track) = coded.begun.iter().find(|track| !track.kind.is_sound()) {
             return Err(format!("says that “{}” joins particles that it does not have", track.name));
         }
         let number = u32::try_from(first).map_err(|error| error.to_string())?;
         if tracks.len() == first {
-            tracks.extend_from_slice(&coded.come);
+            tracks.extend_from_slice(&coded.begun);
         }
-        self.admit(&coded.come, number);
+        self.begin(&coded.begun, number);
         if coded.states.len() != self.present.len() {
             let (states, things) = (coded.states.len(), self.present.len());
             return Err(format!("has {states} states of {things} things"));
         }
         for (present, state) in self.present.iter_mut().zip(&coded.states) {
             match state {
-                CodedState::Same if present.history.is_begun() => present.history.push_same(),
-                CodedState::Same => return Err("repeats a state that is not in its block".into()),
-                CodedState::Changed(guess, residuals) => {
+                EncodedState::Same if present.history.is_begun() => present.history.push_same(),
+                EncodedState::Same => return Err("repeats a state that is not in its block".into()),
+                EncodedState::Changed(predictor, residuals) => {
                     if residuals.len() != present.value_count {
                         let (found, wanted) = (residuals.len(), present.value_count);
                         return Err(format!("has a state of {found} numbers instead of {wanted}"));
                     }
-                    if !present.history.allows(*guess) {
+                    if !present.history.allows(*predictor) {
                         return Err("guesses from states that are not in its block".into());
                     }
-                    let state = present.history.state(*guess, residuals);
+                    let state = present.history.state(*predictor, residuals);
                     present.history.push(state);
                 }
             }
@@ -156,8 +158,8 @@ impl Progress {
         Ok(())
     }
 
-    /// Copies the frame that was read last.
-    pub fn show(&self, coded: &CodedFrame, frame: &mut Frame) {
+    /// Copies the frame that was decoded last.
+    pub fn show(&self, coded: &EncodedFrame, frame: &mut Frame) {
         frame.time = coded.time;
         frame.states.resize_with(self.present.len(), State::default);
         for (state, present) in frame.states.iter_mut().zip(&self.present) {
@@ -168,15 +170,15 @@ impl Progress {
     }
 }
 
-impl CodedFrame {
-    /// How many tracks come with it.
-    pub fn come(&self) -> usize {
-        self.come.len()
+impl EncodedFrame {
+    /// The number of tracks that begin with it.
+    pub fn begun(&self) -> usize {
+        self.begun.len()
     }
 }
 
 impl Track {
-    /// About how many bytes it takes.
+    /// Its approximate size in bytes.
     fn encoded_length(&self) -> usize {
         let indices = match &self.kind {
             super::track::TrackKind::Body { faces, sticks, .. } => 3 * faces.len() + 2 * sticks.len(),
@@ -186,16 +188,16 @@ impl Track {
     }
 }
 
-/// Encodes a state by the guess that comes nearest to it, and notes it. Returns about how many bytes it has, too.
-fn encode_state(history: &mut History, state: Vec<f32>) -> (CodedState, usize) {
+/// Encodes a state by its best prediction, and adds it to the history. Returns the approximate size in bytes, too.
+fn encode_state(history: &mut History, state: Vec<f32>) -> (EncodedState, usize) {
     let is_same = |(a, b): (&f32, &f32)| a.to_bits() == b.to_bits();
     if history.is_begun() && history.last().iter().zip(&state).all(is_same) {
         history.push(state);
-        return (CodedState::Same, 1);
+        return (EncodedState::Same, 1);
     }
-    let guess = history.best_guess(&state);
-    let coded = CodedState::Changed(guess, history.residuals(guess, &state));
-    // Two or three bytes a number, most of the time.
+    let predictor = history.best_predictor(&state);
+    let coded = EncodedState::Changed(predictor, history.residuals(predictor, &state));
+    // Most numbers take two or three bytes.
     let length = 3 * state.len();
     history.push(state);
     (coded, length)

@@ -1,4 +1,4 @@
-//! Where two runs part.
+//! The first difference between two recordings.
 
 use core::fmt;
 use std::collections::BTreeMap;
@@ -17,56 +17,56 @@ pub struct Difference {
     pub frame: usize,
     /// Its simulated time in the first recording, in seconds.
     pub time: f64,
-    /// What differs in it.
-    pub what: Parting,
+    /// The difference itself.
+    pub what: Mismatch,
 }
 
-/// What differs in the first frame that does.
+/// The kind of a difference between two frames.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Parting {
-    /// Something is at two places, or turned or scaled in two ways.
+pub enum Mismatch {
+    /// Something differs in position, rotation or scale.
     Place {
-        /// What it is: a body, ball or obstacle.
+        /// "body", "ball" or "obstacle".
         noun: &'static str,
         /// Its name.
         name: String,
-        /// The first of its particles at two places, if it is a body.
+        /// The first of its particles that differs, if it is a body.
         particle: Option<usize>,
-        /// Where it is in the first recording, in metres.
+        /// The position in the first recording, in metres.
         first: Vec3,
-        /// Where it is in the second.
+        /// The position in the second recording, in metres.
         second: Vec3,
-        /// How many places differ in this frame: particles, balls and obstacles.
+        /// The number of particles, balls and obstacles that differ in this frame.
         count: usize,
     },
-    /// Something is there in one of them only.
+    /// Something exists in one of them only.
     Presence {
-        /// What it is.
+        /// "body", "ball" or "obstacle".
         noun: &'static str,
         /// Its name.
         name: String,
-        /// Whether it is there in the first recording.
+        /// True if it exists in the first recording.
         is_in_first: bool,
     },
-    /// A body has another number of particles.
+    /// A body has different numbers of particles.
     Size {
         /// Its name.
         name: String,
         /// The number in each.
         particles: [usize; 2],
     },
-    /// The clocks show two times, in seconds.
+    /// The simulated times differ, in seconds.
     Time([f64; 2]),
-    /// One of them ends here; these are the numbers of their frames.
+    /// One of them ends here. These are their numbers of frames.
     End([usize; 2]),
 }
 
 impl Difference {
-    /// How far apart the two places are, in metres; 0 where no place differs. It may be 0 where one does, too: what differs
-    /// is then the sign of a zero, a rotation, or something below the precision of a world coordinate.
+    /// The distance between the two positions in metres; 0 if no position differs. It may also be 0 if only the sign of a zero
+    /// or the rotation differs, or less than the precision of world coordinates.
     pub fn distance(&self) -> f32 {
         match self.what {
-            Parting::Place { first, second, .. } => first.distance(second),
+            Mismatch::Place { first, second, .. } => first.distance(second),
             _ => 0.0,
         }
     }
@@ -77,7 +77,7 @@ impl fmt::Display for Difference {
         let Self { frame, time, what } = self;
         write!(f, "the runs part at frame {frame} ({time:.6} s): ")?;
         match what {
-            Parting::Place { noun, name, particle, first, second, count } => {
+            Mismatch::Place { noun, name, particle, first, second, count } => {
                 if let Some(particle) = particle {
                     write!(f, "particle {particle} of ")?;
                 }
@@ -90,27 +90,27 @@ impl fmt::Display for Difference {
                 }
                 write!(f, "; places that differ in this frame: {count}")
             }
-            Parting::Presence { noun, name, is_in_first } => {
+            Mismatch::Presence { noun, name, is_in_first } => {
                 let which = if *is_in_first { "first" } else { "second" };
                 write!(f, "{noun} “{name}” is in the {which} only")
             }
-            Parting::Size { name, particles: [first, second] } => {
+            Mismatch::Size { name, particles: [first, second] } => {
                 write!(f, "body “{name}” has {first} particles in the first and {second} in the second")
             }
-            Parting::Time([first, second]) => {
+            Mismatch::Time([first, second]) => {
                 write!(f, "it is at {first} s in the first and at {second} s in the second")
             }
-            Parting::End([first, second]) => {
+            Mismatch::End([first, second]) => {
                 write!(f, "the first has {first} frames and the second {second}")
             }
         }
     }
 }
 
-/// Where two recordings part; none if they are the same to the last bit. Things are compared by their names.
+/// The first difference between two recordings; none if they are equal to the last bit. Tracks are matched by name.
 ///
 /// # Errors
-/// [`RecordingError`] if a frame cannot be decoded; none that was loaded is such.
+/// [`RecordingError`] if a frame cannot be decoded, which does not happen to recordings that were loaded.
 pub fn diff(first: &Recording, second: &Recording) -> Result<Option<Difference>, RecordingError> {
     let partner = partners(first.tracks(), second.tracks());
     let mut cursors = [first.cursor(), second.cursor()];
@@ -120,16 +120,16 @@ pub fn diff(first: &Recording, second: &Recording) -> Result<Option<Difference>,
         let [one, other] = &mut cursors;
         let (one, other) = (one.seek(frame)?, other.seek(frame)?);
         time = one.time;
-        if let Some(what) = parting([first.tracks(), second.tracks()], &partner, one, other) {
+        if let Some(what) = mismatch([first.tracks(), second.tracks()], &partner, one, other) {
             return Ok(Some(Difference { frame, time, what }));
         }
     }
-    let end = Difference { frame: counts[0].min(counts[1]), time, what: Parting::End(counts) };
+    let end = Difference { frame: counts[0].min(counts[1]), time, what: Mismatch::End(counts) };
     Ok((counts[0] != counts[1]).then_some(end))
 }
 
-/// For each track of the first the one of the second that has the same name: of several of a name, the first with the
-/// first, and so on.
+/// For each track of the first recording, the track of the second with the same name. Tracks that share a name are matched in
+/// order.
 fn partners(first: &[Track], second: &[Track]) -> Vec<Option<usize>> {
     fn key(track: &Track) -> (&str, &str) {
         (track.kind.noun(), &track.name)
@@ -141,30 +141,31 @@ fn partners(first: &[Track], second: &[Track]) -> Vec<Option<usize>> {
     first.iter().map(|track| by_name.get_mut(&key(track)).and_then(Vec::pop)).collect()
 }
 
-fn parting(
+/// The difference between two frames.
+fn mismatch(
     tracks: [&[Track]; 2],
     partner: &[Option<usize>],
     first: &Frame,
     second: &Frame,
-) -> Option<Parting> {
+) -> Option<Mismatch> {
     if first.time.to_bits() != second.time.to_bits() {
-        return Some(Parting::Time([first.time, second.time]));
+        return Some(Mismatch::Time([first.time, second.time]));
     }
-    let mut found: Option<Parting> = None;
+    let mut found: Option<Mismatch> = None;
     let mut paired = Vec::with_capacity(first.states.len());
     for one in &first.states {
         let Track { name, kind } = &tracks[0][one.track];
         let Some(other) = partner[one.track].and_then(|other| second.state(other)) else {
-            return Some(Parting::Presence { noun: kind.noun(), name: name.clone(), is_in_first: true });
+            return Some(Mismatch::Presence { noun: kind.noun(), name: name.clone(), is_in_first: true });
         };
         paired.push(other.track);
         if one.values.len() != other.values.len() {
             let particles = [one, other].map(|state| state.positions().len());
-            return Some(Parting::Size { name: name.clone(), particles });
+            return Some(Mismatch::Size { name: name.clone(), particles });
         }
         let places = differing_places(kind, one, other);
         match (&mut found, places.first()) {
-            (Some(Parting::Place { count, .. }), _) => *count += places.len(),
+            (Some(Mismatch::Place { count, .. }), _) => *count += places.len(),
             (_, Some(&place)) => {
                 let is_body = matches!(kind, TrackKind::Body { .. });
                 let [first, second] = [one, other].map(|state| {
@@ -174,7 +175,7 @@ fn parting(
                         state.places(kind).first().copied().unwrap_or(Vec3::NAN)
                     }
                 });
-                found = Some(Parting::Place {
+                found = Some(Mismatch::Place {
                     noun: kind.noun(),
                     name: name.clone(),
                     particle: is_body.then_some(place),
@@ -190,12 +191,12 @@ fn parting(
     let is_alone = |state: &&State| paired.binary_search(&state.track).is_err();
     if let Some(state) = second.states.iter().find(is_alone) {
         let Track { name, kind } = &tracks[1][state.track];
-        return Some(Parting::Presence { noun: kind.noun(), name: name.clone(), is_in_first: false });
+        return Some(Mismatch::Presence { noun: kind.noun(), name: name.clone(), is_in_first: false });
     }
     found
 }
 
-/// Indices of particles that differ; 0 for a ball or obstacle that does. All of a body's, where its origin does.
+/// The indices of particles that differ, or 0 for a ball or obstacle. All particles differ if the origin of the body does.
 fn differing_places(kind: &TrackKind, one: &State, other: &State) -> Vec<usize> {
     let differ = |(a, b): (&f32, &f32)| a.to_bits() != b.to_bits();
     if !matches!(kind, TrackKind::Body { .. }) {

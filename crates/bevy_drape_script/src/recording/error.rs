@@ -1,11 +1,11 @@
-//! What can be wrong with a recording.
+//! Errors of recordings.
 
 use std::io;
 use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why a recording cannot be written, or is refused.
+/// A recording that cannot be written or read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -14,7 +14,7 @@ pub enum RecordingError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The recording cannot be written.
@@ -23,9 +23,9 @@ pub enum RecordingError {
     /// Something cannot be written in this format.
     #[error("cannot encode {what}: {reason}")]
     Unencodable {
-        /// What was to be written.
+        /// The part that was to be written.
         what: String,
-        /// What is wrong with it.
+        /// The problem with it.
         reason: String,
     },
     /// The bytes are no recording at all.
@@ -36,31 +36,31 @@ pub enum RecordingError {
     NewerVersion {
         /// The version of the recording.
         found: u32,
-        /// The last version that is known here.
+        /// The latest version that this program reads.
         known: u32,
     },
-    /// The bytes end too early: the file was cut off, or its recorder was not finished.
+    /// The bytes end too early: the file was cut off, or its recorder did not finish.
     #[error("the recording breaks off at byte {offset}, within {part}: it was cut off, or never finished")]
     Truncated {
-        /// The number of bytes that are there.
+        /// The number of bytes of the file.
         offset: usize,
-        /// The part that is not complete.
+        /// The incomplete part.
         part: String,
     },
     /// The bytes are not what a recorder writes.
     #[error("the recording is damaged: {part}, which begins at byte {offset}, {reason}")]
     Damaged {
-        /// Where the part begins.
+        /// The offset of the damaged part in bytes.
         offset: usize,
-        /// The part that is at fault.
+        /// The damaged part.
         part: String,
-        /// What is wrong with it.
+        /// The problem with it.
         reason: String,
     },
     /// There is no such frame.
     #[error("there is no frame {index}: the recording has {count}")]
     NoSuchFrame {
-        /// The frame asked for, from 0.
+        /// The requested frame, from 0.
         index: usize,
         /// The number of frames.
         count: usize,

@@ -1,23 +1,23 @@
-//! A frame of a recording: where everything was after a step.
+//! Frames of a recording: the positions of everything after a step.
 
 use bevy::math::{Affine3A, Quat, Vec3};
 
 use super::track::TrackKind;
 
-/// Where everything was after a step.
+/// The positions of everything after a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Simulated time in seconds.
     pub time: f64,
-    /// The states of all that was there, in the order of their tracks.
+    /// The states of everything that existed, in the order of their tracks.
     pub states: Vec<State>,
 }
 
 impl Frame {
-    /// The state of a track; none if it was not there.
+    /// The state of a track; none if it did not exist.
     pub fn state(&self, track: usize) -> Option<&State> {
-        let place = self.states.binary_search_by_key(&track, |state| state.track).ok()?;
-        self.states.get(place)
+        let index = self.states.binary_search_by_key(&track, |state| state.track).ok()?;
+        self.states.get(index)
     }
 }
 
@@ -30,7 +30,7 @@ pub struct State {
 }
 
 impl State {
-    /// The numbers as they were recorded; what they mean is told by the [kind](super::TrackKind) of the track.
+    /// The recorded numbers. The [kind](super::TrackKind) of the track documents their meaning.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
@@ -40,20 +40,20 @@ impl State {
         Some(Vec3::new(x, y, z))
     }
 
-    /// Places of a body's particles in the world, in metres.
+    /// The positions of a body's particles in the world, in metres.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
         let origin = self.vector(0).unwrap_or_default();
-        let (places, _) = self.values.get(3..).unwrap_or_default().as_chunks::<3>();
-        places.iter().map(move |&place| origin + Vec3::from_array(place))
+        let (positions, _) = self.values.get(3..).unwrap_or_default().as_chunks::<3>();
+        positions.iter().map(move |&position| origin + Vec3::from_array(position))
     }
 
-    /// Place of a ball's centre, in metres, and its rotation.
+    /// The centre of a ball in metres, and its rotation.
     pub fn ball(&self) -> Option<(Vec3, Quat)> {
         let rotation: [f32; 4] = *self.values.get(3..)?.first_chunk()?;
         Some((self.vector(0)?, Quat::from_array(rotation)))
     }
 
-    /// Where it is: all particles of a body, the centre of a ball, the place of an obstacle; in metres.
+    /// Its positions in metres: all particles of a body, the centre of a ball, the origin of an obstacle.
     pub fn places(&self, kind: &TrackKind) -> Vec<Vec3> {
         match kind {
             TrackKind::Body { .. } => self.positions().collect(),
@@ -64,7 +64,7 @@ impl State {
         }
     }
 
-    /// The matrix of an obstacle.
+    /// The transform of an obstacle.
     pub fn obstacle(&self) -> Option<Affine3A> {
         let columns: &[f32; 12] = self.values.first_chunk()?;
         Some(Affine3A::from_cols_array(columns))

@@ -1,4 +1,4 @@
-//! The container: a beginning that names the format, and compressed packets one after another.
+//! The packets of a recording: a preamble that names the format, then a header, blocks of frames, and an end.
 //!
 //! ```text
 //! "DRAPEREC" | version, u32 | packet | packet | ... | end packet
@@ -6,8 +6,9 @@
 //! packet:  length of the frame in bytes, u32 | LZ4 frame with the checksums of its header, blocks and content
 //! ```
 //!
-//! Numbers are little-endian. What a packet holds is encoded by `postcard`. The end packet tells a whole file from one
-//! that was cut off between two packets.
+//! Numbers are little-endian, the contents of packets encoded by `postcard`. The end packet marks a complete file: without
+//! it, one that was cut off between two packets would go unnoticed. Reading ends with a recording or a
+//! [`RecordingError`], whatever the bytes are.
 
 use std::io::Write;
 
@@ -17,12 +18,12 @@ use super::block::Block;
 use super::error::RecordingError;
 use crate::container::{pack, unpack};
 
-/// How every recording begins.
+/// The first bytes of every recording.
 const MAGIC: [u8; 8] = *b"DRAPEREC";
-/// The version of the format that is written here, and the last that is read.
+/// The version of the format that is written, and the latest that is read.
 const VERSION: u32 = 1;
 
-/// What a recording is of.
+/// The scene and the step of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     /// The name of the scene.
@@ -31,14 +32,14 @@ pub struct Header {
     pub dt: f32,
 }
 
-/// One of the parts that a recording is made of.
+/// A part of a recording.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) enum Packet {
-    /// The first.
+    /// The first packet.
     Header(Header),
     /// Some frames.
     Block(Block),
-    /// The last.
+    /// The last packet.
     End {
         /// The number of frames in all blocks.
         frames: u64,
@@ -46,7 +47,7 @@ pub(super) enum Packet {
 }
 
 /// Writes magic and version.
-pub(super) fn write_beginning(to: &mut impl Write) -> Result<(), RecordingError> {
+pub(super) fn write_preamble(to: &mut impl Write) -> Result<(), RecordingError> {
     to.write_all(&MAGIC)?;
     to.write_all(&VERSION.to_le_bytes())?;
     Ok(())
@@ -87,17 +88,17 @@ impl<'a> Packets<'a> {
         Ok(packets)
     }
 
-    /// Where the next packet begins.
+    /// The offset of the next packet in bytes.
     pub fn offset(&self) -> usize {
         self.offset
     }
 
-    /// Whether all bytes have been read.
+    /// True once all bytes have been read.
     pub fn is_at_end(&self) -> bool {
         self.offset == self.bytes.len()
     }
 
-    /// The next packet; `part` is what it is called in errors.
+    /// The next packet, called `part` in errors.
     pub fn next(&mut self, part: &str) -> Result<Packet, RecordingError> {
         let start = self.offset;
         let length = self.take_u32(part)?;
@@ -112,7 +113,7 @@ impl<'a> Packets<'a> {
 
     fn take_u32(&mut self, part: &str) -> Result<u32, RecordingError> {
         let bytes = self.take(4, part)?;
-        // Of four bytes.
+        // Four bytes, so nothing is shifted out.
         Ok(bytes.iter().rev().fold(0, |number, &byte| (number << 8) | u32::from(byte)))
     }
 

@@ -1,34 +1,34 @@
-//! Reads a recording: checks all of it, and shows any frame.
+//! Reads recordings, checks them as a whole, and shows any frame.
 
 use core::borrow::Borrow;
 use core::ops::Range;
 use std::path::Path;
 
-use super::block::{Block, Progress};
+use super::block::{Block, FrameCodec};
 use super::error::RecordingError;
 use super::frame::Frame;
 use super::packet::{Header, Packet, Packets};
 use super::track::Track;
 use crate::container::unpack;
 
-/// A recording in memory, compressed as it is in its file. All of it has been checked.
+/// A recording in memory, compressed as in its file. It was checked as a whole.
 #[derive(Clone, Debug)]
 pub struct Recording {
     header: Header,
     tracks: Vec<Track>,
     bytes: Vec<u8>,
-    blocks: Vec<Place>,
+    blocks: Vec<BlockEntry>,
     frame_count: usize,
 }
 
-/// Where a block is.
+/// The place of a block in its recording.
 #[derive(Clone, Debug)]
-struct Place {
-    /// Its compressed bytes.
+struct BlockEntry {
+    /// The range of its compressed bytes.
     range: Range<usize>,
     /// The number of frames before it.
     first_frame: usize,
-    /// The number of tracks that come before it.
+    /// The number of tracks that begin before it.
     first_track: usize,
 }
 
@@ -44,10 +44,10 @@ impl Recording {
         Self::from_bytes(bytes)
     }
 
-    /// Takes the bytes of a recording, and decodes them once to check that all is well.
+    /// Takes the bytes of a recording, and decodes them once to check them.
     ///
     /// # Errors
-    /// [`RecordingError`] if they are no recording, or one of a later version, or cut off, or damaged.
+    /// [`RecordingError`] if they are no recording, one of a later version, cut off, or damaged.
     pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, RecordingError> {
         let mut packets = Packets::new(&bytes)?;
         let start = packets.offset();
@@ -57,16 +57,16 @@ impl Recording {
         let mut tracks = Vec::new();
         let mut blocks = Vec::new();
         let mut frame_count = 0;
-        let mut progress = Progress::default();
+        let mut codec = FrameCodec::default();
         loop {
             let start = packets.offset();
             let part = format!("block {}", blocks.len());
             match packets.next(&part)? {
                 Packet::Block(block) => {
-                    // Its length is in front of it.
+                    // Its length stands in front of it.
                     let range = start + size_of::<u32>()..packets.offset();
-                    blocks.push(Place { range, first_frame: frame_count, first_track: tracks.len() });
-                    check(&block, &mut progress, &mut tracks)
+                    blocks.push(BlockEntry { range, first_frame: frame_count, first_track: tracks.len() });
+                    check(&block, &mut codec, &mut tracks)
                         .map_err(|reason| packets.damaged(start, &part, reason))?;
                     frame_count += block.frames.len();
                 }
@@ -87,12 +87,12 @@ impl Recording {
         Ok(Self { header, tracks, bytes, blocks, frame_count })
     }
 
-    /// What it is of.
+    /// The scene and the length of a step.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// Everything that is recorded, in the order in which it came.
+    /// Everything that was recorded, in the order of appearance.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
     }
@@ -107,12 +107,12 @@ impl Recording {
         self.bytes.len()
     }
 
-    /// What shows frames of it. Frames in order cost the least, but any can be shown at any time.
+    /// A cursor on its frames. Frames in order cost the least, but any can be shown at any time.
     pub fn cursor(&self) -> Cursor<&Self> {
         Cursor::new(self)
     }
 
-    /// The same, and keeps the recording.
+    /// A cursor that owns the recording.
     pub fn into_cursor(self) -> Cursor<Self> {
         Cursor::new(self)
     }
@@ -129,32 +129,33 @@ impl Recording {
     }
 }
 
-/// Decodes a block with all its frames, and appends the tracks that come with it.
-fn check(block: &Block, progress: &mut Progress, tracks: &mut Vec<Track>) -> Result<(), String> {
-    if !progress.agrees_with(block) {
+/// Decodes a block with all its frames, and appends the tracks that begin with it.
+fn check(block: &Block, codec: &mut FrameCodec, tracks: &mut Vec<Track>) -> Result<(), String> {
+    if !codec.agrees_with(block) {
         return Err("does not begin with what the one before it ended with".into());
     }
     if block.frames.is_empty() {
         return Err("has no frames".into());
     }
-    progress.enter_block(block, tracks)?;
+    codec.enter_block(block, tracks)?;
     for frame in &block.frames {
         let first = tracks.len();
-        progress.decode(frame, first, tracks)?;
+        codec.decode(frame, first, tracks)?;
     }
     Ok(())
 }
 
-/// Shows one frame of a recording after another.
+/// Shows the frames of a recording.
 #[derive(Debug)]
 pub struct Cursor<R> {
     recording: R,
-    /// The block that is decoded, by index.
+    /// The index and content of the block that is being decoded.
     block: Option<(usize, Block)>,
-    /// The number of its frames that have been decoded, and of the tracks that have come until then.
+    /// The number of its frames that have been decoded.
     decoded: usize,
-    come: usize,
-    progress: Progress,
+    /// The number of tracks that have begun until then.
+    begun: usize,
+    codec: FrameCodec,
     frame: Frame,
 }
 
@@ -164,8 +165,8 @@ impl<R: Borrow<Recording>> Cursor<R> {
             recording,
             block: None,
             decoded: 0,
-            come: 0,
-            progress: Progress::default(),
+            begun: 0,
+            codec: FrameCodec::default(),
             frame: Frame::default(),
         }
     }
@@ -180,20 +181,20 @@ impl<R: Borrow<Recording>> Cursor<R> {
     /// # Errors
     /// [`RecordingError::NoSuchFrame`] beyond the last.
     pub fn seek(&mut self, index: usize) -> Result<&Frame, RecordingError> {
-        let Self { recording, block: current, decoded, come, progress, frame } = self;
+        let Self { recording, block: current, decoded, begun, codec, frame } = self;
         let recording: &Recording = (*recording).borrow();
         let count = recording.frame_count;
         if index >= count {
             return Err(RecordingError::NoSuchFrame { index, count });
         }
-        let wanted = recording.blocks.partition_point(|place| place.first_frame <= index) - 1;
-        let place = &recording.blocks[wanted];
+        let wanted = recording.blocks.partition_point(|entry| entry.first_frame <= index) - 1;
+        let entry = &recording.blocks[wanted];
         let damaged = |reason| RecordingError::Damaged {
-            offset: place.range.start,
+            offset: entry.range.start,
             part: format!("block {wanted}"),
             reason,
         };
-        let goal = index - place.first_frame;
+        let goal = index - entry.first_frame;
         let block = match current.take() {
             Some((at, block)) if at == wanted && *decoded <= goal + 1 => block,
             Some((at, block)) if at == wanted => {
@@ -206,19 +207,19 @@ impl<R: Borrow<Recording>> Cursor<R> {
             }
         };
         if *decoded == 0 {
-            progress.enter_block(&block, &recording.tracks).map_err(damaged)?;
-            *come = place.first_track;
+            codec.enter_block(&block, &recording.tracks).map_err(damaged)?;
+            *begun = entry.first_track;
         }
-        // All tracks are known, so that none is added.
+        // All tracks are known already, so none is added.
         let mut none = Vec::new();
         while *decoded <= goal {
             let coded = &block.frames[*decoded];
             none.clear();
-            progress.decode(coded, *come, &mut none).map_err(damaged)?;
-            *come += coded.come();
+            codec.decode(coded, *begun, &mut none).map_err(damaged)?;
+            *begun += coded.begun();
             *decoded += 1;
         }
-        progress.show(&block.frames[goal], frame);
+        codec.show(&block.frames[goal], frame);
         *current = Some((wanted, block));
         Ok(frame)
     }

@@ -1,29 +1,29 @@
-//! Numbers that follow each other in time, as differences from what was to be expected.
+//! Predicts the numbers of a state from the states before it, and keeps the residuals.
 //!
-//! A particle goes on about as it did, so a guess from its last places is near the truth, and the difference of the two
-//! bit patterns is a small whole number, which takes few bytes. To add it to the same guess gives back every bit.
+//! Particles move smoothly, so a prediction from their last positions is close, and the difference of the two bit patterns is
+//! a small integer, which takes few bytes. Adding it to the same prediction restores every bit.
 
 use serde::{Deserialize, Serialize};
 
-/// What the numbers of a state are guessed from. Which is best changes: a recorder tries them all on a part of the state.
+/// The way to predict the numbers of a state. The best one changes with the motion, so a recorder tries all on a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Guess {
+pub(super) enum Predictor {
     /// The same coordinate of the particle before.
     Neighbour,
-    /// The number of the last frame.
+    /// The same number in the last frame.
     Rest,
-    /// On from the last two frames in a line.
+    /// Linear extrapolation of the last two frames.
     Line,
-    /// The same, less what that was wrong by for the particle before.
+    /// Linear extrapolation, corrected by its error for the particle before.
     LineWithNeighbour,
-    /// On from the last three frames in a parabola.
+    /// Quadratic extrapolation of the last three frames.
     Parabola,
 }
 
-/// Numbers of one particle: what is this far apart is the same coordinate of its neighbour.
+/// Numbers per particle, so the distance to the same coordinate of its neighbour.
 const STRIDE: usize = 3;
 
-/// A track's last states, newest first.
+/// The last states of a track, newest first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct History {
     states: [Vec<f32>; 3],
@@ -41,27 +41,27 @@ impl History {
         self.known = 0;
     }
 
-    /// Whether a state has been noted since the block began.
+    /// True once the block has a state.
     pub fn is_begun(&self) -> bool {
         self.known > 0
     }
 
-    /// Notes the state of a frame.
+    /// Adds the state of a frame.
     pub fn push(&mut self, state: Vec<f32>) {
         self.states.rotate_right(1);
         self.states[0] = state;
         self.known = (self.known + 1).min(self.states.len());
     }
 
-    /// Notes that nothing has changed.
+    /// Adds a frame in which nothing has changed.
     pub fn push_same(&mut self) {
         let state = self.states[0].clone();
         self.push(state);
     }
 
-    /// What can be guessed from so many states.
-    pub fn guesses(&self) -> &'static [Guess] {
-        use Guess::{Line, LineWithNeighbour, Neighbour, Parabola, Rest};
+    /// The predictors worth trying with so many states.
+    pub fn predictors(&self) -> &'static [Predictor] {
+        use Predictor::{Line, LineWithNeighbour, Neighbour, Parabola, Rest};
         match self.known {
             0 => &[Neighbour],
             1 => &[Neighbour, Rest],
@@ -70,93 +70,93 @@ impl History {
         }
     }
 
-    /// Whether there are as many states as the guess needs.
-    pub fn allows(&self, guess: Guess) -> bool {
-        let needed = match guess {
-            Guess::Neighbour => 0,
-            Guess::Rest => 1,
-            Guess::Line | Guess::LineWithNeighbour => 2,
-            Guess::Parabola => 3,
+    /// True if there are as many states as the predictor needs.
+    pub fn allows(&self, predictor: Predictor) -> bool {
+        let needed = match predictor {
+            Predictor::Neighbour => 0,
+            Predictor::Rest => 1,
+            Predictor::Line | Predictor::LineWithNeighbour => 2,
+            Predictor::Parabola => 3,
         };
         self.known >= needed
     }
 
-    /// Has `what` done with a guess. All states are of the same length.
-    fn guess<W: WithGuess>(&self, guess: Guess, what: W) -> W::Output {
+    /// Runs `task` with a prediction. All states have the same length.
+    fn predict<T: WithPrediction>(&self, predictor: Predictor, task: T) -> T::Output {
         let [a, b, c] = &self.states;
         let line = |i: usize| a[i] + (a[i] - b[i]);
-        match guess {
-            Guess::Neighbour => {
-                what.done(|known, i| i.checked_sub(STRIDE).map_or(0.0, |before| known[before]))
+        match predictor {
+            Predictor::Neighbour => {
+                task.run(|known, i| i.checked_sub(STRIDE).map_or(0.0, |before| known[before]))
             }
-            Guess::Rest => what.done(|_, i| a[i]),
-            Guess::Line => what.done(|_, i| line(i)),
-            Guess::LineWithNeighbour => what.done(|known, i| {
+            Predictor::Rest => task.run(|_, i| a[i]),
+            Predictor::Line => task.run(|_, i| line(i)),
+            Predictor::LineWithNeighbour => task.run(|known, i| {
                 line(i) + i.checked_sub(STRIDE).map_or(0.0, |before| known[before] - line(before))
             }),
-            Guess::Parabola => what.done(|_, i| 3.0 * (a[i] - b[i]) + c[i]),
+            Predictor::Parabola => task.run(|_, i| 3.0 * (a[i] - b[i]) + c[i]),
         }
     }
 
-    /// The guess that comes nearest to `state`, by a sample of a long one.
-    pub fn best_guess(&self, state: &[f32]) -> Guess {
-        let length = |guess: &&Guess| self.guess(**guess, SampleLength(state));
-        self.guesses().iter().min_by_key(length).copied().unwrap_or(Guess::Neighbour)
+    /// The predictor that comes closest to `state`, judged by a sample of its numbers.
+    pub fn best_predictor(&self, state: &[f32]) -> Predictor {
+        let length = |predictor: &&Predictor| self.predict(**predictor, SampleLength(state));
+        self.predictors().iter().min_by_key(length).copied().unwrap_or(Predictor::Neighbour)
     }
 
-    /// What has to be added to the guesses to get `state`.
-    pub fn residuals(&self, guess: Guess, state: &[f32]) -> Vec<u32> {
-        self.guess(guess, Residuals(state))
+    /// The numbers to be added to the prediction to get `state`.
+    pub fn residuals(&self, predictor: Predictor, state: &[f32]) -> Vec<u32> {
+        self.predict(predictor, Residuals(state))
     }
 
-    /// The state that these residuals stand for.
-    pub fn state(&self, guess: Guess, residuals: &[u32]) -> Vec<f32> {
-        self.guess(guess, Rebuild(residuals))
+    /// The state with these residuals.
+    pub fn state(&self, predictor: Predictor, residuals: &[u32]) -> Vec<f32> {
+        self.predict(predictor, Rebuild(residuals))
     }
 }
 
-/// Something that is done with a guess, compiled for each: a choice made anew for every number would cost more than the
-/// guess.
-trait WithGuess {
+/// A task that needs a prediction, compiled for each predictor: choosing one anew for every number would cost more than
+/// predicting it.
+trait WithPrediction {
     type Output;
 
-    /// Does it; `expected` is the guess for a number by its index, where those before it are known.
-    fn done(self, expected: impl Fn(&[f32], usize) -> f32) -> Self::Output;
+    /// Runs the task. `expected` predicts the number at an index from those before it.
+    fn run(self, expected: impl Fn(&[f32], usize) -> f32) -> Self::Output;
 }
 
-/// How many bytes a part of the residuals takes.
+/// Adds up the bytes of a sample of the residuals.
 struct SampleLength<'a>(&'a [f32]);
 
-impl WithGuess for SampleLength<'_> {
+impl WithPrediction for SampleLength<'_> {
     type Output = usize;
 
-    fn done(self, expected: impl Fn(&[f32], usize) -> f32) -> usize {
-        // No multiple of what a row of a cloth may have.
+    fn run(self, expected: impl Fn(&[f32], usize) -> f32) -> usize {
+        // Odd, so that it does not keep to one column of a cloth.
         let stride = (self.0.len() / SAMPLES).max(1) | 1;
         let of_one = |i: usize| encoded_length(residual(self.0[i], expected(self.0, i)));
         (0..self.0.len()).step_by(stride).map(of_one).sum()
     }
 }
 
-/// About how many numbers are looked at before a guess is chosen.
+/// The approximate size of the sample that chooses a predictor.
 const SAMPLES: usize = 512;
 
 struct Residuals<'a>(&'a [f32]);
 
-impl WithGuess for Residuals<'_> {
+impl WithPrediction for Residuals<'_> {
     type Output = Vec<u32>;
 
-    fn done(self, expected: impl Fn(&[f32], usize) -> f32) -> Vec<u32> {
+    fn run(self, expected: impl Fn(&[f32], usize) -> f32) -> Vec<u32> {
         self.0.iter().enumerate().map(|(i, &value)| residual(value, expected(self.0, i))).collect()
     }
 }
 
 struct Rebuild<'a>(&'a [u32]);
 
-impl WithGuess for Rebuild<'_> {
+impl WithPrediction for Rebuild<'_> {
     type Output = Vec<f32>;
 
-    fn done(self, expected: impl Fn(&[f32], usize) -> f32) -> Vec<f32> {
+    fn run(self, expected: impl Fn(&[f32], usize) -> f32) -> Vec<f32> {
         let mut state = Vec::with_capacity(self.0.len());
         for (i, &residual) in self.0.iter().enumerate() {
             let expected = bits(expected(&state, i));
@@ -170,12 +170,12 @@ fn residual(value: f32, expected: f32) -> u32 {
     zigzag(value.to_bits().wrapping_sub(bits(expected)))
 }
 
-/// The bits of a guess. What bits a NaN has depends on the machine.
-fn bits(guess: f32) -> u32 {
-    if guess.is_nan() { 0 } else { guess.to_bits() }
+/// The bits of a prediction. Those of a NaN differ from machine to machine, so they count as 0.
+fn bits(prediction: f32) -> u32 {
+    if prediction.is_nan() { 0 } else { prediction.to_bits() }
 }
 
-/// Small positive and negative differences as small numbers: 0, -1, 1, -2 become 0, 1, 2, 3.
+/// Maps small differences of either sign to small numbers: 0, -1, 1, -2 become 0, 1, 2, 3.
 fn zigzag(difference: u32) -> u32 {
     (difference << 1) ^ if difference >> 31 == 1 { u32::MAX } else { 0 }
 }
@@ -184,7 +184,7 @@ fn unzigzag(number: u32) -> u32 {
     (number >> 1) ^ if number & 1 == 1 { u32::MAX } else { 0 }
 }
 
-/// How many bytes `postcard` needs for a number: seven bits in each.
+/// The number of bytes that `postcard` needs for a number: seven bits in each.
 fn encoded_length(number: u32) -> usize {
     (38 - (number | 1).leading_zeros() as usize) / 7
 }
@@ -197,18 +197,18 @@ mod tests {
         [0.0, -0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE, 1e-45, f32::MAX, -1.5];
 
     #[test]
-    fn every_guess_gives_back_every_bit() {
+    fn every_predictor_restores_every_bit() {
         let mut history = History::default();
         let states: Vec<Vec<f32>> = (0..ODD.len())
             .map(|turn| ODD.iter().cycle().skip(turn).take(ODD.len()).copied().collect())
             .collect();
         for state in states {
-            for &guess in history.guesses() {
-                assert!(history.allows(guess));
-                let residuals = history.residuals(guess, &state);
-                let again = history.state(guess, &residuals);
+            for &predictor in history.predictors() {
+                assert!(history.allows(predictor));
+                let residuals = history.residuals(predictor, &state);
+                let again = history.state(predictor, &residuals);
                 let bits = |state: &[f32]| state.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-                assert_eq!(bits(&again), bits(&state), "{guess:?}");
+                assert_eq!(bits(&again), bits(&state), "{predictor:?}");
             }
             history.push(state);
         }
@@ -221,8 +221,8 @@ mod tests {
             history.push((0..30).map(|i| i as f32 + 0.25 * step as f32).collect());
         }
         let next: Vec<f32> = (0..30).map(|i| i as f32 + 0.75).collect();
-        let guess = history.best_guess(&next);
-        assert_eq!(history.residuals(guess, &next), [0; 30], "{guess:?}");
+        let predictor = history.best_predictor(&next);
+        assert_eq!(history.residuals(predictor, &next), [0; 30], "{predictor:?}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Records an app, step by step.
+//! Records an app step by step.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -11,10 +11,10 @@ use bevy_drape::snapshot::{Key, members};
 
 use super::error::RecordingError;
 use super::packet::Header;
-use super::recorder::{Recorder, Seen};
+use super::recorder::{Recorder, Sample};
 use super::track::{Form, Track, TrackKind};
 
-/// Records every step of an app, from when it is [started](Self::start) until it is [finished](Self::finish).
+/// Records every step of an app between [`start`](Self::start) and [`finish`](Self::finish).
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -32,11 +32,11 @@ use super::track::{Form, Track, TrackKind};
 #[derive(Resource)]
 pub struct RecordSteps {
     recorder: Recorder<Box<dyn Write + Send + Sync>>,
-    /// What stopped it.
+    /// The error that stopped it.
     fault: Option<RecordingError>,
 }
 
-/// Whether the system that records has been added.
+/// Marks an app to which the recording system was added.
 #[derive(Resource)]
 struct IsAdded;
 
@@ -50,7 +50,7 @@ impl RecordSteps {
         Ok(Self { recorder: Recorder::new(writer, header)?, fault: None })
     }
 
-    /// Records to a new file at `path`. One that is there is overwritten.
+    /// Records to a file at `path`, which is overwritten if it exists.
     ///
     /// # Errors
     /// [`RecordingError::Unwritable`] if the file cannot be made.
@@ -78,7 +78,7 @@ impl RecordSteps {
     /// Ends the recording, if there is one.
     ///
     /// # Errors
-    /// What kept it from being written to its end.
+    /// The error that stopped the recording, or [`RecordingError::Unwritable`].
     pub fn finish(world: &mut World) -> Result<(), RecordingError> {
         let Some(Self { recorder, fault }) = world.remove_resource::<Self>() else { return Ok(()) };
         match fault {
@@ -94,16 +94,16 @@ fn record_step(world: &mut World) {
         let RecordSteps { recorder, fault } = &mut *steps;
         if fault.is_none() {
             let clock = world.resource::<DrapeClock>();
-            // The clock is put forward after the last system of the step.
+            // The clock advances after the last system of the step.
             let time = clock.elapsed() + f64::from(clock.delta());
-            let seen = keys.iter().filter_map(|&(key, entity)| see(world.entity(entity), key)).collect();
-            *fault = recorder.push(time, seen).err();
+            let samples = keys.iter().filter_map(|&(key, entity)| sample(world.entity(entity), key));
+            *fault = recorder.push(time, samples.collect()).err();
         }
     });
 }
 
-/// An entity as it is now.
-fn see(entity: EntityRef<'_>, key: Key) -> Option<Seen<'_>> {
+/// The current state of an entity.
+fn sample(entity: EntityRef<'_>, key: Key) -> Option<Sample<'_>> {
     let id = entity.id().to_bits();
     let name = move |noun: &str, order: u64| {
         entity.get::<Name>().map_or_else(|| format!("{noun} {order}"), ToString::to_string)
@@ -112,21 +112,21 @@ fn see(entity: EntityRef<'_>, key: Key) -> Option<Seen<'_>> {
         Key::Body(order) => {
             let (particles, sticks) = (entity.get::<Particles>()?, entity.get::<Sticks>()?);
             let describe = move || Track { name: name("body", order), kind: body_kind(&sticks.0) };
-            let places = (0..particles.len()).map(|i| particles.local_position(i).to_array());
-            Seen::body(id, describe, particles.origin().to_array(), places)
+            let positions = (0..particles.len()).map(|i| particles.local_position(i).to_array());
+            Sample::body(id, describe, particles.origin().to_array(), positions)
         }
         Key::Ball(order) => {
             let ball = entity.get::<ProjectileState>()?;
             let kind = TrackKind::Ball { radius: ball.material().radius };
             let values = ball.position().to_array().into_iter().chain(ball.rotation().to_array());
             let describe = Box::new(move || Track { name: name("ball", order), kind });
-            Seen { id, describe, values: values.collect() }
+            Sample { id, describe, values: values.collect() }
         }
         Key::Obstacle(order) => {
             let (obstacle, place) = (entity.get::<Obstacle>()?, entity.get::<GlobalTransform>()?);
             let kind = TrackKind::Obstacle { form: Form::of(&obstacle.shape) };
             let describe = Box::new(move || Track { name: name("obstacle", order), kind });
-            Seen { id, describe, values: place.affine().to_cols_array().to_vec() }
+            Sample { id, describe, values: place.affine().to_cols_array().to_vec() }
         }
     })
 }

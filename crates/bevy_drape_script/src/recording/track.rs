@@ -1,37 +1,37 @@
-//! What is recorded: bodies, balls and obstacles, each a track of numbers.
+//! Tracks: bodies, balls and obstacles that are recorded as numbers.
 
 use bevy_drape::drape_solver::Shape;
 use serde::{Deserialize, Serialize};
 
-/// Something that is recorded, from its appearance until it is gone.
+/// Something that is recorded, from its first to its last frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Track {
-    /// Its `Name`, or what it is and the number of its creation.
+    /// Its `Name`, or its noun and the number of its creation.
     pub name: String,
-    /// What it is.
+    /// Its kind, with all that drawing it takes.
     pub kind: TrackKind,
 }
 
-/// What a track is of, and what it takes to draw it.
+/// The kind of a track, with all that drawing it takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum TrackKind {
-    /// A cloth, rope or rig. Its values are the body's origin and the places of its particles relative to that.
+    /// A cloth, rope or rig. Its values are the body's origin and the positions of its particles relative to that.
     Body {
         /// The number of particles.
         particles: u32,
         /// Triangles, as particle indices.
         faces: Vec<[u32; 3]>,
-        /// The ends of structural sticks; empty where there are faces.
+        /// The ends of structural sticks; empty if there are faces.
         sticks: Vec<[u32; 2]>,
     },
-    /// A ball. Its values are the place of its centre and its rotation (x, y, z, w).
+    /// A ball. Its values are the position of its centre and its rotation (x, y, z, w).
     Ball {
         /// Radius in metres.
         radius: f32,
     },
-    /// An obstacle. Its values are the three columns of its matrix and its place.
+    /// An obstacle. Its values are the three columns of its matrix and its position.
     Obstacle {
-        /// Its form, as far as it can be told in numbers.
+        /// Its form.
         form: Form,
     },
 }
@@ -41,7 +41,7 @@ pub enum TrackKind {
 pub enum Form {
     /// Everything behind a plane.
     HalfSpace {
-        /// Unit normal, away from what is solid.
+        /// Unit normal, away from the solid side.
         normal: [f32; 3],
     },
     /// A sphere.
@@ -66,7 +66,7 @@ pub enum Form {
         /// Half its sides.
         half_extents: [f32; 3],
     },
-    /// Another: its box in its own coordinates.
+    /// Any other shape, as its bounding box.
     Other {
         /// Least corner.
         low: [f32; 3],
@@ -76,7 +76,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// That of a shape.
+    /// The form of a shape.
     pub fn of(shape: &Shape) -> Self {
         match shape {
             Shape::HalfSpace { normal } => Self::HalfSpace { normal: normal.to_array() },
@@ -95,10 +95,10 @@ impl Form {
 }
 
 impl TrackKind {
-    /// How many numbers a state has.
+    /// The number of values of a state.
     pub(super) fn value_count(&self) -> usize {
         match self {
-            // Saturates where `usize` has 32 bits; such a count never agrees with what is there.
+            // Saturates on 32-bit machines; such a count never equals that of a state.
             Self::Body { particles, .. } => (*particles as usize).saturating_add(1).saturating_mul(3),
             Self::Ball { .. } => 7,
             Self::Obstacle { .. } => 12,
@@ -113,7 +113,7 @@ impl TrackKind {
         }
     }
 
-    /// What it is: a body, ball or obstacle.
+    /// "body", "ball" or "obstacle".
     pub fn noun(&self) -> &'static str {
         match self {
             Self::Body { .. } => "body",
@@ -122,7 +122,7 @@ impl TrackKind {
         }
     }
 
-    /// Whether every index is that of a particle.
+    /// True if every index is that of a particle.
     pub(super) fn is_sound(&self) -> bool {
         let Self::Body { particles, faces, sticks } = self else { return true };
         faces.iter().flatten().chain(sticks.iter().flatten()).all(|index| index < particles)

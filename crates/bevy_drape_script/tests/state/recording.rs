@@ -1,7 +1,7 @@
 //! Recordings: every bit comes back, any frame can be shown, and whatever is no recording is refused.
 
 use bevy_drape_script::recording::{
-    Form, Header, Parting, Recorder, Recording, RecordingError, Seen, Track, TrackKind, diff,
+    Form, Header, Mismatch, Recorder, Recording, RecordingError, Sample, Track, TrackKind, diff,
 };
 use proptest::prelude::*;
 
@@ -27,7 +27,7 @@ fn record(frames: &[Vec<Thing>]) -> Vec<u8> {
     let header = Header { scene: "made up".into(), dt: STEP };
     let mut recorder = Recorder::new(Vec::new(), header).expect("memory");
     for (step, things) in frames.iter().enumerate() {
-        let seen = things.iter().map(|(id, values)| Seen {
+        let seen = things.iter().map(|(id, values)| Sample {
             id: *id,
             describe: Box::new(|| track(*id, values.len())),
             values: values.clone(),
@@ -198,12 +198,13 @@ fn sizes_that_lie_cost_nothing() {
 #[test]
 fn what_makes_no_sense_is_not_written() {
     let header = || Header { scene: String::new(), dt: STEP };
-    let ball = |values: usize| Seen { id: 0, describe: Box::new(|| track(0, 7)), values: vec![0.0; values] };
+    let ball =
+        |values: usize| Sample { id: 0, describe: Box::new(|| track(0, 7)), values: vec![0.0; values] };
     let mut recorder = Recorder::new(Vec::new(), header()).expect("memory");
     assert!(matches!(recorder.push(0.0, vec![ball(6)]), Err(RecordingError::Unencodable { .. })));
     assert!(matches!(recorder.push(0.0, vec![ball(7), ball(7)]), Err(RecordingError::Unencodable { .. })));
     let face = TrackKind::Body { particles: 2, faces: vec![[0, 1, 2]], sticks: vec![] };
-    let bad = Seen {
+    let bad = Sample {
         id: 0,
         describe: Box::new(move || Track { name: "face".into(), kind: face }),
         values: vec![0.0; 9],
@@ -232,19 +233,19 @@ fn two_runs_part_where_one_of_them_was_changed() {
     let difference = diff(&plain, &changed).expect("frames").expect("a difference");
     assert_eq!((difference.frame, difference.time), (70, 70.0));
     assert!((difference.distance() - 0.25).abs() < 1e-5);
-    let Parting::Place { particle, name, count, .. } = &difference.what else { panic!("{difference:?}") };
+    let Mismatch::Place { particle, name, count, .. } = &difference.what else { panic!("{difference:?}") };
     assert_eq!((*particle, name.as_str(), *count), (Some(4), "thing 2", 1));
     assert!(difference.to_string().contains("frame 70"), "{difference}");
 
     let shorter = read(&frames(None)[..60]);
     let difference = diff(&plain, &shorter).expect("frames").expect("a difference");
-    assert_eq!(difference.what, Parting::End([80, 60]));
+    assert_eq!(difference.what, Mismatch::End([80, 60]));
     let mut without = frames(None);
     without[30].pop();
     let difference = diff(&plain, &read(&without)).expect("frames").expect("a difference");
     let is_in_first = true;
     assert_eq!(difference.frame, 30);
-    assert_eq!(difference.what, Parting::Presence { noun: "ball", name: "thing 0".into(), is_in_first });
+    assert_eq!(difference.what, Mismatch::Presence { noun: "ball", name: "thing 0".into(), is_in_first });
 }
 
 /// A running world: what was recorded is what was there, and two equal runs do not part.

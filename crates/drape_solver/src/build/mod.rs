@@ -1,4 +1,4 @@
-//! Builders: from a cloth's size, a rope's length or a mesh to particles and a topology.
+//! Builders: they turn a cloth's size, a rope's length or a mesh into particles and a topology.
 //!
 //! Imports: `constraint` and below; no contact and no step. Callers: users, the plugin, and `tearing`.
 
@@ -14,5 +14,4 @@ pub mod soft_ball;
 pub mod soft_body;
 pub mod soft_lattice;
 pub(crate) mod topology_builder;
-pub(crate) mod union_find;
 pub(crate) mod weave;

@@ -1,4 +1,4 @@
-//! Sizes of tests under Miri, which takes some thousand times as long.
+//! Sizes of tests under Miri, which takes about a thousand times as long.
 
 /// `size`, or `small` under Miri.
 pub(crate) fn unless_miri<T>(size: T, small: T) -> T {

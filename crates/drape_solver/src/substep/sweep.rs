@@ -34,7 +34,7 @@ use glam::Vec3;
 
 use crate::constants::{BYTES_OF_CELL, LEAST_SHARED_CELLS, LEAST_STRIPS_PER_LAG, SWEPT_BYTES, TETHER_SPEED};
 use crate::constraint::direct::line;
-use crate::constraint::stick::{Exact, Projection, SquareRootFree};
+use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::contact::body_contacts::BodyContacts;
 use crate::contact::particle_obstacle::ObstacleContacts;
 use crate::motion::body_columns::{BodyColumns, MovingColumns};

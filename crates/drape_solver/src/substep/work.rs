@@ -8,7 +8,8 @@ use fearless_simd::Simd;
 
 use crate::constants::WORK_OF_CONTACTS;
 use crate::constraint::listed_stick::{Descent, RelaxedBatch};
-use crate::constraint::stick::{Alike, Joined, OneSided, Projection, project_loose, project_runs};
+use crate::constraint::projection::{OneSided, Projection};
+use crate::constraint::stick::{Alike, Joined, project_loose, project_runs};
 use crate::contact::particle_obstacle::{ObstacleProjection, ObstacleRows};
 use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::motion::integrate::update_displacements;

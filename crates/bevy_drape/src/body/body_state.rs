@@ -1,0 +1,83 @@
+//! State of bodies that the plugin keeps from step to step.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use drape_solver::{BodyContext, BodyScratch, Topology};
+
+use crate::bounds::{Bounds, grown};
+
+/// State of bodies that the plugin keeps from step to step.
+#[derive(Component, Default)]
+pub(crate) struct BodyState {
+    /// Order of creation. Bodies are sorted by it, so that entity ids do not matter to the result.
+    pub order: u64,
+    /// State and memory of the solver that a body keeps from step to step.
+    pub context: BodyContext,
+    /// The same of its contacts and its substeps, beside the body in its island.
+    pub scratch: BodyScratch,
+    /// Transform of the entity when pins were last moved with it.
+    pub anchor: Affine3A,
+    /// Transform from the entity's coordinates to the rest positions of the particles, from when the body was built.
+    pub rest: Affine3A,
+    /// Positions of the pinned particles in the entity's coordinates.
+    pub pins: Vec<(u32, Vec3)>,
+    /// Box and greatest speed of the particles, as of the last step or edit.
+    pub extent: Extent,
+    /// True if the body cannot be simulated; the log has the reason.
+    pub refused: bool,
+    /// Settings of the last step; a change wakes the body.
+    pub settings: drape_solver::SolverSettings,
+    /// Layers of the last step; a change wakes the body.
+    pub layers: drape_solver::Layers,
+}
+
+impl BodyState {
+    /// Box around the surface of the body.
+    pub fn bounds(&self) -> Bounds {
+        grown(self.extent.bounds, self.settings.thickness)
+    }
+
+    /// Box that the surface does not leave within a step of `dt` seconds.
+    pub fn bounds_within_step(&self, dt: f32, gravity: f32) -> Bounds {
+        let Extent { bounds, greatest_speed } = self.extent;
+        grown(bounds, self.settings.thickness + (greatest_speed + gravity * dt) * dt)
+    }
+}
+
+/// Box and greatest speed of the particles of a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Extent {
+    /// Least and greatest corner of the box around the particles and everything that they carry.
+    pub bounds: (Vec3, Vec3),
+    /// Greatest speed of a particle in m/s.
+    pub greatest_speed: f32,
+}
+
+impl Extent {
+    pub fn of(particles: &drape_solver::Particles, topology: &Topology) -> Self {
+        let (low, high) = particles.bounds();
+        let overhang = topology.overhang();
+        Self { bounds: (low - overhang, high + overhang), greatest_speed: particles.greatest_speed() }
+    }
+}
+
+/// Hands out creation numbers.
+#[derive(Resource, Default)]
+pub(crate) struct CreationOrder(u64);
+
+impl CreationOrder {
+    pub fn next(&mut self) -> u64 {
+        self.0 += 1;
+        self.0
+    }
+
+    /// The number that was handed out last.
+    pub fn last(&self) -> u64 {
+        self.0
+    }
+
+    /// Continues with the numbers after `last`.
+    pub fn go_on_from(&mut self, last: u64) {
+        self.0 = last;
+    }
+}

@@ -1,0 +1,191 @@
+//! Rectangular cloths.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use drape_solver::{BuildError, ClothBuilder, ClothMaterial, Edge};
+
+use crate::body::particles::BodyParts;
+use crate::build::description::Description;
+
+/// A rectangular cloth: curtain, flag, sail, table cloth.
+///
+/// It lies centred in the XY plane of its [`Transform`] and faces +Z. The first step after insertion or a change builds
+/// its [`Particles`](crate::body::particles::Particles) and [`Sticks`](crate::body::particles::Sticks). Pinned
+/// particles stay fixed to the entity: move the `Transform` to pull the cloth along.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn setup(mut commands: Commands) {
+/// commands.spawn((Cloth::new(2.0, 1.5), Transform::from_xyz(0.0, 2.0, 0.0)));
+/// # }
+/// ```
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[require(Transform)]
+pub struct Cloth {
+    /// Width and height in metres.
+    pub size: Vec2,
+    /// Particles in a row and in a column, at least 2 each.
+    pub particles: UVec2,
+    /// Mass per area in kg/m^2.
+    pub areal_density: f32,
+    /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching.
+    pub stretch_stiffness: f32,
+    /// Stiffness of shear sticks, 0 to 1: resists skewing.
+    pub shear_stiffness: f32,
+    /// Stiffness of bend sticks, 0 to 1: resists folding.
+    pub bend_stiffness: f32,
+    /// Damping along the sticks in 1/s.
+    pub damping: f32,
+    /// Particles that are fixed to the entity.
+    pub pins: ClothPins,
+}
+
+/// The pinned particles of a cloth. Particle `row * columns + column` counts from the top left.
+#[derive(Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Default, Debug, Clone, PartialEq)]
+pub enum ClothPins {
+    /// None: the cloth is free.
+    None,
+    /// The whole top edge: a curtain.
+    #[default]
+    Top,
+    /// The two top corners: a washing line.
+    TopCorners,
+    /// The whole left edge: a flag.
+    Left,
+    /// All four corners: a trampoline.
+    Corners,
+    /// These particles.
+    Indices(Vec<u32>),
+}
+
+impl Default for Cloth {
+    fn default() -> Self {
+        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
+            ClothMaterial::default();
+        Self {
+            size: Vec2::ONE,
+            particles: UVec2::splat(32),
+            areal_density,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
+            damping,
+            pins: ClothPins::Top,
+        }
+    }
+}
+
+impl Cloth {
+    /// A curtain of `width` x `height` metres with a particle about every 5 cm (at most 128 a side), pinned along
+    /// its top edge.
+    pub fn new(width: f32, height: f32) -> Self {
+        let count = |side: f32| (side * 20.0).clamp(1.0, 127.0) as u32 + 1;
+        Self {
+            size: Vec2::new(width, height),
+            particles: UVec2::new(count(width), count(height)),
+            ..Self::default()
+        }
+    }
+
+    /// Sets the number of particles in a row and in a column.
+    pub fn with_particles(mut self, columns: u32, rows: u32) -> Self {
+        self.particles = UVec2::new(columns, rows);
+        self
+    }
+
+    /// Sets the pinned particles.
+    pub fn with_pins(mut self, pins: ClothPins) -> Self {
+        self.pins = pins;
+        self
+    }
+
+    /// Returns the same cloth with fewer particles: about one in `coarseness` along each side. It weighs, hangs,
+    /// stretches and swings like the original: fewer and heavier particles need softer sticks for the same material.
+    pub(crate) fn coarsened(&self, coarseness: u32) -> Self {
+        if coarseness <= 1 {
+            return self.clone();
+        }
+        let fewer = |side: u32| match side {
+            0..=2 => side,
+            _ => ((side - 1 + coarseness / 2) / coarseness).max(1) + 1,
+        };
+        let particles = UVec2::new(fewer(self.particles.x), fewer(self.particles.y));
+        // Compliance grows with the square of the spacing, damping shrinks with it.
+        let ratio = (self.particles.max(UVec2::splat(2)) - 1).as_vec2()
+            / (particles.max(UVec2::splat(2)) - 1).as_vec2();
+        let square = ratio.x * ratio.y;
+        let softer = |stiffness: f32| stiffness / (stiffness + (1.0 - stiffness) * square);
+        let pins = match &self.pins {
+            ClothPins::Indices(indices) => {
+                let place = |i: u32, from: u32, to: u32| (i * (to - 1) + (from - 1) / 2) / (from - 1).max(1);
+                let columns = self.particles.x.max(1);
+                let moved = |&index: &u32| {
+                    let (column, row) = (index % columns, index / columns);
+                    place(row, self.particles.y, particles.y) * particles.x
+                        + place(column, columns, particles.x)
+                };
+                ClothPins::Indices(indices.iter().map(moved).collect())
+            }
+            pins => pins.clone(),
+        };
+        Self {
+            particles,
+            pins,
+            stretch_stiffness: softer(self.stretch_stiffness),
+            shear_stiffness: softer(self.shear_stiffness),
+            bend_stiffness: softer(self.bend_stiffness),
+            damping: self.damping / square,
+            ..self.clone()
+        }
+    }
+
+    /// Builds the particles and topology of this cloth at `transform`.
+    ///
+    /// # Errors
+    /// [`BuildError`] naming the field that cannot be used.
+    pub fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
+        let (scale, rotation, _) = transform.to_scale_rotation_translation();
+        let size = self.size * scale.truncate();
+        let corner = Vec3::new(-self.size.x, self.size.y, 0.0) * 0.5;
+        let (columns, rows) = (self.particles.x, self.particles.y);
+        let builder = ClothBuilder::new(size.x, size.y, columns, rows)
+            .placed(transform.transform_point(corner), rotation * Vec3::X, rotation * Vec3::NEG_Y)
+            .material(ClothMaterial {
+                areal_density: self.areal_density,
+                stretch_stiffness: self.stretch_stiffness,
+                shear_stiffness: self.shear_stiffness,
+                bend_stiffness: self.bend_stiffness,
+                damping: self.damping,
+            });
+        let corner =
+            |column: u32, row: u32| (column == 0 || column + 1 == columns, row == 0, row + 1 == rows);
+        let builder = match &self.pins {
+            ClothPins::None => builder,
+            ClothPins::Top => builder.pin_edge(Edge::Top),
+            ClothPins::Left => builder.pin_edge(Edge::Left),
+            ClothPins::TopCorners => builder.pin_where(|column, row, _| {
+                let (side, top, _) = corner(column, row);
+                side && top
+            }),
+            ClothPins::Corners => builder.pin_where(|column, row, _| {
+                let (side, top, bottom) = corner(column, row);
+                side && (top || bottom)
+            }),
+            ClothPins::Indices(indices) => indices.iter().fold(builder, |builder, &index| builder.pin(index)),
+        };
+        let (particles, topology) = builder.build_parts()?;
+        Ok((particles, Arc::new(topology)))
+    }
+}
+
+impl Description for Cloth {
+    const NAME: &'static str = "Cloth";
+
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
+        self.build(transform)
+    }
+}

@@ -1,0 +1,97 @@
+//! Builds bodies from their descriptions.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use drape_solver::BuildError;
+
+use crate::body::activity::Activity;
+use crate::body::body_state::{BodyState, CreationOrder, Extent};
+use crate::body::particles::{BodyParts, Particles, Sticks};
+use crate::change_detection::collect_changed;
+use crate::refusal::Refusals;
+
+/// A component that describes a body.
+pub(crate) trait Description: Component {
+    /// Name in the log.
+    const NAME: &'static str;
+
+    /// Builds the particles and topology of the body at `transform`.
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError>;
+}
+
+/// Builds bodies whose description was inserted or changed since the last step, and refused ones that have moved.
+pub(crate) fn build_described<D: Description>(
+    mut commands: Commands,
+    described: Query<(Entity, Ref<D>)>,
+    not_built: Query<(Entity, Ref<GlobalTransform>), (With<D>, Without<Particles>)>,
+    descriptions: Query<(&D, &GlobalTransform)>,
+    mut order: ResMut<CreationOrder>,
+    mut refusals: ResMut<Refusals>,
+    mut to_build: Local<Vec<Entity>>,
+) {
+    collect_changed(&described, &mut to_build);
+    let is_listed = |entity: Entity| described.get(entity).is_ok_and(|(_, described)| described.is_changed());
+    let listed = to_build.len();
+    collect_changed(&not_built, &mut to_build);
+    let mut row = 0;
+    to_build.retain(|&entity| {
+        row += 1;
+        row <= listed || !is_listed(entity)
+    });
+    for entity in to_build.drain(..) {
+        let Ok((description, transform)) = descriptions.get(entity) else { continue };
+        let built = if transform.affine().is_finite() {
+            description.build(transform).map_err(|error| (D::NAME, error.to_string()))
+        } else {
+            Err(("Transform", "it must be finite".to_string()))
+        };
+        match built {
+            Ok(parts) => {
+                refusals.forget(entity);
+                insert_body(&mut commands, entity, order.next(), transform, parts);
+            }
+            Err((component, reason)) => {
+                refusals.entity(entity, component, reason);
+                remove_body(&mut commands, entity);
+            }
+        }
+    }
+}
+
+/// Puts a newly built body on an entity.
+pub(crate) fn insert_body(
+    commands: &mut Commands,
+    entity: Entity,
+    order: u64,
+    transform: &GlobalTransform,
+    (particles, topology): BodyParts,
+) {
+    let anchor = transform.affine();
+    let pins = pins_at(&anchor, &particles);
+    let state = BodyState {
+        order,
+        anchor,
+        rest: anchor,
+        pins,
+        extent: Extent::of(&particles, &topology),
+        ..default()
+    };
+    commands.entity(entity).insert((Particles(particles), Sticks(topology), Activity::Active, state));
+}
+
+/// Returns the pinned particles and their positions in the coordinates of an entity at `anchor`.
+pub(crate) fn pins_at(anchor: &Affine3A, particles: &drape_solver::Particles) -> Vec<(u32, Vec3)> {
+    let to_local = anchor.inverse();
+    let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
+    pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect()
+}
+
+/// Removes everything that [`insert_body`] inserts.
+pub(crate) fn remove_body(commands: &mut Commands, entity: Entity) {
+    commands.entity(entity).try_remove::<(Particles, Sticks, Activity, BodyState)>();
+}
+
+/// Removes the body from an entity that loses its description `C`.
+pub(crate) fn remove_described_body<C: Component>(removed: On<Remove, C>, mut commands: Commands) {
+    remove_body(&mut commands, removed.entity);
+}

@@ -1,0 +1,94 @@
+//! Obstacles that are pushed back.
+
+use bevy::prelude::*;
+use drape_solver::{BuildError, RigidBody};
+
+/// Impulse of cloth, ropes and balls on an [`Obstacle`] in the last step: the exact opposite of all impulses that it
+/// gave them. Add this to an obstacle that another physics engine moves, and pass the impulses to that engine after
+/// each step.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ObstacleReaction {
+    /// Change of its momentum in newton seconds.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
+    pub impulse: Vec3,
+    /// Change of its angular momentum in newton metre seconds, in world axes, about its origin at the end of the step.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
+    pub angular_impulse: Vec3,
+}
+
+/// An [`Obstacle`] that flies, falls, and is pushed back by everything that it touches. The plugin writes its
+/// [`Transform`]; the entity must not have a parent. Moving it by hand teleports it.
+///
+/// It does not collide with other obstacles. For that, let a physics engine move it, driven by its
+/// [`ObstacleReaction`].
+///
+/// Contacts conserve linear and angular momentum and never gain energy, even between a light obstacle and a heavy
+/// cloth: the obstacle moves within the step and yields to each push, as a ball does.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn set_up(mut commands: Commands) {
+/// commands.spawn((
+///     Obstacle::cuboid(0.3, 0.3, 0.3),
+///     DynamicObstacle { velocity: Vec3::Z * 5.0, ..DynamicObstacle::cuboid(2.0, Vec3::splat(0.3)) },
+///     Transform::from_xyz(0.0, 1.0, -2.0),
+/// ));
+/// # }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Debug, Clone, PartialEq)]
+#[require(ObstacleReaction)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct DynamicObstacle {
+    /// Mass in kilograms.
+    pub mass: f32,
+    /// Principal moments of inertia about the entity's axes, in kg m^2. Its centre of mass is the entity's origin.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
+    pub inertia: Vec3,
+    /// Velocity in m/s.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
+    pub velocity: Vec3,
+    /// Angular velocity in rad/s, in world axes.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
+    pub angular_velocity: Vec3,
+    /// Factor on [gravity](DrapeGravity): 1 for all of it, 0 for none.
+    pub gravity_scale: f32,
+}
+
+impl DynamicObstacle {
+    /// A solid sphere of `mass` kilograms and `radius` metres, at rest.
+    pub fn sphere(mass: f32, radius: f32) -> Self {
+        Self::new(mass, Vec3::splat(0.4 * mass * radius * radius))
+    }
+
+    /// A solid box of `mass` kilograms and sides of `size` metres, at rest.
+    pub fn cuboid(mass: f32, size: Vec3) -> Self {
+        let squared = size * size;
+        Self::new(mass, (Vec3::splat(squared.element_sum()) - squared) * (mass / 12.0))
+    }
+
+    /// A body of `mass` kilograms with these principal moments of `inertia` (kg m^2), at rest.
+    pub fn new(mass: f32, inertia: Vec3) -> Self {
+        Self { mass, inertia, velocity: Vec3::ZERO, angular_velocity: Vec3::ZERO, gravity_scale: 1.0 }
+    }
+
+    pub(crate) fn body(&self) -> Result<RigidBody, BuildError> {
+        let Self { mass, inertia, velocity, angular_velocity, gravity_scale } = *self;
+        let fields = [
+            ("velocity", velocity),
+            ("angular_velocity", angular_velocity),
+            ("gravity_scale", Vec3::splat(gravity_scale)),
+        ];
+        for (field, vector) in fields {
+            if let Some(&value) = vector.to_array().iter().find(|value| !value.is_finite()) {
+                return Err(BuildError::NotFinite { field, value });
+            }
+        }
+        let mut body = RigidBody::new(mass, inertia)?;
+        (body.velocity, body.angular_velocity) = (velocity, angular_velocity);
+        Ok(body)
+    }
+}

@@ -1,0 +1,41 @@
+//! Moves dynamic obstacles through the coming step.
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::prelude::*;
+
+use crate::clock::DrapeClock;
+use crate::environment::dynamic_obstacle::DynamicObstacle;
+use crate::environment::gravity::DrapeGravity;
+use crate::environment::obstacle::Obstacle;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::environment::wake_regions::WakeRegions;
+use crate::refusal::Refusals;
+
+/// Moves dynamic obstacles freely through the coming step.
+pub(crate) fn fly_dynamic_obstacles(
+    obstacles: Query<(Entity, &DynamicObstacle), With<Obstacle>>,
+    clock: Res<DrapeClock>,
+    gravity: Res<DrapeGravity>,
+    mut solver: ResMut<SolverEnvironment>,
+    mut wake_regions: ResMut<WakeRegions>,
+    mut refusals: ResMut<Refusals>,
+    mut refused: Local<EntityHashSet>,
+) {
+    let gravity = gravity.or_last(solver.environment.gravity);
+    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
+    for (entity, dynamic) in &obstacles {
+        let body = dynamic.body();
+        match &body {
+            Ok(_) if refused.remove(&entity) => refusals.forget(entity),
+            Err(error) if refused.insert(entity) => refusals.entity(entity, "DynamicObstacle", error),
+            _ => {}
+        }
+        let Some(slot) = known.slot(entity) else { continue };
+        let obstacle = &mut environment.obstacles[slot];
+        obstacle.set_rigid_body(body.ok());
+        obstacle.fly(gravity * dynamic.gravity_scale, clock.delta());
+        if obstacle.is_moving() {
+            wake_regions.push(obstacle);
+        }
+    }
+}

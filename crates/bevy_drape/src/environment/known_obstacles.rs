@@ -1,0 +1,84 @@
+//! Entities behind the solver's obstacles.
+
+use bevy::ecs::entity::EntityHashMap;
+use bevy::prelude::*;
+
+/// The obstacles in the solver: entities by slot, and slots by entity.
+#[derive(Default)]
+pub(crate) struct KnownObstacles {
+    entities: Vec<Entity>,
+    /// Scales that the obstacles were built at.
+    scales: Vec<Vec3>,
+    /// Numbers in the order of creation.
+    orders: Vec<u64>,
+    last_order: u64,
+    slots: EntityHashMap<usize>,
+}
+
+impl KnownObstacles {
+    /// Returns the entity behind an obstacle of the solver.
+    pub fn entity(&self, slot: usize) -> Entity {
+        self.entities[slot]
+    }
+
+    pub fn slot(&self, entity: Entity) -> Option<usize> {
+        self.slots.get(&entity).copied()
+    }
+
+    /// Numbers and entities of all obstacles, by slot.
+    pub fn orders_and_entities(&self) -> impl Iterator<Item = (u64, Entity)> + '_ {
+        self.orders.iter().copied().zip(self.entities.iter().copied())
+    }
+
+    /// Notes that an obstacle was rebuilt at another scale.
+    pub fn set_scale(&mut self, slot: usize, scale: Vec3) {
+        self.scales[slot] = scale;
+    }
+
+    /// Returns the scale that an obstacle was built at.
+    pub fn scale(&self, slot: usize) -> Vec3 {
+        self.scales[slot]
+    }
+
+    /// Continues with the number after `last`.
+    pub fn go_on_from(&mut self, last: u64) {
+        self.last_order = last;
+    }
+
+    /// Replaces all obstacles, each with its number and scale.
+    pub fn replace(&mut self, obstacles: Vec<(u64, Entity, Vec3)>) {
+        *self = Self { last_order: self.last_order, ..Self::default() };
+        for (order, entity, scale) in obstacles {
+            self.push_with(order, entity, scale);
+        }
+    }
+
+    pub fn push(&mut self, entity: Entity, scale: Vec3) {
+        self.push_with(self.last_order + 1, entity, scale);
+    }
+
+    fn push_with(&mut self, order: u64, entity: Entity, scale: Vec3) {
+        self.last_order = self.last_order.max(order);
+        self.slots.insert(entity, self.entities.len());
+        self.entities.push(entity);
+        self.scales.push(scale);
+        self.orders.push(order);
+    }
+
+    /// Removes one; the last one takes its slot.
+    pub fn swap_remove(&mut self, slot: usize) {
+        self.slots.remove(&self.entities.swap_remove(slot));
+        self.scales.swap_remove(slot);
+        self.orders.swap_remove(slot);
+        if let Some(moved) = self.entities.get(slot) {
+            self.slots.insert(*moved, slot);
+        }
+    }
+
+    /// True if the obstacle was built at about this scale. Rotation changes the last digits of a scale that is read
+    /// from a matrix; that does not count.
+    pub fn has_scale(&self, slot: usize, scale: Vec3) -> bool {
+        let known = self.scales[slot];
+        (scale - known).abs().cmple(1e-4 * known.abs()).all()
+    }
+}

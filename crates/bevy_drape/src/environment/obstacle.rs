@@ -1,0 +1,131 @@
+//! Obstacles, which cloth and balls collide with.
+
+use bevy::prelude::*;
+use drape_solver::parry3d::shape::SharedShape;
+use drape_solver::{BuildError, Layers, Placement, Shape};
+
+/// A solid that cloth, ropes and balls collide with. Nothing pushes it back unless it is a [`DynamicObstacle`]. Its
+/// [`Transform`] gives place and scale. Moving it carries its velocity into contacts.
+///
+/// A move faster than 1500 m/s counts as a teleport and carries no velocity, and so does any move with
+/// [`TeleportObstacle`].
+#[derive(Component, Reflect, Clone, Debug)]
+#[reflect(Component, Debug, Clone)]
+#[require(Transform)]
+pub struct Obstacle {
+    /// Shape in the entity's coordinates.
+    pub shape: ObstacleShape,
+    /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
+    pub friction: f32,
+    /// Coefficient of static friction, which holds until sliding begins; at least `friction` counts.
+    pub static_friction: f32,
+    /// Coefficient of restitution against balls: 0 (no bounce) to 1. Two surfaces in contact use the mean of theirs.
+    pub restitution: f32,
+    /// True for a sensor, which moves nothing and only reports contacts: see [`as_sensor`](Self::as_sensor).
+    pub is_sensor: bool,
+}
+
+/// Shape of an [`Obstacle`]: half-space, sphere, capsule, cuboid, the inside of a box, or any parry shape.
+#[derive(Reflect, Clone, Debug, Deref)]
+#[reflect(opaque)]
+#[reflect(Debug, Clone)]
+pub struct ObstacleShape(pub Shape);
+
+impl Obstacle {
+    /// An obstacle of `shape` with friction 0.5. The next step checks sizes: invalid obstacles are logged and left out.
+    pub fn new(shape: Shape) -> Self {
+        Self {
+            shape: ObstacleShape(shape),
+            friction: 0.5,
+            static_friction: 0.0,
+            restitution: 0.0,
+            is_sensor: false,
+        }
+    }
+
+    /// The half-space below the entity.
+    pub fn ground() -> Self {
+        Self::new(Shape::HalfSpace { normal: Vec3::Y })
+    }
+
+    /// A sphere of `radius` metres.
+    pub fn sphere(radius: f32) -> Self {
+        Self::new(Shape::Sphere { radius })
+    }
+
+    /// A capsule along the entity's Y axis: all points within `radius` metres of a segment of `length` metres.
+    pub fn capsule(radius: f32, length: f32) -> Self {
+        Self::new(Shape::Capsule { half_length: length * 0.5, radius })
+    }
+
+    /// A box with sides of `x`, `y` and `z` metres.
+    pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
+        Self::new(Shape::Cuboid { half_extents: Vec3::new(x, y, z) * 0.5 })
+    }
+
+    /// The inside of a box with sides of `x`, `y` and `z` metres. Nothing leaves it.
+    pub fn container(x: f32, y: f32, z: f32) -> Self {
+        Self::new(Shape::Container { half_extents: Vec3::new(x, y, z) * 0.5 })
+    }
+
+    /// Makes it a sensor, which moves nothing. Contacts are reported if it or the other entity has [`ContactEvents`].
+    pub fn as_sensor(mut self) -> Self {
+        self.is_sensor = true;
+        self
+    }
+
+    /// Sets the friction coefficient.
+    pub fn with_friction(mut self, friction: f32) -> Self {
+        self.friction = friction;
+        self
+    }
+
+    /// Sets the coefficient of static friction.
+    pub fn with_static_friction(mut self, static_friction: f32) -> Self {
+        self.static_friction = static_friction;
+        self
+    }
+
+    /// Sets the coefficient of restitution.
+    pub fn with_restitution(mut self, restitution: f32) -> Self {
+        self.restitution = restitution;
+        self
+    }
+}
+
+/// Marks an [`Obstacle`] whose [`Transform`] was set to another place: its next move carries no velocity into contacts.
+/// The next step removes the mark.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// fn open(mut commands: Commands, door: Single<Entity, With<Obstacle>>) {
+///     commands.entity(*door).insert((Transform::from_xyz(3.0, 0.0, 0.0), TeleportObstacle));
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Debug, Clone)]
+pub struct TeleportObstacle;
+
+impl From<SharedShape> for Obstacle {
+    fn from(shape: SharedShape) -> Self {
+        Self::new(Shape::Parry(shape))
+    }
+}
+
+/// Builds the solver's obstacle. The flags turn on reports of contacts and of reactions.
+pub(crate) fn built(
+    obstacle: &Obstacle,
+    scale: Vec3,
+    placement: Placement,
+    layers: Layers,
+    [reports_contacts, reports_reaction]: [bool; 2],
+) -> Result<drape_solver::Obstacle, BuildError> {
+    let built = drape_solver::Obstacle::new(obstacle.shape.scaled(scale)?, placement, obstacle.friction)?
+        .with_static_friction(obstacle.static_friction)?
+        .with_restitution(obstacle.restitution)?
+        .with_layers(layers);
+    let built = if obstacle.is_sensor { built.as_sensor() } else { built };
+    let built = if reports_contacts { built.reporting_contacts() } else { built };
+    Ok(if reports_reaction { built.reporting_reaction() } else { built })
+}

@@ -1,0 +1,42 @@
+//! Changes of obstacles that change ticks do not show.
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::prelude::*;
+
+use crate::environment::obstacle::Obstacle;
+
+/// Changes of obstacles that change ticks do not show.
+#[derive(Resource, Default)]
+pub(crate) struct ObstacleChanges {
+    /// Those that were despawned, disabled or lost their [`Obstacle`].
+    pub gone: Vec<Entity>,
+    /// Those that were enabled, or gained or lost a component that matters.
+    pub recheck: Vec<Entity>,
+    /// Those that moved in the last step, and may have stopped.
+    pub moving: Vec<Entity>,
+    /// Those to bring up to date in this step.
+    pub outdated: Vec<Entity>,
+}
+
+impl ObstacleChanges {
+    /// Sets the obstacles that moved in the last step.
+    pub fn set_moving(&mut self, moving: Vec<Entity>) {
+        self.moving = moving;
+    }
+}
+
+pub(crate) fn note_gone_obstacle(gone: On<Remove, Obstacle>, mut changes: ResMut<ObstacleChanges>) {
+    changes.gone.push(gone.entity);
+}
+
+pub(crate) fn note_disabled_obstacle(disabled: On<Add, Disabled>, mut changes: ResMut<ObstacleChanges>) {
+    changes.gone.push(disabled.entity);
+}
+
+/// Checks an entity in the next step, in case it is an obstacle.
+pub(crate) fn recheck_obstacle<E: EntityEvent, C: Component>(
+    event: On<E, C>,
+    mut changes: ResMut<ObstacleChanges>,
+) {
+    changes.recheck.push(event.event_target());
+}

@@ -1,0 +1,229 @@
+//! Brings obstacles into the solver.
+
+use core::ops::Range;
+
+use bevy::ecs::change_detection::ContiguousRef;
+use bevy::prelude::*;
+use drape_solver::{Layers, Obstacles, Placement};
+
+use crate::body::contact_events::ContactEvents;
+use crate::body::layers::DrapeLayers;
+use crate::change_detection::{collect_rows, is_any_changed};
+use crate::clock::DrapeClock;
+use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
+use crate::environment::known_obstacles::KnownObstacles;
+use crate::environment::obstacle::{Obstacle, TeleportObstacle, built};
+use crate::environment::obstacle_changes::ObstacleChanges;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::environment::wake_regions::WakeRegions;
+use crate::refusal::Refusals;
+
+/// Obstacles, and everything about them that the solver needs.
+type ObstacleQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        Ref<'static, Obstacle>,
+        Ref<'static, GlobalTransform>,
+        Option<Ref<'static, DrapeLayers>>,
+        Has<ContactEvents>,
+        Has<ObstacleReaction>,
+        Has<TeleportObstacle>,
+        Has<DynamicObstacle>,
+    ),
+>;
+
+/// Brings new, changed and moved obstacles into the solver, and removes despawned ones. Skips unchanged obstacles.
+pub(crate) fn sync_obstacles(
+    obstacles: ObstacleQuery,
+    mut commands: Commands,
+    clock: Res<DrapeClock>,
+    mut solver: ResMut<SolverEnvironment>,
+    mut wake_regions: ResMut<WakeRegions>,
+    mut changes: ResMut<ObstacleChanges>,
+    mut refusals: ResMut<Refusals>,
+) {
+    wake_regions.0.clear();
+    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
+    let mut sync = ObstacleSync {
+        built: &mut environment.obstacles,
+        known,
+        wake_regions: &mut wake_regions,
+        refusals: &mut refusals,
+        dt: clock.delta(),
+    };
+    for entity in changes.gone.drain(..).filter(|&entity| !obstacles.contains(entity)) {
+        sync.remove(entity);
+    }
+    collect_outdated(&obstacles, &mut changes);
+    let ObstacleChanges { moving, outdated, .. } = &mut *changes;
+    for &entity in &*outdated {
+        let Ok((_, obstacle, transform, layers, reports_contacts, reports_reaction, is_teleport, is_dynamic)) =
+            obstacles.get(entity)
+        else {
+            continue;
+        };
+        if is_teleport {
+            commands.entity(entity).remove::<TeleportObstacle>();
+        }
+        let (scale, rotation, translation) = transform.to_scale_rotation_translation();
+        let is_moving = sync.update(&ObstacleState {
+            entity,
+            obstacle: &obstacle,
+            is_changed: obstacle.is_changed(),
+            scale,
+            placement: Placement { translation, rotation },
+            layers: DrapeLayers::of(layers.as_deref()),
+            reports: [reports_contacts, reports_reaction],
+            is_teleport,
+            is_dynamic,
+        });
+        if is_moving {
+            moving.push(entity);
+        }
+    }
+}
+
+/// Lists the obstacles that were added, changed or moved since the last step, those that moved in it and may have
+/// stopped, and those to recheck.
+fn collect_outdated(obstacles: &ObstacleQuery, changes: &mut ObstacleChanges) {
+    let ObstacleChanges { recheck, moving, outdated, .. } = changes;
+    outdated.clear();
+    for (entities, components, transforms, layers, ..) in obstacles.contiguous_iter().into_iter().flatten() {
+        let (_, ticks) = ContiguousRef::split(components);
+        let (_, transform_ticks) = ContiguousRef::split(transforms);
+        let layer_ticks = layers.map(|layers| ContiguousRef::split(layers).1);
+        let is_any = |rows: Range<usize>| {
+            is_any_changed(&ticks, rows.clone())
+                || is_any_changed(&transform_ticks, rows.clone())
+                || layer_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows))
+        };
+        collect_rows(entities, is_any, outdated);
+    }
+    // Each is listed once: a second update would stop a moving obstacle.
+    let is_unlisted = |entity: Entity| {
+        obstacles.get(entity).is_ok_and(|(_, obstacle, transform, layers, ..)| {
+            let is_listed = obstacle.is_changed()
+                || transform.is_changed()
+                || layers.is_some_and(|layers| layers.is_changed());
+            !is_listed
+        })
+    };
+    recheck.retain(|entity| !moving.contains(entity));
+    outdated.extend(moving.drain(..).chain(recheck.drain(..)).filter(|&entity| is_unlisted(entity)));
+}
+
+/// An obstacle as its entity describes it now.
+struct ObstacleState<'a> {
+    entity: Entity,
+    obstacle: &'a Obstacle,
+    /// True if the component was added or changed since the last step.
+    is_changed: bool,
+    scale: Vec3,
+    placement: Placement,
+    layers: Layers,
+    /// True for reports of contacts, and of reactions.
+    reports: [bool; 2],
+    is_teleport: bool,
+    is_dynamic: bool,
+}
+
+/// The solver's obstacles, and everything that their changes affect.
+struct ObstacleSync<'a> {
+    built: &'a mut Obstacles,
+    known: &'a mut KnownObstacles,
+    wake_regions: &'a mut WakeRegions,
+    refusals: &'a mut Refusals,
+    /// Length of the step in seconds.
+    dt: f32,
+}
+
+impl ObstacleSync<'_> {
+    /// Removes an obstacle, and wakes bodies that rest on it.
+    fn remove(&mut self, entity: Entity) {
+        if let Some(slot) = self.known.slot(entity) {
+            self.wake_regions.push(&self.built.swap_remove(slot));
+            self.known.swap_remove(slot);
+        }
+    }
+
+    /// Builds, rebuilds or moves an obstacle; true if it moves in this step.
+    fn update(&mut self, state: &ObstacleState) -> bool {
+        let slot = self.known.slot(state.entity);
+        if !(state.placement.is_valid() && state.scale.is_finite()) {
+            self.refusals.entity(
+                state.entity,
+                "Transform",
+                "an obstacle's must be finite, with a scale above 0; it stays where it was",
+            );
+            if let Some(slot) = slot {
+                let obstacle = &mut self.built[slot];
+                obstacle.teleport(obstacle.placement());
+            }
+            return false;
+        }
+        match slot {
+            Some(slot) if !state.is_changed && self.is_built_as(slot, state) => self.move_to(slot, state),
+            _ => {
+                self.rebuild(slot, state);
+                false
+            }
+        }
+    }
+
+    /// True if the obstacle in `slot` differs from `state` in its placement only.
+    fn is_built_as(&self, slot: usize, state: &ObstacleState) -> bool {
+        let built = &self.built[slot];
+        self.known.has_scale(slot, state.scale)
+            && built.layers() == state.layers
+            && [built.reports_contacts(), built.reports_reaction()] == state.reports
+            && (state.is_dynamic || built.rigid_body().is_none())
+    }
+
+    fn rebuild(&mut self, slot: Option<usize>, state: &ObstacleState) {
+        let &ObstacleState { entity, obstacle, scale, placement, layers, reports, .. } = state;
+        if let Some(slot) = slot {
+            self.wake_regions.push(&self.built[slot]);
+        }
+        match (built(obstacle, scale, placement, layers, reports), slot) {
+            (Ok(built), slot) => {
+                self.refusals.forget(entity);
+                self.wake_regions.push(&built);
+                match slot {
+                    Some(slot) => {
+                        self.built[slot] = built;
+                        self.known.set_scale(slot, scale);
+                    }
+                    None => {
+                        self.built.push(built);
+                        self.known.push(entity, scale);
+                    }
+                }
+            }
+            (Err(error), slot) => {
+                self.refusals.entity(entity, "Obstacle", error);
+                if let Some(slot) = slot {
+                    self.built.swap_remove(slot);
+                    self.known.swap_remove(slot);
+                }
+            }
+        }
+    }
+
+    /// Moves an obstacle evenly over the step, or at once; true if it moves in this step.
+    fn move_to(&mut self, slot: usize, state: &ObstacleState) -> bool {
+        let obstacle = &mut self.built[slot];
+        if obstacle.placement() == state.placement && !obstacle.is_moving() {
+            return false;
+        }
+        if state.is_teleport {
+            self.wake_regions.push(obstacle);
+            obstacle.teleport(state.placement);
+        } else {
+            obstacle.move_to(state.placement, self.dt);
+        }
+        self.wake_regions.push(obstacle);
+        obstacle.is_moving()
+    }
+}

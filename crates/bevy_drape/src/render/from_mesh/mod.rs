@@ -1,0 +1,12 @@
+//! Bodies made from meshes: cloths, soft solids and meshes that follow a cloth.
+//!
+//! Reads a mesh, builds the body, and shows it by a copy of the mesh.
+
+pub(crate) mod body;
+pub mod cloth_mesh;
+pub mod driven_mesh;
+pub mod paint;
+pub mod reading;
+pub(crate) mod skin;
+pub mod soft_body;
+pub(crate) mod source;

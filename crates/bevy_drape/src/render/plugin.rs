@@ -1,0 +1,121 @@
+//! Meshes of cloths: created with the cloth, and updated with the simulation.
+//!
+//! Each frame interpolates the vertices between the last two steps, so that motion is smooth at any frame rate, and
+//! computes smooth normals and bounds. Attributes are written in place: nothing is allocated once a mesh exists. A
+//! cloth at rest is neither written nor uploaded. Cloth has two sides: give it a material that is `double_sided` and
+//! has no `cull_mode`.
+//!
+//! An existing mesh is kept if it has one vertex for each particle, in the particles' order: texture coordinates,
+//! colours and indices may be your own. A mesh that several entities share is copied first.
+
+use bevy::asset::AssetEventSystems;
+use bevy::camera::visibility::VisibilitySystems;
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::*;
+use bevy::transform::TransformSystems;
+
+use crate::ball::projectile::build_projectiles;
+use crate::build::cloth::Cloth;
+use crate::build::description::remove_described_body;
+use crate::build::soft_ball::SoftBall;
+use crate::refusal::forget_removed;
+use crate::render::build_surfaces::build_surfaces;
+use crate::render::from_mesh::body::{build_mesh_bodies, remove_mesh_body};
+use crate::render::from_mesh::cloth_mesh::{ClothMesh, WeldedVertices};
+use crate::render::from_mesh::driven_mesh::{
+    DrivenMesh, build_driven_meshes, hide_driven, record_driven_surfaces, remove_driven_mesh,
+};
+use crate::render::from_mesh::soft_body::SoftBody;
+use crate::render::from_mesh::source::mark_modified;
+use crate::render::rope_mesh::{RopeMesh, build_rope_meshes, record_ropes};
+use crate::render::torn_mesh::tear_meshes;
+use crate::render::visibility::hide_culled;
+use crate::render::write_surfaces::{InterpolateSurfaces, record_surfaces, write_surfaces};
+use crate::rig::compile::compile_rigs;
+use crate::schedule::{DrapeSchedule, DrapeSystems};
+use crate::step::run::run_drape_schedule;
+
+/// Gives each [`Cloth`] and [`SoftBall`] a [`Mesh3d`] and updates it with the simulation. Add a `MeshMaterial3d` to see
+/// it. For a 2D camera spawn it with `Mesh2d::default()` and a `MeshMaterial2d` instead: then the [`Mesh2d`] is
+/// updated.
+///
+/// Does nothing in an app without `Assets<Mesh>`.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl MeshPlugin {
+    /// For steps taken in `schedule`. In a schedule of the fixed loop vertices are interpolated; elsewhere they show
+    /// the last step.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
+
+impl Plugin for MeshPlugin {
+    fn build(&self, app: &mut App) {
+        let fixed: [Interned<dyn ScheduleLabel>; 5] = [
+            FixedFirst.intern(),
+            FixedPreUpdate.intern(),
+            FixedUpdate.intern(),
+            FixedPostUpdate.intern(),
+            FixedLast.intern(),
+        ];
+        app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBody, DrivenMesh)>()
+            .add_observer(remove_described_body::<ClothMesh>)
+            .add_observer(remove_described_body::<SoftBody>)
+            .add_observer(remove_mesh_body::<ClothMesh>)
+            .add_observer(remove_mesh_body::<SoftBody>)
+            .add_observer(remove_driven_mesh)
+            .add_observer(forget_removed::<ClothMesh>)
+            .add_observer(forget_removed::<SoftBody>)
+            .add_observer(forget_removed::<DrivenMesh>);
+        app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
+        app.add_systems(
+            self.schedule,
+            (mark_modified::<ClothMesh>, mark_modified::<SoftBody>, mark_modified::<DrivenMesh>)
+                .run_if(resource_exists::<Messages<AssetEvent<Mesh>>>)
+                .before(run_drape_schedule),
+        );
+        app.add_systems(
+            DrapeSchedule,
+            (build_mesh_bodies::<ClothMesh>, build_mesh_bodies::<SoftBody>)
+                .chain()
+                .run_if(resource_exists::<Assets<Mesh>>)
+                .in_set(DrapeSystems::ManageScene)
+                .after(build_projectiles)
+                .before(compile_rigs),
+        );
+        app.add_systems(
+            self.schedule,
+            (
+                (
+                    tear_meshes,
+                    build_surfaces::<Cloth>,
+                    build_surfaces::<SoftBall>,
+                    build_rope_meshes,
+                    build_driven_meshes,
+                )
+                    .chain()
+                    .run_if(resource_exists::<Assets<Mesh>>),
+                (record_surfaces, record_driven_surfaces, record_ropes),
+            )
+                .chain()
+                .after(run_drape_schedule)
+                .before(TransformSystems::Propagate),
+        );
+        app.add_systems(
+            PostUpdate,
+            (
+                write_surfaces
+                    .run_if(resource_exists::<Assets<Mesh>>)
+                    .after(TransformSystems::Propagate)
+                    .before(AssetEventSystems)
+                    .before(VisibilitySystems::CalculateBounds),
+                (hide_culled, hide_driven).chain().before(VisibilitySystems::VisibilityPropagate),
+            ),
+        );
+    }
+}

@@ -1,0 +1,172 @@
+//! Tubes around ropes.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::NoAutoAabb;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use drape_solver::Topology;
+
+use crate::body::particles::{Particles, Sticks};
+use crate::render::tube::Tube;
+
+/// Shows a rope, or a piece of one, as a tube: gives the entity a [`Mesh3d`] and updates it with the simulation. Add a
+/// `MeshMaterial3d` to see it. Texture coordinates go from 0 to 1 around the tube, and from 0 at the rope's start to 1
+/// at its end.
+///
+/// The tube does not twist from link to link or from frame to frame. Does nothing in an app without `Assets<Mesh>`, or
+/// on a body with faces.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[require(Transform)]
+pub struct RopeMesh {
+    /// Radius in metres; 0.01 by default.
+    pub radius: f32,
+    /// Number of corners of a ring, from 3 to 64; 8 by default.
+    pub sides: u32,
+}
+
+impl Default for RopeMesh {
+    fn default() -> Self {
+        Self { radius: 0.01, sides: 8 }
+    }
+}
+
+impl RopeMesh {
+    /// A tube of this radius in metres.
+    pub fn new(radius: f32) -> Self {
+        Self { radius, ..Self::default() }
+    }
+}
+
+/// State of a rope's tube between two frames.
+#[derive(Component, Clone, Debug)]
+pub(crate) struct RopeSurface {
+    made_for: RopeMesh,
+    mesh: AssetId<Mesh>,
+    /// Its particles from one end to the other.
+    order: Vec<u32>,
+    previous: Vec<Vec3>,
+    current: Vec<Vec3>,
+    /// A vector across the first link, from which the rings start.
+    across: Vec3,
+    /// True if it did not move in the last step.
+    is_settled: bool,
+    /// Fraction and transform that the mesh was last written for; none if a step was taken since.
+    shown: Option<(f32, GlobalTransform)>,
+}
+
+/// Returns the particles of a chain from one end to the other; none if it is not a chain.
+fn order_of(topology: &Topology) -> Option<Vec<u32>> {
+    let count = topology.particle_count();
+    if !topology.faces().is_empty() || topology.segments().len() + 1 != count || count < 2 {
+        return None;
+    }
+    let mut joined = vec![[u32::MAX; 2]; count];
+    for &[a, b] in topology.segments() {
+        for (from, to) in [(a, b), (b, a)] {
+            let free = joined[from as usize].iter().position(|&other| other == u32::MAX)?;
+            joined[from as usize][free] = to;
+        }
+    }
+    let first = joined.iter().position(|others| others[1] == u32::MAX)? as u32;
+    let mut order = vec![first];
+    let mut before = u32::MAX;
+    let mut here = first;
+    while let Some(&next) = joined[here as usize].iter().find(|&&next| next != before && next != u32::MAX) {
+        order.push(next);
+        (before, here) = (here, next);
+        if order.len() > count {
+            return None;
+        }
+    }
+    (order.len() == count).then_some(order)
+}
+
+/// Gives new ropes and pieces of ropes their tubes.
+pub(crate) fn build_rope_meshes(
+    mut commands: Commands,
+    ropes: Query<(Entity, &RopeMesh, &Particles, &Sticks, Option<&RopeSurface>, Option<&Mesh3d>)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+) {
+    for (entity, rope, particles, sticks, surface, mesh) in &ropes {
+        let is_known = surface.zip(mesh).is_some_and(|(surface, mesh)| {
+            surface.made_for == *rope && surface.current.len() == particles.len() && surface.mesh == mesh.id()
+        });
+        let is_usable = rope.radius > 0.0 && rope.radius.is_finite() && (3..=64).contains(&rope.sides);
+        if is_known || !is_usable || particles.len() != sticks.particle_count() {
+            continue;
+        }
+        let Some(order) = order_of(sticks) else { continue };
+        let tube = Tube { rings: order.len(), sides: rope.sides as usize, radius: rope.radius };
+        let mut made = Mesh::new(
+            PrimitiveTopology::TriangleList,
+            RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD,
+        );
+        made.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; tube.vertex_count()]);
+        made.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; tube.vertex_count()]);
+        made.insert_attribute(Mesh::ATTRIBUTE_UV_0, tube.texture_coordinates());
+        made.insert_indices(Indices::U32(tube.indices()));
+        let handle = meshes.add(made);
+        let current: Vec<Vec3> = order.iter().map(|&i| particles.position(i as usize)).collect();
+        let surface = RopeSurface {
+            made_for: *rope,
+            mesh: handle.id(),
+            order,
+            previous: current.clone(),
+            current,
+            across: Vec3::ZERO,
+            is_settled: true,
+            shown: None,
+        };
+        commands.entity(entity).insert((Mesh3d(handle), surface, NoAutoAabb, Aabb::default()));
+    }
+}
+
+/// Records the ropes after a step.
+pub(crate) fn record_ropes(mut ropes: Query<(Ref<Particles>, &mut RopeSurface)>) {
+    for (particles, mut surface) in &mut ropes {
+        let RopeSurface { order, previous, current, is_settled, shown, .. } = &mut *surface;
+        *is_settled |= !particles.is_changed();
+        if particles.is_changed() && particles.len() == order.len() && particles.is_finite() {
+            core::mem::swap(previous, current);
+            current.clear();
+            current.extend(order.iter().map(|&i| particles.position(i as usize)));
+            *is_settled = previous == current;
+            if !*is_settled {
+                *shown = None;
+            }
+        }
+    }
+}
+
+/// Writes the tubes at `fraction` of the last step.
+pub(crate) fn write_ropes(
+    ropes: &mut Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
+    meshes: &mut Assets<Mesh>,
+    fraction: f32,
+) {
+    for (mut surface, handle, transform, mut bounds) in ropes {
+        let RopeSurface { made_for, mesh, previous, current, across, is_settled, shown, .. } = &mut *surface;
+        let fraction = if *is_settled { 1.0 } else { fraction };
+        if *shown == Some((fraction, *transform)) {
+            continue;
+        }
+        let Some(mut asset) = meshes.get_mut(*mesh).filter(|_| handle.id() == *mesh) else { continue };
+        let to_local = transform.affine().inverse();
+        if !to_local.is_finite() {
+            continue;
+        }
+        let between = |(&a, &b): (&Vec3, &Vec3)| to_local.transform_point3(a + (b - a) * fraction);
+        let centres: Vec<Vec3> = previous.iter().zip(current.iter()).map(between).collect();
+        let tube = Tube { rings: centres.len(), sides: made_for.sides as usize, radius: made_for.radius };
+        let (positions, normals, new_across) = tube.vertices(&centres, *across);
+        *across = new_across;
+        if let Some(around) = Aabb::enclosing(positions.iter().map(|&position| Vec3::from(position))) {
+            *bounds = around;
+        }
+        *shown = Some((fraction, *transform));
+        asset.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+        asset.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
+    }
+}

@@ -1,0 +1,77 @@
+//! Meshes of torn bodies: vertices are divided and duplicated like the particles.
+
+use bevy::camera::visibility::NoAutoAabb;
+use bevy::mesh::Indices;
+use bevy::prelude::*;
+
+use crate::body::particles::{Particles, Sticks};
+use crate::body::tearable::TornMesh;
+use crate::render::from_mesh::cloth_mesh::WeldedVertices;
+use crate::render::surface::{EntitySpace, Surface};
+
+/// Gives torn bodies and their pieces new meshes.
+pub(crate) fn tear_meshes(
+    mut commands: Commands,
+    torn: Query<(Entity, &TornMesh, &Particles, &Sticks, &GlobalTransform)>,
+    whole: Query<(Option<&Mesh3d>, Option<&Mesh2d>, &Surface)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+) {
+    // All meshes are made before the first one is replaced, since others are made from it.
+    let mut made = Vec::new();
+    for (entity, TornMesh { source, origins }, particles, sticks, transform) in &torn {
+        commands.entity(entity).remove::<TornMesh>();
+        let Ok((solid, flat, surface)) = whole.get(*source) else { continue };
+        let Some(handle) = flat.map(|mesh| &mesh.0).or(solid.map(|mesh| &mesh.0)) else { continue };
+        if origins.len() != particles.len() {
+            continue;
+        }
+        let vertices = surface.welded().map(|vertices| vertices.torn(origins, &sticks.0));
+        let (from, faces) = match &vertices {
+            Some(vertices) => (vertices.origins.as_slice(), vertices.map.triangles()),
+            None => (origins.as_slice(), sticks.faces()),
+        };
+        let mesh = meshes.get(handle).and_then(|mesh| torn_mesh(mesh, from, faces));
+        let surface = surface.torn(origins, &sticks.0, vertices.map(|vertices| vertices.map));
+        let (Some(mut mesh), Some(mut own)) = (mesh, surface) else { continue };
+        let bounds = EntitySpace::new(transform).and_then(|space| own.write(&mut mesh, &space, 1.0));
+        let handle = (*source == entity).then(|| handle.clone());
+        made.push((entity, flat.is_some(), handle, mesh, own, bounds.unwrap_or_default()));
+    }
+    for (entity, is_flat, handle, mesh, mut surface, bounds) in made {
+        let handle = match handle {
+            Some(handle) => {
+                if let Some(mut known) = meshes.get_mut(&handle) {
+                    *known = mesh;
+                }
+                handle
+            }
+            None => meshes.add(mesh),
+        };
+        surface.mesh = handle.id();
+        if let Some(vertices) = surface.welded() {
+            commands.entity(entity).insert(WeldedVertices::torn(vertices.particles.clone()));
+        }
+        let mut entity = commands.entity(entity);
+        entity.insert((surface, NoAutoAabb, bounds));
+        if is_flat {
+            entity.insert(Mesh2d(handle));
+        } else {
+            entity.insert(Mesh3d(handle));
+        }
+    }
+}
+
+/// Creates a mesh with the vertices `origins` of another, in this order, and these faces; none if a vertex or the data
+/// are missing.
+fn torn_mesh(mesh: &Mesh, origins: &[u32], faces: &[[u32; 3]]) -> Option<Mesh> {
+    let count = mesh.count_vertices();
+    if origins.iter().any(|&origin| origin as usize >= count) {
+        return None;
+    }
+    let mut torn = mesh.clone();
+    // `duplicate_vertices` copies vertices by index: these are the indices.
+    torn.try_insert_indices(Indices::U32(origins.to_vec())).ok()?;
+    torn.try_duplicate_vertices().ok()?;
+    torn.try_insert_indices(Indices::U32(faces.as_flattened().to_vec())).ok()?;
+    Some(torn)
+}

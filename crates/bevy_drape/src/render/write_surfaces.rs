@@ -1,0 +1,70 @@
+//! Writes the surfaces that have moved into their meshes.
+
+use bevy::camera::primitives::Aabb;
+use bevy::prelude::*;
+
+use crate::attach::animated_pose::AnimatedPose;
+use crate::body::particles::Particles;
+use crate::render::any_mesh::{AnyMesh, handle_of};
+use crate::render::from_mesh::driven_mesh::DrivenMesh;
+use crate::render::rope_mesh::{RopeSurface, write_ropes};
+use crate::render::surface::{EntitySpace, Surface};
+use crate::transform::interpolation::step_fraction;
+
+/// True if surfaces are interpolated between two steps.
+#[derive(Resource, Clone, Copy, Debug)]
+pub(crate) struct InterpolateSurfaces(pub bool);
+
+/// Records each cloth after a step. Cloths that did not move are not interpolated.
+pub(crate) fn record_surfaces(
+    mut surfaces: Query<(Ref<Particles>, &mut Surface, Option<&mut AnimatedPose>)>,
+) {
+    for (particles, mut surface, posed) in &mut surfaces {
+        if let Some(mut posed) = posed {
+            posed.record();
+        }
+        if particles.is_changed() {
+            surface.record(&particles);
+        } else {
+            surface.settle();
+        }
+    }
+}
+
+/// Writes interpolated surfaces into the meshes of moving cloths.
+pub(crate) fn write_surfaces(
+    mut surfaces: Query<
+        (Entity, &mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>, Option<&DrivenMesh>),
+        (Or<(With<Particles>, With<DrivenMesh>)>, Without<RopeSurface>),
+    >,
+    poses: Query<&AnimatedPose>,
+    mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
+    places: Query<&GlobalTransform>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    interpolate: Res<InterpolateSurfaces>,
+    time: Option<Res<Time<Fixed>>>,
+) {
+    let fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
+    write_ropes(&mut ropes, &mut meshes, fraction);
+    for (entity, mut surface, mesh, transform, aabb, driven) in &mut surfaces {
+        let Some(mesh) = handle_of(mesh) else { continue };
+        let posed = poses.get(driven.map_or(entity, |driven| driven.driver)).ok();
+        let ahead = posed.and_then(|posed| posed.ahead(fraction, |joint| places.get(joint).ok()));
+        // The cloth is drawn relative to the character as it was in these steps, so that it is on the character as
+        // drawn now.
+        let from = ahead.map(|ahead| GlobalTransform::from(ahead.inverse() * transform.affine()));
+        let Some(space) = EntitySpace::new(from.as_ref().unwrap_or(transform)) else {
+            continue;
+        };
+        if !surface.must_be_written(&space, fraction) || surface.mesh != mesh.id() {
+            continue;
+        }
+        let Some(mut asset) = meshes.get_mut(mesh) else {
+            continue;
+        };
+        let bounds = surface.write(&mut asset, &space, fraction);
+        if let (Some(bounds), Some(mut aabb)) = (bounds, aabb) {
+            *aabb = bounds;
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Culls bodies outside the play area, and sleeping ones far from every viewer.
+
+use bevy::prelude::*;
+
+use crate::ball::projectile::{ProjectileRecord, ProjectileState};
+use crate::body::activity::Activity;
+use crate::body::body_state::BodyState;
+use crate::bounds::Bounds;
+use crate::sleep::candidates::Candidates;
+use crate::sleep::scene_manager::SceneManager;
+use crate::viewer::View;
+
+/// Culls bodies and balls that left the play area or rest far from every viewer, and brings them back in sight.
+pub(crate) fn cull(
+    mut commands: Commands,
+    mut bodies: Query<(&mut Activity, &BodyState)>,
+    mut balls: Query<(&mut Activity, &ProjectileState, &ProjectileRecord), Without<BodyState>>,
+    everything: Query<(Entity, Has<BodyState>), With<Activity>>,
+    mut view: View,
+    manager: Res<SceneManager>,
+    mut candidates: ResMut<Candidates>,
+) {
+    let is_new_view = view.is_new();
+    let candidates = &mut *candidates;
+    if is_new_view || manager.is_changed() {
+        candidates.bodies.clear();
+        candidates.balls.clear();
+        for (entity, is_body) in &everything {
+            if is_body {
+                candidates.bodies.push(entity);
+            } else {
+                candidates.balls.push(entity);
+            }
+        }
+    }
+    let is_far = |bounds: Bounds| view.is_farther(manager.viewer_distance, bounds);
+    // False for empty boxes and NaN: such bodies are refused, not lost.
+    let is_lost = |(low, high): Bounds| {
+        let outside = low.cmpgt(manager.play_area_max) | high.cmplt(manager.play_area_min);
+        outside.any() && low.cmple(high).all()
+    };
+    let next = |activity: Activity, bounds: Bounds, refused: bool, still_for: f32| match activity {
+        _ if refused || is_lost(bounds) => Activity::Culled,
+        Activity::Resting if is_far(bounds) => Activity::Culled,
+        Activity::Culled if manager.sleeping && still_for >= manager.sleep_time => {
+            if is_far(bounds) {
+                Activity::Culled
+            } else {
+                Activity::Resting
+            }
+        }
+        // It left in motion, and continues from there.
+        Activity::Culled => Activity::Active,
+        same => same,
+    };
+    for &body in &candidates.bodies {
+        let Ok((mut activity, state)) = bodies.get_mut(body) else { continue };
+        let next = next(*activity, state.extent.bounds, state.refused, state.context.still_for());
+        activity.set_if_neq(next);
+    }
+    for &ball in &candidates.balls {
+        let Ok((mut activity, state, record)) = balls.get_mut(ball) else { continue };
+        let bounds = state.bounds();
+        if manager.despawn_lost_balls && !record.refused && is_lost(bounds) {
+            commands.entity(ball).despawn();
+        } else {
+            let next = next(*activity, bounds, record.refused, state.still_for());
+            activity.set_if_neq(next);
+        }
+    }
+}

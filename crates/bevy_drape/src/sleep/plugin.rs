@@ -1,0 +1,40 @@
+//! Registers sleeping, waking and culling.
+
+use bevy::prelude::*;
+
+use crate::body::layers::DrapeLayers;
+use crate::body::settings::SolverSettings;
+use crate::schedule::{DrapeSchedule, FinishPhase, ScenePhase};
+use crate::sleep::activity_counts::{ActivityCounts, count_activity};
+use crate::sleep::candidates::{
+    Candidates, collect_candidates, note_gone_ball, note_gone_body, note_lost_component,
+};
+use crate::sleep::cull::cull;
+use crate::sleep::fall_asleep::fall_asleep;
+use crate::sleep::scene_manager::SceneManager;
+use crate::sleep::waking::wake;
+use crate::viewer::Viewer;
+
+/// The scene manager.
+pub(crate) struct SleepPlugin;
+
+impl Plugin for SleepPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<(SceneManager, Viewer, ActivityCounts)>()
+            .init_resource::<ActivityCounts>()
+            .init_resource::<Candidates>()
+            .init_resource::<SceneManager>()
+            .add_observer(note_gone_body)
+            .add_observer(note_gone_ball)
+            .add_observer(note_lost_component::<SolverSettings>)
+            .add_observer(note_lost_component::<DrapeLayers>)
+            .add_systems(
+                DrapeSchedule,
+                (
+                    (collect_candidates, wake, cull).chain().in_set(ScenePhase::WakeAndCull),
+                    fall_asleep.in_set(FinishPhase::FallAsleep),
+                    count_activity.in_set(FinishPhase::CountActivity),
+                ),
+            );
+    }
+}

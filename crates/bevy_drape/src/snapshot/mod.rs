@@ -1,0 +1,43 @@
+//! Snapshots: the complete state of a running simulation, to continue from there later, or in another world.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy_drape::snapshot::Snapshot;
+//!
+//! /// Quick save on one key, quick load on the other.
+//! fn save_and_load(world: &mut World, mut saved: Local<Option<Snapshot>>) {
+//!     let keys = world.resource::<ButtonInput<KeyCode>>();
+//!     let (save, load) = (keys.just_pressed(KeyCode::F5), keys.just_pressed(KeyCode::F9));
+//!     if save {
+//!         *saved = Some(Snapshot::take(world));
+//!     }
+//!     if load && let Some(snapshot) = &*saved && let Err(error) = snapshot.restore(world) {
+//!         error!("{error}");
+//!     }
+//! }
+//! ```
+//!
+//! A snapshot holds the state of bodies, balls and obstacles, the clock, gravity, wind and settings, and the known
+//! touches, so that none is reported twice. It does not hold the scene: descriptions of bodies, meshes, your own
+//! components, whatever moves the obstacles, and messages that no step has read yet. Restore it into the same world, or
+//! into another one in which the same scene was spawned and has taken a step. Entities are found by their
+//! [order of creation](Key). Entities that are not in the snapshot are despawned. Missing balls are spawned without
+//! your own components: add them when they appear, as you do when a cannon fires.
+//!
+//! The feature `serde` writes snapshots in any format.
+
+pub(crate) mod attachments;
+pub(crate) mod bodies;
+pub(crate) mod contacts;
+pub mod key;
+pub(crate) mod motions;
+pub(crate) mod obstacles;
+pub(crate) mod projectiles;
+pub(crate) mod rigs;
+pub mod saved;
+pub mod world;
+
+pub use key::{Key, SnapshotError};
+pub use saved::{Snapshot, number_from};
+pub use world::members;

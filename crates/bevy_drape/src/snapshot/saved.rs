@@ -1,0 +1,87 @@
+//! Takes and restores a whole world.
+
+use bevy::prelude::*;
+
+use crate::body::body_state::CreationOrder;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::rig::components::{InRig, RigEdits};
+use crate::snapshot::key::SnapshotError;
+use crate::snapshot::world::members;
+use crate::snapshot::{bodies, contacts, obstacles, projectiles, rigs, world};
+
+/// The complete state of a running simulation.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Snapshot {
+    world: world::WorldSnapshot,
+    bodies: Vec<bodies::BodySnapshot>,
+    balls: Vec<projectiles::ProjectileSnapshot>,
+    obstacles: Vec<obstacles::ObstacleSnapshot>,
+    rig_particles: Vec<rigs::RigParticleSnapshot>,
+    contacts: contacts::ContactSnapshot,
+}
+
+/// Continues the order of creation after `last`. Call it before you respawn entities that were spawned while the scene
+/// ran, so that a snapshot finds them.
+pub fn number_from(world: &mut World, last: u64) {
+    if let Some(mut order) = world.get_resource_mut::<CreationOrder>() {
+        order.go_on_from(last);
+    }
+    if let Some(mut solver) = world.get_resource_mut::<SolverEnvironment>() {
+        solver.obstacles.go_on_from(last);
+    }
+    // Rig particles have their own numbers, which restart at 1 if there are none.
+    if world.query_filtered::<(), With<InRig>>().iter(world).next().is_none()
+        && let Some(mut edits) = world.get_resource_mut::<RigEdits>()
+    {
+        edits.begin_anew();
+    }
+}
+
+impl Snapshot {
+    /// Takes a snapshot, between steps.
+    pub fn take(world: &mut World) -> Self {
+        let keys = members(world);
+        Self {
+            world: world::take(world),
+            bodies: bodies::take(world, &keys),
+            balls: projectiles::take(world, &keys),
+            obstacles: obstacles::take(world, &keys),
+            rig_particles: rigs::take(world),
+            contacts: contacts::take(world, &keys),
+        }
+    }
+
+    /// Restores the world to the snapshot, between steps. From there it continues with the same bits.
+    ///
+    /// # Errors
+    /// [`SnapshotError`] if the world does not have the same scene; then nothing is changed.
+    pub fn restore(&self, world: &mut World) -> Result<(), SnapshotError> {
+        let keys = members(world);
+        let Self { world: shared, bodies, balls, obstacles, rig_particles, contacts } = self;
+        world::check(shared, world)?;
+        bodies::check(bodies, world, &keys)?;
+        projectiles::check(balls)?;
+        obstacles::check(obstacles, world, &keys)?;
+        rigs::check(rig_particles, world)?;
+        world::restore(shared, world);
+        bodies::restore(bodies, world, &keys)?;
+        projectiles::restore(balls, world, &keys)?;
+        obstacles::restore(obstacles, world, &keys)?;
+        rigs::restore(rig_particles, world);
+        let keys = members(world);
+        contacts::restore(contacts, world, &keys);
+        world::have_all_looked_at(world, &keys);
+        Ok(())
+    }
+
+    /// Number of steps taken.
+    pub fn steps(&self) -> u64 {
+        self.world.clock.steps()
+    }
+
+    /// Simulated time in seconds.
+    pub fn elapsed(&self) -> f64 {
+        self.world.clock.elapsed()
+    }
+}

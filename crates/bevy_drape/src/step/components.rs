@@ -1,0 +1,144 @@
+//! Moves bodies and balls between components and islands.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use drape_solver::{Environment, Other, StepError};
+
+use crate::ball::projectile::{ProjectileRecord, ProjectileState};
+use crate::body::activity::Activity;
+use crate::body::body_state::BodyState;
+use crate::body::contact_events::ContactEvents;
+use crate::body::layers::DrapeLayers;
+use crate::body::particles::{Particles, Sticks};
+use crate::body::pressure::Pressure;
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::refusal::Refusals;
+use crate::step::island_run::{IslandRun, StepStage};
+use crate::step::islands::Islands;
+
+pub(crate) type BodyQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static mut Particles,
+        &'static Sticks,
+        &'static mut BodyState,
+        Has<ContactEvents>,
+        Option<&'static Pressure>,
+    ),
+>;
+
+pub(crate) type BallQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static mut ProjectileState,
+        &'static mut ProjectileRecord,
+        Option<&'static DrapeLayers>,
+        Has<ContactEvents>,
+    ),
+>;
+
+/// The components of bodies and balls that a step moves into islands and back.
+#[derive(SystemParam)]
+pub(crate) struct StepComponents<'w, 's> {
+    bodies: BodyQuery<'w, 's>,
+    balls: BallQuery<'w, 's>,
+    activities: Query<'w, 's, &'static mut Activity>,
+    solver: Res<'w, SolverEnvironment>,
+    refusals: ResMut<'w, Refusals>,
+}
+
+impl StepComponents<'_, '_> {
+    /// Advances all islands to the stage `end`.
+    pub fn advance(&mut self, islands: &mut Islands, end: StepStage) {
+        self.run(islands, |island, environment| island.advance(environment, end));
+    }
+
+    /// Runs `stages` on all islands, with bodies and balls moved out of their components and back.
+    pub fn run(
+        &mut self,
+        islands: &mut Islands,
+        stages: impl Fn(&mut IslandRun, &Environment) + Send + Sync,
+    ) {
+        if islands.are_for_one_thread() {
+            // One island after another through the same memory, which stays in the cache.
+            let mut bodies = core::mem::take(&mut islands.bodies);
+            for island in islands.live_mut() {
+                core::mem::swap(&mut bodies, &mut island.solver.bodies);
+                island.take(&mut self.bodies, &mut self.balls);
+                island.is_alone = true;
+                stages(island, &self.solver.environment);
+                self.refuse_faulty(island, &stages);
+                island.give_back(&mut self.bodies, &mut self.balls);
+                core::mem::swap(&mut bodies, &mut island.solver.bodies);
+            }
+            islands.bodies = bodies;
+        } else {
+            for island in islands.live_mut() {
+                island.take(&mut self.bodies, &mut self.balls);
+            }
+            islands.each(|island| stages(island, &self.solver.environment));
+            for island in islands.live_mut() {
+                self.refuse_faulty(island, &stages);
+                island.give_back(&mut self.bodies, &mut self.balls);
+            }
+        }
+    }
+
+    /// Leaves invalid bodies and balls out; the others continue.
+    fn refuse_faulty(&mut self, island: &mut IslandRun, stages: impl Fn(&mut IslandRun, &Environment)) {
+        while let Some(error) = island.error.take() {
+            if self.refuse(island, &error) {
+                stages(island, &self.solver.environment);
+            } else {
+                self.refusals.resource("Time<Fixed>, DrapeGravity or Wind", &error);
+                island.error = Some(error);
+                break;
+            }
+        }
+    }
+
+    /// Leaves the body or ball that `error` names out of the simulation; false if it names none.
+    fn refuse(&mut self, island: &mut IslandRun, error: &StepError) -> bool {
+        const NOT_FINITE: &str = "a position, velocity, force or pin target is not finite";
+        // Bypasses change detection: a change of a refused component means that the user has mended it.
+        let entity = match *error {
+            StepError::NonFiniteBody(index) | StepError::BadSettings { body: index, .. } => {
+                let entity = island.bodies.remove(index);
+                let (mut body, scratch) = island.solver.remove_body(index);
+                body.particles.clear_requests();
+                if let Ok((mut particles, _, mut state, ..)) = self.bodies.get_mut(entity) {
+                    particles.bypass_change_detection().0 = body.particles;
+                    state.context = body.context;
+                    state.scratch = scratch;
+                    state.refused = true;
+                }
+                if let StepError::BadSettings { source, .. } = error {
+                    self.refusals.entity(entity, "SolverSettings", source);
+                } else {
+                    self.refusals.entity(entity, "Particles", NOT_FINITE);
+                }
+                island.solver.forget(Other::Body(index));
+                entity
+            }
+            StepError::NonFiniteBall(index) => {
+                let entity = island.balls.remove(index);
+                let mut ball = island.solver.balls.remove(index);
+                ball.clear_force();
+                if let Ok((mut state, mut record, ..)) = self.balls.get_mut(entity) {
+                    state.bypass_change_detection().0 = ball;
+                    record.refused = true;
+                }
+                self.refusals.entity(entity, "ProjectileState", NOT_FINITE);
+                island.solver.forget(Other::Ball(index));
+                entity
+            }
+            _ => return false,
+        };
+        if let Ok(mut activity) = self.activities.get_mut(entity) {
+            *activity = Activity::Culled;
+        }
+        true
+    }
+}

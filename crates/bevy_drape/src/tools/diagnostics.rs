@@ -1,0 +1,78 @@
+//! Bevy diagnostics: costs of a step and numbers of bodies.
+
+use core::time::Duration;
+
+use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
+use bevy::prelude::*;
+
+use crate::body::particles::Particles;
+use crate::schedule::StepTimes;
+use crate::sleep::activity_counts::ActivityCounts;
+
+/// Measures the last step in every frame, for Bevy's log, an overlay, or your own eyes. Not among [`DrapePlugins`](crate::DrapePlugins):
+///
+/// ```no_run
+/// use bevy::diagnostic::LogDiagnosticsPlugin;
+/// use bevy::prelude::*;
+/// use bevy_drape::tools::diagnostics::DrapeDiagnosticsPlugin;
+/// use bevy_drape::prelude::*;
+///
+/// App::new()
+///     .add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()))
+///     .add_plugins((DrapeDiagnosticsPlugin, LogDiagnosticsPlugin::default()))
+///     .run();
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DrapeDiagnosticsPlugin;
+
+impl DrapeDiagnosticsPlugin {
+    /// Wall time of the whole step in milliseconds.
+    pub const STEP: DiagnosticPath = DiagnosticPath::const_new("drape/step");
+    /// Time of the search for contacts in milliseconds, added up over islands.
+    pub const DETECT: DiagnosticPath = DiagnosticPath::const_new("drape/detect");
+    /// Time of all substeps, with relaxation and contacts, in milliseconds, added up over islands.
+    pub const RELAX: DiagnosticPath = DiagnosticPath::const_new("drape/relax");
+    /// Simulated bodies and balls.
+    pub const ACTIVE: DiagnosticPath = DiagnosticPath::const_new("drape/active");
+    /// Resting bodies and balls.
+    pub const RESTING: DiagnosticPath = DiagnosticPath::const_new("drape/resting");
+    /// Culled bodies and balls.
+    pub const CULLED: DiagnosticPath = DiagnosticPath::const_new("drape/culled");
+    /// Bodies frozen at a distance.
+    pub const FROZEN: DiagnosticPath = DiagnosticPath::const_new("drape/frozen");
+    /// Particles of all bodies.
+    pub const PARTICLES: DiagnosticPath = DiagnosticPath::const_new("drape/particles");
+}
+
+impl Plugin for DrapeDiagnosticsPlugin {
+    fn build(&self, app: &mut App) {
+        for time in [Self::STEP, Self::DETECT, Self::RELAX] {
+            app.register_diagnostic(Diagnostic::new(time).with_suffix(" ms"));
+        }
+        for count in [Self::ACTIVE, Self::RESTING, Self::CULLED, Self::FROZEN, Self::PARTICLES] {
+            app.register_diagnostic(Diagnostic::new(count).with_smoothing_factor(0.0));
+        }
+        app.add_systems(Last, measure);
+    }
+}
+
+fn measure(
+    mut diagnostics: Diagnostics,
+    times: Res<StepTimes>,
+    counts: Res<ActivityCounts>,
+    bodies: Query<&Particles>,
+) {
+    type This = DrapeDiagnosticsPlugin;
+    let StepTimes { step, detect_collisions, substeps } = *times;
+    for (path, time) in [(This::STEP, step), (This::DETECT, detect_collisions), (This::RELAX, substeps)] {
+        diagnostics.add_measurement(&path, || time.div_duration_f64(Duration::from_millis(1)));
+    }
+    let ActivityCounts { active, resting, culled, frozen } = *counts;
+    for (path, count) in
+        [(This::ACTIVE, active), (This::RESTING, resting), (This::CULLED, culled), (This::FROZEN, frozen)]
+    {
+        diagnostics.add_measurement(&path, || count as f64);
+    }
+    let particles = || bodies.iter().map(|particles| particles.len()).sum::<usize>() as f64;
+    diagnostics.add_measurement(&This::PARTICLES, particles);
+}

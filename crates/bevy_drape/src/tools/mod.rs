@@ -1,0 +1,11 @@
+//! Tools for players and developers: picking, gestures, ray casts, gizmos, diagnostics.
+//!
+//! Imports any floor below; nothing below knows of them.
+
+pub mod diagnostics;
+pub mod gestures;
+#[cfg(feature = "gizmos")]
+pub mod gizmos;
+#[cfg(feature = "picking")]
+pub mod picking;
+pub mod ray_cast;

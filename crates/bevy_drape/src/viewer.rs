@@ -1,0 +1,43 @@
+//! Viewers, and the distances of bodies from them.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use crate::bounds::{Bounds, distance_to};
+
+/// Marks an entity, usually the camera, whose distance decides the culling and the level of detail of bodies.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Debug, Clone)]
+#[require(Transform)]
+pub struct Viewer;
+
+/// All viewers, and if the view has changed since the last step.
+#[derive(SystemParam)]
+pub(crate) struct View<'w, 's> {
+    viewers: Query<'w, 's, (Ref<'static, GlobalTransform>, Ref<'static, Viewer>)>,
+    count: Local<'s, usize>,
+}
+
+impl View<'_, '_> {
+    /// True if a viewer has come, gone or moved since the last call.
+    pub fn is_new(&mut self) -> bool {
+        let count = self.viewers.iter().count();
+        let known = core::mem::replace(&mut *self.count, count);
+        let is_moved =
+            |(place, viewer): (Ref<GlobalTransform>, Ref<Viewer>)| place.is_changed() || viewer.is_added();
+        count != known || self.viewers.iter().any(is_moved)
+    }
+
+    /// Distance from the nearest viewer to a box in metres; 0 without viewers.
+    pub fn distance(&self, bounds: Bounds) -> f32 {
+        let eyes = self.viewers.iter().map(|(viewer, _)| viewer.translation());
+        let nearest = eyes.map(|eye| distance_to(eye, bounds)).min_by(f32::total_cmp);
+        nearest.unwrap_or(0.0)
+    }
+
+    /// True if there are viewers, and all of them are farther than `distance` metres from a box.
+    pub fn is_farther(&self, distance: f32, bounds: Bounds) -> bool {
+        let is_far = |viewer: &GlobalTransform| distance_to(viewer.translation(), bounds) > distance;
+        !self.viewers.is_empty() && self.viewers.iter().all(|(viewer, _)| is_far(&viewer))
+    }
+}

@@ -1,0 +1,53 @@
+//! Shares out independent things to threads.
+
+use crate::parallel::threads::Threads;
+
+/// Shares for each thread: those that are through early take over from those that are not.
+const SHARES_PER_THREAD: usize = 4;
+
+/// Does `work` on all of `things`, on several threads at once.
+pub(crate) fn for_each<T: Send>(things: &mut [T], threads: &dyn Threads, work: &(dyn Fn(&mut T) + Sync)) {
+    let share = things.len().div_ceil(threads.count() * SHARES_PER_THREAD).max(1);
+    split(things, share, threads, work);
+}
+
+fn split<T: Send>(things: &mut [T], share: usize, threads: &dyn Threads, work: &(dyn Fn(&mut T) + Sync)) {
+    if things.len() <= share {
+        things.iter_mut().for_each(work);
+        return;
+    }
+    let (one, other) = things.split_at_mut(things.len() / 2);
+    threads.join(&mut || split(one, share, threads, work), &mut || split(other, share, threads, work));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::threads::Alone;
+
+    struct Fresh(usize);
+
+    impl Threads for Fresh {
+        fn count(&self) -> usize {
+            self.0
+        }
+
+        fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+            std::thread::scope(|scope| {
+                scope.spawn(other);
+                one();
+            });
+        }
+    }
+
+    #[test]
+    fn each_is_worked_on_once() {
+        for threads in [&Alone as &dyn Threads, &Fresh(2), &Fresh(5)] {
+            for count in [0, 1, 2, 7, 100] {
+                let mut things: Vec<usize> = (0..count).collect();
+                for_each(&mut things, threads, &|thing| *thing += 1);
+                assert_eq!(things, (1..=count).collect::<Vec<_>>());
+            }
+        }
+    }
+}

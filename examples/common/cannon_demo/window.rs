@@ -1,0 +1,63 @@
+//! The demo in a window: aim, fire, drag the curtain.
+
+use bevy::light::DirectionalLightShadowMap;
+use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
+use bevy_drape::prelude::*;
+use wgpu::DeviceType;
+
+use crate::cannon_demo::arguments::Arguments;
+use crate::cannon_demo::controls::ControlsPlugin;
+use crate::cannon_demo::headless::task_pools;
+use crate::cannon_demo::materials::CannonMaterialsPlugin;
+use crate::cannon_demo::overlay::OverlayPlugin;
+use crate::cannon_demo::plugin::CannonScenePlugin;
+use crate::cannon_demo::scene::CannonScene;
+use crate::view::lighting::camera;
+use crate::view::orbit::{Orbit, OrbitPlugin};
+use crate::view::pointer::PointerPlugin;
+use crate::view::window::{WindowError, check_display};
+
+/// Half the side of the play area in metres: balls that roll out of it are taken away.
+const PLAY_AREA: f32 = 60.0;
+
+/// Opens the window and stays until it is closed.
+///
+/// # Errors
+/// [`WindowError`] if there is no display or no graphics adapter.
+pub fn run(arguments: &Arguments) -> Result<AppExit, WindowError> {
+    check_display()?;
+    // The player fires.
+    let scene = CannonScene { shots: 0, ..arguments.scene() };
+    let window = Window {
+        title: "bevy_drape: a cannon bombards a curtain".to_owned(),
+        resolution: UVec2::new(1280, 720).into(),
+        ..default()
+    };
+    let plugins = DefaultPlugins
+        .set(WindowPlugin { primary_window: Some(window), ..default() })
+        .set(task_pools(arguments.threads));
+    let exit = App::new()
+        .add_plugins((plugins, DrapePlugins::default(), CannonMaterialsPlugin, CannonScenePlugin(scene)))
+        .add_plugins((OrbitPlugin, ControlsPlugin, PointerPlugin, OverlayPlugin))
+        .insert_resource(SceneManager {
+            play_area_min: Vec3::splat(-PLAY_AREA),
+            play_area_max: Vec3::splat(PLAY_AREA),
+            despawn_lost_balls: true,
+            ..default()
+        })
+        .add_systems(Startup, spawn_camera)
+        .run();
+    Ok(exit)
+}
+
+/// Behind the cannon, on its left.
+fn spawn_camera(mut commands: Commands, mut images: ResMut<Assets<Image>>, adapter: Res<RenderAdapterInfo>) {
+    let orbit = Orbit { target: Vec3::new(0.4, 1.4, 5.0), yaw: -0.3, pitch: 0.08, distance: 13.5 };
+    let mut camera = commands.spawn((orbit, camera(orbit.transform(), &mut images)));
+    if adapter.device_type == DeviceType::Cpu {
+        // A software renderer is slow enough.
+        camera.insert(Msaa::Off);
+        commands.insert_resource(DirectionalLightShadowMap { size: 1024 });
+    }
+}

@@ -1,0 +1,12 @@
+//! A character made in code, with a cape: for the examples `cape` and `cape_gltf`, their model file, and tests of skinned cloth.
+//!
+//! Imports no other folder.
+
+mod cape_mesh;
+pub mod gltf_file;
+mod skeleton;
+mod walk_cycle;
+
+pub use cape_mesh::{CAPE, FULL_DISTANCE, cape, cape_mesh};
+pub use skeleton::{BONES, capsule, inverse_bind_poses};
+pub use walk_cycle::{Character, WALK, spawn};

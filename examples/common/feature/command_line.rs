@@ -1,0 +1,57 @@
+//! The `main` of an example: runs it in a window, without one, or draws its picture.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::feature::example::Feature;
+
+#[derive(Parser, Debug)]
+struct FeatureArguments {
+    /// Run without a window, and print the result.
+    #[arg(long)]
+    headless: bool,
+    /// Simulated time of a run without a window; as long as until the picture, if not given.
+    #[arg(long, value_name = "SECONDS")]
+    seconds: Option<f32>,
+    /// Draw a picture into this PNG file instead (needs `--features render`).
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+}
+
+impl Feature {
+    /// The example's `main`: does what the command line asks for.
+    pub fn run(&self) -> ExitCode {
+        let arguments = FeatureArguments::parse();
+        match self.obey(&arguments) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("error: {error}");
+                ExitCode::FAILURE
+            }
+        }
+    }
+
+    fn obey(&self, arguments: &FeatureArguments) -> Result<(), Box<dyn core::error::Error>> {
+        if let Some(file) = &arguments.picture {
+            #[cfg(feature = "render")]
+            return crate::feature::picture::draw(self, file).map_err(Into::into);
+            #[cfg(not(feature = "render"))]
+            return Err(format!("{} needs `--features render`", file.display()).into());
+        }
+        #[cfg(feature = "window")]
+        if !arguments.headless {
+            return crate::feature::window::open(self).map_err(Into::into);
+        }
+        if !arguments.headless {
+            println!("No window without `--features window`: running without one.");
+        }
+        let report = self.run_headless(arguments.seconds.unwrap_or(self.picture_time))?;
+        println!(
+            "{}\n{} steps, {} bodies of {} particles, {} balls; greatest speed {:.1} m/s",
+            self.title, report.steps, report.bodies, report.particles, report.balls, report.greatest_speed
+        );
+        Ok(())
+    }
+}

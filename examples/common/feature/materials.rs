@@ -1,0 +1,143 @@
+//! Meshes and materials of an example's bodies and obstacles, in the colours of their [`Paint`].
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape_script::recording::Form;
+use drape_solver::Shape;
+use drape_solver::parry3d::shape::{SharedShape, TypedShape};
+
+use crate::view::lighting::LightingPlugin;
+use crate::view::paint::Paint;
+use crate::view::shape_meshes::{Placed, flat, material_of, mesh_of};
+use crate::view::shared_materials::{EARTH, SharedMaterials, SharedMaterialsPlugin};
+use crate::view::tubes::TubesPlugin;
+
+/// Colour of obstacles that have no paint, but for the ground.
+const SOLID: Color = Color::srgb(0.45, 0.52, 0.58);
+/// Pieces that a round shape is made of, all the way round.
+const ROUNDNESS: u32 = 48;
+
+/// Adds meshes and materials to the bodies and obstacles of an example.
+pub struct FeatureMaterialsPlugin;
+
+impl Plugin for FeatureMaterialsPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins((LightingPlugin, SharedMaterialsPlugin, TubesPlugin))
+            .add_systems(Update, (add_body_materials, add_obstacle_meshes, add_rigid_meshes, repaint));
+    }
+}
+
+type Bare = (
+    Without<MeshMaterial3d<StandardMaterial>>,
+    Or<(
+        With<Cloth>,
+        With<ClothMesh>,
+        With<SoftBall>,
+        With<RopeMesh>,
+        With<DrivenMesh>,
+        // Those without paint drive others.
+        (With<SoftBody>, With<Paint>),
+    )>,
+);
+
+fn add_body_materials(
+    bodies: Query<(Entity, Option<&Paint>), Bare>,
+    shared: Res<SharedMaterials>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, paint) in &bodies {
+        let painted = paint.map(|paint| {
+            materials.add(StandardMaterial {
+                base_color: paint.color(),
+                perceptual_roughness: 0.8,
+                reflectance: 0.25,
+                diffuse_transmission: 0.2,
+                double_sided: true,
+                cull_mode: None,
+                ..default()
+            })
+        });
+        let fabric = painted.unwrap_or(shared.fabric.clone());
+        commands.entity(entity).insert(MeshMaterial3d(fabric));
+    }
+}
+
+/// Follows changes of [`Paint`].
+fn repaint(
+    bodies: Query<(&Paint, &MeshMaterial3d<StandardMaterial>), Changed<Paint>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    for (paint, material) in &bodies {
+        if let Some(mut material) = materials.get_mut(material) {
+            material.base_color = paint.color();
+        }
+    }
+}
+
+type BareRigid = (Without<HasMeshes>, With<Particles>);
+
+/// Draws a rigid body as the convex hull of its corners.
+fn add_rigid_meshes(
+    bodies: Query<(Entity, &RigidTetrahedron, Option<&Paint>), BareRigid>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, body, paint) in &bodies {
+        let mut parent = commands.entity(entity);
+        parent.insert((HasMeshes, Interpolated)).insert_if_new(Visibility::default());
+        let hull = SharedShape::convex_hull(&body.corners).and_then(|hull| round(&Shape::Parry(hull)));
+        if let Some(mesh) = hull {
+            let colour = paint.map_or(SOLID, Paint::color);
+            let material = StandardMaterial { base_color: colour, perceptual_roughness: 0.8, ..default() };
+            parent.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material))));
+        }
+    }
+}
+
+/// Marks an obstacle or rigid body that has its meshes.
+#[derive(Component)]
+struct HasMeshes;
+
+fn add_obstacle_meshes(
+    obstacles: Query<(Entity, &Obstacle, Option<&Paint>), Without<HasMeshes>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, obstacle, paint) in &obstacles {
+        let mut parent = commands.entity(entity);
+        parent.insert((HasMeshes, Interpolated)).insert_if_new(Visibility::default());
+        // Sensors are not drawn.
+        if obstacle.is_sensor {
+            continue;
+        }
+        let shape = &obstacle.shape.0;
+        let usual = if matches!(shape, Shape::HalfSpace { .. }) { EARTH } else { SOLID };
+        let colour = paint.map_or(usual, Paint::color);
+        let form = Form::of(shape);
+        let (looks, form) = match round(shape) {
+            Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),
+            None => (mesh_of(form), form),
+        };
+        let looks: Option<Placed> = looks;
+        if let Some((mesh, place)) = looks {
+            let material = materials.add(material_of(form, colour));
+            parent.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material), place));
+        }
+    }
+}
+
+/// The mesh of a cylinder, cone or convex hull; none for other shapes.
+fn round(shape: &Shape) -> Option<Mesh> {
+    let Shape::Parry(shape) = shape else { return None };
+    let (corners, triangles) = match shape.as_typed_shape() {
+        TypedShape::Cylinder(cylinder) => cylinder.to_trimesh(ROUNDNESS),
+        TypedShape::Cone(cone) => cone.to_trimesh(ROUNDNESS),
+        TypedShape::ConvexPolyhedron(hull) => hull.to_trimesh(),
+        _ => return None,
+    };
+    let corners: Vec<Vec3> = corners.iter().map(|corner| Vec3::new(corner.x, corner.y, corner.z)).collect();
+    Some(flat(&corners, &triangles))
+}

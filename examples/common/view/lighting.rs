@@ -1,0 +1,90 @@
+//! Sun, sky, and the camera that looks at them.
+
+use core::f32::consts::FRAC_PI_2;
+
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::light::{CascadeShadowConfigBuilder, NotShadowCaster, NotShadowReceiver};
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use crate::view::textures;
+
+/// Colour of the sky, and of what is far away.
+const SKY: Srgba = Srgba::rgb(0.79, 0.83, 0.86);
+/// Sun and sky.
+pub struct LightingPlugin;
+
+impl Plugin for LightingPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(ClearColor(SKY.into())).add_systems(Startup, (spawn_light, spawn_sky));
+    }
+}
+
+/// A camera for this scene at `transform`.
+pub fn camera(transform: Transform, images: &mut Assets<Image>) -> impl Bundle {
+    let up = Color::srgb(0.80, 0.88, 1.0);
+    let mut light =
+        EnvironmentMapLight::hemispherical_gradient(images, up, SKY, Color::srgb(0.50, 0.42, 0.34));
+    light.intensity = 900.0;
+    let fog = DistanceFog {
+        color: SKY.into(),
+        falloff: FogFalloff::Linear { start: 25.0, end: 90.0 },
+        ..default()
+    };
+    let projection = PerspectiveProjection { fov: 40.0_f32.to_radians(), ..default() };
+    (
+        Camera3d::default(),
+        Projection::Perspective(projection),
+        // One that needs no look-up table to be loaded.
+        Tonemapping::KhronosPbrNeutral,
+        Msaa::Sample4,
+        light,
+        fog,
+        Viewer,
+        transform,
+    )
+}
+
+fn spawn_light(mut commands: Commands) {
+    commands.spawn((
+        DirectionalLight {
+            color: Color::srgb(1.0, 0.95, 0.86),
+            illuminance: 7_500.0,
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        CascadeShadowConfigBuilder {
+            num_cascades: 3,
+            first_cascade_far_bound: 7.0,
+            maximum_distance: 40.0,
+            ..default()
+        }
+        .build(),
+        // From the right of the cannon and above: it grazes the curtain, so that folds are seen.
+        Transform::from_xyz(6.0, 6.5, 4.5).looking_at(Vec3::ZERO, Vec3::Y),
+        Name::new("sun"),
+    ));
+}
+
+fn spawn_sky(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut images: ResMut<Assets<Image>>,
+) {
+    let material = StandardMaterial {
+        base_color_texture: Some(images.add(textures::sky(SKY))),
+        unlit: true,
+        fog_enabled: false,
+        cull_mode: None,
+        ..default()
+    };
+    commands.spawn((
+        Mesh3d(meshes.add(Sphere::new(200.0).mesh().uv(32, 32))),
+        MeshMaterial3d(materials.add(material)),
+        // The sphere's poles are on its Z axis.
+        Transform::from_rotation(Quat::from_rotation_x(-FRAC_PI_2)),
+        NotShadowCaster,
+        NotShadowReceiver,
+    ));
+}

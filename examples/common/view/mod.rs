@@ -1,0 +1,37 @@
+//! Shared parts of windows and pictures: meshes, materials, light, cameras, and drawing without a window.
+//!
+//! Imports no other folder.
+
+#[cfg(feature = "render")]
+mod adapter;
+#[cfg(feature = "meshes")]
+pub mod asset_files;
+#[cfg(feature = "render")]
+mod cannon_model;
+#[cfg(feature = "window")]
+pub(crate) mod clock_keys;
+#[cfg(feature = "render")]
+pub(crate) mod lighting;
+#[cfg(feature = "render")]
+pub(crate) mod offscreen;
+#[cfg(feature = "window")]
+pub(crate) mod orbit;
+pub mod paint;
+#[cfg(feature = "window")]
+pub(crate) mod pointer;
+#[cfg(feature = "render")]
+pub(crate) mod shape_meshes;
+#[cfg(feature = "render")]
+pub(crate) mod shared_materials;
+#[cfg(feature = "window")]
+pub(crate) mod slider;
+#[cfg(feature = "window")]
+pub(crate) mod text_panel;
+#[cfg(feature = "render")]
+mod textures;
+#[cfg(feature = "render")]
+pub(crate) mod tubes;
+#[cfg(feature = "render")]
+pub(crate) mod viewpoint;
+#[cfg(feature = "window")]
+pub(crate) mod window;

@@ -1,0 +1,41 @@
+//! The left mouse button, or a finger: on cloth it drags it. The button fires where there is no cloth.
+
+use bevy::picking::hover::HoverMap;
+use bevy::picking::pointer::PointerId;
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+/// Radius of the piece of cloth that is held, in metres.
+const HANDFUL: f32 = 0.22;
+
+/// Drags cloth and fires.
+pub struct PointerPlugin;
+
+impl Plugin for PointerPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Update, (offer, fire));
+    }
+}
+
+type Untouched = (Added<Particles>, Without<Draggable>);
+
+/// Makes every built body draggable.
+fn offer(bodies: Query<Entity, Untouched>, mut commands: Commands) {
+    for body in &bodies {
+        commands.entity(body).insert(Draggable { radius: HANDFUL, ..default() });
+    }
+}
+
+fn fire(
+    buttons: Res<ButtonInput<MouseButton>>,
+    hover: Res<HoverMap>,
+    bodies: Query<(), With<Particles>>,
+    cannons: Query<Entity, With<Cannon>>,
+    mut fire: MessageWriter<FireCannon>,
+) {
+    let is_on_body =
+        hover.get(&PointerId::Mouse).is_some_and(|over| over.keys().any(|&entity| bodies.contains(entity)));
+    if buttons.just_pressed(MouseButton::Left) && !is_on_body {
+        fire.write_batch(cannons.iter().map(|cannon| FireCannon { cannon }));
+    }
+}

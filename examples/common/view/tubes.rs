@@ -1,0 +1,124 @@
+//! Bodies without a surface, such as ropes and rigs, drawn as tubes.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::NoFrustumCulling;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use drape_solver::StickKind;
+
+/// Sides of a tube.
+const SIDES: u32 = 6;
+/// Thickness of a tube: radius in metres.
+pub const RADIUS: f32 = 0.012;
+/// Colour of tubes.
+pub const COLOUR: Color = Color::srgb(0.55, 0.40, 0.26);
+
+/// Draws every body without a surface.
+pub struct TubesPlugin;
+
+impl Plugin for TubesPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Update, spawn_tubes).add_systems(PostUpdate, (write_tubes, despawn_tubes));
+    }
+}
+
+/// An empty mesh, for [`write`].
+pub fn empty() -> Mesh {
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, Vec::<Vec3>::new())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, Vec::<Vec3>::new())
+        .with_inserted_indices(Indices::U32(Vec::new()))
+}
+
+/// Makes a prism of this radius (in metres) in `mesh` for each pair of ends.
+pub fn write(mesh: &mut Mesh, tubes: impl IntoIterator<Item = [Vec3; 2]>, radius: f32) {
+    let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for [from, to] in tubes {
+        let Some(along) = (to - from).try_normalize() else { continue };
+        let (side, up) = along.any_orthonormal_pair();
+        let first = positions.len() as u32;
+        for corner in 0..SIDES {
+            let angle = core::f32::consts::TAU * corner as f32 / SIDES as f32;
+            let normal = side * angle.cos() + up * angle.sin();
+            positions.extend([from + normal * radius, to + normal * radius]);
+            normals.extend([normal, normal]);
+            let (here, next) = (first + 2 * corner, first + 2 * ((corner + 1) % SIDES));
+            indices.extend([here, next, here + 1, next, next + 1, here + 1]);
+        }
+    }
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
+    mesh.insert_indices(Indices::U32(indices));
+}
+
+/// The material of tubes.
+pub fn material() -> StandardMaterial {
+    StandardMaterial {
+        base_color: COLOUR,
+        perceptual_roughness: 0.9,
+        double_sided: true,
+        cull_mode: None,
+        ..default()
+    }
+}
+
+/// Draws the structural sticks of a body without a surface.
+#[derive(Component)]
+struct TubesOf(Entity);
+
+/// Marks a body whose tubes are shown.
+#[derive(Component)]
+struct HasTubes;
+
+fn spawn_tubes(
+    bodies: Query<(Entity, &Sticks), (Without<HasTubes>, Without<RigidTetrahedron>, Without<RopeMesh>)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut commands: Commands,
+) {
+    for (entity, sticks) in &bodies {
+        commands.entity(entity).insert(HasTubes);
+        if sticks.faces().is_empty() {
+            commands.spawn((
+                TubesOf(entity),
+                Mesh3d(meshes.add(empty())),
+                MeshMaterial3d(materials.add(material())),
+                // Its bounds change with every step.
+                NoFrustumCulling,
+            ));
+        }
+    }
+}
+
+fn write_tubes(
+    tubes: Query<(&TubesOf, &Mesh3d)>,
+    bodies: Query<(&Particles, &Sticks, Option<&SolverSettings>)>,
+    mut meshes: ResMut<Assets<Mesh>>,
+) {
+    for (&TubesOf(body), mesh) in &tubes {
+        let (Ok((particles, sticks, settings)), Some(mut mesh)) = (bodies.get(body), meshes.get_mut(mesh))
+        else {
+            continue;
+        };
+        let structural = sticks.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
+        let ends = structural
+            .flat_map(drape_solver::StickBatch::range)
+            .map(|stick| sticks.stick(stick).map(|end| particles.position(end as usize)));
+        // Limbs are as thick as they are simulated.
+        let thickness = settings.map_or(0.0, |settings| settings.thickness);
+        write(&mut mesh, ends, thickness.max(RADIUS));
+    }
+}
+
+fn despawn_tubes(
+    tubes: Query<(Entity, &TubesOf)>,
+    bodies: Query<(), With<Particles>>,
+    mut commands: Commands,
+) {
+    for (entity, &TubesOf(body)) in &tubes {
+        if !bodies.contains(body) {
+            commands.entity(entity).despawn();
+        }
+    }
+}
