@@ -1,6 +1,6 @@
 //! Islands: bodies and balls that can touch each other, stepped together and independent of all others.
 //!
-//! Design: docs/design/rest_and_islands.md.
+//! Design: `docs/design/rest_and_islands.md`.
 
 use crate::contact::ball_cloth;
 use crate::contact::ball_cloth_query::BallClothContact;

@@ -6,7 +6,7 @@
 //!       -> finish
 //! ```
 //!
-//! The stages of a substep and their order stand in [`substep::order`](crate::substep::order), once, as data; this file
+//! The stages of a substep and their order stand in `substep/order.rs`, once, as data; this file
 //! walks that list. The public stages let a schedule run its own systems between them; [`step`] and [`substeps_on`] walk
 //! the same list, and give the same bits.
 //!
@@ -14,7 +14,7 @@
 //! its N + 1 projections. Applied once per step instead, a body with a friction of 0.5 slides from about 1 degree; per
 //! substep, it slides from 26.6 degrees, as Coulomb's law says.
 //!
-//! Design: docs/design/relaxation.md.
+//! Design: `docs/design/relaxation.md`.
 
 use glam::Vec3;
 
@@ -35,6 +35,7 @@ use crate::motion::wind::WindZone;
 use crate::motion::{force, rest};
 use crate::parallel::threads::{Alone, Threads};
 use crate::parallel::workers::Workers;
+use crate::state::ball::Ball;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::substep::begin;
@@ -71,7 +72,7 @@ pub fn step_on(
     outcome
 }
 
-/// Takes all substeps that are left of the step that was [begun](begin). If no ball is near, each body takes them in
+/// Takes all substeps that are left of the step that was [begun](fn@begin). If no ball is near, each body takes them in
 /// turn; a large body takes the stages of several substeps in one trip down its strips.
 pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
     Workers::run(threads_for(island, threads), &mut |workers| substeps(island, environment, workers));
@@ -379,7 +380,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
             let pairs = &mut ball_cloth.pairs;
             impact_zone::enforce(impact_zones, pairs, bodies, balls, touches, substep.duration);
         }
-        IslandStage::TurnBalls => balls.iter_mut().for_each(|ball| ball.turn()),
+        IslandStage::TurnBalls => balls.iter_mut().for_each(Ball::turn),
         IslandStage::Account => {
             report::gather(report, contacts, bodies, balls, substep);
             reaction::gather(reactions, contacts, bodies, balls, substep);

@@ -13,13 +13,13 @@
 //! The remaining faces are measured sixteen at a time, by the distance of their nearest points. On other bodies all
 //! listed faces are measured.
 //!
-//! A face far from the ball matters too if the ball's centre has reach_of_passage through it in this substep. It cannot be
+//! A face far from the ball matters too if the ball's centre has passed through it in this substep. It cannot be
 //! farther away than face and ball have moved, so the search is widened by that distance.
 //!
 //! The search misses nothing that a test of every face would find: bounds are exact but for rounding, which is allowed
 //! for, and the search is repeated as soon as pushes could have moved a face into reach.
 //!
-//! Design: docs/design/ball_cloth.md.
+//! Design: `docs/design/ball_cloth.md`.
 
 use core::ops::Range;
 

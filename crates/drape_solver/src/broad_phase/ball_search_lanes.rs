@@ -1,6 +1,6 @@
 //! The search for faces near a ball, cell by cell: its kernels.
 //!
-//! Design: docs/design/ball_cloth.md.
+//! Design: `docs/design/ball_cloth.md`.
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;

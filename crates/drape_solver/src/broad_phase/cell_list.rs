@@ -12,7 +12,7 @@
 //!
 //! Green 2008, "CUDA Particles", sorts points in this way.
 //!
-//! Design: docs/design/broad_phase.md.
+//! Design: `docs/design/broad_phase.md`.
 
 use glam::Vec3;
 

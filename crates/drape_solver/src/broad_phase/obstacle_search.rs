@@ -1,6 +1,6 @@
 //! The search for the particles that could touch obstacles, once a step.
 //!
-//! Design: docs/design/broad_phase.md.
+//! Design: `docs/design/broad_phase.md`.
 
 use core::ops::Range;
 

@@ -8,7 +8,7 @@
 //! A substep has two legs: projections and friction at the end of the substep before, and free flight. Both count in
 //! full.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use std::sync::{Arc, Weak};
 

@@ -6,7 +6,7 @@
 //!        patch   patch       itself (Volino and Magnenat-Thalmann 1994), and is passed over whole.
 //! ```
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 //! Balls against balls.
 //!
-//! Design: docs/design/contacts.md.
+//! Design: `docs/design/contacts.md`.
 
 use glam::Vec3;
 

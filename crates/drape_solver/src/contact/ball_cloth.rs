@@ -14,7 +14,7 @@
 //!
 //! Contact with vertices alone would let a ball slip between them when R < spacing / sqrt(2).
 //!
-//! Design: docs/design/ball_cloth.md.
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::Vec3;
 

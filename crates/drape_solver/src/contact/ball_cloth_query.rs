@@ -1,6 +1,6 @@
 //! A query: the overlaps of balls with cloth in the middle of a step.
 //!
-//! Design: docs/design/ball_cloth.md.
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::Vec3;
 

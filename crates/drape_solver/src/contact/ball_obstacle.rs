@@ -1,6 +1,6 @@
 //! Balls against obstacles: projection, friction with spin, rolling resistance.
 //!
-//! Design: docs/design/contacts.md.
+//! Design: `docs/design/contacts.md`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 //! The contacts of one body with obstacles: by particles, by faces, and by the points of a collision mesh.
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 

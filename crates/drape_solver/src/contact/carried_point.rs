@@ -6,7 +6,7 @@
 //!   ============q==========      q, n: the nearest point of the surface, and its normal
 //! ```
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 
@@ -137,9 +137,9 @@ impl<const N: usize> CarriedPoint<N> {
         effective_inverse_mass(self.weights, self.carriers.map(|slot| particles.inverse_mass[slot]))
     }
 
-    /// Moves the point out to the surface. A mover takes its share of the push: `reaction` makes a push on the obstacle
-    /// from the place in the world where the point's displacement of this substep began, and a push on the point in kg
-    /// m.
+    /// Moves the point out to the surface. A mover takes its share of the push: `reaction` returns the obstacle's push,
+    /// given the place in the world where the point's displacement of this substep began and the push on the point in
+    /// kg m.
     pub fn project(
         &mut self,
         body: &mut Body,

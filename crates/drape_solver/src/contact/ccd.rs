@@ -12,7 +12,7 @@
 //!       o now   height h' below zero
 //! ```
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

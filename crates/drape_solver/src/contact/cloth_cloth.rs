@@ -7,7 +7,7 @@
 //! places of the particles alone decide which pairs touch and in which order they are projected, so the age of a list
 //! never changes the bits.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 //! A contact between particles of cloths and ropes: the push and the friction of particles, faces and edges alike.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

@@ -13,7 +13,7 @@
 //!      o  end of the substep
 //! ```
 //!
-//! Design: docs/design/contacts.md.
+//! Design: `docs/design/contacts.md`.
 
 use fearless_simd::{Simd, f32x16, prelude::*};
 

@@ -5,7 +5,7 @@
 //! balls. The next contact sees the obstacle in its new pose. So no contact gains energy, however light the obstacle
 //! is.
 //!
-//! Design: docs/design/dynamic_obstacles.md.
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use crate::contact::body_contacts::BodyContacts;
 use crate::contact::island_contacts::IslandContacts;

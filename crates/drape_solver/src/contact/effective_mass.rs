@@ -7,7 +7,7 @@
 //!      a = 0.02
 //! ```
 //!
-//! Design: docs/design/contacts.md.
+//! Design: `docs/design/contacts.md`.
 
 /// Effective inverse mass in 1/kg of a point that is the weighted mean of corners, or of the distance between two such
 /// points, whose weights have opposite signs. A lower bound keeps every corner from moving more than twice as far as

@@ -12,7 +12,7 @@
 //! Of all moves that take `p` out, this one costs the least kinetic energy, `sum |dx_i|^2 / w_i`: the push acts at `p`, so that
 //! momentum and angular momentum are those that it gives. With equal masses it is Jakobsen's formula (2001, section 5).
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::{DVec3, Vec3};
 

@@ -1,6 +1,6 @@
 //! The contacts of a step, for events and reports.
 //!
-//! Design: docs/design/contact_reports.md.
+//! Design: `docs/design/contact_reports.md`.
 
 use glam::Vec3;
 

@@ -16,7 +16,7 @@
 //! distance field collision"). Substeps follow it by alternating projections onto face and shape. A face whose corners
 //! all lie next to about the same plane needs none of this and is left to its particles.
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::{DVec3, Vec3};
 

@@ -1,6 +1,6 @@
 //! The number of substeps that fast or heavy things need, so that none passes through a cloth.
 //!
-//! Design: docs/design/ball_cloth.md.
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::Vec3;
 

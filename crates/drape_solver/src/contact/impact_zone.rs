@@ -16,7 +16,7 @@
 //!
 //! Momentum is kept; the loss of kinetic energy is that of a perfectly inelastic impact.
 //!
-//! Design: docs/design/ball_cloth.md.
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::{DVec3, Vec3};
 

@@ -1,6 +1,6 @@
 //! Particles that a limit on motion keeps in an obstacle.
 //!
-//! Design: docs/design/characters.md.
+//! Design: `docs/design/characters.md`.
 
 use crate::constants::{AT_LIMIT, LIMIT_CONFLICT_DEPTH};
 use crate::contact::particle_obstacle::ObstacleContacts;

@@ -1,6 +1,6 @@
 //! Movers: obstacles with a [`RigidBody`], on their way through a step.
 //!
-//! Design: docs/design/dynamic_obstacles.md.
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::{DVec3, Vec3};
 

@@ -1,6 +1,6 @@
 //! A push of an obstacle on a body or ball, whose opposite is the reaction on the obstacle.
 //!
-//! Design: docs/design/dynamic_obstacles.md.
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::{DVec3, Vec3};
 

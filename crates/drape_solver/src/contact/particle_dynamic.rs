@@ -5,7 +5,7 @@
 //! inverse mass at the contact point. The next particle sees the obstacle in its new pose. If many particles push, the
 //! first push too much; later projections take that back, down to no push at all (projected Gauss-Seidel).
 //!
-//! Design: docs/design/dynamic_obstacles.md.
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::Vec3;
 

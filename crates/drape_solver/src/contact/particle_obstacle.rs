@@ -10,7 +10,7 @@
 //!      x
 //! ```
 //!
-//! Design: docs/design/contacts.md.
+//! Design: `docs/design/contacts.md`.
 
 use core::ops::Range;
 

@@ -9,7 +9,7 @@
 //!
 //! Particles that are this near to each other at rest are left out: sticks hold them.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

@@ -4,7 +4,7 @@
 //! contacts sum up these `m d` as they push; after each substep the sums are added up here in double precision, with
 //! the moments of their points. Overlaps that are taken out in position only change no momentum, so they do not count.
 //!
-//! Design: docs/design/dynamic_obstacles.md.
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::DVec3;
 

@@ -3,7 +3,7 @@
 //! Contacts keep the last substep only. After each substep its pushes are added up here; bodies and balls that ask for
 //! no report cost nothing. Sensors, which push nothing, are tested here alone.
 //!
-//! Design: docs/design/contact_reports.md.
+//! Design: `docs/design/contact_reports.md`.
 
 use glam::Vec3;
 
@@ -363,7 +363,7 @@ pub(crate) fn finish(
         Other::Ball(i) => balls[i].reports_contacts,
         Other::Obstacle(i) => report.reporting.binary_search(&i).is_ok(),
     };
-    for touch in touches.iter() {
+    for touch in touches {
         let Touch { ball, other, time, point, normal, impulse, .. } = *touch;
         // Two balls have a touch each.
         let is_second = matches!(other, Other::Ball(second) if second < ball);

@@ -12,7 +12,7 @@
 //!
 //! so that neither loses the rest of its step. Restitution is Newton's: the ratio of the normal speeds after and before.
 //!
-//! Design: docs/design/contacts.md.
+//! Design: `docs/design/contacts.md`.
 
 use crate::constants::RESTITUTION_SPEED;
 use crate::state::friction::combined;

@@ -1,6 +1,6 @@
 //! Two triangles or links that may touch: which of their corners and edges are tested, and how these overlap.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

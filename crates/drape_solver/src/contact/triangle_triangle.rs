@@ -15,7 +15,7 @@
 //! tangled. So contacts whose corners all lie at a crossing are skipped, and the crossing is moved apart instead, in
 //! position only (`untangle.rs`).
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

@@ -15,7 +15,7 @@
 //! An edge inside a cloth has two triangles, whose moves cancel where the cloth is flat. So the rim of the cloth goes
 //! back, and so do the tips of parts that have poked through.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

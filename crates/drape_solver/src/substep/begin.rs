@@ -1,6 +1,6 @@
 //! The beginning of a body's step: everything that stays the same through its substeps.
 //!
-//! Design: docs/design/integration.md.
+//! Design: `docs/design/integration.md`.
 
 use crate::constraint::stick::{greatest_error, iteration_stiffness, substep_damping};
 use crate::state::body::Body;

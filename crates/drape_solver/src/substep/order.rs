@@ -6,12 +6,13 @@
 //! project collisions   CLOTH, CONTACTS, VELOCITIES
 //! ```
 //!
-//! An island walks the list [stage by stage](crate::step), span by span, so that a schedule may run systems of its own
+//! An island walks the list [stage by stage](mod@crate::step), span by span, so that a schedule may run systems of its own
 //! between the spans. A body that nothing but obstacles can touch walks the same list in
 //! [sweeps](crate::substep::sweep) down its strips: its [plan](crate::substep::plan) is made from this list. To add a
-//! stage, add it here and write its code in `step.rs` (island) or in `work.rs` (strips of a body).
+//! stage, add it here and write its code in `step.rs` (of an island or a whole body) or in `plan.rs` and `work.rs` (of
+//! strips).
 //!
-//! Design: docs/design/relaxation.md.
+//! Design: `docs/design/relaxation.md`.
 
 /// A stage of a substep that one body takes by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The plan of a body's substep: the stages of the [order](crate::substep::order) that are done strip by strip, for this
 //! body's sticks.
 //!
-//! Design: docs/design/sweeps_and_threads.md.
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 use core::ops::Range;
 

@@ -25,7 +25,7 @@
 //!             |  b e l o w        .
 //! ```
 //!
-//! Design: docs/design/sweeps_and_threads.md.
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 use core::ops::Range;
 

@@ -1,6 +1,6 @@
 //! The work of each stage on some strips of a body, and the data that stages read and write.
 //!
-//! Design: docs/design/sweeps_and_threads.md.
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 use core::ops::Range;
 
@@ -90,7 +90,7 @@ impl Work<'_> {
                 self.listed_sticks(simd, in_order(first, end, backwards), projection);
             }
             StripStage::Loose { first, end, backwards } => {
-                self.loose_sticks(first, end, backwards, projection)
+                self.loose_sticks(first, end, backwards, projection);
             }
             _ => self.particles(simd, stage, index, strips, projection),
         }
@@ -165,8 +165,12 @@ impl Work<'_> {
                 #[inline(always)]
                 || update_displacements(simd, places, moving, rest.drift),
             ),
-            StripStage::Contacts { .. } | StripStage::Friction => {}
-            StripStage::Sticks(_) | StripStage::Listed { .. } | StripStage::Loose { .. } => {}
+            // No contacts, or a stage of sticks.
+            StripStage::Contacts { .. }
+            | StripStage::Friction
+            | StripStage::Sticks(_)
+            | StripStage::Listed { .. }
+            | StripStage::Loose { .. } => {}
         }
     }
 
