@@ -3,7 +3,7 @@
 //! Every operation is one of `+ - * /`, a square root, a comparison or a choice, lane by lane: exact in IEEE
 //! arithmetic, whatever the width of the registers. Products are never fused with sums.
 //!
-//! Design: docs/design/kernels.md.
+//! Design: `docs/design/kernels.md`.
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;

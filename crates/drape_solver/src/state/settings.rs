@@ -1,6 +1,6 @@
 //! Settings of a body: accuracy, damping and surface.
 //!
-//! Design: docs/design/relaxation.md.
+//! Design: `docs/design/relaxation.md`.
 
 use crate::constants::{MAX_ITERATIONS, MAX_SUBSTEPS};
 use crate::error::{BuildError, in_range};
