@@ -1,6 +1,6 @@
 //! Measurements of textile laboratories: the drape of a cloth over a disc, and its stretch by its own weight.
 //!
-//! Design: docs/design/presets.md.
+//! Design: `docs/design/presets.md`.
 
 use glam::{Quat, Vec2, Vec3};
 use parry3d::shape::SharedShape;

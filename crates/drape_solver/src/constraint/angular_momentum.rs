@@ -9,7 +9,7 @@
 //! With `p` the start position of a particle and `d` its displacement by the projections, they have added the sum of `m
 //! p x d`. A small turn of the body about its centre of mass removes it.
 //!
-//! Design: docs/design/soft_bodies.md.
+//! Design: `docs/design/soft_bodies.md`.
 
 use glam::{DMat3, DVec3};
 

@@ -5,7 +5,7 @@
 //! blocks that its sticks reach. Each particle thus sees its sticks in the order of the batches, as if each batch went
 //! through the whole body; but only a [window](crate::simd::rows) of the body is in use at a time.
 //!
-//! Design: docs/design/listed_sticks.md.
+//! Design: `docs/design/listed_sticks.md`.
 
 use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 use glam::Vec3;

@@ -9,7 +9,7 @@
 //! Limits act last in each substep, after contacts and friction. They also change velocities, so that a particle that
 //! is held back does not swing on. Between two steps a centre travels evenly over the substeps, as a pin does.
 //!
-//! Design: docs/design/characters.md.
+//! Design: `docs/design/characters.md`.
 
 use core::ops::Range;
 

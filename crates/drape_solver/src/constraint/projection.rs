@@ -1,6 +1,6 @@
 //! Formulas for the error of a stick: with a square root, or without; on both sides of its rest length, or on one.
 //!
-//! Design: docs/design/relaxation.md.
+//! Design: `docs/design/relaxation.md`.
 
 use fearless_simd::{Simd, f32x8, f32x16, prelude::*};
 

@@ -9,7 +9,7 @@
 //! the rest length (Jakobsen 2001, section 5). Printed copies of the latter have a sign reversed; the one here
 //! takes a stick of length `e` rest lengths to `1 - (e - 1)^2 / (1 + e^2)`.
 //!
-//! Design: docs/design/relaxation.md.
+//! Design: `docs/design/relaxation.md`.
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 

@@ -1,6 +1,6 @@
 //! The greatest strain of structural sticks, which decides when relaxation may stop.
 //!
-//! Design: docs/design/relaxation.md.
+//! Design: `docs/design/relaxation.md`.
 
 use crate::simd::columns::{Cell, LANES};
 use crate::state::body::Body;

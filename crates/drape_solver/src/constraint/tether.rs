@@ -10,7 +10,7 @@
 //!         '-------------'
 //! ```
 //!
-//! Design: docs/design/tethers.md.
+//! Design: `docs/design/tethers.md`.
 
 use core::ops::Range;
 

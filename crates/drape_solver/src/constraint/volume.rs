@@ -5,7 +5,7 @@
 //! particles at once, each by its inverse mass, towards the target volume (Müller et al. 2007, "Position based dynamics",
 //! section 4.4). The gradient sums to zero, so that momentum and angular momentum stay.
 //!
-//! Design: docs/design/soft_bodies.md.
+//! Design: `docs/design/soft_bodies.md`.
 
 use glam::DVec3;
 

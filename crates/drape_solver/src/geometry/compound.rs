@@ -1,6 +1,6 @@
 //! Several shapes as one obstacle.
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 use parry3d::shape::Compound;

@@ -1,6 +1,6 @@
 //! Triangle meshes, height fields and voxels as obstacles.
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 use parry3d::query::{PointQueryWithLocation, Ray, RayCast};

@@ -1,6 +1,6 @@
 //! The nearest point of a triangle or a segment to a shape: parry's query, for every shape.
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 use parry3d::math::Pose as ParryPose;

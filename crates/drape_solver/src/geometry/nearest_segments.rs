@@ -1,6 +1,6 @@
 //! The nearest points of two segments.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

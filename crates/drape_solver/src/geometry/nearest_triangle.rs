@@ -1,6 +1,6 @@
 //! The nearest point of a segment or triangle, as weights of its corners.
 //!
-//! Design: docs/design/ball_cloth.md.
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::Vec3;
 

@@ -3,7 +3,7 @@
 //! The rotation is computed here and not by `Quat`, whose products depend on the instruction set that glam was compiled
 //! for: the step must give the same bits everywhere.
 //!
-//! Design: docs/design/determinism.md.
+//! Design: `docs/design/determinism.md`.
 
 use glam::{Mat3, Quat, Vec3};
 

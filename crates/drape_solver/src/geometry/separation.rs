@@ -1,6 +1,6 @@
 //! A lower bound on the distance of two triangles.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

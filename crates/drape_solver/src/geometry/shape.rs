@@ -3,7 +3,7 @@
 //! Common shapes have formulas here, as the solver queries them millions of times a second; other shapes use parry's
 //! point query.
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! The shapes with a formula, for the particles of a whole cell at once: the same formulas as
 //! [`Shape::surface`](crate::geometry::shape::Shape).
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;

@@ -1,6 +1,6 @@
 //! First hit of a moving ball, triangle or segment on a shape: parry's shape cast, for every shape.
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 use parry3d::math::Pose as ParryPose;

@@ -1,6 +1,6 @@
 //! Closed forms of flight without drag, for aiming and for checking the solver.
 //!
-//! Design: docs/design/integration.md.
+//! Design: `docs/design/integration.md`.
 
 use glam::DVec3;
 

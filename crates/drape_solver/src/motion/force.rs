@@ -1,6 +1,6 @@
 //! Forces: sums gravity, wind and the caller's forces to accelerations once a step.
 //!
-//! Design: docs/design/wind.md.
+//! Design: `docs/design/wind.md`.
 
 use glam::Vec3;
 

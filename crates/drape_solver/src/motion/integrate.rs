@@ -3,7 +3,7 @@
 //! Position Verlet `x' = x + (1 - c)(x - x*) + a dt^2; x* = x` (Liu 2019, section 1.2; with `c = 0.01` its
 //! `1.99x - 0.99x*`), in displacement form. Some copies have `a dt^2 / 2` here: that halves gravity.
 //!
-//! Design: docs/design/integration.md.
+//! Design: `docs/design/integration.md`.
 
 use core::ops::Range;
 

@@ -4,7 +4,7 @@
 //! by moving the particles with the frame, which adds its velocity, and ends by subtracting that velocity.
 //! `state/frame_motion.rs` says what a frame is for.
 //!
-//! Design: docs/design/characters.md.
+//! Design: `docs/design/characters.md`.
 
 use core::ops::Range;
 

@@ -1,6 +1,6 @@
 //! One pass over all particles for their [statistics](crate::state::particle_stats), shared by the workers.
 //!
-//! Design: docs/design/rest_and_islands.md.
+//! Design: `docs/design/rest_and_islands.md`.
 
 use core::ops::Range;
 

@@ -1,6 +1,6 @@
 //! Time at rest of bodies and balls, and new origins for bodies that have travelled.
 //!
-//! Design: docs/design/rest_and_islands.md.
+//! Design: `docs/design/rest_and_islands.md`.
 
 use crate::constants::{RECENTRE_DISTANCE, REST_SPEED};
 use crate::state::ball::Ball;

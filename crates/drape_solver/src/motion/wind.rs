@@ -1,6 +1,6 @@
 //! Moving air: a wind, its gusts, and zones with a wind of their own.
 //!
-//! Design: docs/design/wind.md.
+//! Design: `docs/design/wind.md`.
 
 use core::f64::consts::TAU;
 

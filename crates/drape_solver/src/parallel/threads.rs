@@ -1,6 +1,6 @@
 //! Threads that share the work on a large body. The solver starts none; its host lends them.
 //!
-//! Design: docs/design/sweeps_and_threads.md.
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 /// A thread pool that can run two closures at once.
 ///

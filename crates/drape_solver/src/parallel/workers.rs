@@ -9,7 +9,7 @@
 //!   helper  | wakes up ... | lower half |  ...  | lower half |  ...  | dismissed
 //! ```
 //!
-//! Design: docs/design/sweeps_and_threads.md.
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 #![expect(unsafe_code, reason = "a closure that borrows is handed to a thread that outlives the borrow")]
 

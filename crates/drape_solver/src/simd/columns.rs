@@ -1,6 +1,6 @@
 //! Three columns of numbers, one vector per particle, in cells that fill a vector register each.
 //!
-//! Design: docs/design/kernels.md.
+//! Design: `docs/design/kernels.md`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 //! Instruction sets: the same kernels, compiled once for each, chosen when the program runs.
 //!
-//! Design: docs/design/kernels.md.
+//! Design: `docs/design/kernels.md`.
 
 use fearless_simd::{Level, Simd};
 

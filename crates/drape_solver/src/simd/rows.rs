@@ -9,7 +9,7 @@
 //!             done     put back   sticks    sticks    taken
 //! ```
 //!
-//! Design: docs/design/listed_sticks.md.
+//! Design: `docs/design/listed_sticks.md`.
 
 use core::ops::Range;
 

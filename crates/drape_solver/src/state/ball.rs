@@ -1,6 +1,6 @@
 //! Balls: rigid spheres with mass, spin and friction, moved by the same Verlet step as particles.
 //!
-//! Design: docs/design/integration.md.
+//! Design: `docs/design/integration.md`.
 
 use glam::{Quat, Vec3};
 

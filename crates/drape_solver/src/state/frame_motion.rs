@@ -4,7 +4,7 @@
 //! share of the character's motion becomes the motion of the cape's frame. The frame carries the cape along, and the
 //! cape's velocity is relative to the frame. `motion/moving_frame.rs` carries the particles.
 //!
-//! Design: docs/design/characters.md.
+//! Design: `docs/design/characters.md`.
 
 use glam::{Mat3, Vec3};
 

@@ -6,7 +6,7 @@
 //!
 //! A contact sticks if static friction can stop it within the substep; otherwise it slides against kinetic friction.
 //!
-//! Design: docs/design/contacts.md.
+//! Design: `docs/design/contacts.md`.
 
 use glam::Vec3;
 

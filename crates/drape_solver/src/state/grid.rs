@@ -1,6 +1,6 @@
 //! Sticks of a grid: families of equal sticks, relaxed a vector at a time. Their ends are computed, not stored.
 //!
-//! Design: docs/design/memory_layout.md.
+//! Design: `docs/design/memory_layout.md`.
 
 use core::ops::Range;
 

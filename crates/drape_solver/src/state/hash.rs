@@ -1,6 +1,6 @@
 //! A fingerprint of states: equal bits give equal hashes on every machine.
 //!
-//! Design: docs/design/determinism.md.
+//! Design: `docs/design/determinism.md`.
 
 use core::hash::Hasher;
 

@@ -13,7 +13,7 @@
 //! A stick from one patch into the next joins a lane to the next lane, so the kernel shifts the vector. Slots that the
 //! grid does not fill are *ghosts*: they have no mass, and no stick reaches them.
 //!
-//! Design: docs/design/memory_layout.md.
+//! Design: `docs/design/memory_layout.md`.
 
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 //!
 //! `constraint/motion_limit.rs` enforces them.
 //!
-//! Design: docs/design/characters.md.
+//! Design: `docs/design/characters.md`.
 
 use glam::Vec3;
 

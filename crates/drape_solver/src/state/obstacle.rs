@@ -1,6 +1,6 @@
 //! Obstacles: the shapes that bodies and balls collide with.
 //!
-//! Design: docs/design/obstacles.md.
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 

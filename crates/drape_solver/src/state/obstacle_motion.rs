@@ -1,6 +1,6 @@
 //! Results of a step for obstacles: the momentum that they received, and the placements that they reached.
 //!
-//! Design: docs/design/dynamic_obstacles.md.
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::Vec3;
 

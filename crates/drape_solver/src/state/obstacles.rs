@@ -4,7 +4,7 @@
 //! results, not with the number of obstacles. Results come in the order of the obstacles, so that nothing depends on
 //! the tree's shape.
 //!
-//! Design: docs/design/broad_phase.md.
+//! Design: `docs/design/broad_phase.md`.
 
 use core::fmt;
 use core::ops::{Deref, Index, IndexMut};

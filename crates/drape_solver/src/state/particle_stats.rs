@@ -2,7 +2,7 @@
 //!
 //! `motion/particle_stats.rs` gathers them in one pass.
 //!
-//! Design: docs/design/rest_and_islands.md.
+//! Design: `docs/design/rest_and_islands.md`.
 
 use glam::Vec3;
 

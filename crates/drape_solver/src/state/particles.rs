@@ -1,6 +1,6 @@
 //! The state of a body: positions, displacements and masses of its particles.
 //!
-//! Design: docs/design/integration.md.
+//! Design: `docs/design/integration.md`.
 
 use glam::Vec3;
 

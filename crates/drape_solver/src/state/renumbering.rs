@@ -13,7 +13,7 @@
 //!   8---5---1      3---6---8
 //! ```
 //!
-//! Design: docs/design/memory_layout.md.
+//! Design: `docs/design/memory_layout.md`.
 
 /// The map from particles to slots, and back.
 #[derive(Debug, PartialEq, Eq)]

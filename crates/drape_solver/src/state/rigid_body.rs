@@ -1,6 +1,6 @@
 //! The motion of one free rigid body, which makes an obstacle dynamic.
 //!
-//! Design: docs/design/dynamic_obstacles.md.
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::Vec3;
 

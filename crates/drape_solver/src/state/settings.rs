@@ -1,6 +1,6 @@
 //! Settings of a body: accuracy, damping and surface.
 //!
-//! Design: docs/design/relaxation.md.
+//! Design: `docs/design/relaxation.md`.
 
 #[cfg(feature = "bevy")]
 use bevy_ecs::reflect::ReflectComponent;

@@ -3,7 +3,7 @@
 //! Nothing else of a body outlives a step but its settings, its topology and its time at rest
 //! ([`BodyContext::still_for`]).
 //!
-//! Design: docs/design/snapshots.md.
+//! Design: `docs/design/snapshots.md`.
 
 use glam::{Quat, Vec3};
 

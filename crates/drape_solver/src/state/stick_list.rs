@@ -3,7 +3,7 @@
 //! A batch has its sticks in the order of slots, cut into the blocks of particles where they begin;
 //! `constraint/listed_stick.rs` relaxes them.
 //!
-//! Design: docs/design/listed_sticks.md.
+//! Design: `docs/design/listed_sticks.md`.
 
 use crate::simd::rows::{BLOCK, block_count};
 

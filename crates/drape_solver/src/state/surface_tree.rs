@@ -7,7 +7,7 @@
 //! The tree is made once for a topology, from the rest positions. A node is a patch of neighbours:
 //! `broad_phase/surface_pairs.rs` puts boxes around the patches and finds the pairs that could touch.
 //!
-//! Design: docs/design/self_contact.md.
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 

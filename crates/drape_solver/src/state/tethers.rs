@@ -3,7 +3,7 @@
 //! The length is the geodesic distance in the rest pose (Kim, Chentanez and Müller-Fischer 2012, "Long Range
 //! Attachments"); `constraint/tether.rs` projects them.
 //!
-//! Design: docs/design/tethers.md.
+//! Design: `docs/design/tethers.md`.
 
 use std::collections::BinaryHeap;
 

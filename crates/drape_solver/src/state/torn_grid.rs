@@ -9,7 +9,7 @@
 //!   6--7--8
 //! ```
 //!
-//! Design: docs/design/tears_and_cuts.md.
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use crate::simd::columns::LANES;
 use crate::state::layout::Grid;

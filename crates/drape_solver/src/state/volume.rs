@@ -1,6 +1,6 @@
 //! The volume inside a closed surface: a sixth of the sum of `p . (q x r)` over its faces.
 //!
-//! Design: docs/design/soft_bodies.md.
+//! Design: `docs/design/soft_bodies.md`.
 
 use std::sync::OnceLock;
 

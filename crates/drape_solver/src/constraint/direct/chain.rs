@@ -15,7 +15,7 @@
 //! constraints of Goldenthal et al. 2007, "Efficient Simulation of Inextensible Cloth", equation 9, with one Newton
 //! step, for a matrix that needs no sparse solver.
 //!
-//! Design: docs/design/line_solves.md.
+//! Design: `docs/design/line_solves.md`.
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 

@@ -8,7 +8,7 @@
 //!
 //! Ropes, and other grids of very few lines, are solved one [line](crate::constraint::direct::lone_chain) at a time.
 //!
-//! Design: docs/design/line_solves.md.
+//! Design: `docs/design/line_solves.md`.
 
 use fearless_simd::{Simd, prelude::*};
 

@@ -1,7 +1,7 @@
 //! One chain in scalar code: the same as [`chain`](crate::constraint::direct::chain) in each of its lanes, to the bit.
 //! Ropes use it, as they have no other chains to fill the lanes.
 //!
-//! Design: docs/design/line_solves.md.
+//! Design: `docs/design/line_solves.md`.
 
 use glam::Vec3;
 
