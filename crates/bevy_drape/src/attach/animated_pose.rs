@@ -8,8 +8,6 @@ use drape_solver::Placement;
 use crate::rigid_motion::between;
 use crate::rigid_motion::placement;
 
-#[cfg(feature = "mesh")]
-
 /// The pose that an animation gives to some particles of a body. Each particle follows a blend of up to four joints.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct AnimatedPose {

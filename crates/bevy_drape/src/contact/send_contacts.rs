@@ -43,7 +43,7 @@ pub(crate) fn send_contacts(
     };
     for island in islands.live() {
         for contact in &island.solver().contacts {
-            let contact = told(contact, island, &solver, now);
+            let contact = in_entities(contact, island, &solver, now);
             let entities = (contact.body, contact.other);
             let place = pairs.binary_search_by_key(&entities, |pair| pair.entities).unwrap_or_else(|place| {
                 let state = ContactPair { touched: end, until: end, is_told: false, is_hitting: false };
@@ -87,7 +87,7 @@ pub(crate) fn send_contacts(
 }
 
 /// Translates a contact of the solver into entities.
-fn told(contact: &Contact, island: &IslandRun, solver: &SolverEnvironment, now: f64) -> DrapeContact {
+fn in_entities(contact: &Contact, island: &IslandRun, solver: &SolverEnvironment, now: f64) -> DrapeContact {
     let Contact { party, other, time, point, normal, impulse, feature } = *contact;
     DrapeContact {
         body: match party {

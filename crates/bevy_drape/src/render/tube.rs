@@ -138,7 +138,7 @@ mod tests {
                 assert!((vertex.length() - 0.05).abs() < 1e-5 && vertex.dot(tangent).abs() < 1e-5);
             }
             if i > 0 {
-                // What the frame turns about the tangent from one ring to the next is nothing.
+                // From one ring to the next the frame does not turn about the tangent.
                 let before = tangent_at(&centres, i - 1).expect("a line");
                 let [from, to] = [i - 1, i].map(|ring| Vec3::from(normals[ring * 9]));
                 let carried = Quat::from_rotation_arc(before, tangent) * from;

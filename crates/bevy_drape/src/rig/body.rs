@@ -101,21 +101,22 @@ impl CompiledRig {
             let Link { ends, rest_length, material, .. } = links[i];
             (ends.map(|end| index_in_body[&end]), rest_length, material)
         });
-        let crew = || group.members.iter().map(|&i| &members[i]);
-        let settings = crew().find_map(|member| member.settings.map(|settings| (member.entity, settings)));
+        let in_group = || group.members.iter().map(|&i| &members[i]);
+        let settings =
+            in_group().find_map(|member| member.settings.map(|settings| (member.entity, settings)));
         Self {
             rig: Rig {
-                particles: crew().map(|member| member.entity).collect(),
+                particles: in_group().map(|member| member.entity).collect(),
                 sticks: group.links.iter().map(|&i| links[i].entity).collect(),
                 settings_from: settings.map(|(from, _)| from),
             },
             settings: settings.map(|(_, settings)| settings),
-            inverse_masses: crew().map(|member| member.inverse_mass).collect(),
-            is_changed: crew().any(|member| member.is_changed)
+            inverse_masses: in_group().map(|member| member.inverse_mass).collect(),
+            is_changed: in_group().any(|member| member.is_changed)
                 || group.links.iter().any(|&i| links[i].is_changed),
-            positions: crew().map(|member| member.position).collect(),
-            velocities: crew().map(|member| member.velocity).collect(),
-            bodies: crew().map(|member| member.body).collect(),
+            positions: in_group().map(|member| member.position).collect(),
+            velocities: in_group().map(|member| member.velocity).collect(),
+            bodies: in_group().map(|member| member.body).collect(),
             sticks: sticks.collect(),
         }
     }

@@ -9,7 +9,7 @@ use crate::body::activity::Activity;
 use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
-use crate::snapshot::world::{Frozen, Placed, put_component};
+use crate::snapshot::world::{Placed, PlainTransform, put_component};
 use crate::transform::interpolation::Interpolated;
 
 /// The state of one ball.
@@ -22,7 +22,7 @@ pub(super) struct ProjectileSnapshot {
     activity: Activity,
     projectile: Projectile,
     ball: BallSnapshot,
-    written: Frozen,
+    written: PlainTransform,
     is_refused: bool,
     own_layers: Option<DrapeLayers>,
     tells_contacts: bool,

@@ -108,16 +108,16 @@ pub(super) fn have_all_looked_at(world: &mut World, keys: &Keys) {
 /// A transform as plain numbers: translation, rotation, scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Frozen([f32; 3], [f32; 4], [f32; 3]);
+pub(super) struct PlainTransform([f32; 3], [f32; 4], [f32; 3]);
 
-impl From<Transform> for Frozen {
+impl From<Transform> for PlainTransform {
     fn from(Transform { translation, rotation, scale }: Transform) -> Self {
         Self(translation.to_array(), rotation.to_array(), scale.to_array())
     }
 }
 
-impl From<Frozen> for Transform {
-    fn from(Frozen(translation, rotation, scale): Frozen) -> Self {
+impl From<PlainTransform> for Transform {
+    fn from(PlainTransform(translation, rotation, scale): PlainTransform) -> Self {
         let rotation = Quat::from_array(rotation);
         Self { translation: translation.into(), rotation, scale: scale.into() }
     }
@@ -127,7 +127,7 @@ impl From<Frozen> for Transform {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Placed {
-    own: Frozen,
+    own: PlainTransform,
     global: [f32; 12],
 }
 

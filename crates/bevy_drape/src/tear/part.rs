@@ -44,7 +44,7 @@ pub(crate) struct Tearing<'w, 's> {
 
 impl Tearing<'_, '_> {
     /// Triggers observers of the splits, last of all, since they may despawn the bodies.
-    pub fn tell_splits(&mut self) {
+    pub fn trigger_splits(&mut self) {
         for split in self.splits.drain(..) {
             self.commands.trigger(split);
         }

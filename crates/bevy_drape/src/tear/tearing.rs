@@ -43,7 +43,7 @@ pub(crate) fn cut_bodies(
         }
     }
     cuts.waiting.drain(..made);
-    tearing.tell_splits();
+    tearing.trigger_splits();
     if !cuts.waiting.is_empty() {
         tearing.commands.run_system_cached(cut_bodies);
     }
@@ -86,5 +86,5 @@ pub(crate) fn tear_bodies(
     for (_, entity, limits) in awake.drain(..) {
         tearing.part(entity, &mut bodies, now, false, |body| body.tear(&limits));
     }
-    tearing.tell_splits();
+    tearing.trigger_splits();
 }

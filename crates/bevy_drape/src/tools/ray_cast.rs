@@ -30,8 +30,8 @@ pub fn cast_ray(
     }
     let place = |index: u32| particles.position(index as usize);
     let mut best: Option<(f32, Vec3, [u32; 3])> = None;
-    let mut note = |met: Option<(f32, Vec3)>, corners: [u32; 3]| {
-        if let Some((distance, normal)) = met
+    let mut note = |hit: Option<(f32, Vec3)>, corners: [u32; 3]| {
+        if let Some((distance, normal)) = hit
             && distance < best.map_or(reach, |best| best.0)
         {
             best = Some((distance, normal, corners));
