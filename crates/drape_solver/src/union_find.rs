@@ -1,7 +1,7 @@
 //! Disjoint sets of numbers, as a forest in which each number points towards the least of its set (Galler and Fischer
 //! 1964, "An improved equivalence algorithm").
 //!
-//! Design: docs/design/rest_and_islands.md.
+//! Design: `docs/design/rest_and_islands.md`.
 
 /// Numbers from 0 on, in disjoint groups.
 #[derive(Clone, Debug, Default)]

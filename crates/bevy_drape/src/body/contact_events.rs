@@ -2,8 +2,11 @@
 
 use bevy::prelude::*;
 
-/// Marks a body, ball or obstacle whose contacts are reported by [`DrapeContactStarted`], [`DrapeContactHit`] and
-/// [`DrapeContactEnded`]. A contact is reported if either of the two has the mark.
+/// Marks a body, ball or obstacle whose contacts are reported by
+/// [`DrapeContactStarted`](crate::contact::events::DrapeContactStarted),
+/// [`DrapeContactHit`](crate::contact::events::DrapeContactHit) and
+/// [`DrapeContactEnded`](crate::contact::events::DrapeContactEnded). A contact is reported if either of the two has the
+/// mark.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -2,8 +2,8 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use drape_solver::world::extent::Extent;
 use drape_solver::BuildError;
+use drape_solver::world::extent::Extent;
 
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};

@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 use drape_solver::{BuildError, RigidBody};
 
-/// Impulse of cloth, ropes and balls on an [`Obstacle`] in the last step: the exact opposite of all impulses that it
-/// gave them. Add this to an obstacle that another physics engine moves, and pass the impulses to that engine after
-/// each step.
+/// Impulse of cloth, ropes and balls on an [`Obstacle`](crate::environment::obstacle::Obstacle) in the last step: the
+/// exact opposite of all impulses that it gave them. Add this to an obstacle that another physics engine moves, and
+/// pass the impulses to that engine after each step.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -18,8 +18,8 @@ pub struct ObstacleReaction {
     pub angular_impulse: Vec3,
 }
 
-/// An [`Obstacle`] that flies, falls, and is pushed back by everything that it touches. The plugin writes its
-/// [`Transform`]; the entity must not have a parent. Moving it by hand teleports it.
+/// An [`Obstacle`](crate::environment::obstacle::Obstacle) that flies, falls, and is pushed back by everything that it
+/// touches. The plugin writes its [`Transform`]; the entity must not have a parent. Moving it by hand teleports it.
 ///
 /// It does not collide with other obstacles. For that, let a physics engine move it, driven by its
 /// [`ObstacleReaction`].
@@ -54,7 +54,7 @@ pub struct DynamicObstacle {
     /// Angular velocity in rad/s, in world axes.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub angular_velocity: Vec3,
-    /// Factor on [gravity](DrapeGravity): 1 for all of it, 0 for none.
+    /// Factor on [gravity](crate::environment::gravity::DrapeGravity): 1 for all of it, 0 for none.
     pub gravity_scale: f32,
 }
 

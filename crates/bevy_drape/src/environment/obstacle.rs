@@ -4,8 +4,9 @@ use bevy::prelude::*;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{BuildError, Layers, Placement, Shape};
 
-/// A solid that cloth, ropes and balls collide with. Nothing pushes it back unless it is a [`DynamicObstacle`]. Its
-/// [`Transform`] gives place and scale. Moving it carries its velocity into contacts.
+/// A solid that cloth, ropes and balls collide with. Nothing pushes it back unless it is a
+/// [`DynamicObstacle`](crate::environment::dynamic_obstacle::DynamicObstacle). Its [`Transform`] gives place and scale.
+/// Moving it carries its velocity into contacts.
 ///
 /// A move faster than 1500 m/s counts as a teleport and carries no velocity, and so does any move with
 /// [`TeleportObstacle`].
@@ -68,7 +69,8 @@ impl Obstacle {
         Self::new(Shape::Container { half_extents: Vec3::new(x, y, z) * 0.5 })
     }
 
-    /// Makes it a sensor, which moves nothing. Contacts are reported if it or the other entity has [`ContactEvents`].
+    /// Makes it a sensor, which moves nothing. Contacts are reported if it or the other entity has
+    /// [`ContactEvents`](crate::body::contact_events::ContactEvents).
     pub fn as_sensor(mut self) -> Self {
         self.is_sensor = true;
         self

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use drape_solver::Turbulence;
 
 /// The wind that blows everywhere. It pushes faces of cloths and links of ropes ([`drape_solver::Wind`]). Use a
-/// [`WindZone`] for local wind.
+/// [`WindZone`](crate::environment::wind_zone::WindZone) for local wind.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -19,8 +19,8 @@ pub struct SceneManager {
     /// Greatest corner of the play area in metres.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub play_area_max: Vec3,
-    /// Distance in metres from every [`Viewer`] beyond which a sleeping body is culled, until a viewer returns. Without
-    /// viewers nothing is culled for distance.
+    /// Distance in metres from every [`Viewer`](crate::viewer::Viewer) beyond which a sleeping body is culled, until a
+    /// viewer returns. Without viewers nothing is culled for distance.
     pub viewer_distance: f32,
     /// True if balls that left the play area are despawned.
     pub despawn_lost_balls: bool,

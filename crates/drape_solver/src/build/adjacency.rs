@@ -1,6 +1,6 @@
 //! The faces of a body, or the links of a rope, around each particle.
 //!
-//! Design: docs/design/tears_and_cuts.md.
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_3};
 

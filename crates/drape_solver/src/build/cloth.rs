@@ -1,6 +1,6 @@
 //! The builder of rectangular cloths.
 //!
-//! Design: docs/design/relaxation.md.
+//! Design: `docs/design/relaxation.md`.
 
 use std::sync::Arc;
 

@@ -6,7 +6,7 @@
 //!         o-----------o         coarse cloth that is bent looks round, not like a polyhedron
 //! ```
 //!
-//! Design: docs/design/cloth_from_meshes.md and docs/design/soft_bodies.md.
+//! Design: `docs/design/cloth_from_meshes.md` and `docs/design/soft_bodies.md`.
 
 use glam::{DVec3, Vec3};
 use parry3d::query::PointQueryWithLocation;

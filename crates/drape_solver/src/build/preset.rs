@@ -5,7 +5,7 @@
 //! Stiffness, friction and drag are chosen to look right. `drape_bench presets` measures the result: the drape coefficient
 //! of each material and its stretch under its own weight.
 //!
-//! Design: docs/design/presets.md.
+//! Design: `docs/design/presets.md`.
 
 #[cfg(feature = "bevy")]
 use bevy_reflect::std_traits::ReflectDefault;

@@ -14,7 +14,7 @@
 //! Sticks with a bound limit the angles (Jakobsen 2001, section 6): an elbow that can become neither quite straight nor
 //! quite folded cannot bend backwards.
 //!
-//! Design: docs/design/rigs.md.
+//! Design: `docs/design/rigs.md`.
 
 use std::sync::Arc;
 

@@ -9,7 +9,7 @@
 //!    +-----------o
 //! ```
 //!
-//! Design: docs/design/rigs.md.
+//! Design: `docs/design/rigs.md`.
 
 use std::sync::Arc;
 

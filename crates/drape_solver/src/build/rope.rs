@@ -1,6 +1,6 @@
 //! The builder of ropes.
 //!
-//! Design: docs/design/ropes.md.
+//! Design: `docs/design/ropes.md`.
 
 use std::sync::Arc;
 

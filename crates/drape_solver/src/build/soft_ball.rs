@@ -8,7 +8,7 @@
 //!        ' - o - '
 //! ```
 //!
-//! Design: docs/design/soft_bodies.md.
+//! Design: `docs/design/soft_bodies.md`.
 
 use core::f32::consts::TAU;
 use std::sync::Arc;

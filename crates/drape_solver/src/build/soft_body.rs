@@ -8,7 +8,7 @@
 //!     '--..--'
 //! ```
 //!
-//! Design: docs/design/soft_bodies.md.
+//! Design: `docs/design/soft_bodies.md`.
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@
 //!      o   o---x-- * -- * -- *---x--o      * inside   o outside   x crossing
 //! ```
 //!
-//! Design: docs/design/soft_bodies.md.
+//! Design: `docs/design/soft_bodies.md`.
 
 use std::collections::BTreeMap;
 

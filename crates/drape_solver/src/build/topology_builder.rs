@@ -1,6 +1,6 @@
 //! Builds a topology from families of sticks, faces and tethers.
 //!
-//! Design: docs/design/memory_layout.md.
+//! Design: `docs/design/memory_layout.md`.
 
 use std::sync::Arc;
 

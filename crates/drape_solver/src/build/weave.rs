@@ -9,7 +9,7 @@
 //!      weft
 //! ```
 //!
-//! Design: docs/design/cloth_from_meshes.md.
+//! Design: `docs/design/cloth_from_meshes.md`.
 
 use std::collections::BTreeMap;
 

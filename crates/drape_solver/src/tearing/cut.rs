@@ -12,7 +12,7 @@
 //!   o-----o-----o         o-----o-----o
 //! ```
 //!
-//! Design: docs/design/tears_and_cuts.md.
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 //! Builds the topology of a piece.
 //!
-//! Design: docs/design/tears_and_cuts.md.
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use std::sync::Arc;
 

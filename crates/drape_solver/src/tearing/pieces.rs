@@ -1,6 +1,6 @@
 //! Opens the cracks of a body and separates it into pieces, each a body of its own.
 //!
-//! Design: docs/design/tears_and_cuts.md.
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use std::sync::Arc;
 

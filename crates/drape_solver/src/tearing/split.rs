@@ -12,7 +12,7 @@
 //! Faces around a particle stay together if they share an edge without a crack. Each group of faces gets a particle of its
 //! own, so that no face is lost and no two faces join at a corner alone.
 //!
-//! Design: docs/design/tears_and_cuts.md.
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use std::collections::BTreeSet;
 

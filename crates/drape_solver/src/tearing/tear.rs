@@ -12,7 +12,7 @@
 //!                               o--o-----o        their far ends, and the tear runs on
 //! ```
 //!
-//! Design: docs/design/tears_and_cuts.md.
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use glam::Vec3;
 

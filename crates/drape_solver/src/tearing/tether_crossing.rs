@@ -7,7 +7,7 @@
 //!       p  \q
 //! ```
 //!
-//! Design: docs/design/tears_and_cuts.md.
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use glam::{Vec2, Vec3};
 

@@ -20,7 +20,7 @@ pub struct ClothPaint {
     /// Distance in metres that a value of 1 stands for, 0 or more; 1 by default.
     pub full_distance: f32,
     /// Scales stiffness: white for the stiffness of the fields, darker for softer. On a rigid edge 0.9 gives 0.999, 0.5
-    /// gives 0.89, black gives 0.5 ([`painted_stiffness`](MeshClothBuilder::painted_stiffness)). None, the default: the
+    /// gives 0.89, black gives 0.5 ([`painted_stiffness`](drape_solver::MeshClothBuilder::painted_stiffness)). None, the default: the
     /// same stiffness everywhere.
     pub stiffness: Option<PaintChannel>,
     /// True to draw vertex colours that are read as paint: renderers multiply the material's colour by them. False, the

@@ -1,6 +1,6 @@
 //! Checks of a mesh before a body is built from it.
 //!
-//! Design: docs/design/cloth_from_meshes.md.
+//! Design: `docs/design/cloth_from_meshes.md`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 //! The builder of cloths from any mesh.
 //!
-//! Design: docs/design/cloth_from_meshes.md.
+//! Design: `docs/design/cloth_from_meshes.md`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Errors of meshes that cannot be built, and repairs of those that can.
 //!
-//! Design: docs/design/cloth_from_meshes.md.
+//! Design: `docs/design/cloth_from_meshes.md`.
 
 use core::fmt;
 

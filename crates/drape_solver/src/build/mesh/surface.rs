@@ -1,6 +1,6 @@
 //! The repaired surface of a mesh: its triangles, their edges and bends, and one winding for all.
 //!
-//! Design: docs/design/cloth_from_meshes.md.
+//! Design: `docs/design/cloth_from_meshes.md`.
 
 use std::collections::{HashMap, HashSet};
 

@@ -1,6 +1,6 @@
 //! Finds vertices in the same place, in linear time.
 //!
-//! Design: docs/design/cloth_from_meshes.md.
+//! Design: `docs/design/cloth_from_meshes.md`.
 
 use std::collections::HashMap;
 
