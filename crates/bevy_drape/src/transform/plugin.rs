@@ -6,7 +6,7 @@ use bevy::transform::systems::{
 };
 
 use crate::schedule::{DrapeSchedule, ScenePhase};
-use crate::transform::propagation::{have_hierarchies_moved, have_unparented_moved};
+use crate::transform::propagation::{have_hierarchies_moved, have_roots_moved};
 
 /// Global transforms that are up to date at the start of a step. Bevy updates them after the fixed loop only: too late.
 pub(crate) struct PropagationPlugin;
@@ -18,7 +18,7 @@ impl Plugin for PropagationPlugin {
             DrapeSchedule,
             (
                 (mark_dirty_trees, propagate_parent_transforms).chain().run_if(have_hierarchies_moved),
-                sync_simple_transforms.run_if(have_unparented_moved),
+                sync_simple_transforms.run_if(have_roots_moved),
             )
                 .chain()
                 .in_set(ScenePhase::PropagateTransforms),

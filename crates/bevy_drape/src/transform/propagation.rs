@@ -17,7 +17,7 @@ pub(crate) fn have_hierarchies_moved(
 }
 
 /// True if an entity without parent and children has moved, or has just lost its parent.
-pub(crate) fn have_unparented_moved(
+pub(crate) fn have_roots_moved(
     moved: Query<Ref<Transform>, (Without<ChildOf>, Without<Children>)>,
     mut orphaned: RemovedComponents<ChildOf>,
 ) -> bool {

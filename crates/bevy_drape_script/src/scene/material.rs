@@ -15,7 +15,7 @@ pub struct Material {
     pub colour: (Fraction, Fraction, Fraction),
     /// Roughness, 0 (a mirror) to 1 (chalk, the default).
     pub roughness: Fraction,
-    /// Metalness, 0 (the default) to 1.
+    /// Metallicity, 0 (the default) to 1.
     pub metallic: Fraction,
 }
 
