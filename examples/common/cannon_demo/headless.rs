@@ -44,7 +44,7 @@ pub fn task_pools(threads: u16) -> TaskPoolPlugin {
 /// Runs the whole experiment and writes its results.
 ///
 /// # Errors
-/// [`OutputError`] if the folder cannot be made or written; before the run where that can be known.
+/// An error of the output if the folder cannot be made or written; before the run where that can be known.
 pub fn run(arguments: &Arguments) -> Result<(), OutputError> {
     let output = Output::create(&arguments.out, "report.json")?;
     let scene = arguments.scene();

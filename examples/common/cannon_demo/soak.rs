@@ -156,7 +156,7 @@ fn resident_mib() -> Option<f64> {
 /// Soaks the scene, prints a line a minute and writes `soak.json`.
 ///
 /// # Errors
-/// [`OutputError`].
+/// An error of the output, if a file cannot be written.
 pub fn run(arguments: &Arguments, seconds: u32) -> Result<(), OutputError> {
     let output = Output::create(&arguments.out, "soak.json")?;
     let report = soak(&mut app(arguments.scene(), arguments.threads), seconds, |_| {});
