@@ -26,7 +26,6 @@
 //! pending_messages   messages that wait for the next step
 //! change_detection   change ticks read as columns
 //! rigid_motion       placements, and rigid motions between them
-//! bounds             boxes along the axes
 //! clock              simulated time
 //! refusal            components that cannot be used, and why
 //! serde_vector       vectors written as three numbers
@@ -35,7 +34,6 @@
 pub mod attach;
 pub mod ball;
 pub mod body;
-mod bounds;
 pub mod build;
 mod change_detection;
 pub mod clock;

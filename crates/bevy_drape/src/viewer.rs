@@ -2,10 +2,9 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use drape_solver::world::bounds::Bounds;
 
-use crate::bounds::{Bounds, distance_to};
-
-/// An entity, usually the camera, that bodies are culled by their distance from.
+/// Marks an entity, usually the camera, whose distance decides the culling and the level of detail of bodies.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Transform)]
@@ -30,14 +29,12 @@ impl View<'_, '_> {
 
     /// Distance from the nearest viewer to a box in metres; 0 without viewers.
     pub fn distance(&self, bounds: Bounds) -> f32 {
-        let eyes = self.viewers.iter().map(|(viewer, _)| viewer.translation());
-        let nearest = eyes.map(|eye| distance_to(eye, bounds)).min_by(f32::total_cmp);
+        let nearest = self.places().map(|eye| bounds.distance_to(eye)).min_by(f32::total_cmp);
         nearest.unwrap_or(0.0)
     }
 
-    /// True if there are viewers, and all of them are farther than `distance` metres from a box.
-    pub fn is_farther(&self, distance: f32, bounds: Bounds) -> bool {
-        let is_far = |viewer: &GlobalTransform| distance_to(viewer.translation(), bounds) > distance;
-        !self.viewers.is_empty() && self.viewers.iter().all(|(viewer, _)| is_far(&viewer))
+    /// Places of all viewers, in metres.
+    pub fn places(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.viewers.iter().map(|(viewer, _)| viewer.translation())
     }
 }

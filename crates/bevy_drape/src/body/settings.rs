@@ -1,4 +1,4 @@
-//! How bodies are stepped: a component for one body, a resource for all others.
+//! Solver settings: a component for one body, a resource for all others.
 
 use bevy::prelude::*;
 pub use drape_solver::{Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve};

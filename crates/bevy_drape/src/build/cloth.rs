@@ -10,9 +10,9 @@ use crate::build::description::Description;
 
 /// A rectangular cloth: curtain, flag, sail, table cloth.
 ///
-/// It hangs in the XY plane of its [`Transform`], centred, facing +Z, and is built into [`Particles`](crate::body::particles::Particles) and
-/// [`Sticks`](crate::body::particles::Sticks) in the first step after it was inserted or changed. Pinned particles stay fixed to the entity: move
-/// the `Transform` and the cloth is pulled along.
+/// It lies centred in the XY plane of its [`Transform`] and faces +Z. The first step after insertion or a change builds
+/// its [`Particles`](crate::body::particles::Particles) and [`Sticks`](crate::body::particles::Sticks). Pinned
+/// particles stay fixed to the entity: move the `Transform` to pull the cloth along.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -39,11 +39,11 @@ pub struct Cloth {
     pub bend_stiffness: f32,
     /// Damping along the sticks in 1/s.
     pub damping: f32,
-    /// Which particles are fixed to the entity.
+    /// Particles that are fixed to the entity.
     pub pins: ClothPins,
 }
 
-/// Which particles of a cloth are pinned. Particle `row * columns + column` is counted from the top left.
+/// The pinned particles of a cloth. Particle `row * columns + column` counts from the top left.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum ClothPins {
@@ -97,14 +97,14 @@ impl Cloth {
         self
     }
 
-    /// Sets which particles are pinned.
+    /// Sets the pinned particles.
     pub fn with_pins(mut self, pins: ClothPins) -> Self {
         self.pins = pins;
         self
     }
 
-    /// The same cloth of fewer particles: about one in `coarseness` of each side. It weighs, hangs, stretches and swings as this one
-    /// does: in a row of fewer and heavier particles the same material has softer sticks.
+    /// Returns the same cloth with fewer particles: about one in `coarseness` along each side. It weighs, hangs,
+    /// stretches and swings like the original: fewer and heavier particles need softer sticks for the same material.
     pub(crate) fn coarsened(&self, coarseness: u32) -> Self {
         if coarseness <= 1 {
             return self.clone();
@@ -114,7 +114,7 @@ impl Cloth {
             _ => ((side - 1 + coarseness / 2) / coarseness).max(1) + 1,
         };
         let particles = UVec2::new(fewer(self.particles.x), fewer(self.particles.y));
-        // Compliance goes by the square of the spacing, and damping against it.
+        // Compliance grows with the square of the spacing, damping shrinks with it.
         let ratio = (self.particles.max(UVec2::splat(2)) - 1).as_vec2()
             / (particles.max(UVec2::splat(2)) - 1).as_vec2();
         let square = ratio.x * ratio.y;
@@ -143,7 +143,7 @@ impl Cloth {
         }
     }
 
-    /// The particles and topology of this cloth at `transform`.
+    /// Builds the particles and topology of this cloth at `transform`.
     ///
     /// # Errors
     /// [`BuildError`] naming the field that cannot be used.

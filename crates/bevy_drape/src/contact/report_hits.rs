@@ -22,7 +22,7 @@ pub(crate) fn report_hits(
     touching
         .begin_step(elapsed, |ball| activities.get(ball).is_ok_and(|activity| *activity != Activity::Active));
     for island in islands.live() {
-        for touch in &island.solver.touches {
+        for touch in &island.solver().touches {
             let projectile = island.balls[touch.ball];
             let (target, kind) = match touch.other {
                 Other::Body(i) => (island.bodies[i], HitTarget::Body),

@@ -11,7 +11,7 @@ use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wake_regions::WakeRegions;
 use crate::refusal::Refusals;
 
-/// Has dynamic obstacles fly through the coming step.
+/// Moves dynamic obstacles freely through the coming step.
 pub(crate) fn fly_dynamic_obstacles(
     obstacles: Query<(Entity, &DynamicObstacle), With<Obstacle>>,
     clock: Res<DrapeClock>,

@@ -16,7 +16,7 @@ impl Default for DrapeGravity {
 }
 
 impl DrapeGravity {
-    /// Whether the solver can compute with it: finite and below 10^6 m/s^2.
+    /// True if the solver can compute with it: finite and below 10^6 m/s^2.
     pub(crate) fn is_usable(&self) -> bool {
         // False for NaN.
         self.0.abs().cmple(Vec3::splat(MAX_MAGNITUDE)).all()

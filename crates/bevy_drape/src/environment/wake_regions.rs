@@ -1,17 +1,16 @@
 //! Regions in which obstacles wake resting bodies.
 
 use bevy::prelude::*;
-use drape_solver::Layers;
+use drape_solver::Obstacle;
+use drape_solver::world::waking::Proxy;
 
-use crate::bounds::Bounds;
-
-/// Boxes and layers of what appeared, vanished, changed or moves in this step: bodies at rest there wake up, if they could
-/// touch it.
+/// Boxes and layers of obstacles that appeared, vanished, changed or move in this step. Resting bodies that could touch
+/// them wake.
 #[derive(Resource, Default)]
-pub(crate) struct WakeRegions(pub Vec<(Bounds, Layers)>);
+pub(crate) struct WakeRegions(pub Vec<Proxy>);
 
 impl WakeRegions {
-    pub fn push(&mut self, obstacle: &drape_solver::Obstacle) {
-        self.0.push((obstacle.swept_bounds(), obstacle.layers()));
+    pub fn push(&mut self, obstacle: &Obstacle) {
+        self.0.push(Proxy::of_obstacle(obstacle));
     }
 }

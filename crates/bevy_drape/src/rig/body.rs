@@ -1,4 +1,4 @@
-//! What a rig is compiled into.
+//! Rigs on their way into bodies.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,9 +18,9 @@ pub(crate) struct RigMember {
     pub position: Vec3,
     pub velocity: Vec3,
     pub inverse_mass: f32,
-    /// The body that it was simulated in until now.
+    /// The body that simulated it until now.
     pub body: Option<Entity>,
-    /// What its entity says about that.
+    /// The [`InRig`] of its entity.
     pub in_rig: Option<InRig>,
     pub settings: Option<SolverSettings>,
     pub is_changed: bool,
@@ -36,14 +36,14 @@ pub(crate) struct Link {
     pub is_changed: bool,
 }
 
-/// Members that links join, and those links; both in the order of insertion.
+/// Members that links join, and these links, both in the order of insertion.
 #[derive(Default)]
 pub(crate) struct Group {
     pub members: Vec<usize>,
     pub links: Vec<usize>,
 }
 
-/// The groups of members that hang together, in the order of their oldest member.
+/// Returns the groups of connected members, in the order of their oldest member.
 pub(crate) fn connected(members: &[RigMember], links: &[Link]) -> Vec<Group> {
     let mut parents: Vec<usize> = (0..members.len()).collect();
     for link in links {
@@ -53,7 +53,7 @@ pub(crate) fn connected(members: &[RigMember], links: &[Link]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     let mut group_of = vec![0; members.len()];
     for i in 0..members.len() {
-        // A root is the oldest member of its group, and so it is met first.
+        // The root of a group is its oldest member, so it comes first.
         let root = root(&mut parents, i);
         if root == i {
             group_of[i] = groups.len();
@@ -68,7 +68,7 @@ pub(crate) fn connected(members: &[RigMember], links: &[Link]) -> Vec<Group> {
     groups
 }
 
-/// The oldest member that hangs together with `i`.
+/// Returns the oldest member that is connected with `i`.
 fn root(parents: &mut [usize], mut i: usize) -> usize {
     while parents[i] != i {
         parents[i] = parents[parents[i]];
@@ -82,7 +82,7 @@ pub(crate) struct CompiledRig {
     pub rig: Rig,
     pub settings: Option<SolverSettings>,
     pub inverse_masses: Vec<f32>,
-    /// Whether a particle, a stick or their settings were changed.
+    /// True if a particle, a stick or their settings were changed.
     pub is_changed: bool,
     positions: Vec<Vec3>,
     velocities: Vec<Vec3>,
@@ -101,31 +101,32 @@ impl CompiledRig {
             let Link { ends, rest_length, material, .. } = links[i];
             (ends.map(|end| index_in_body[&end]), rest_length, material)
         });
-        let crew = || group.members.iter().map(|&i| &members[i]);
-        let settings = crew().find_map(|member| member.settings.map(|settings| (member.entity, settings)));
+        let in_group = || group.members.iter().map(|&i| &members[i]);
+        let settings =
+            in_group().find_map(|member| member.settings.map(|settings| (member.entity, settings)));
         Self {
             rig: Rig {
-                particles: crew().map(|member| member.entity).collect(),
+                particles: in_group().map(|member| member.entity).collect(),
                 sticks: group.links.iter().map(|&i| links[i].entity).collect(),
                 settings_from: settings.map(|(from, _)| from),
             },
             settings: settings.map(|(_, settings)| settings),
-            inverse_masses: crew().map(|member| member.inverse_mass).collect(),
-            is_changed: crew().any(|member| member.is_changed)
+            inverse_masses: in_group().map(|member| member.inverse_mass).collect(),
+            is_changed: in_group().any(|member| member.is_changed)
                 || group.links.iter().any(|&i| links[i].is_changed),
-            positions: crew().map(|member| member.position).collect(),
-            velocities: crew().map(|member| member.velocity).collect(),
-            bodies: crew().map(|member| member.body).collect(),
+            positions: in_group().map(|member| member.position).collect(),
+            velocities: in_group().map(|member| member.velocity).collect(),
+            bodies: in_group().map(|member| member.body).collect(),
             sticks: sticks.collect(),
         }
     }
 
-    /// Whether all its particles come from `body`.
+    /// True if all its particles come from `body`.
     pub fn is_all_from(&self, body: Entity) -> bool {
         self.bodies.iter().all(|from| *from == Some(body))
     }
 
-    /// Whether `body`, of `rig`, has the same particles and sticks.
+    /// True if `body` with `rig` has the same particles and sticks.
     pub fn is_of(&self, body: Entity, rig: &Rig) -> bool {
         self.is_all_from(body)
             && self.rig.particles == rig.particles
@@ -133,7 +134,7 @@ impl CompiledRig {
             && self.rig.settings_from == rig.settings_from
     }
 
-    /// The body's columns and topology.
+    /// Builds the body's columns and topology.
     pub fn build(&self) -> Result<BodyParts, BuildError> {
         let (low, high) = self
             .positions
@@ -167,7 +168,7 @@ impl CompiledRig {
         for (material, sticks) in families {
             builder.family_with_lengths(material, sticks)?;
         }
-        // A brace is no surface: it spans what other sticks join; so does a limit.
+        // Braces and limits are not part of the surface: they span particles that other sticks join.
         let is_surface = |material: &StickMaterial| {
             material.kind != StickKind::Bend && material.bound == StickBound::Exact
         };
@@ -177,7 +178,7 @@ impl CompiledRig {
         segments.iter().flatten().for_each(|&end| is_bare[end as usize] = false);
         let bare = (0..).zip(is_bare).filter(|&(_, is_bare)| is_bare);
         segments.extend(bare.map(|(i, _)| [i, i]));
-        // Elastic sticks may stretch, so that nothing bounds the way along them.
+        // Elastic sticks may stretch, so tethers cannot run along them.
         let rigid = self
             .sticks
             .iter()
@@ -192,7 +193,7 @@ impl CompiledRig {
     }
 }
 
-/// When sticks of a kind are relaxed: what carries load first.
+/// Rank of a kind of stick in relaxation: load-bearing sticks come first.
 fn stage(kind: StickKind) -> u32 {
     match kind {
         StickKind::Structural => 0,
@@ -201,7 +202,7 @@ fn stage(kind: StickKind) -> u32 {
     }
 }
 
-/// When sticks of a bound are relaxed among those of a kind: limits after what they limit.
+/// Rank of a bound among sticks of one kind: limits come after the sticks that they limit.
 fn side(bound: StickBound) -> u32 {
     match bound {
         StickBound::Exact => 0,

@@ -1,16 +1,16 @@
 //! Culls bodies outside the play area, and sleeping ones far from every viewer.
 
 use bevy::prelude::*;
+use drape_solver::world::bounds::Bounds;
 
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
-use crate::bounds::Bounds;
 use crate::sleep::candidates::Candidates;
 use crate::sleep::scene_manager::SceneManager;
 use crate::viewer::View;
 
-/// Culls what left the play area or sleeps far from every viewer, and brings it back when it is in sight again.
+/// Culls bodies and balls that left the play area or rest far from every viewer, and brings them back in sight.
 pub(crate) fn cull(
     mut commands: Commands,
     mut bodies: Query<(&mut Activity, &BodyState)>,
@@ -19,6 +19,7 @@ pub(crate) fn cull(
     mut view: View,
     manager: Res<SceneManager>,
     mut candidates: ResMut<Candidates>,
+    mut places: Local<Vec<Vec3>>,
 ) {
     let is_new_view = view.is_new();
     let candidates = &mut *candidates;
@@ -33,25 +34,11 @@ pub(crate) fn cull(
             }
         }
     }
-    let is_far = |bounds: Bounds| view.is_farther(manager.viewer_distance, bounds);
-    // False for what is not finite or empty: that is not lost but refused.
-    let is_lost = |(low, high): Bounds| {
-        let outside = low.cmpgt(manager.play_area_max) | high.cmplt(manager.play_area_min);
-        outside.any() && low.cmple(high).all()
-    };
-    let next = |activity: Activity, bounds: Bounds, refused: bool, still_for: f32| match activity {
-        _ if refused || is_lost(bounds) => Activity::Culled,
-        Activity::Resting if is_far(bounds) => Activity::Culled,
-        Activity::Culled if manager.sleeping && still_for >= manager.sleep_time => {
-            if is_far(bounds) {
-                Activity::Culled
-            } else {
-                Activity::Resting
-            }
-        }
-        // It left while it moved, and goes on from there.
-        Activity::Culled => Activity::Active,
-        same => same,
+    places.clear();
+    places.extend(view.places());
+    let rules = manager.rules();
+    let next = |activity: Activity, bounds: Bounds, refused: bool, still_for: f32| -> Activity {
+        rules.after_culling(activity.into(), bounds, refused, still_for, &places).into()
     };
     for &body in &candidates.bodies {
         let Ok((mut activity, state)) = bodies.get_mut(body) else { continue };
@@ -61,7 +48,7 @@ pub(crate) fn cull(
     for &ball in &candidates.balls {
         let Ok((mut activity, state, record)) = balls.get_mut(ball) else { continue };
         let bounds = state.bounds();
-        if manager.despawn_lost_balls && !record.refused && is_lost(bounds) {
+        if manager.despawn_lost_balls && !record.refused && rules.is_lost(bounds) {
             commands.entity(ball).despawn();
         } else {
             let next = next(*activity, bounds, record.refused, state.still_for());

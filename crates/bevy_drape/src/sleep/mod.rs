@@ -8,6 +8,5 @@ pub(crate) mod candidates;
 pub(crate) mod cull;
 pub(crate) mod fall_asleep;
 pub(crate) mod plugin;
-pub(crate) mod resting_bvh;
 pub mod scene_manager;
 pub(crate) mod waking;

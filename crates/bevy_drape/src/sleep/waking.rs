@@ -1,55 +1,43 @@
-//! Wakes what is at rest.
+//! Wakes resting bodies and balls.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use drape_solver::Layers;
+use drape_solver::world::extent::Extent;
+use drape_solver::world::kind::Kind;
+use drape_solver::world::resting_tree::Key;
+use drape_solver::world::waking::{Proxy, Waking, is_roused};
 
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
-use crate::body::body_state::{BodyState, CreationOrder, Extent};
+use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::settings::{DefaultSolverSettings, SolverSettings};
-use crate::bounds::{Bounds, overlap};
 use crate::clock::DrapeClock;
 use crate::detail::level::CurrentDetail;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wake_regions::WakeRegions;
 use crate::sleep::candidates::Candidates;
-use crate::sleep::resting_bvh::RestingBvh;
 
-/// Something active, and where it can get in this step: it wakes what rests there.
-#[derive(Clone, Copy)]
-struct WakeSource {
-    bounds: Bounds,
-    layers: Layers,
-    touches: Touches,
-}
-
-/// Which bodies something active touches, and so wakes. All touch balls.
+/// The entity of a body or ball, as the key of what rests.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Touches {
-    NoBodies,
-    BodiesWithSelfContact,
-    AllBodies,
-}
+struct EntityKey(Entity);
 
-impl Touches {
-    fn of_body(settings: &SolverSettings) -> Self {
-        if settings.has_self_contact() { Self::BodiesWithSelfContact } else { Self::NoBodies }
+impl Key for EntityKey {
+    fn index(self) -> usize {
+        self.0.index_u32() as usize
     }
 }
 
-/// What moves in this step, and what rests.
+/// Sources of waking in this step, and everything that rests.
 #[derive(Default)]
 pub(crate) struct WakeSearch {
-    sources: Vec<WakeSource>,
-    bodies: RestingBvh,
-    balls: RestingBvh,
-    found: Vec<Entity>,
+    waking: Waking<EntityKey>,
+    woken: Vec<EntityKey>,
 }
 
-/// What may rest, and what tells how far it gets in this step.
+/// Bodies and balls that may wake, and the data for their motion in this step.
 #[derive(SystemParam)]
 pub(crate) struct WakeTargets<'w, 's> {
     bodies: Query<
@@ -81,49 +69,67 @@ pub(crate) struct WakeTargets<'w, 's> {
 }
 
 impl WakeTargets<'_, '_> {
-    /// Length of the step in seconds and size of gravity in m/s^2.
+    /// Returns the length of the step in seconds and the magnitude of gravity in m/s^2.
     fn step_and_gravity(&self) -> (f32, f32) {
         (self.clock.delta(), self.solver.environment.gravity.length())
+    }
+
+    /// Box, layers and kind of what rests; none if it is gone or does not rest.
+    fn sleeper(&self, EntityKey(entity): EntityKey) -> Option<Proxy> {
+        let (dt, gravity) = self.step_and_gravity();
+        let (activity, proxy) = if let Ok((activity, ball, ..)) = self.balls.get(entity) {
+            let bounds = ball.bounds_within_step(dt, gravity);
+            (activity, Proxy { bounds, layers: ball.layers(), kind: Kind::Ball })
+        } else {
+            let (activity, _, _, state, ..) = self.bodies.get(entity).ok()?;
+            let (bounds, kind) = (state.bounds(), Kind::of_body(&state.settings));
+            (activity, Proxy { bounds, layers: state.layers, kind })
+        };
+        (*activity == Activity::Resting).then_some(proxy)
+    }
+
+    /// Has a body or ball that rested be simulated.
+    fn rouse(&mut self, EntityKey(entity): EntityKey) {
+        if let Ok((mut activity, mut ball, ..)) = self.balls.get_mut(entity) {
+            *activity = Activity::Active;
+            ball.bypass_change_detection().rouse();
+        } else if let Ok((mut activity, mut particles, ..)) = self.bodies.get_mut(entity) {
+            *activity = Activity::Active;
+            particles.bypass_change_detection().rouse();
+        }
     }
 }
 
 impl WakeSearch {
-    /// Has what rests where a body or ball rested until now looked at: it may have lain on it.
-    fn wake_around(&mut self, bounds: Bounds, touches: Touches) {
-        self.sources.push(WakeSource { bounds, layers: Layers::ALL, touches });
-    }
-
     /// Wakes the balls that were pushed or edited, and notes what is active and what rests.
     fn update_balls(&mut self, candidates: &[Entity], targets: &mut WakeTargets) {
         let (dt, gravity) = targets.step_and_gravity();
         let WakeTargets { balls, solver, .. } = targets;
         for &entity in candidates {
             let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
-            // A ball that was refused gets another chance when somebody has edited it.
+            // An edit gives a refused ball another chance.
             let mended = record.refused && ball.is_changed();
             let bounds = ball.bounds_within_step(dt, gravity);
-            let resting = *activity == Activity::Resting;
             let is_elsewhere = ball.layers() != DrapeLayers::of(layers);
-            if mended || (resting && (ball.is_disturbed() || is_elsewhere || solver.changed)) {
+            if is_roused((*activity).into(), ball.is_disturbed() || is_elsewhere || solver.changed, mended) {
                 record.refused = false;
                 *activity = Activity::Active;
                 ball.bypass_change_detection().rouse();
             }
             if *activity == Activity::Active {
                 let layers = DrapeLayers::of(layers);
-                self.sources.push(WakeSource { bounds, layers, touches: Touches::AllBodies });
+                self.waking.disturb(Proxy { bounds, layers, kind: Kind::Ball });
             }
             if *activity == Activity::Resting {
-                self.balls.insert(entity, bounds);
+                self.waking.rest_ball(EntityKey(entity), bounds);
             } else {
-                if let Some(bounds) = self.balls.remove(entity) {
-                    self.wake_around(bounds, Touches::AllBodies);
-                }
+                self.waking.remove_ball(EntityKey(entity));
             }
         }
     }
 
-    /// Wakes the bodies that were pushed, edited or given other settings, and notes what is active and what rests.
+    /// Wakes bodies that were pushed, edited or given other settings, and sorts all candidates into sources and resting
+    /// bodies.
     fn update_bodies(
         &mut self,
         candidates: &[Entity],
@@ -148,9 +154,9 @@ impl WakeSearch {
                 state.order = order.next();
                 state.extent = Extent::of(&particles, &sticks);
             } else if edited && particles.is_changed() {
-                let bounds = state.bounds();
                 if *activity == Activity::Resting {
-                    self.wake_around(bounds, Touches::of_body(&state.settings));
+                    let (bounds, kind) = (state.bounds(), Kind::of_body(&state.settings));
+                    self.waking.disturb(Proxy { bounds, layers: Layers::ALL, kind });
                 }
                 state.extent = Extent::of(&particles, &sticks);
             }
@@ -161,82 +167,31 @@ impl WakeSearch {
             state.settings = settings;
             state.layers = layers;
             let mended = state.refused && (rearranged || particles.is_changed());
-            let resting = *activity == Activity::Resting;
-            let bounds = state.bounds();
-            if mended || (resting && (edited || rearranged || solver.changed)) {
+            if is_roused((*activity).into(), edited || rearranged || solver.changed, mended) {
                 state.refused = false;
                 *activity = Activity::Active;
                 particles.bypass_change_detection().rouse();
             }
             if *activity == Activity::Active {
-                let touches = Touches::of_body(&state.settings);
-                self.sources.push(WakeSource {
-                    bounds: state.bounds_within_step(dt, gravity),
-                    layers,
-                    touches,
-                });
+                let bounds = state.bounds_within_step(dt, gravity);
+                self.waking.disturb(Proxy { bounds, layers, kind: Kind::of_body(&state.settings) });
             }
             if *activity == Activity::Resting {
-                self.bodies.insert(entity, bounds);
+                self.waking.rest_body(EntityKey(entity), state.bounds());
             } else {
-                self.bodies.remove(entity);
+                self.waking.remove_body(EntityKey(entity));
             }
         }
     }
 
     /// Wakes what rests where something is active, and what rests where that can get, until nothing is found.
-    fn spread(&mut self, wake_regions: &WakeRegions, targets: &mut WakeTargets) {
-        for &(space, layers) in &wake_regions.0 {
-            self.bodies.find(space, &mut self.found);
-            self.balls.find(space, &mut self.found);
-            self.wake_found(WakeSource { bounds: space, layers, touches: Touches::AllBodies }, targets);
-        }
-        let mut next = 0;
-        while let Some(&who) = self.sources.get(next) {
-            next += 1;
-            self.balls.find(who.bounds, &mut self.found);
-            if who.touches != Touches::NoBodies {
-                self.bodies.find(who.bounds, &mut self.found);
-            }
-            self.wake_found(who, targets);
-        }
-    }
-
-    /// Wakes what was found, does rest where `who` moves and could touch it, so that it moves itself.
-    fn wake_found(&mut self, who: WakeSource, targets: &mut WakeTargets) {
-        let WakeSource { bounds: space, layers, touches } = who;
-        let (dt, gravity) = targets.step_and_gravity();
-        for entity in self.found.drain(..) {
-            if let Ok((mut activity, mut ball, ..)) = targets.balls.get_mut(entity) {
-                let bounds = ball.bounds_within_step(dt, gravity);
-                let own = ball.layers();
-                if *activity == Activity::Resting && overlap(space, bounds) && layers.interact(own) {
-                    *activity = Activity::Active;
-                    ball.bypass_change_detection().rouse();
-                    self.balls.remove(entity);
-                    self.sources.push(WakeSource { bounds, layers: own, touches: Touches::AllBodies });
-                }
-            } else if let Ok((mut activity, mut particles, _, state, ..)) = targets.bodies.get_mut(entity) {
-                let bounds = state.bounds();
-                let own = Touches::of_body(&state.settings);
-                let is_touched = touches == Touches::AllBodies || touches == own;
-                let may_touch = is_touched && layers.interact(state.layers);
-                if may_touch && *activity == Activity::Resting && overlap(space, bounds) {
-                    *activity = Activity::Active;
-                    particles.bypass_change_detection().rouse();
-                    self.bodies.remove(entity);
-                    self.sources.push(WakeSource { bounds, layers: state.layers, touches: own });
-                }
-            } else {
-                // It was despawned in its sleep.
-                self.balls.remove(entity);
-                self.bodies.remove(entity);
-            }
-        }
+    fn spread(&mut self, targets: &mut WakeTargets) {
+        self.waking.wake(|key| targets.sleeper(key), &mut self.woken);
+        self.woken.drain(..).for_each(|key| targets.rouse(key));
     }
 }
 
-/// Wakes what was pushed, edited, or may be touched in this step. What has just been woken may wake others.
+/// Wakes everything that was pushed, edited, or may be touched in this step. What wakes may wake others.
 pub(crate) fn wake(
     mut targets: WakeTargets,
     mut candidates: ResMut<Candidates>,
@@ -245,11 +200,11 @@ pub(crate) fn wake(
     mut order: ResMut<CreationOrder>,
     mut search: Local<WakeSearch>,
 ) {
-    search.sources.clear();
     for bounds in candidates.left.drain(..) {
-        search.wake_around(bounds, Touches::AllBodies);
+        search.waking.disturb(Proxy::of_space(bounds, Layers::ALL));
     }
+    wake_regions.0.iter().for_each(|&region| search.waking.disturb(region));
     search.update_balls(&candidates.balls, &mut targets);
     search.update_bodies(&candidates.bodies, &mut targets, **defaults, &mut order);
-    search.spread(&wake_regions, &mut targets);
+    search.spread(&mut targets);
 }

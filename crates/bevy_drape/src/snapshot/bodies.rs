@@ -2,11 +2,13 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
+use drape_solver::world::bounds::Bounds;
+use drape_solver::world::extent::Extent;
 use drape_solver::{BodyContext, Layers, ParticlesSnapshot};
 
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
-use crate::body::body_state::{BodyState, Extent};
+use crate::body::body_state::BodyState;
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
@@ -49,7 +51,7 @@ impl BodySnapshot {
         Key::Body(self.order)
     }
 
-    /// The particles and sticks of the body, where it has others now, at another level of detail.
+    /// Builds the particles and sticks of the snapshot, if the body has another level of detail now.
     fn other_parts(&self, entity: EntityRef) -> Option<BodyParts> {
         let wanted = self.detail?.coarseness;
         let is_other = wanted != entity.get::<CurrentDetail>()?.coarseness;
@@ -75,7 +77,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             still_for: state.context.still_for(),
             anchor: state.anchor.to_cols_array(),
             pins: state.pins.iter().map(|&(pin, place)| (pin, place.to_array())).collect(),
-            bounds: [state.extent.bounds.0, state.extent.bounds.1].map(|corner| corner.to_array()),
+            bounds: [state.extent.bounds.low, state.extent.bounds.high].map(|corner| corner.to_array()),
             greatest_speed: state.extent.greatest_speed,
             is_refused: state.refused,
             settings: state.settings,
@@ -112,7 +114,7 @@ pub(super) fn check(bodies: &[BodySnapshot], world: &World, keys: &Keys) -> Resu
     Ok(())
 }
 
-/// What has been [checked](check).
+/// Restores bodies that have been [checked](check).
 pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Result<(), SnapshotError> {
     for &(key, body) in keys {
         let is_known = bodies.binary_search_by_key(&key, BodySnapshot::key).is_ok();
@@ -139,7 +141,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
             state.anchor = Affine3A::from_cols_array(&body.anchor);
             state.pins = body.pins.iter().map(|&(pin, place)| (pin, place.into())).collect();
             let [low, high] = body.bounds.map(Vec3::from_array);
-            state.extent = Extent { bounds: (low, high), greatest_speed: body.greatest_speed };
+            state.extent = Extent { bounds: Bounds::new(low, high), greatest_speed: body.greatest_speed };
             state.refused = body.is_refused;
             state.settings = body.settings;
             state.layers = body.layers;
@@ -151,7 +153,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         if let Some(mut place) = entity.get_mut::<RigidPlace>() {
             place.set(body.placed.transform());
         }
-        // A rig has the settings of one of its particles.
+        // A rig takes its settings from one of its particles.
         if !entity.contains::<Rig>() {
             put_component(&mut entity, body.own_settings.as_ref());
         }

@@ -9,7 +9,7 @@ use crate::body::activity::Activity;
 use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
-use crate::snapshot::world::{Frozen, Placed, put_component};
+use crate::snapshot::world::{Placed, PlainTransform, put_component};
 use crate::transform::interpolation::Interpolated;
 
 /// The state of one ball.
@@ -22,7 +22,7 @@ pub(super) struct ProjectileSnapshot {
     activity: Activity,
     projectile: Projectile,
     ball: BallSnapshot,
-    written: Frozen,
+    written: PlainTransform,
     is_refused: bool,
     own_layers: Option<DrapeLayers>,
     tells_contacts: bool,
@@ -71,7 +71,7 @@ pub(super) fn check(balls: &[ProjectileSnapshot]) -> Result<(), SnapshotError> {
     balls.iter().try_for_each(|ball| ball.ball().map(drop))
 }
 
-/// What has been [checked](check).
+/// Restores balls that have been [checked](check).
 pub(super) fn restore(
     balls: &[ProjectileSnapshot],
     world: &mut World,
@@ -107,7 +107,7 @@ pub(super) fn restore(
             entity.insert(Interpolated);
         }
         snapshot.placed.restore(&mut entity);
-        // The ball is built already: what is new or changed would be launched once more.
+        // A marked change would launch the ball again, which is built already.
         if let Some(mut projectile) = entity.get_mut::<Projectile>() {
             projectile.set_last_changed(old);
         }

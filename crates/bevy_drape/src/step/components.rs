@@ -1,8 +1,9 @@
-//! The components that a step takes out and puts back.
+//! Moves bodies and balls between components and islands.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use drape_solver::{Environment, Other, StepError};
+use drape_solver::world::staged_island::StepStage;
+use drape_solver::{Environment, StepError};
 
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
@@ -13,7 +14,7 @@ use crate::body::particles::{Particles, Sticks};
 use crate::body::pressure::Pressure;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::refusal::Refusals;
-use crate::step::island_run::{IslandRun, StepStage};
+use crate::step::island_run::IslandRun;
 use crate::step::islands::Islands;
 
 pub(crate) type BodyQuery<'w, 's> = Query<
@@ -39,7 +40,7 @@ pub(crate) type BallQuery<'w, 's> = Query<
     ),
 >;
 
-/// What the islands are filled from, and what it takes to leave something out.
+/// The components of bodies and balls that a step moves into islands and back.
 #[derive(SystemParam)]
 pub(crate) struct StepComponents<'w, 's> {
     bodies: BodyQuery<'w, 's>,
@@ -50,28 +51,28 @@ pub(crate) struct StepComponents<'w, 's> {
 }
 
 impl StepComponents<'_, '_> {
-    /// Brings all islands up to the stage `end`.
+    /// Advances all islands to the stage `end`.
     pub fn advance(&mut self, islands: &mut Islands, end: StepStage) {
         self.run(islands, |island, environment| island.advance(environment, end));
     }
 
-    /// Runs `stages` on all islands, with their components taken out of their components and given back.
+    /// Runs `stages` on all islands, with bodies and balls moved out of their components and back.
     pub fn run(
         &mut self,
         islands: &mut Islands,
         stages: impl Fn(&mut IslandRun, &Environment) + Send + Sync,
     ) {
         if islands.are_for_one_thread() {
-            // Each from beginning to end, through the same memory, while it is in the cache.
+            // One island after another through the same memory, which stays in the cache.
             let mut bodies = core::mem::take(&mut islands.bodies);
             for island in islands.live_mut() {
-                core::mem::swap(&mut bodies, &mut island.solver.bodies);
+                core::mem::swap(&mut bodies, &mut island.staged.island.bodies);
                 island.take(&mut self.bodies, &mut self.balls);
                 island.is_alone = true;
                 stages(island, &self.solver.environment);
                 self.refuse_faulty(island, &stages);
                 island.give_back(&mut self.bodies, &mut self.balls);
-                core::mem::swap(&mut bodies, &mut island.solver.bodies);
+                core::mem::swap(&mut bodies, &mut island.staged.island.bodies);
             }
             islands.bodies = bodies;
         } else {
@@ -86,14 +87,14 @@ impl StepComponents<'_, '_> {
         }
     }
 
-    /// Leaves out what cannot be stepped; the others go on.
+    /// Leaves invalid bodies and balls out; the others continue.
     fn refuse_faulty(&mut self, island: &mut IslandRun, stages: impl Fn(&mut IslandRun, &Environment)) {
-        while let Some(error) = island.error.take() {
+        while let Some(error) = island.staged.error.take() {
             if self.refuse(island, &error) {
                 stages(island, &self.solver.environment);
             } else {
                 self.refusals.resource("Time<Fixed>, DrapeGravity or Wind", &error);
-                island.error = Some(error);
+                island.staged.error = Some(error);
                 break;
             }
         }
@@ -102,12 +103,11 @@ impl StepComponents<'_, '_> {
     /// Leaves the body or ball that `error` names out of the simulation; false if it names none.
     fn refuse(&mut self, island: &mut IslandRun, error: &StepError) -> bool {
         const NOT_FINITE: &str = "a position, velocity, force or pin target is not finite";
-        // Writing to what is refused does not count as a change: a change is how a user mends it.
+        // Bypasses change detection: a change of a refused component means that the user has mended it.
         let entity = match *error {
             StepError::NonFiniteBody(index) | StepError::BadSettings { body: index, .. } => {
                 let entity = island.bodies.remove(index);
-                let (mut body, scratch) = island.solver.remove_body(index);
-                body.particles.clear_requests();
+                let (body, scratch) = island.staged.leave_body_out(index);
                 if let Ok((mut particles, _, mut state, ..)) = self.bodies.get_mut(entity) {
                     particles.bypass_change_detection().0 = body.particles;
                     state.context = body.context;
@@ -119,19 +119,16 @@ impl StepComponents<'_, '_> {
                 } else {
                     self.refusals.entity(entity, "Particles", NOT_FINITE);
                 }
-                island.solver.forget(Other::Body(index));
                 entity
             }
             StepError::NonFiniteBall(index) => {
                 let entity = island.balls.remove(index);
-                let mut ball = island.solver.balls.remove(index);
-                ball.clear_force();
+                let ball = island.staged.leave_ball_out(index);
                 if let Ok((mut state, mut record, ..)) = self.balls.get_mut(entity) {
                     state.bypass_change_detection().0 = ball;
                     record.refused = true;
                 }
                 self.refusals.entity(entity, "ProjectileState", NOT_FINITE);
-                island.solver.forget(Other::Ball(index));
                 entity
             }
             _ => return false,

@@ -2,20 +2,22 @@
 
 use bevy::prelude::*;
 use drape_solver::constants::CONTACT_MARGIN;
+use drape_solver::world::bounds::Bounds;
+use drape_solver::world::grouping::Member;
+use drape_solver::world::kind::Kind;
 
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
-use crate::bounds::grown;
 use crate::change_detection::collect_rows;
 use crate::environment::dynamic_obstacle::DynamicObstacle;
 use crate::environment::obstacle::Obstacle;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::refusal::Refusals;
-use crate::step::islands::{IslandMember, Islands, MemberKind};
+use crate::step::islands::Islands;
 
-/// Begins the order of what comes after all bodies and balls.
+/// Lowest order of dynamic obstacles, above those of all bodies and balls.
 const LATEST: u64 = 1 << 63;
 
 /// Groups all active bodies and balls into the islands of this step.
@@ -29,7 +31,7 @@ pub(crate) fn form_islands(
     mut active: Local<Vec<Entity>>,
 ) {
     let (dt, gravity) = (solver.environment.dt, solver.environment.gravity.length());
-    islands.members.clear();
+    islands.clear();
     for (entities, activities, ..) in bodies.contiguous_iter().into_iter().flatten() {
         collect_rows(entities, |rows| Activity::is_any_active(&activities[rows]), &mut active);
     }
@@ -47,8 +49,8 @@ pub(crate) fn form_islands(
             continue;
         }
         let bounds = state.bounds_within_step(dt, gravity);
-        let kind = MemberKind::Body { has_self_contact: state.settings.has_self_contact() };
-        islands.members.push(IslandMember { order: state.order, entity, kind, bounds });
+        let kind = Kind::of_body(&state.settings);
+        islands.grouping.push(Member { order: state.order, key: entity, kind, bounds });
     }
     for (entities, activities, ..) in balls.contiguous_iter().into_iter().flatten() {
         collect_rows(entities, |rows| Activity::is_any_active(&activities[rows]), &mut active);
@@ -57,19 +59,15 @@ pub(crate) fn form_islands(
         let Ok((_, _, state, record)) = balls.get(entity) else { continue };
         if !record.refused {
             let bounds = state.bounds_within_step(dt, gravity);
-            islands.members.push(IslandMember {
-                order: record.order,
-                entity,
-                kind: MemberKind::Ball,
-                bounds,
-            });
+            islands.grouping.push(Member { order: record.order, key: entity, kind: Kind::Ball, bounds });
         }
     }
     for (place, entity) in dynamic_obstacles.iter().enumerate() {
         if let Some(slot) = solver.obstacles.slot(entity) {
-            let bounds = grown(solver.environment.obstacles[slot].swept_bounds(), CONTACT_MARGIN);
+            let bounds =
+                Bounds::from(solver.environment.obstacles[slot].swept_bounds()).grown(CONTACT_MARGIN);
             let order = LATEST + place as u64;
-            islands.members.push(IslandMember { order, entity, kind: MemberKind::Obstacle, bounds });
+            islands.grouping.push(Member { order, key: entity, kind: Kind::Obstacle, bounds });
         }
     }
     islands.form();

@@ -1,151 +1,84 @@
-//! One island on its way through a step.
+//! One island's run through a step.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
-use drape_solver::{Alone, Ball, Body, BodyScratch, Environment, StepError, Threads, step};
+use drape_solver::world::staged_island::{StagedIsland, StepStage};
+use drape_solver::{Alone, Body, BodyScratch, Environment, Island, Threads};
 
-use crate::body::body_state::Extent;
 use crate::body::layers::DrapeLayers;
 use crate::step::components::{BallQuery, BodyQuery};
 use crate::step::compute_threads::ComputeThreads;
 
-/// The stages of a step, in their order. The three of a substep come once for each substep.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum StepStage {
-    #[default]
-    Begin,
-    AccumulateForces,
-    DetectCollisions,
-    Integrate,
-    Relax,
-    ProjectCollisions,
-    Finish,
-    /// The step is over.
-    Done,
-}
-
 /// One island: the solver's, and the entities behind its bodies and balls.
 #[derive(Default)]
 pub(crate) struct IslandRun {
-    pub solver: drape_solver::Island,
+    pub staged: StagedIsland,
     pub bodies: Vec<Entity>,
     pub balls: Vec<Entity>,
-    /// How long all of them have been slower than the threshold of rest, in seconds; known at the end of the step.
-    pub still_for: f32,
-    /// Where the bodies were at the end of the step and how fast; empty before that.
-    pub extents: Vec<Extent>,
     /// Particles that limits on motion kept in obstacles; known at the end of the step.
     pub limit_conflicts: usize,
-    /// Why the next stage cannot be run. Nothing goes on while there is a reason.
-    pub error: Option<StepError>,
     /// Time that the search for contacts took in this step.
     pub detect_time: Duration,
-    /// Time that the substeps took.
+    /// Time of the substeps.
     pub substep_time: Duration,
-    /// Whether no other island runs at the same time, so that its bodies may have all threads.
+    /// True if no other island runs at the same time, so that its bodies may have all threads.
     pub is_alone: bool,
-    /// The stage that comes next.
-    next: StepStage,
-    /// Substeps taken of this step.
-    taken: u32,
 }
 
 impl IslandRun {
+    /// The solver's island.
+    pub fn solver(&self) -> &Island {
+        &self.staged.island
+    }
+
     /// Makes it an empty island at the start of a step, keeping the memory.
     pub fn reset(&mut self) {
-        self.solver.clear();
+        self.staged.reset();
         self.bodies.clear();
         self.balls.clear();
-        self.extents.clear();
-        self.still_for = 0.0;
         self.limit_conflicts = 0;
-        self.error = None;
         self.detect_time = Duration::ZERO;
         self.substep_time = Duration::ZERO;
         self.is_alone = false;
-        self.next = StepStage::Begin;
-        self.taken = 0;
     }
 
-    /// Runs the stages that are left before `end`, however many have been run one by one already.
+    /// Runs all remaining stages before `end`.
     pub fn advance(&mut self, environment: &Environment, end: StepStage) {
-        while self.next < end && self.error.is_none() {
-            if self.next == StepStage::Integrate && end > StepStage::ProjectCollisions {
-                self.run_substeps(environment);
-            } else {
-                self.run_next(environment);
-            }
-        }
-    }
-
-    /// Runs one stage of a substep, if it is that stage's turn. An island that needs fewer substeps than others is
-    /// through before them.
-    pub fn run_substep_stage(&mut self, environment: &Environment, stage: StepStage) {
-        if self.next == stage && self.error.is_none() {
-            let start = Instant::now();
-            self.run_next(environment);
-            self.substep_time += start.elapsed();
-        }
-    }
-
-    fn run_substeps(&mut self, environment: &Environment) {
-        let start = Instant::now();
         let threads: &dyn Threads = if self.is_alone { &ComputeThreads } else { &Alone };
-        step::substeps_on(&mut self.solver, environment, threads);
-        self.substep_time += start.elapsed();
-        self.next = StepStage::Finish;
+        while self.staged.is_before(end) {
+            self.time(|staged| staged.run_towards(environment, end, threads));
+        }
+        if self.staged.next_stage() == StepStage::Done {
+            let conflicts = self.solver().bodies.iter().map(|body| body.context.limit_conflicts());
+            self.limit_conflicts = conflicts.sum();
+        }
     }
 
-    fn run_next(&mut self, environment: &Environment) {
-        let solver = &mut self.solver;
-        let outcome = match self.next {
-            StepStage::Begin => step::begin(solver, environment).map(|()| StepStage::AccumulateForces),
-            StepStage::AccumulateForces => {
-                step::accumulate_forces(solver, environment);
-                Ok(StepStage::DetectCollisions)
+    /// Runs one stage of a substep if it is next. An island with fewer substeps than others finishes before them.
+    pub fn run_substep_stage(&mut self, environment: &Environment, stage: StepStage) {
+        if self.staged.next_stage() == stage && self.staged.error.is_none() {
+            self.time(|staged| staged.run_next(environment));
+        }
+    }
+
+    /// Runs the next stage by `run`, and notes the time that it takes.
+    fn time(&mut self, run: impl FnOnce(&mut StagedIsland)) {
+        let (stage, start) = (self.staged.next_stage(), Instant::now());
+        run(&mut self.staged);
+        match stage {
+            StepStage::DetectCollisions => self.detect_time = start.elapsed(),
+            StepStage::Integrate | StepStage::Relax | StepStage::ProjectCollisions => {
+                self.substep_time += start.elapsed();
             }
-            StepStage::DetectCollisions => {
-                let start = Instant::now();
-                step::detect_collisions(solver, environment);
-                self.detect_time = start.elapsed();
-                Ok(StepStage::Integrate)
-            }
-            StepStage::Integrate => {
-                step::integrate(solver, environment);
-                Ok(StepStage::Relax)
-            }
-            StepStage::Relax => {
-                step::relax(solver, environment);
-                Ok(StepStage::ProjectCollisions)
-            }
-            StepStage::ProjectCollisions => {
-                step::project_collisions(solver, environment);
-                self.taken += 1;
-                Ok(if self.taken < solver.substeps() { StepStage::Integrate } else { StepStage::Finish })
-            }
-            StepStage::Finish => step::finish(solver).map(|()| {
-                self.extents
-                    .extend(solver.bodies.iter().map(|body| Extent::of(&body.particles, &body.topology)));
-                let conflicts = solver.bodies.iter().map(|body| body.context.limit_conflicts());
-                self.limit_conflicts = conflicts.sum();
-                let bodies = solver.bodies.iter().map(Body::still_for);
-                self.still_for =
-                    bodies.chain(solver.balls.iter().map(Ball::still_for)).fold(f32::INFINITY, f32::min);
-                StepStage::Done
-            }),
-            StepStage::Done => Ok(StepStage::Done),
-        };
-        match outcome {
-            Ok(next) => self.next = next,
-            Err(error) => self.error = Some(error),
+            _ => {}
         }
     }
 
     /// Moves the bodies and balls from their components into the island.
     pub fn take(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
-        let solver = &mut self.solver;
+        let solver = &mut self.staged.island;
         solver.bodies.clear();
         for entity in &mut self.bodies {
             let (body, scratch) = match bodies.get_mut(*entity) {
@@ -169,7 +102,7 @@ impl IslandRun {
             let is_gone = body.particles.is_empty();
             solver.push_body(body, scratch);
             if is_gone {
-                // A user's system took the body away in the middle of the step.
+                // A user system removed the body within the step.
                 solver.vacate_body(solver.bodies.len() - 1);
                 *entity = Entity::PLACEHOLDER;
             }
@@ -190,9 +123,9 @@ impl IslandRun {
 
     /// Moves the bodies and balls back into their components.
     pub fn give_back(&mut self, bodies: &mut BodyQuery, balls: &mut BallQuery) {
-        let mut extents = self.extents.drain(..);
-        for (index, &entity) in self.bodies.iter().enumerate() {
-            let (body, scratch) = self.solver.take_body(index);
+        let StagedIsland { island, extents, .. } = &mut self.staged;
+        let mut extents = extents.drain(..);
+        for (&entity, (body, scratch)) in self.bodies.iter().zip(island.drain_bodies()) {
             let extent = extents.next();
             if let Ok((mut particles, _, mut state, ..)) = bodies.get_mut(entity) {
                 particles.0 = body.particles;
@@ -201,8 +134,7 @@ impl IslandRun {
                 state.extent = extent.unwrap_or(state.extent);
             }
         }
-        self.solver.bodies.clear();
-        for (&entity, ball) in self.balls.iter().zip(&self.solver.balls) {
+        for (&entity, ball) in self.balls.iter().zip(&island.balls) {
             if let Ok((mut state, ..)) = balls.get_mut(entity) {
                 state.0.clone_from(ball);
             }

@@ -1,13 +1,14 @@
-//! Islands: which bodies and balls are stepped together, and their way into the solver and back.
+//! Islands: groups of bodies and balls that are stepped together.
 //!
-//! The solver owns what it steps. A body's columns are moved out of its component into an island (a few pointers,
-//! no copy of the particles), stepped, and moved back. Islands do not depend on each other, so they run on all
-//! threads of the compute pool and give the same bits on any number of them.
+//! The solver owns the bodies that it steps. A body's columns are moved from its component into an island (a few
+//! pointers, no copy of particles), stepped, and moved back. Islands are independent, so they run on all threads of the
+//! compute pool and give the same bits on any number of threads.
 
 use bevy::prelude::*;
 use drape_solver::Body;
+use drape_solver::world::grouping::{Grouping, Member};
+use drape_solver::world::kind::Kind;
 
-use crate::bounds::{Bounds, overlap};
 use crate::step::compute_threads::pool;
 use crate::step::island_run::IslandRun;
 
@@ -16,66 +17,17 @@ use crate::step::island_run::IslandRun;
 pub(crate) struct Islands {
     slots: Vec<IslandRun>,
     live: usize,
-    /// What is to be grouped.
-    pub members: Vec<IslandMember>,
-    parents: Vec<usize>,
-    /// Members in order of where their boxes begin, and those whose boxes reach on.
-    sweep: Vec<u32>,
-    open: Vec<u32>,
-    slot_of: Vec<usize>,
+    /// What is to be grouped: active bodies and balls, and dynamic obstacles.
+    pub grouping: Grouping<Entity>,
     /// Memory that bodies are stepped in on one thread, one island after another.
     pub bodies: Vec<Body>,
-    /// Whether nobody has a system of their own between the stages of this step. Each island then goes through all
-    /// of them in one go, on its own thread, while its particles are in the cache.
+    /// True without user systems between the stages of this step. Then each island runs all stages at once, on its own
+    /// thread, while its particles are in the cache.
     pub is_fused: bool,
 }
 
-/// What is grouped.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum MemberKind {
-    Body {
-        /// Whether it touches other such bodies.
-        has_self_contact: bool,
-    },
-    Ball,
-    /// A dynamic obstacle: what it touches has to be in one island. Later than all others in order.
-    Obstacle,
-}
-
-/// A body, ball or dynamic obstacle on its way into an island.
-#[derive(Clone, Copy)]
-pub(crate) struct IslandMember {
-    pub order: u64,
-    pub entity: Entity,
-    pub kind: MemberKind,
-    /// Where it can get within the step.
-    pub bounds: Bounds,
-}
-
-impl IslandMember {
-    /// Whether the two can meet in this step. Balls touch everything, and bodies each other where both do so.
-    fn may_touch(&self, other: &Self) -> bool {
-        let do_touch = match (self.kind, other.kind) {
-            (MemberKind::Body { has_self_contact }, MemberKind::Body { has_self_contact: others_has }) => {
-                has_self_contact && others_has
-            }
-            (MemberKind::Obstacle, MemberKind::Obstacle) => false,
-            _ => true,
-        };
-        do_touch && overlap(self.bounds, other.bounds)
-    }
-}
-
-/// The axis on which the members lie farthest apart.
-fn widest_axis(members: &[IslandMember]) -> usize {
-    let corners = members.iter().map(|member| member.bounds.0);
-    let low = corners.clone().fold(Vec3::INFINITY, Vec3::min);
-    let size = corners.fold(Vec3::NEG_INFINITY, Vec3::max) - low;
-    (1..3).fold(0, |widest, axis| if size[axis] > size[widest] { axis } else { widest })
-}
-
 impl Islands {
-    /// The islands of this step.
+    /// Returns the islands of this step.
     pub fn live(&self) -> &[IslandRun] {
         &self.slots[..self.live]
     }
@@ -84,12 +36,12 @@ impl Islands {
         &mut self.slots[..self.live]
     }
 
-    /// The most substeps that an island takes in this step.
+    /// Returns the greatest number of substeps of an island in this step.
     pub fn substeps(&self) -> u32 {
-        self.live().iter().map(|island| island.solver.substeps()).max().unwrap_or(0)
+        self.live().iter().map(|island| island.solver().substeps()).max().unwrap_or(0)
     }
 
-    /// Whether the islands are not worth more threads than one, or there is none.
+    /// True if there are fewer than two islands, or only one thread.
     pub fn are_for_one_thread(&self) -> bool {
         self.live < 2 || pool().thread_num() < 2
     }
@@ -107,70 +59,21 @@ impl Islands {
         });
     }
 
-    /// Groups the members whose boxes meet in this step: islands in order of their oldest member.
+    /// Groups the members whose boxes overlap, into islands in the order of their oldest members.
     pub fn form(&mut self) {
-        self.members.sort_unstable_by_key(|member| member.order);
-        let count = self.members.len();
-        self.parents.clear();
-        self.parents.extend(0..count);
-        self.join_neighbours();
-        self.live = 0;
-        self.slot_of.clear();
-        for i in 0..count {
-            // The root of an island is its oldest member, so it has its slot before the others ask for it.
-            let root = root(&mut self.parents, i);
-            if self.members[i].kind == MemberKind::Obstacle {
-                // It has joined others; itself it stays with the environment.
-                continue;
+        let Self { slots, grouping, .. } = self;
+        self.live = grouping.form(|number, &Member { key: entity, kind, .. }| {
+            if number == slots.len() {
+                slots.push(IslandRun::default());
             }
-            if root == i {
-                self.open_slot();
-            }
-            let slot = if root == i { self.live - 1 } else { self.slot_of[root] };
-            self.slot_of.push(slot);
-            let (member, island) = (self.members[i], &mut self.slots[slot]);
-            let list = if member.kind == MemberKind::Ball { &mut island.balls } else { &mut island.bodies };
-            list.push(member.entity);
-        }
+            let list = if kind == Kind::Ball { &mut slots[number].balls } else { &mut slots[number].bodies };
+            list.push(entity);
+        });
     }
 
-    /// Joins the members that may touch each other, by a sweep along the axis on which they lie farthest apart: each box
-    /// is compared with those that have begun before it and not yet ended.
-    fn join_neighbours(&mut self) {
-        let Self { members, parents, sweep, open, .. } = self;
-        let axis = widest_axis(members);
-        let begin = |member: u32| members[member as usize].bounds.0[axis];
-        sweep.clear();
-        sweep.extend(0..members.len() as u32);
-        sweep.sort_unstable_by(|&a, &b| begin(a).total_cmp(&begin(b)).then(a.cmp(&b)));
-        open.clear();
-        for &next in sweep.iter() {
-            let member = &members[next as usize];
-            open.retain(|&other| members[other as usize].bounds.1[axis] >= member.bounds.0[axis]);
-            for &other in open.iter() {
-                if member.may_touch(&members[other as usize]) {
-                    let (p, q) = (root(parents, next as usize), root(parents, other as usize));
-                    parents[p.max(q)] = p.min(q);
-                }
-            }
-            open.push(next);
-        }
+    /// Empties all islands, and the list of what is to be grouped.
+    pub fn clear(&mut self) {
+        self.slots.iter_mut().for_each(IslandRun::reset);
+        self.grouping.clear();
     }
-
-    fn open_slot(&mut self) {
-        if self.live == self.slots.len() {
-            self.slots.push(IslandRun::default());
-        }
-        self.slots[self.live].reset();
-        self.live += 1;
-    }
-}
-
-/// The oldest member of `i`'s group.
-fn root(parents: &mut [usize], mut i: usize) -> usize {
-    while parents[i] != i {
-        parents[i] = parents[parents[i]];
-        i = parents[i];
-    }
-    i
 }

@@ -1,4 +1,4 @@
-//! Cuts what blades pass through, and tears what is stretched too far.
+//! Cuts bodies that blades pass through, and tears bodies that are stretched too far.
 
 use bevy::prelude::*;
 use drape_solver::TearLimits;
@@ -6,14 +6,14 @@ use drape_solver::TearLimits;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::tearable::{Tearable, Untearable};
-use crate::bounds::overlap;
 use crate::clock::DrapeClock;
 use crate::pending_messages::Pending;
 use crate::rig::components::Rig;
 use crate::tear::messages::CutCloth;
 use crate::tear::part::{Tearing, TornQuery};
 
-/// Makes the cuts that were asked for. Those after one by which something comes off are made once that is a body, so that they cut it too.
+/// Makes the requested cuts. If a piece comes off, the rest of them follows once the piece is a body, so that they cut
+/// it too.
 pub(crate) fn cut_bodies(
     mut cuts: ResMut<Pending<CutCloth>>,
     mut bodies: TornQuery,
@@ -29,7 +29,7 @@ pub(crate) fn cut_bodies(
         }
         let bounds = cut.bounds();
         let is_near = |entity: Entity, state: &BodyState| {
-            cut.only.is_none_or(|only| only == entity) && !state.refused && overlap(bounds, state.bounds())
+            cut.only.is_none_or(|only| only == entity) && !state.refused && bounds.overlaps(state.bounds())
         };
         // In order of creation, so that entity ids do not matter to the order of the pieces.
         let mut near: Vec<(u64, Entity)> =
@@ -43,16 +43,16 @@ pub(crate) fn cut_bodies(
         }
     }
     cuts.waiting.drain(..made);
-    tearing.tell_splits();
+    tearing.trigger_splits();
     if !cuts.waiting.is_empty() {
         tearing.commands.run_system_cached(cut_bodies);
     }
 }
 
-/// Tears what this step has stretched too far.
+/// Tears bodies that this step has stretched too far.
 pub(crate) fn tear_bodies(
     mut bodies: TornQuery,
-    // Apart from the bodies, so that only what may tear is looked at.
+    // A query of its own, so that only tearable bodies are checked.
     tearable: Query<(Entity, Ref<Tearable>, &Activity), Without<Rig>>,
     clock: Res<DrapeClock>,
     whole: Query<(Entity, Ref<Tearable>, Ref<Untearable>)>,
@@ -86,5 +86,5 @@ pub(crate) fn tear_bodies(
     for (_, entity, limits) in awake.drain(..) {
         tearing.part(entity, &mut bodies, now, false, |body| body.tear(&limits));
     }
-    tearing.tell_splits();
+    tearing.trigger_splits();
 }

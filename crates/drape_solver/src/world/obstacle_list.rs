@@ -5,7 +5,6 @@ use glam::Vec3;
 use crate::state::obstacle::Obstacle;
 use crate::state::obstacle_motion::MovedObstacle;
 use crate::state::obstacles::Obstacles;
-use crate::world::bounds::Bounds;
 use crate::world::id::{MemberId, ObstacleId};
 use crate::world::slots::Slots;
 use crate::world::waking::{Proxy, Waking};
@@ -49,7 +48,7 @@ impl ObstacleList {
         self.edited.retain(|&other| other != id);
         self.flying.retain(|&other| other != id);
         let obstacle = obstacles.swap_remove(index);
-        waking.disturb(proxy(&obstacle));
+        waking.disturb(Proxy::of_obstacle(&obstacle));
         Some(obstacle)
     }
 
@@ -80,7 +79,7 @@ impl ObstacleList {
         waking: &mut Waking<MemberId>,
     ) -> Option<&'a mut Obstacle> {
         let obstacle = obstacles.get_mut(self.index(id)?)?;
-        waking.disturb(proxy(obstacle));
+        waking.disturb(Proxy::of_obstacle(obstacle));
         if !self.edited.contains(&id) {
             self.edited.push(id);
         }
@@ -97,7 +96,7 @@ impl ObstacleList {
     ) {
         for &id in &self.edited {
             let Some(obstacle) = self.index(id).map(|index| &obstacles[index]) else { continue };
-            waking.disturb(proxy(obstacle));
+            waking.disturb(Proxy::of_obstacle(obstacle));
             self.flying.retain(|&other| other != id);
             if obstacle.rigid_body().is_some() {
                 self.flying.push(id);
@@ -107,7 +106,7 @@ impl ObstacleList {
             let Some(index) = self.index(id) else { continue };
             obstacles[index].fly(gravity, dt);
             if obstacles[index].is_moving() {
-                waking.disturb(proxy(&obstacles[index]));
+                waking.disturb(Proxy::of_obstacle(&obstacles[index]));
             }
         }
     }
@@ -129,8 +128,4 @@ impl ObstacleList {
         }
         self.edited.clear();
     }
-}
-
-fn proxy(obstacle: &Obstacle) -> Proxy {
-    Proxy::of_space(Bounds::from(obstacle.swept_bounds()), obstacle.layers())
 }

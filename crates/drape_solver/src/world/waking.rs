@@ -4,6 +4,7 @@
 //! disturbs a box itself: so a whole pile wakes at once.
 
 use crate::state::layers::Layers;
+use crate::state::obstacle::Obstacle;
 use crate::world::activity::Activity;
 use crate::world::bounds::Bounds;
 use crate::world::kind::Kind;
@@ -24,6 +25,11 @@ impl Proxy {
     /// The proxy of a place where something was, or appears: it touches all that rests there.
     pub fn of_space(bounds: Bounds, layers: Layers) -> Self {
         Self { bounds, layers, kind: Kind::Obstacle }
+    }
+
+    /// The proxy of all places where an obstacle is in the coming step.
+    pub fn of_obstacle(obstacle: &Obstacle) -> Self {
+        Self::of_space(Bounds::from(obstacle.swept_bounds()), obstacle.layers())
     }
 
     /// True if it wakes `sleeper`.
