@@ -8,7 +8,7 @@ use drape_solver::glam::{Vec3, Vec3A};
 use drape_solver::parry3d::query::PointQueryWithLocation;
 use drape_solver::parry3d::shape::{Triangle, TrianglePointLocation};
 
-use super::method::Contact;
+use super::method::{Contact, Pair};
 use super::state::{Sphere, State};
 
 /// The results of queries.
@@ -25,6 +25,11 @@ impl ClosestFeatureQueries {
     pub fn clear(&mut self) {
         self.contacts.clear();
         self.count = 0;
+    }
+
+    /// Balls and faces of the contacts.
+    pub fn pairs(&self) -> Vec<Pair> {
+        self.contacts.iter().map(|contact| contact.pair).collect()
     }
 
     /// Queries one face, if its current box touches that of the ball, and its plane touches the ball.

@@ -8,7 +8,7 @@
 use drape_solver::glam::Vec3A;
 
 use super::closest_feature::ClosestFeatureQueries;
-use super::method::{Contact, Method, Pair};
+use super::method::{Method, Pair};
 use super::state::State;
 
 /// See the [module](self).
@@ -45,6 +45,6 @@ impl Method for FeatureBased {
     }
 
     fn pairs(&self, _: &State) -> Vec<Pair> {
-        self.queries.contacts.iter().map(|contact: &Contact| contact.pair).collect()
+        self.queries.pairs()
     }
 }

@@ -13,7 +13,7 @@ use drape_solver::parry3d::bounding_volume::Aabb;
 use drape_solver::parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
 
 use super::closest_feature::ClosestFeatureQueries;
-use super::method::{Contact, Method, Pair};
+use super::method::{Method, Pair};
 use super::state::State;
 
 /// Faces per leaf.
@@ -85,6 +85,6 @@ impl Method for ObjectSpace {
     }
 
     fn pairs(&self, _: &State) -> Vec<Pair> {
-        self.queries.contacts.iter().map(|contact: &Contact| contact.pair).collect()
+        self.queries.pairs()
     }
 }

@@ -9,7 +9,7 @@
 use drape_solver::glam::{UVec3, Vec3, Vec3A};
 
 use super::closest_feature::ClosestFeatureQueries;
-use super::method::{Contact, Method, Pair};
+use super::method::{Method, Pair};
 use super::state::State;
 
 /// The greatest number of cubes: clearing more costs more than they save.
@@ -117,7 +117,7 @@ impl Method for UniformGrid {
     }
 
     fn pairs(&self, _: &State) -> Vec<Pair> {
-        self.queries.contacts.iter().map(|contact: &Contact| contact.pair).collect()
+        self.queries.pairs()
     }
 }
 

@@ -1,30 +1,13 @@
 //! The naive code with two changes: sticks in independent order, and real substeps.
 
-use std::time::Duration;
-
-use drape_solver::glam::Vec3;
-
-use crate::failure::Failure;
 use crate::scenes::model::Model;
 use crate::scenes::scene::Scene;
-use crate::scenes::world::STEP;
 use crate::solvers::options::SolverOptions;
-use crate::solvers::scalar::Scalar;
-use crate::solvers::simulation::{Simulation, timed};
+use crate::solvers::scalar_loop::ScalarLoop;
 
 /// The naive loop with sticks in an order in which neighbours share no particle, and with real substeps.
-pub struct Coloured {
-    scalar: Scalar,
-    substeps: u32,
-    sweeps: u32,
-}
-
-impl Coloured {
-    /// Loads `scene`.
-    pub fn new(scene: &Scene, options: &SolverOptions) -> Self {
-        let scalar = Scalar::new(scene, &independent_order(&scene.model));
-        Self { scalar, substeps: options.substeps, sweeps: options.sweeps }
-    }
+pub fn coloured(scene: &Scene, options: &SolverOptions) -> ScalarLoop {
+    ScalarLoop::new(scene, &independent_order(&scene.model), options.substeps, options.sweeps)
 }
 
 /// All sticks, family by family, each split into batches that share no particle.
@@ -47,36 +30,6 @@ fn independent_order(model: &Model) -> Vec<[u32; 2]> {
         order.extend(batches.concat());
     }
     order
-}
-
-impl Simulation for Coloured {
-    fn step(&mut self) -> Result<Duration, Failure> {
-        let h = STEP / self.substeps as f32;
-        let Scalar { bodies, frame } = &mut self.scalar;
-        Ok(timed(|| {
-            for points in bodies {
-                for _ in 0..self.substeps {
-                    points.integrate(frame, h);
-                    for _ in 0..self.sweeps {
-                        points.relax(frame);
-                        points.collide(frame);
-                    }
-                }
-            }
-        }))
-    }
-
-    fn positions(&self) -> Vec<Vec3> {
-        self.scalar.positions()
-    }
-
-    fn energy(&self) -> Option<f64> {
-        Some(self.scalar.energy(STEP / self.substeps as f32))
-    }
-
-    fn bytes_per_particle(&self) -> Option<f64> {
-        Some(self.scalar.bytes_per_particle())
-    }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ pub mod options;
 #[cfg(feature = "plugin")]
 pub mod plugin;
 pub mod scalar;
+pub mod scalar_loop;
 pub mod simulation;
 pub mod solver;
 pub mod threads;

@@ -4,9 +4,9 @@ use thiserror::Error;
 
 use crate::failure::Failure;
 use crate::scenes::scene::{Scene, SceneKind};
-use crate::solvers::coloured::Coloured;
+use crate::solvers::coloured::coloured;
 use crate::solvers::drape::Drape;
-use crate::solvers::naive::Naive;
+use crate::solvers::naive::naive;
 use crate::solvers::options::SolverOptions;
 #[cfg(feature = "plugin")]
 use crate::solvers::plugin::Plugin;
@@ -46,7 +46,7 @@ pub const OWN: &[Solver] = &[
         has_threads: false,
         load: |scene, options| {
             refuse_sleepers("naive", scene)?;
-            Ok(Box::new(Naive::new(scene, options)))
+            Ok(Box::new(naive(scene, options)))
         },
     },
     Solver {
@@ -54,7 +54,7 @@ pub const OWN: &[Solver] = &[
         has_threads: false,
         load: |scene, options| {
             refuse_sleepers("coloured", scene)?;
-            Ok(Box::new(Coloured::new(scene, options)))
+            Ok(Box::new(coloured(scene, options)))
         },
     },
     #[cfg(feature = "plugin")]
