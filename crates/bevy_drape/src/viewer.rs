@@ -4,7 +4,6 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
 
-
 /// An entity, usually the camera, that bodies are culled by their distance from.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]

@@ -9,8 +9,8 @@ use std::sync::Arc;
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
-use drape_solver::world::extent::Extent;
 use drape_solver::state::measure;
+use drape_solver::world::extent::Extent;
 use drape_solver::{BodyContext, BuildError, Topology};
 
 use crate::attach::attachment::Attachment;

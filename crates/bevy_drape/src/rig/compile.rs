@@ -8,9 +8,9 @@ use std::sync::Arc;
 
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
-use drape_solver::world::extent::Extent;
 use drape_solver::Topology;
 use drape_solver::constants::MAX_MAGNITUDE;
+use drape_solver::world::extent::Extent;
 
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{Particles, Sticks};

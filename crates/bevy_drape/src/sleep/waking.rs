@@ -30,7 +30,7 @@ impl Key for EntityKey {
     }
 }
 
-/// What moves in this step, and what rests.
+/// Everything that moves in this step or rests.
 #[derive(Default)]
 pub(crate) struct WakeSearch {
     waking: Waking<EntityKey>,

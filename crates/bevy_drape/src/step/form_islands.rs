@@ -59,17 +59,13 @@ pub(crate) fn form_islands(
         let Ok((_, _, state, record)) = balls.get(entity) else { continue };
         if !record.refused {
             let bounds = state.bounds_within_step(dt, gravity);
-            islands.grouping.push(Member {
-                order: record.order,
-                key: entity,
-                kind: Kind::Ball,
-                bounds,
-            });
+            islands.grouping.push(Member { order: record.order, key: entity, kind: Kind::Ball, bounds });
         }
     }
     for (place, entity) in dynamic_obstacles.iter().enumerate() {
         if let Some(slot) = solver.obstacles.slot(entity) {
-            let bounds = Bounds::from(solver.environment.obstacles[slot].swept_bounds()).grown(CONTACT_MARGIN);
+            let bounds =
+                Bounds::from(solver.environment.obstacles[slot].swept_bounds()).grown(CONTACT_MARGIN);
             let order = LATEST + place as u64;
             islands.grouping.push(Member { order, key: entity, kind: Kind::Obstacle, bounds });
         }

@@ -28,12 +28,12 @@ use bevy::picking::pointer::{PointerButton, PointerId};
 use bevy::picking::{Pickable, PickingSystems};
 use bevy::prelude::*;
 
-use drape_solver::world::bounds::Bounds;
 use crate::attach::grab::{Grab, Hand, nearest_particle};
 use crate::ball::projectile::ProjectileState;
 use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
 use crate::tools::ray_cast::{BodyHit, cast_ray, meet_sphere};
+use drape_solver::world::bounds::Bounds;
 
 /// How thick links are at least for a pointer, in metres: ropes are thin.
 const LINK_RADIUS: f32 = 0.03;

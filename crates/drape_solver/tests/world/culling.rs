@@ -1,4 +1,4 @@
-//! What left the play area is culled, and what sleeps far from every viewer.
+//! Bodies that left the play area are culled, and those that sleep far from every viewer.
 
 use drape_solver::Activity;
 use drape_solver::World;

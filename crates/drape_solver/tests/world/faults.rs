@@ -1,4 +1,4 @@
-//! What cannot be stepped is left out and named, and the rest goes on.
+//! Bodies and balls that cannot be stepped are left out and named, and the rest goes on.
 
 use std::sync::Arc;
 

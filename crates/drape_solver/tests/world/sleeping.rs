@@ -1,4 +1,4 @@
-//! What is at rest falls asleep, and then costs nothing.
+//! Bodies at rest fall asleep, and then cost nothing.
 
 use drape_solver::constants::REST_SPEED;
 use drape_solver::glam::Vec3;
