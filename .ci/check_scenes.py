@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the reports of all scenes (JSON, on standard input) against the table of state hashes.
 
-    cargo run --release --example scene -- assets/scenes --headless --report json | .ci/check_scenes.py
+    cargo run --release --features scenes --example scene -- assets/scenes --headless --report json | .ci/check_scenes.py
 
 With `--write` the table becomes what the reports say: after a change that is meant to change what scenes do.
 """

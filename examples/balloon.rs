@@ -1,7 +1,7 @@
 //! Air in closed cloth: the same ball with little, enough and much air in it.
 //!
-//! `cargo run --release --example balloon --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example balloon --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

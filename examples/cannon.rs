@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example cannon -- --headless --shots 5 --out DIR` runs it without a window and writes a
 //! report, a plot and, with `--features render` and `--frames`, pictures.
-//! `--table1` measures collision detection by five methods instead, `--soak SECONDS` fires without end.
+//! `--features table1` and `--table1` measure collision detection by five methods instead; `--soak SECONDS` fires without end.
 //!
 //! `cargo run --release --example cannon --features window` opens a window:
 //!
@@ -25,9 +25,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use drape_examples::cannon_demo::arguments::Arguments;
-use drape_examples::cannon_demo::headless;
-use drape_examples::cannon_demo::soak;
-use drape_examples::cannon_demo::table1;
+use drape_examples::cannon_demo::{headless, soak};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
@@ -40,7 +38,7 @@ fn main() -> ExitCode {
         };
     }
     let outcome: Result<(), Box<dyn Error>> = if arguments.table1 {
-        table1::run(&arguments).map_err(Into::into)
+        run_table1(&arguments)
     } else if let Some(seconds) = arguments.soak {
         soak::run(&arguments, seconds).map_err(Into::into)
     } else {
@@ -50,6 +48,16 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => fail(&*error),
     }
+}
+
+#[cfg(feature = "table1")]
+fn run_table1(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    Ok(drape_examples::cannon_demo::table1::run(arguments)?)
+}
+
+#[cfg(not(feature = "table1"))]
+fn run_table1(_: &Arguments) -> Result<(), Box<dyn Error>> {
+    Err("`--table1` needs the feature `table1`: cargo run --release --features table1 --example cannon -- --table1".into())
 }
 
 fn fail(error: &dyn Error) -> ExitCode {

@@ -1,8 +1,8 @@
 //! A cape on a skinned character that walks, runs, jumps and turns about: pins and limits painted on its mesh, capsules on the
 //! bones, and a share of the character's motion that it does not feel.
 //!
-//! `cargo run --release --example cape --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example cape --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -35,7 +35,7 @@ fn setup(world: &mut World) {
     world.insert_resource(character);
 }
 
-/// How far the character runs along Z before it is put back, in metres.
+/// Length of the run along Z in metres, after which the character is put back.
 const TRACK: f32 = 6.0;
 
 /// Moves the joints once a frame, as an animation player does.

@@ -1,8 +1,8 @@
 //! Capes from a glTF file, as an artist exports them: loaded by Bevy, dressed when they are there, moved by the file's animations.
 //! `docs/blender.md` tells how such a file is made, and quotes from this one.
 //!
-//! `cargo run --release --example cape_gltf --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example cape_gltf --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;

@@ -1,7 +1,7 @@
 //! Cloth from any mesh: a cone becomes a skirt that hangs by its waist.
 //!
-//! `cargo run --release --example cloth_mesh --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example cloth_mesh --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -24,7 +24,7 @@ pub fn main() -> std::process::ExitCode {
     FEATURE.run()
 }
 
-/// How fast it turns at most, in radians per second.
+/// Greatest speed of turning, in radians per second.
 const TURN: f32 = 6.0;
 
 #[derive(Component)]

@@ -1,8 +1,8 @@
 //! A curtain in two dimensions: a grid of sticks in a plane, its top row pinned, relaxed five times a step, and a disc that
 //! swings through it. With a `Mesh2d` and a `Camera2d` the same is drawn flat.
 //!
-//! `cargo run --release --example curtain_2d --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example curtain_2d --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

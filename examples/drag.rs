@@ -1,7 +1,7 @@
 //! Cloth that is dragged: by a hand that pulls as hard as it takes, by one of little force, and by your own pointer.
 //!
-//! `cargo run --release --example drag --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example drag --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -24,17 +24,17 @@ pub fn main() -> std::process::ExitCode {
     FEATURE.run()
 }
 
-/// How long the hands rest, and how long they hold then, in seconds.
+/// The hands rest this long, then hold this long, in seconds.
 const REST: f32 = 0.5;
 const HOLD: f32 = 3.0;
-/// Where they go, from where they take hold.
+/// The way from where they take hold to where they let go, in metres.
 const LIFT: Vec3 = Vec3::new(0.0, 0.35, 0.7);
 
 /// A hand of this example. Pointers have hands of their own beside it, as the curtains are [`Draggable`].
 #[derive(Component)]
 struct Puller {
     curtain: Entity,
-    /// Where it takes hold.
+    /// The point at which it takes hold.
     home: Vec3,
     /// In newtons.
     greatest_force: f32,

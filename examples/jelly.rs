@@ -1,7 +1,7 @@
 //! Soft solids: jelly cubes, a ring and a many-cornered drop on few cells fall onto steps, and wobble to rest.
 //!
-//! `cargo run --release --example jelly --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example jelly --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -50,7 +50,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
     let place = Transform::from_xyz(0.1, 1.1, -0.1).with_rotation(Quat::from_rotation_z(0.9));
     let soft = SoftBody { spacing: Some(0.075), stiffness: 0.9, ..default() };
     commands.spawn((Mesh3d(ring), soft, Paint::rgb(0.30, 0.45, 0.80), place));
-    // What is seen is finer than what is solved: it goes with the cells of a ball that has no paint.
+    // A fine mesh is drawn; a coarse ball without paint is solved, and its cells carry the mesh.
     let coarse = meshes.add(Sphere::new(0.24).mesh().uv(16, 10));
     let fine = meshes.add(pudding());
     let place = Transform::from_xyz(-0.95, 1.25, -0.75);

@@ -1,7 +1,7 @@
 //! Knots hold by self-contact: two ropes that are laid alike, with it and without.
 //!
-//! `cargo run --release --example knot --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example knot --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

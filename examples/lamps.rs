@@ -1,7 +1,7 @@
 //! A rope whose ends are tied to other entities, and entities that are tied to the rope.
 //!
-//! `cargo run --release --example lamps --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example lamps --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -26,7 +26,7 @@ pub fn main() -> std::process::ExitCode {
 
 /// Height of a mast in metres.
 const MAST: f32 = 1.6;
-/// How far to each side the boats are when they are farthest apart, in metres. The rope is as long.
+/// Greatest distance of each boat from the middle in metres. The rope is just as long.
 const FARTHEST: f32 = 1.9;
 /// Particles of the rope.
 const PARTICLES: u32 = 61;
@@ -56,7 +56,7 @@ fn setup(mut commands: Commands) {
     }
 }
 
-/// Where a boat is: it rolls, rises and drifts.
+/// The place of a boat, which rolls, rises and drifts.
 fn place_of(side: f32, seconds: f32) -> Transform {
     let x = side * (FARTHEST - 0.12 * (1.0 - seconds.cos()));
     let y = 0.12 + 0.10 * (1.6 * seconds).sin() * side;

@@ -1,7 +1,7 @@
 //! Runs scripted scenes: with a verdict and without a window, or in one.
 //!
-//! `cargo run --release --example scene -- assets/scenes --headless` runs all scenes of a folder as a suite; the exit code is
-//! the verdict. `--set PATH=VALUE` changes a scene, `--report junit` writes for CI systems, `--record FILE` keeps where
+//! `cargo run --release --features scenes --example scene -- assets/scenes --headless` runs all scenes of a folder as a suite;
+//! the exit code is the verdict. `--set PATH=VALUE` changes a scene, `--report junit` writes for CI systems, `--record FILE` keeps where
 //! everything was, to the last bit, and `--replay FILE` shows it; `--diff OTHER` tells where two recordings part.
 //!
 //! `cargo run --release --example scene --features window -- FILE` opens a window, in which the scene begins anew whenever
@@ -32,8 +32,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use drape_examples::scripted::arguments::SceneArguments;
-use drape_examples::scripted::replay as scene_replay;
-use drape_examples::scripted::suite as scene_suite;
+use drape_examples::scripted::{replay as scene_replay, suite as scene_suite};
 
 fn main() -> ExitCode {
     let arguments = SceneArguments::parse();

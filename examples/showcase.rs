@@ -14,7 +14,7 @@
 //! | H | help on the screen |
 //! | Esc | quit |
 //!
-//! `--headless` runs all of them without a window and tells what came of each.
+//! `--headless` runs all of them without a window, with `--features meshes` at least, and prints the result of each.
 
 use std::process::ExitCode;
 

@@ -1,7 +1,7 @@
 //! A winch lifts a load out of a pit and lets it down again; the rope is drawn as a tube.
 //!
-//! `cargo run --release --example winch --features window`; `--headless` runs without a window, and `--picture FILE` draws
-//! a picture with `--features render`.
+//! `cargo run --release --example winch --features window`; `--headless` runs without a window, with `--features meshes` at
+//! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

@@ -1,10 +1,13 @@
 //! The founding experiment as a test: five shots at the curtain, and what must come of them.
 
 use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape_script::scene::{Action, Body, SceneScript};
 use drape_examples::cannon_demo::headless::{app, run_to_rest};
 use drape_examples::cannon_demo::recorder::Recorder;
 use drape_examples::cannon_demo::report::Report;
-use drape_examples::cannon_demo::scene::CannonScene;
+use drape_examples::cannon_demo::scene::{CannonScene, MUZZLE, STEP, cannon_ball, curtain_clearance};
+use drape_examples::cannon_demo::shot::Shot;
 
 fn run(scene: CannonScene) -> Report {
     let mut app = app(scene.clone(), 2);
@@ -80,5 +83,45 @@ fn few_substeps_do_not_let_the_ball_through() {
     for shot in &report.shots {
         let (before, after) = (shot.ball_speed_before_m_s, shot.ball_speed_after_m_s);
         assert!(after.expect("a hit") < 0.8 * before.expect("a hit"), "shot {}", shot.index);
+    }
+}
+
+/// The scene runner runs the same experiment from a file.
+#[test]
+fn the_scene_file_describes_the_demo() {
+    let file = include_str!("../assets/scenes/cannon.scene.ron");
+    let script =
+        SceneScript::parse(file).and_then(|script| script.with(&[])).expect("a scene and its defaults");
+    let (demo, settings) = (CannonScene::default(), &script.settings);
+    assert!((settings.dt.get() - STEP).abs() < 1e-12);
+    assert_eq!(settings.gravity.get(), DrapeGravity::default().0);
+    assert!(script.obstacles.get("ground").is_some());
+    let Some(Body::Cloth(curtain)) = script.bodies.get("curtain") else { panic!("no curtain") };
+    assert_eq!(Cloth::from(curtain), demo.cloth());
+    assert_eq!(curtain.at.y - 0.5 * demo.cloth().size.y, curtain_clearance());
+    let solver = curtain.solver.over(settings.solver.over(SolverSettings::default()));
+    assert_eq!(solver, demo.settings());
+    let cannon = script.cannons.get("cannon").expect("a cannon");
+    assert_eq!((cannon.at.get(), Projectile::from(&cannon.ball)), (MUZZLE, cannon_ball()));
+    let aims = script.timeline.iter().filter_map(|event| match &event.action {
+        Action::Aim { aim, speed, .. } => Some((event.at?.get(), aim, *speed)),
+        _ => None,
+    });
+    let mut shots = Vec::new();
+    for (time, aim, speed) in aims {
+        let mut aimed = cannon.clone();
+        aimed.aim = aim.clone();
+        aimed.speed = speed.unwrap_or(aimed.speed);
+        let Cannon { elevation, azimuth, muzzle_speed: speed, .. } = aimed.component(settings.gravity);
+        shots.push(Shot { time, elevation, azimuth, speed });
+    }
+    assert!(shots.into_iter().eq((0..demo.shots).map(Shot::planned)));
+}
+
+#[test]
+fn the_demo_fires_no_more_shots_than_are_asked_for() {
+    for shots in [2, 6] {
+        let report = run(CannonScene { particles: UVec2::new(8, 6), shots, ..default() });
+        assert_eq!(report.shots.len(), shots as usize);
     }
 }

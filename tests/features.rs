@@ -15,7 +15,7 @@ use showcase::FEATURES;
 const TOO_FAST: f32 = 100.0;
 
 /// Examples that are no features of their own: they have other tests.
-const OTHERS: [&str; 4] = ["cannon", "cape_model", "scene", "showcase"];
+const OTHERS: [&str; 5] = ["cannon", "cape_model", "readme", "scene", "showcase"];
 
 macro_rules! runs {
     ($($name:ident),* $(,)?) => {
@@ -65,7 +65,7 @@ fn the_showcase_can_take_over_every_example() {
 
 #[test]
 fn every_example_is_run_here_or_elsewhere() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
     let files = std::fs::read_dir(folder).expect("the examples");
     let paths = files.map(|file| file.expect("a file").path());
     let names = paths.filter(|path| path.extension().is_some_and(|extension| extension == "rs"));
@@ -98,7 +98,7 @@ fn of_bodies(app: &mut App, measure: impl Fn(&Particles) -> f32) -> Vec<f32> {
 #[test]
 fn a_strong_hand_takes_a_curtain_along_and_a_weak_one_does_not() {
     let mut app = at_its_moment(&showcase::drag::FEATURE);
-    // Where the hands are by then, but for the side.
+    // The place of both hands by then, but for the side.
     let target = Vec3::new(0.0, 1.3, 0.7);
     let off = |particles: &Particles| {
         particles.positions().map(|place| place.with_x(0.0).distance(target)).fold(f32::INFINITY, f32::min)
@@ -125,7 +125,7 @@ fn a_rope_stays_tied_to_both_boats() {
     for (tie, end) in ties.ties.iter().zip(ends) {
         let boat = world.get::<Transform>(tie.entity).expect("a boat");
         let top = boat.transform_point(Vec3::Y * 1.65);
-        // Where it was tied, after a step of the boat's.
+        // The knot is one step of the boat behind.
         assert!(end.distance(top) < 0.01, "{end} is not at {top}");
         assert!(top.distance(Vec3::new(top.x.signum() * 1.9, 1.77, 0.0)) > 0.05, "the boat has moved: {top}");
     }

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use drape_examples::scripted::arguments::SceneArguments;
-use drape_examples::scripted::replay as scene_replay;
-use drape_examples::scripted::suite as scene_suite;
+use drape_examples::scripted::{replay as scene_replay, suite as scene_suite};
 
 /// A ball that falls for half a second, from as high as `--set height=` says.
 const SCENE: &str = r#"(

@@ -4,5 +4,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    bevy_drape_script::harness::test_scenes_to_the_bit("assets/scenes", "tests/golden/scenes.hashes")
+    bevy_drape_script::harness::test_scenes_to_the_bit("../assets/scenes", "golden/scenes.hashes")
 }

@@ -17,18 +17,11 @@
 //! ```
 
 pub mod cannon_demo;
+#[cfg(feature = "meshes")]
 pub mod character;
 pub mod feature;
+#[cfg(feature = "scenes")]
 pub mod scripted;
+#[cfg(feature = "window")]
 pub mod showcase;
 pub mod view;
-
-/// Compiles the example of the repository's README.
-#[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-pub struct Readme;
-
-/// Compiles the examples of the guide, which draw.
-#[cfg(all(doctest, feature = "render"))]
-#[doc = include_str!("../../docs/guide.md")]
-pub struct Guide;

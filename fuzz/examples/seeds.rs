@@ -1,6 +1,6 @@
-//! Writes the seeds of `checkpoint` and `recording`: files of the library, as they are and unpacked, as the targets take them.
+//! Writes the seeds of `checkpoint` and `recording`: files of the library, packed and unpacked, as the targets read them.
 //!
-//! `cargo +nightly run --example seeds`, in this folder.
+//! Run `cargo +nightly run --example seeds` in this folder.
 
 use std::fs;
 
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A ball that falls, with another that comes and goes: all that a block can hold.
+/// Records a world in which a rope comes and goes, so that a block holds all kinds of entries.
 fn record(path: &str, steps: usize) -> Result<(), Box<dyn std::error::Error>> {
     let mut app = world();
     RecordSteps::create(path, Header { scene: "seed".into(), dt: 1.0 / 64.0 })?.start(&mut app);

@@ -1,6 +1,6 @@
-//! Any bytes, read as a checkpoint: refused, or restored into a world that goes on.
+//! Reads any bytes as a checkpoint: it is rejected, or restored into a world that continues.
 //!
-//! Once as they are; and once packed with good checksums, as the fuzzer does not find those.
+//! Reads the bytes twice: unchanged, and packed with a valid checksum, which the fuzzer does not find.
 
 #![no_main]
 

@@ -1,7 +1,7 @@
-//! Any bytes, read as a recording: refused or shown, frame by frame.
+//! Reads any bytes as a recording: it is rejected, or every frame can be shown.
 //!
-//! Once as they are; and once packed with good lengths and checksums, as the fuzzer does not find those: two bytes tell how
-//! many of the following make a packet, and so on.
+//! Reads the bytes twice: unchanged, and packed with valid lengths and checksums, which the fuzzer does not find. Two bytes
+//! give the number of bytes in the packet that follows, and so on.
 
 #![no_main]
 

@@ -1,6 +1,6 @@
-//! A scene built from the fuzzer's choices, with edits while it runs: 200 steps without a panic or a number that is none.
+//! Builds a scene from the fuzzer's choices and edits it while it runs: 200 steps without a panic or NaN.
 //!
-//! The scene is written as text, so that the parser decides what can be; most of what is written can.
+//! The scene is written as text, and the parser must accept it.
 
 #![no_main]
 
@@ -33,7 +33,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// The fuzzer's bytes as choices; zeros when they have run out.
+/// The fuzzer's bytes as choices, then zeros.
 struct Choices<'a>(&'a [u8]);
 
 impl Choices<'_> {
@@ -43,7 +43,7 @@ impl Choices<'_> {
         first
     }
 
-    /// One of `count`.
+    /// A number below `count`.
     fn below(&mut self, count: u8) -> u8 {
         self.byte() % count
     }
@@ -52,13 +52,13 @@ impl Choices<'_> {
         texts[usize::from(self.below(texts.len() as u8))]
     }
 
-    /// From -2 to 2 in steps of an eighth.
+    /// A position with coordinates from -2 to 2 in steps of an eighth.
     fn place(&mut self) -> String {
         let mut axis = || f32::from(self.below(33)) / 8.0 - 2.0;
         format!("({}, {}, {})", axis(), axis(), axis())
     }
 
-    /// From a thousandth to a million, more often near one.
+    /// A size from a thousandth to a million, more often near one.
     fn size(&mut self) -> &'static str {
         self.of(&["1", "0.5", "0.1", "2", "0.2", "0.05", "1", "0.3", "0.001", "20", "1e3", "1e6"])
     }
@@ -103,7 +103,7 @@ fn scene(c: &mut Choices) -> String {
     text += "}, timeline: [";
     for _ in 0..c.below(6) {
         let chosen = usize::from(c.below(bodies.len() as u8));
-        // Balls have no particles that could be pinned.
+        // Balls have no particles to pin.
         let first = if bodies[chosen].starts_with("Balls") { 2 } else { 0 };
         let _ =
             write!(text, "(at: {}.{}, do: {}), ", c.below(3), c.below(10), action(c, NAMES[chosen], first));
@@ -130,7 +130,7 @@ fn body(c: &mut Choices) -> String {
         1 => format!(
             "Rope(start: {}, end: {}, particles: {}, linear_density: {}, pin_end: {}, velocity: {}, solver: {}, present: {present})",
             c.place(),
-            // Never where it starts.
+            // Never at its start, which is at most 2 m high.
             format_args!("({}, 3, 0)", c.below(5)),
             2 + c.below(60),
             c.size(),
@@ -163,7 +163,7 @@ fn obstacle(c: &mut Choices) -> String {
     format!("(shape: {shape}, at: {}, friction: {})", c.place(), c.of(&["0.5", "0", "5"]))
 }
 
-/// What is done to a body, or to all; from the `first` kind on.
+/// An action on a body or on the whole world, of a kind from `first` on.
 fn action(c: &mut Choices, name: &str, first: u8) -> String {
     match first + c.below(7 - first) {
         0 => format!("Pin(of: \"{name}\")"),

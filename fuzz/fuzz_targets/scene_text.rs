@@ -1,4 +1,4 @@
-//! Any text, read as a scene: refused with a place and a reason, or written and read back as the same.
+//! Reads any text as a scene: it is rejected with a reason, or written and read back as the same scene.
 
 #![no_main]
 

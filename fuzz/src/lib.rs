@@ -1,4 +1,4 @@
-//! What fuzz targets and the maker of their seeds share.
+//! Functions that the fuzz targets and the example that writes their seeds share.
 
 use std::io::{Read, Write};
 
@@ -8,15 +8,15 @@ use bevy_drape::prelude::*;
 use bevy_drape_script::checkpoint;
 use lz4_flex::frame::{FrameDecoder, FrameEncoder, FrameInfo};
 
-/// How a checkpoint begins, up to its length.
+/// The head of a checkpoint, up to its length.
 pub fn checkpoint_head() -> Vec<u8> {
     [&checkpoint::MAGIC[..], &checkpoint::VERSION.to_le_bytes()].concat()
 }
 
-/// How a recording begins, up to its first packet.
+/// The head of a recording, up to its first packet.
 pub const RECORDING: &[u8] = b"DRAPEREC\x01\0\0\0";
 
-/// A world of one of each: a cloth, a ball, an obstacle, after one step.
+/// A world with a cloth, a ball and an obstacle, after one step.
 pub fn world() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, DrapePlugins::default()))
@@ -29,7 +29,7 @@ pub fn world() -> App {
     app
 }
 
-/// Compresses as the library does, with a good checksum.
+/// Compresses like the library, with a valid checksum.
 pub fn pack(plain: &[u8]) -> Vec<u8> {
     let info = FrameInfo::new().content_checksum(true);
     let mut encoder = FrameEncoder::with_frame_info(info, Vec::new());
@@ -37,7 +37,7 @@ pub fn pack(plain: &[u8]) -> Vec<u8> {
     encoder.finish().expect("memory")
 }
 
-/// What was [packed](pack).
+/// Decompresses [packed](pack) bytes.
 pub fn unpack(packed: &[u8]) -> Vec<u8> {
     let mut plain = Vec::new();
     FrameDecoder::new(packed).read_to_end(&mut plain).expect("a frame of the library");

@@ -14,10 +14,10 @@ use crate::cape_gltf::{CAPSULES, FILE, dress};
 use crate::measure::{Skin, Worst, measure};
 use crate::*;
 
-/// How long a cape that is dressed in mid-stride, with a leg through it, may take to get clear, in seconds.
+/// The longest time that a cape put on in mid-stride, with a leg through it, may take to get clear, in seconds.
 const DRESSING: f32 = 0.25;
 
-/// What is in the file; kept, as Bevy spawns the scenes of a file again that is loaded again.
+/// The file's assets, kept alive: Bevy spawns the scenes of a file again if it loads it again.
 struct File {
     scene: Handle<WorldAsset>,
     walk: Handle<AnimationClip>,
@@ -70,7 +70,7 @@ fn named(app: &mut App, root: Entity, name: &str) -> Entity {
     found[0]
 }
 
-/// What the scene has become, for what measures it.
+/// The spawned scene, in the form that `measure` takes.
 fn character(app: &mut App, root: Entity) -> Character {
     let mut character = Character::default();
     character.root = root;
@@ -301,11 +301,12 @@ fn the_capsules_of_the_guide_are_those_of_the_character() {
     }
 }
 
-/// What technical artists copy is what is tested here.
+/// The sample that technical artists copy is the code that is tested here.
 #[test]
 fn the_guide_quotes_the_example() {
     let read = |file: &str| {
-        std::fs::read_to_string(format!("{}/{file}", env!("CARGO_MANIFEST_DIR"))).expect("in the repository")
+        std::fs::read_to_string(format!("{}/../{file}", env!("CARGO_MANIFEST_DIR")))
+            .expect("in the repository")
     };
     let (guide, example) = (read("docs/blender.md"), read("examples/cape_gltf.rs"));
     for (from, end) in [("pub const CAPSULES", "\n];\n"), ("pub fn dress", "\n}\n")] {

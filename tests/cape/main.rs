@@ -11,16 +11,16 @@ mod walk;
 
 use std::time::Duration;
 
-use bevy::asset::AssetPlugin;
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
+use drape_examples::view::asset_files::asset_plugin;
 
 /// All but the renderer, at sixty steps a second.
 fn app() -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, MeshPlugin))
+    app.add_plugins((MinimalPlugins, asset_plugin(), TransformPlugin, MeshPlugin))
         .add_plugins(DrapePlugins::default())
         .insert_resource(Time::<Fixed>::from_seconds(1.0 / 60.0));
     app

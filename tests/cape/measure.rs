@@ -1,4 +1,4 @@
-//! What a step has left of a cape, measured from outside.
+//! Measures of a cape after a step, taken from outside.
 
 use bevy::math::Affine3A;
 use bevy::mesh::VertexAttributeValues;
@@ -12,13 +12,13 @@ use drape_examples::character::{Character, FULL_DISTANCE, cape_mesh, capsule, in
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct Worst {
     pub steps: usize,
-    /// How deep a particle was in a capsule that was not counted as a conflict, in metres.
+    /// Greatest depth of a particle in a capsule, conflicts aside, in metres.
     pub depth: f32,
     /// The same of any particle.
     pub depth_of_conflicts: f32,
-    /// How far a particle was beyond its painted limit, in metres.
+    /// Greatest distance of a particle beyond its painted limit, in metres.
     pub excess: f32,
-    /// How far a pin was from its place, in metres.
+    /// Greatest distance of a pin from its place, in metres.
     pub pin_error: f32,
     /// Conflicts that were counted, and steps in which fewer were counted than there were.
     pub conflicts: usize,
@@ -63,7 +63,7 @@ impl Default for Skin {
 }
 
 impl Skin {
-    /// Where the animation has each vertex.
+    /// The animated place of each vertex.
     pub fn posed(&self, joint: impl Fn(usize) -> Affine3A) -> Vec<Vec3> {
         let matrices: Vec<Affine3A> = inverse_bind_poses()
             .into_iter()

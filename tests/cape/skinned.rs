@@ -1,4 +1,4 @@
-//! What a skinned cloth shows, and how it follows its joints.
+//! The mesh of a skinned cloth, and its pins that follow joints.
 
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::SkinnedMesh;

@@ -54,7 +54,7 @@ fn assert_worn(name: &str, worst: &Worst) {
     assert_eq!(worst.uncounted, 0, "{name}");
     // Ten frames a second see an about-turn in four straight pieces.
     assert!(worst.speed < 35.0, "{name}: {} m/s", worst.speed);
-    // Where an arm pushes a hem that is held back.
+    // An arm pushes a hem that is held back.
     assert!(worst.rms_stretch < 0.15, "{name}: stretched by {}", worst.rms_stretch);
     assert!(worst.away < 2.0, "{name}: {} m away", worst.away);
 }

@@ -27,7 +27,7 @@ fn cloths_that_cannot_be() {
         (with(|c| c.areal_density = -1.0), "density"),
         (with(|c| c.areal_density = 0.0), "density"),
         (with(|c| c.areal_density = f32::NAN), "density"),
-        (with(|c| c.structural_stiffness = 1.5), "stiffness"),
+        (with(|c| c.stretch_stiffness = 1.5), "stiffness"),
         (with(|c| c.bend_stiffness = f32::NAN), "stiffness"),
         (with(|c| c.damping = -1.0), "damping"),
         (with(|c| c.pins = ClothPins::Indices(vec![81])), "pin"),

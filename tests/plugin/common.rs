@@ -73,7 +73,7 @@ pub fn frame_time(app: &mut App, seconds: f32) {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(seconds)));
 }
 
-/// What the component `C` of `entity` is.
+/// The component `C` of `entity`.
 pub fn get<C: Component>(app: &App, entity: Entity) -> &C {
     app.world().get::<C>(entity).expect("the component")
 }
@@ -86,7 +86,7 @@ pub fn get_mut<C: Component<Mutability = bevy::ecs::component::Mutable>>(
     app.world_mut().get_mut::<C>(entity).expect("the component")
 }
 
-/// Whether `entity` is simulated, at rest or culled.
+/// The activity of `entity`: simulated, at rest or culled.
 pub fn activity(app: &App, entity: Entity) -> Activity {
     *get::<Activity>(app, entity)
 }
@@ -123,12 +123,12 @@ pub fn centre(app: &App, body: Entity) -> Vec3 {
     free().map(|i| particles.position(i)).sum::<Vec3>() / free().count() as f32
 }
 
-/// Where a ball is.
+/// The position of a ball in metres.
 pub fn ball_position(app: &App, ball: Entity) -> Vec3 {
     get::<ProjectileState>(app, ball).position()
 }
 
-/// What was refused about `entity`, in the words of the log.
+/// The refusals of `entity`, in the words of the log.
 pub fn refusals(app: &App, entity: Entity) -> Vec<String> {
     app.world().resource::<Refusals>().of(entity).map(ToString::to_string).collect()
 }

@@ -1,4 +1,4 @@
-//! What is out of sight is culled, and comes back as it was.
+//! Bodies out of sight are culled, and come back as they were.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

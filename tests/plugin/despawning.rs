@@ -142,7 +142,7 @@ fn a_parent_that_carries_bodies() {
     assert_eq!(counts(&app), (1, 0, 0));
 }
 
-/// What a system in the middle of a step takes away, and in which substep.
+/// The entity that a system despawns in the middle of a step, and the substep.
 #[derive(Resource)]
 struct Doomed {
     entity: Entity,

@@ -1,4 +1,4 @@
-//! What Bevy's diagnostics tell of the simulation.
+//! Figures of the simulation in Bevy's diagnostics.
 
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::prelude::*;

@@ -14,7 +14,7 @@ fn folded(particles: [usize; 2], substeps: u32) -> usize {
         "settings.duration=25".into(),
     ]
     .map(|text| text.parse::<Override>().expect("an override"));
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes/cannon.scene.ron");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenes/cannon.scene.ron");
     let mut runner = SceneRunner::headless(SceneScript::load_with(scene, &overrides).expect("the scene"));
     while runner.step() {}
     let world = runner.world();

@@ -1,4 +1,4 @@
-//! What must not matter to the result: other apps, entity ids, other islands.
+//! The result does not depend on other apps, entity ids or other islands.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

@@ -50,7 +50,7 @@ fn layers_on_a_ball_fall_asleep_together_and_wake_together() {
     let least = least_distance(&app, under, over);
     println!("asleep after {steps} steps, {least} m apart");
     assert!(least > 0.9 * 2.0 * THICKNESS, "{least} m");
-    // What does not touch them wakes neither.
+    // A body that touches neither wakes neither.
     let far = sheet(&mut app, Vec3::X * 5.0 + Vec3::Y, settings(SelfContact::Particles));
     step(&mut app, 10);
     assert_eq!(

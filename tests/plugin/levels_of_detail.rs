@@ -1,4 +1,4 @@
-//! What is far away costs less, and nobody notices.
+//! Distant bodies cost less, and no difference is seen.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -99,7 +99,7 @@ fn a_cloth_that_is_described_anew_far_away_becomes_coarse_again() {
 #[test]
 fn coarse_cloth_weighs_and_stretches_as_fine_cloth_does() {
     let soft = || Cloth {
-        structural_stiffness: 0.99,
+        stretch_stiffness: 0.99,
         shear_stiffness: 0.9,
         ..Cloth::new(1.0, 1.5).with_particles(33, 49)
     };

@@ -1,4 +1,4 @@
-//! What the log says about bad input.
+//! The messages that the log has about bad input.
 
 use std::sync::Mutex;
 

@@ -6,11 +6,11 @@ use drape_solver::state::measure;
 
 use crate::common::*;
 
-/// What a game may have on its cloth.
+/// A component that a game may have on its cloth.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 struct Colour(u32);
 
-/// What was told of tears and splits.
+/// The messages about tears and splits.
 #[derive(Resource, Default)]
 struct Told {
     torn: Vec<StickTorn>,

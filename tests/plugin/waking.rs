@@ -1,4 +1,4 @@
-//! What wakes a body at rest.
+//! Events that wake a body at rest, and events that do not.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

@@ -1,4 +1,4 @@
-//! How much bodies feel of the motion of what they hang on; teleports; what moves once a frame.
+//! The share of its parent's motion that a body feels; teleports; parents that move once a frame.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -18,7 +18,7 @@ fn on_waggon(linear: f32, angular: f32) -> (App, Entity, Entity) {
     (app, waggon, curtain)
 }
 
-/// Where a corner of the hem is, seen from the waggon.
+/// The place of a corner of the hem, in the waggon's coordinates.
 fn hem(app: &App, waggon: Entity, curtain: Entity) -> Vec3 {
     let waggon = *get::<GlobalTransform>(app, waggon);
     waggon.affine().inverse().transform_point3(get::<Particles>(app, curtain).position(72))

@@ -1,4 +1,4 @@
-//! What cannot be simulated is said once, with the entity and the field, and the rest runs.
+//! Bad input is reported once, with the entity and the field, and everything else runs.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

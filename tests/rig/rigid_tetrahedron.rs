@@ -47,7 +47,7 @@ fn a_crate_falls_tumbles_and_sleeps_where_its_transform_says() {
     rigs.assert_no_errors();
 }
 
-/// Who moves the `Transform` moves the body, which keeps its velocity; an obstacle that comes up to it wakes it.
+/// Moving the `Transform` moves the body, which keeps its velocity; an obstacle that comes up to it wakes it.
 #[test]
 fn a_crate_is_teleported_by_its_transform_and_woken_by_what_comes_near() {
     let mut rigs = rigs();
@@ -89,7 +89,7 @@ fn a_crate_goes_on_with_the_motion_of_two_frames() {
     assert!((turned / (spin * 0.5) - 1.0).abs() < 0.01, "it has turned by {turned}");
 }
 
-/// What is restored goes on as it did: nothing is taken for a teleport.
+/// A restored body continues as before: nothing is taken for a teleport.
 #[test]
 fn a_crate_goes_on_from_a_snapshot_to_the_same_bits() {
     let mut rigs = rigs();

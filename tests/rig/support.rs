@@ -129,12 +129,12 @@ impl Rigs {
         self.app.world_mut().despawn(entity);
     }
 
-    /// Where the entity's transform is, as written by the plugin.
+    /// The entity's translation, as written by the plugin.
     pub fn place(&self, entity: Entity) -> Vec3 {
         self.app.world().get::<Transform>(entity).expect("particles have transforms").translation
     }
 
-    /// Where its global transform is, up to date after an update.
+    /// The entity's global translation, up to date after an update.
     pub fn global(&self, entity: Entity) -> Vec3 {
         self.app.world().get::<GlobalTransform>(entity).expect("particles have transforms").translation()
     }

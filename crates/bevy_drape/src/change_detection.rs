@@ -1,8 +1,8 @@
-//! Looking through components as columns.
+//! Reads change ticks as columns.
 //!
-//! Whoever has access to a component may change it, and only its change tick tells. So the ticks of all bodies have
-//! to be looked at in each step. They lie side by side: read as slices, those of ten thousand bodies take a few
-//! microseconds, and nothing else of a body at rest is touched.
+//! Any system may change a component, and only the change tick shows it. So each step reads the ticks of all bodies.
+//! They lie side by side: as slices, those of ten thousand bodies take a few microseconds, and nothing else of a
+//! resting body is touched.
 
 use core::ops::Range;
 
@@ -13,8 +13,8 @@ use bevy::prelude::*;
 /// Rows that are tested at once.
 const BLOCK: usize = 64;
 
-/// Appends to `found` the entities of those rows of a table for which `is_any` holds. It tells whether something
-/// holds for any of a range of rows, and is asked about whole blocks first.
+/// Appends to `found` the entities of all rows of a table for which `is_any` holds. `is_any` returns true if a
+/// condition holds for any of a range of rows; whole blocks are tested first.
 pub(crate) fn collect_rows(
     entities: &[Entity],
     is_any: impl Fn(Range<usize>) -> bool,
@@ -28,11 +28,11 @@ pub(crate) fn collect_rows(
     }
 }
 
-/// Whether any of these rows was added or changed since the system last ran.
+/// True if any of these rows was added or changed since the system last ran.
 pub(crate) fn is_any_changed(ticks: &ContiguousComponentTicksRef, rows: Range<usize>) -> bool {
     let now = ticks.this_run().get();
     let age_of_last_run = now.wrapping_sub(ticks.last_run().get()).min(MAX_CHANGE_AGE);
-    // What `Tick::is_newer_than` tells, of many at once.
+    // The same as `Tick::is_newer_than`, for many ticks at once.
     let is_newer = |tick: &Tick| now.wrapping_sub(tick.get()) < age_of_last_run;
     ticks.changed()[rows].iter().fold(false, |any, tick| any | is_newer(tick))
 }
@@ -42,14 +42,14 @@ pub(crate) fn collect_changed<C: Component, F: ArchetypeFilter>(
     query: &Query<(Entity, Ref<C>), F>,
     found: &mut Vec<Entity>,
 ) {
-    // Never an error: the components that the plugin asks for lie in tables.
+    // Never an error: the plugin's components are stored in tables.
     for (entities, components) in query.contiguous_iter().into_iter().flatten() {
         let (_, ticks) = ContiguousRef::split(components);
         collect_rows(entities, |rows| is_any_changed(&ticks, rows), found);
     }
 }
 
-/// Whether any `C` was added or changed since the system last ran.
+/// True if any `C` was added or changed since the system last ran.
 pub(crate) fn has_changed<C: Component, F: ArchetypeFilter>(query: &Query<Ref<C>, F>) -> bool {
     query.contiguous_iter().into_iter().flatten().any(|components| {
         let (components, ticks) = ContiguousRef::split(components);

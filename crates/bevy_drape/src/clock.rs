@@ -2,14 +2,14 @@
 
 use bevy::prelude::*;
 
-/// Controls and tells the simulation's time.
+/// The simulation's time, and its control.
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DrapeClock {
-    /// Whether the simulation stands still.
+    /// True to pause the simulation.
     pub paused: bool,
-    /// How fast it runs: 1 is real time, 0.25 slow motion. Zero or less, and what is not finite, stops it.
+    /// Speed of simulated time: 1 is real time, 0.25 slow motion. Zero, negative and non-finite values stop it.
     pub time_scale: f32,
     pending_steps: u32,
     delta: f32,
@@ -24,7 +24,7 @@ impl Default for DrapeClock {
 }
 
 impl DrapeClock {
-    /// Asks for one step although the simulation is paused.
+    /// Requests one step of a paused simulation.
     pub fn step_once(&mut self) {
         self.pending_steps += 1;
     }
@@ -44,7 +44,7 @@ impl DrapeClock {
         self.steps
     }
 
-    /// Starts a step of `timestep` seconds of the schedule, if there is to be one.
+    /// Starts a step for `timestep` seconds of the schedule; false if no step is due.
     pub(crate) fn begin_step(&mut self, timestep: f32) -> bool {
         let delta = timestep * self.time_scale;
         if !(delta > 0.0 && delta.is_finite()) {

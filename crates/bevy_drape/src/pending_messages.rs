@@ -3,7 +3,7 @@
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 
-/// What was asked for since the last step. Bevy forgets messages after two ticks, and a game may be paused for longer.
+/// Requests since the last step. Bevy drops messages after two ticks, and a game may be paused for longer.
 #[derive(Resource)]
 pub(crate) struct Pending<M: Message> {
     cursor: MessageCursor<M>,
@@ -16,7 +16,8 @@ impl<M: Message> Default for Pending<M> {
     }
 }
 
-/// Keeps what was sent since it last ran. Runs in every tick, and once more in a step, for what systems of the step send.
+/// Keeps the messages sent since it last ran. It runs in every tick, and again within a step for messages sent by
+/// systems of the step.
 pub(crate) fn collect_pending<M: Message + Clone>(
     messages: Res<Messages<M>>,
     mut pending: ResMut<Pending<M>>,

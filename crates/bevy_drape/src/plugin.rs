@@ -22,7 +22,7 @@ use crate::transform::interpolation::InterpolationPlugin;
 use crate::transform::moved_by_frame::MovedByFramePlugin;
 use crate::transform::plugin::PropagationPlugin;
 
-/// All plugins of bevy_drape. Two lines to start: add these, spawn a [`Cloth`](crate::build::cloth::Cloth).
+/// All plugins of bevy_drape. Add them, spawn a [`Cloth`](crate::build::cloth::Cloth), done.
 ///
 /// ```no_run
 /// use bevy::prelude::*;
@@ -41,7 +41,7 @@ pub struct DrapePlugins {
 }
 
 impl DrapePlugins {
-    /// Takes steps in `schedule`, as long as the time that the schedule's `Time` advances by.
+    /// Takes a step in each run of `schedule`, as long as the delta of the schedule's `Time`.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
     }
@@ -70,14 +70,14 @@ impl PluginGroup for DrapePlugins {
     }
 }
 
-/// Bodies, balls, obstacles, the scene manager and the schedule that steps them.
+/// The simulation: bodies, balls, obstacles, and the schedule that steps them.
 #[derive(Clone, Copy, Debug)]
 pub struct SolverPlugin {
     schedule: Interned<dyn ScheduleLabel>,
 }
 
 impl Plugin for SolverPlugin {
-    /// Adds the features, about in the order in which a step uses them. [`schedule`](crate::schedule) has the order of their systems.
+    /// Adds the features, roughly in the order of a step. [`schedule`](crate::schedule) orders their systems.
     fn build(&self, app: &mut App) {
         let schedule = self.schedule;
         app.add_plugins((BodyPlugin, StepPlugin { schedule }, PropagationPlugin))

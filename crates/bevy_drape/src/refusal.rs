@@ -1,18 +1,18 @@
-//! Bad input: told once, clearly, and left out.
+//! Invalid input: logged once and left out of the simulation.
 
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 
-/// What is left out of the simulation because something is wrong with it. Each fault is logged once, as an error,
-/// and not sixty times a second.
+/// Everything that is left out of the simulation, and why. Each fault is logged once as an error, not sixty times a
+/// second.
 #[derive(Resource, Reflect, Clone, Debug, Default)]
 #[reflect(opaque)]
 #[reflect(Resource, Default, Debug, Clone)]
 pub struct Refusals(BTreeMap<(Option<Entity>, &'static str), String>);
 
 impl Refusals {
-    /// The faults, as they were logged. A fault is forgotten when its component is built anew or removed.
+    /// The faults as logged. A fault is forgotten when its component is rebuilt or removed.
     pub fn messages(&self) -> impl ExactSizeIterator<Item = &str> {
         self.0.values().map(String::as_str)
     }
@@ -23,7 +23,7 @@ impl Refusals {
         faults.map(|(_, message)| message.as_str())
     }
 
-    /// Logs that `entity`'s `component` cannot be used, unless it was said before.
+    /// Logs that a component of `entity` cannot be used, unless that was logged before.
     pub(crate) fn entity(
         &mut self,
         entity: Entity,
@@ -34,22 +34,22 @@ impl Refusals {
         self.tell((Some(entity), component), message);
     }
 
-    /// Logs that a resource cannot be used, unless it was said before.
+    /// Logs that a resource cannot be used, unless that was logged before.
     pub(crate) fn resource(&mut self, resource: &'static str, reason: impl core::fmt::Display) {
         self.tell((None, resource), format!("resource {resource} cannot be used: {reason}"));
     }
 
-    /// Forgets what was said about `entity`, when it is gone or was mended.
+    /// Forgets the faults of `entity`, after it was despawned or mended.
     pub(crate) fn forget(&mut self, entity: Entity) {
         self.0.retain(|(about, _), _| *about != Some(entity));
     }
 
-    /// Forgets what was said about one of its components, when it was changed.
+    /// Forgets the fault of a component of `entity`, after it was changed.
     pub(crate) fn forget_component(&mut self, entity: Entity, component: &'static str) {
         self.0.remove(&(Some(entity), component));
     }
 
-    /// Forgets what was said about a resource, when it was mended.
+    /// Forgets the fault of a resource, after it was mended.
     pub(crate) fn forget_resource(&mut self, resource: &'static str) {
         self.0.remove(&(None, resource));
     }

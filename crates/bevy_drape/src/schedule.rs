@@ -1,4 +1,4 @@
-//! The schedule of a step.
+//! The schedule of a step: labels, sets and their order.
 //!
 //! ```text
 //! DrapeSchedule   ManageScene        obstacles, pins, new bodies, cuts; wake, cull
@@ -12,25 +12,24 @@
 //!                 Finish             rest and sleep, hits, transforms, tears, counts
 //! ```
 //!
-//! While nobody has a system of their own from [`FormIslands`](DrapeSystems::FormIslands) to
-//! [`Finish`](DrapeSystems::Finish), each island goes through all its stages in one go, on its own thread, within
-//! `Finish`. As soon as somebody does, the stages are run one by one, and bodies and balls are in their components in
-//! between; the substeps still in one go, unless somebody has a system in [`DrapeSubsteps`]. All ways run the same
-//! functions in the same order and give the same bits.
+//! Without user systems from [`FormIslands`](DrapeSystems::FormIslands) to [`Finish`](DrapeSystems::Finish), each
+//! island runs through all its stages at once, on its own thread, within `Finish`. With user systems there the stages
+//! run one by one, and bodies and balls are in their components in between. The substeps still run at once unless a
+//! user system is in [`DrapeSubsteps`]. All ways run the same functions in the same order and give the same bits.
 //!
-//! Both schedules run their systems one after another: they are many and short. The work is spread over threads by
-//! island.
+//! Both schedules run their many short systems on one thread. Islands spread the work over all threads.
 
 use std::time::Duration;
 
 use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-/// The schedule of one step. Run by [`DrapePlugins`](crate::DrapePlugins) in `FixedPostUpdate`, or wherever they were told to.
+/// The schedule of one step. [`DrapePlugins`](crate::DrapePlugins) run it in `FixedPostUpdate` or in the schedule of
+/// your choice.
 #[derive(ScheduleLabel, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct DrapeSchedule;
 
-/// The schedule of one substep. See the [module](self) for what adding systems to it means.
+/// The schedule of one substep. Adding systems to it changes the way that steps run: see the [module](self).
 #[derive(ScheduleLabel, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct DrapeSubsteps;
 
@@ -38,24 +37,23 @@ pub struct DrapeSubsteps;
 /// [`DrapeSchedule`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DrapeSystems {
-    /// New bodies are built, blades cut, obstacles and pins follow their transforms, cannons fire; bodies wake and are
-    /// culled.
+    /// Builds new bodies, cuts, fires cannons, moves obstacles and pins with their transforms, wakes and culls bodies.
     ManageScene,
-    /// Gravity and wind are read. Systems that add forces to [`Particles`](crate::body::particles::Particles) belong here.
+    /// Reads gravity and wind. Systems that add forces to [`Particles`](crate::body::particles::Particles) belong here.
     AccumulateForces,
-    /// Bodies and balls that could touch are grouped into islands, and forces become accelerations.
+    /// Groups bodies and balls that could touch into islands, and turns forces into accelerations.
     FormIslands,
-    /// Lists what could touch what within the step.
+    /// Lists everything that could touch within the step.
     DetectCollisions,
     /// Runs [`DrapeSubsteps`].
     Substeps,
-    /// Bodies at rest fall asleep; hits are reported; transforms are written; bodies tear.
+    /// Puts resting bodies to sleep, reports hits and contacts, writes transforms, tears bodies.
     Finish,
-    /// Particles and balls fly freely for one substep.
+    /// Moves particles and balls freely for one substep.
     Integrate,
-    /// N iterations of contacts, sticks and tethers.
+    /// Relaxes contacts, sticks and tethers, for a number of iterations.
     Relax,
-    /// Contacts have the last word; velocities follow; friction.
+    /// Projects contacts last, updates velocities, and applies friction.
     ProjectCollisions,
 }
 
@@ -197,15 +195,14 @@ fn configure_finish_phases(schedule: &mut Schedule) {
     );
 }
 
-/// How long the stages of the last step took.
+/// Times of the stages of the last step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 pub struct StepTimes {
-    /// The whole step, by the clock on the wall.
+    /// Wall time of the whole step.
     pub step: Duration,
-    /// The search for what could touch what: [`DrapeSystems::DetectCollisions`]. Summed up over islands, so that it is
-    /// more than by the clock on the wall where several threads are at work.
+    /// Time of [`DrapeSystems::DetectCollisions`], added up over islands: more than wall time if several threads work.
     pub detect_collisions: Duration,
-    /// All substeps, summed up likewise.
+    /// Time of all substeps, added up over islands.
     pub substeps: Duration,
 }

@@ -1,4 +1,4 @@
-//! Vectors as three numbers each. With the feature `serde` of glam all of Bevy would be built once more.
+//! Vectors written as three numbers each. The `serde` feature of glam would rebuild all of Bevy.
 
 use bevy::math::Vec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

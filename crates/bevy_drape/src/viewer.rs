@@ -4,7 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
 
-/// An entity, usually the camera, that bodies are culled by their distance from.
+/// Marks an entity, usually the camera, whose distance decides the culling and the level of detail of bodies.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Transform)]

@@ -1,10 +1,10 @@
-//! Checkpoints: the state of a running world in a file, to go on from there with the same bits.
+//! Checkpoints: the state of a running world in a file, from which it continues with the same bits.
 //!
-//! The timeline of a scripted scene takes checkpoints by itself, which [`resume`](Checkpoint::resume) goes on from, in whatever world:
-//! they hold the scene, too. Any other world is saved by hand.
+//! The timeline of a scripted scene takes checkpoints that hold the scene, too; [`resume`](Checkpoint::resume)
+//! continues them in any world. Any other world is saved by hand.
 //!
-//! A checkpoint is a [`Snapshot`] with the name of its scene: what it holds, and what the world has to be that it is
-//! restored into, stands there.
+//! A checkpoint is a [`Snapshot`] with the name of its scene. The snapshot documents its contents, and which world it
+//! can be restored into.
 //!
 //! ```no_run
 //! # use bevy::prelude::*;
@@ -35,9 +35,10 @@ use thiserror::Error;
 use crate::container::{pack, unpack};
 use crate::text::SceneError;
 
-/// How every checkpoint begins.
+/// The first bytes of every checkpoint.
 pub const MAGIC: [u8; 8] = *b"DRAPESAV";
-/// The version of the format that is written here, and the only one that is read: a snapshot is of this version's state.
+/// The version of the format that is written, and the only one that is read, as snapshots hold the state of one
+/// version.
 pub const VERSION: u32 = 4;
 
 /// The state of a running world, with the name of its scene.
@@ -45,11 +46,11 @@ pub const VERSION: u32 = 4;
 pub struct Checkpoint {
     scene: String,
     snapshot: Snapshot,
-    /// What the scene that is being played remembers, as text; none if there is no scripted scene.
+    /// The state of the scripted scene as text; none if there is no scripted scene.
     play: Option<String>,
 }
 
-/// Why a checkpoint cannot be written, read or restored.
+/// A checkpoint that cannot be written, read or restored.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
@@ -58,7 +59,7 @@ pub enum CheckpointError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The state cannot be written.
@@ -72,45 +73,45 @@ pub enum CheckpointError {
     AnotherVersion {
         /// The version of the checkpoint.
         found: u32,
-        /// The version that is known here.
+        /// The version that this program reads.
         known: u32,
     },
-    /// The bytes are cut off, or not what was written.
+    /// The bytes are cut off or changed.
     #[error("the checkpoint is damaged: its state, which begins at byte {offset}, {reason}")]
     Damaged {
-        /// Where the part begins that is at fault.
+        /// The offset of the damaged part in bytes.
         offset: usize,
-        /// What is wrong with it.
+        /// The problem with it.
         reason: String,
     },
-    /// There is no scripted scene in it.
+    /// The checkpoint has no scripted scene.
     #[error("the checkpoint holds no scripted scene: it was not taken by a scene's timeline")]
     NoPlay,
-    /// What the scripted scene remembers cannot be understood.
+    /// The state of the scripted scene cannot be parsed.
     #[error("the checkpoint's scene: {0}")]
     BadPlay(SceneError),
-    /// The world is not that of the checkpoint.
+    /// The world is another than that of the checkpoint.
     #[error("the checkpoint of scene “{scene}” cannot be restored: {source}")]
     AnotherWorld {
-        /// The scene that the checkpoint is of.
+        /// The scene of the checkpoint.
         scene: String,
-        /// What does not agree.
+        /// The difference.
         source: SnapshotError,
     },
 }
 
 impl Checkpoint {
-    /// The state of `world`, between steps.
+    /// Takes the state of `world`, between steps.
     pub fn take(world: &mut World, scene: &str) -> Self {
         Self::of(world, scene, None)
     }
 
-    /// The same, with what the scripted scene remembers.
+    /// Takes the state of `world` and of its scripted scene.
     pub(crate) fn of(world: &mut World, scene: &str, play: Option<String>) -> Self {
         Self { scene: scene.into(), snapshot: Snapshot::take(world), play }
     }
 
-    /// The same, of a scene of this name.
+    /// Renames its scene.
     #[must_use]
     pub fn named(self, scene: &str) -> Self {
         Self { scene: scene.into(), ..self }
@@ -131,10 +132,10 @@ impl Checkpoint {
         &self.snapshot
     }
 
-    /// Puts `world` back to this state.
+    /// Restores this state in `world`.
     ///
     /// # Errors
-    /// [`CheckpointError::AnotherWorld`] if it is not of the same scene, or has taken no step; nothing has changed then.
+    /// [`CheckpointError::AnotherWorld`] if `world` has another scene or has taken no step. It is unchanged then.
     pub fn restore(&self, world: &mut World) -> Result<(), CheckpointError> {
         let scene = || self.scene.clone();
         self.snapshot
@@ -142,7 +143,7 @@ impl Checkpoint {
             .map_err(|source| CheckpointError::AnotherWorld { scene: scene(), source })
     }
 
-    /// As bytes, with checksums.
+    /// Encodes it, with checksums.
     ///
     /// # Errors
     /// [`CheckpointError::Unencodable`] if it is larger than 256 MiB.
@@ -152,7 +153,7 @@ impl Checkpoint {
         Ok([&MAGIC[..], &VERSION.to_le_bytes(), &length.to_le_bytes(), &packed].concat())
     }
 
-    /// From bytes.
+    /// Decodes it.
     ///
     /// # Errors
     /// [`CheckpointError`] if they are no checkpoint, one of another version, cut off, or damaged.

@@ -1,4 +1,4 @@
-//! How the files of this crate are packed: values encoded by `postcard`, compressed as LZ4 frames.
+//! The packing of binary files: values encoded by `postcard`, compressed as LZ4 frames.
 
 use std::io::{Read, Write};
 
@@ -6,10 +6,10 @@ use lz4_flex::frame::{BlockMode, FrameDecoder, FrameEncoder, FrameInfo};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Greatest number of bytes of a value before compression. Whatever a damaged file says, no more are decoded at once.
+/// The greatest size of a value in bytes before compression, which bounds the memory that a damaged file can cost.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// Packs a value, with the checksums of header, blocks and content that the LZ4 format has.
+/// Packs a value, with LZ4's checksums of header, blocks and content.
 pub(crate) fn pack(value: &impl Serialize) -> Result<Vec<u8>, String> {
     let plain = postcard::to_stdvec(value).map_err(|error| error.to_string())?;
     if plain.len() as u64 > MAX_BYTES {
@@ -25,16 +25,16 @@ pub(crate) fn pack(value: &impl Serialize) -> Result<Vec<u8>, String> {
     encoder.finish().map_err(|error| error.to_string())
 }
 
-/// Unpacks a value that fills all of `bytes`. The error completes a sentence about them.
+/// Unpacks a value that fills all of `bytes`. The error message completes a sentence about them.
 pub(crate) fn unpack<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
-    // The decoder takes the end of its input for the end of the frame, whether the checksum has come or not.
+    // The decoder accepts the end of its input as the end of the frame, even without the checksum.
     let is_whole = bytes.len().checked_sub(8).is_some_and(|end| bytes[end..].starts_with(&[0; 4]));
     if !is_whole {
         return Err("does not end with a checksum".into());
     }
     let mut decoder = FrameDecoder::new(bytes);
     let mut plain = Vec::new();
-    // Grows with what there is to decode, whatever size the frame claims to have.
+    // Grows with the decoded bytes, whatever size the frame claims to have.
     let read = decoder.by_ref().take(MAX_BYTES + 1).read_to_end(&mut plain);
     read.map_err(|error| format!("cannot be decompressed: {error}"))?;
     if plain.len() as u64 > MAX_BYTES {

@@ -1,15 +1,15 @@
-//! Random numbers that are the same on every machine.
+//! Random numbers that are equal on every machine.
 
 /// Splitmix64: one multiplication chain over a counter.
 pub struct Random(u64);
 
 impl Random {
-    /// Starts at `seed`.
+    /// A generator that starts at `seed`.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// One of many unrelated starts: that of `index` among those of `seed`.
+    /// A generator for item `index` of `seed`, unrelated to those of other items.
     pub fn of_index(seed: u64, index: u64) -> Self {
         Self(Self::new(seed).next() ^ Self::new(!index).next())
     }

@@ -1,4 +1,6 @@
-//! What textile laboratories measure of a cloth: how it hangs over a disc, and how far it stretches.
+//! Measurements of textile laboratories: the drape of a cloth over a disc, and its stretch by its own weight.
+//!
+//! Design: `docs/design/presets.md`.
 
 use glam::{Quat, Vec2, Vec3};
 use parry3d::shape::SharedShape;
@@ -29,7 +31,7 @@ const SETTLING: [f32; 2] = [2.0, 6.0];
 /// # Errors
 /// [`StepError`] if material or settings are out of range.
 pub fn drape_coefficient(material: ClothMaterial, settings: SolverSettings) -> Result<f32, StepError> {
-    // Rather damped than swinging.
+    // Strong drag, so that the cloth does not swing.
     let settings = SolverSettings { drag: 4.0, thickness: 0.002, ..settings };
     let bad = |source| StepError::BadSettings { body: 0, source };
     let cloth = ClothBuilder::new(SIDE, SIDE, 16, 16)
@@ -48,7 +50,7 @@ pub fn drape_coefficient(material: ClothMaterial, settings: SolverSettings) -> R
     Ok((shadow(&island) - disc) / (SIDE * SIDE - disc))
 }
 
-/// By what part of its length a curtain of 1 m x 1 m and 21 x 21 particles gets longer under its own weight.
+/// Stretch of a curtain of 1 m x 1 m and 21 x 21 particles under its own weight, in parts of its length.
 ///
 /// # Errors
 /// [`StepError`] if material or settings are out of range.

@@ -1,8 +1,8 @@
-//! What can be wrong with what the caller asks for.
+//! Errors of builders and steps, and the checks that raise them.
 
 use thiserror::Error;
 
-/// Why a body, an obstacle or a ball cannot be built.
+/// The reason that a body, an obstacle or a ball cannot be built.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum BuildError {
@@ -58,7 +58,7 @@ pub enum BuildError {
     /// A particle index points past the end.
     #[error("{what} names particle {index}, but the body has {count}")]
     NoSuchParticle {
-        /// What holds the index.
+        /// The thing that holds the index.
         what: &'static str,
         /// The index at fault.
         index: u32,
@@ -90,12 +90,12 @@ pub enum BuildError {
     /// An obstacle's shape is one that point queries cannot handle.
     #[error("the shape cannot be used as an obstacle: {reason}")]
     BadShape {
-        /// What is wrong with it.
+        /// The fault of the shape.
         reason: &'static str,
     },
 }
 
-/// Why a step cannot be taken, or what it found.
+/// The reason that a step cannot be taken, or the fault that it found.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum StepError {
@@ -110,13 +110,13 @@ pub enum StepError {
     BadSettings {
         /// The body, by index in the island.
         body: usize,
-        /// What is wrong.
+        /// The field at fault.
         source: BuildError,
     },
-    /// The state of a body became NaN or infinite, by what was put into it.
+    /// A body got a NaN or infinite position or velocity from its caller.
     #[error("body {0} holds a position or velocity that is not finite")]
     NonFiniteBody(usize),
-    /// The state of a ball became NaN or infinite, by what was put into it.
+    /// A ball got a NaN or infinite position or velocity from its caller.
     #[error("ball {0} holds a position or velocity that is not finite")]
     NonFiniteBall(usize),
 }

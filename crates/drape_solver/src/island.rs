@@ -1,4 +1,6 @@
 //! Islands: bodies and balls that can touch each other, stepped together and independent of all others.
+//!
+//! Design: `docs/design/rest_and_islands.md`.
 
 use crate::contact::ball_cloth;
 use crate::contact::ball_cloth_query::BallClothContact;
@@ -23,15 +25,15 @@ pub struct Island {
     pub bodies: Vec<Body>,
     /// Cannon balls.
     pub balls: Vec<Ball>,
-    /// What touched what in the last step, balls first by index.
+    /// Touches of balls in the last step.
     pub touches: Vec<Touch>,
-    /// What happened in the last step to whoever [reports](Body::reports_contacts) it: one contact for each two, bodies
-    /// first by index.
+    /// Contacts of the last step that a body, ball or obstacle [reports](Body::reports_contacts): one for each pair,
+    /// bodies first, by index.
     pub contacts: Vec<Contact>,
-    /// What was done in the last step to obstacles that [ask](crate::Obstacle::reporting_reaction) for it, by index.
+    /// Reactions of the last step on obstacles that [ask](crate::Obstacle::reporting_reaction) for them, by index.
     pub reactions: Vec<Reaction>,
-    /// Where the last step has brought obstacles with [rigid bodies](crate::Obstacle::with_rigid_body) that something was
-    /// near, by index.
+    /// Places and motions after the last step of obstacles with [rigid bodies](crate::Obstacle::with_rigid_body) that
+    /// something was near, by index.
     pub moved: Vec<MovedObstacle>,
     /// The instruction set to run on; the bits do not depend on it.
     pub isa: Isa,
@@ -107,19 +109,6 @@ impl Island {
         self.context.plans.push(scratch.plan);
     }
 
-    /// Takes the body at `index` with its scratch, and leaves an empty one in its place.
-    ///
-    /// # Panics
-    /// If there is no such body.
-    pub fn take_body(&mut self, index: usize) -> (Body, BodyScratch) {
-        self.fit_scratch();
-        let scratch = BodyScratch {
-            contacts: core::mem::take(&mut self.context.contacts.bodies[index]),
-            plan: core::mem::take(&mut self.context.plans[index]),
-        };
-        (core::mem::take(&mut self.bodies[index]), scratch)
-    }
-
     /// Takes all bodies out with their scratch, in order.
     pub fn drain_bodies(&mut self) -> impl Iterator<Item = (Body, BodyScratch)> + '_ {
         self.fit_scratch();
@@ -154,13 +143,13 @@ impl Island {
         contacts.flat_map(|contacts| contacts.obstacles.pushed_particles())
     }
 
-    /// Memory of the body at `index`: of its state, of what its step needs, and of sticks and tethers, in bytes. Faces,
-    /// which only contacts with balls and the wind read, and lists of contacts are not counted.
+    /// Memory of the body at `index` in bytes: its state, the scratch of its step, its sticks and tethers. Lists of
+    /// contacts do not count, nor do faces, which only the wind and contacts with balls read.
     pub fn body_bytes(&self, index: usize) -> usize {
         self.bodies[index].bytes() + self.context.plans.get(index).map_or(0, |plan| plan.lines.bytes())
     }
 
-    /// Takes everything out, keeping the memory.
+    /// Removes everything and keeps the memory.
     pub fn clear(&mut self) {
         self.bodies.clear();
         self.balls.clear();
@@ -170,10 +159,13 @@ impl Island {
         self.moved.clear();
     }
 
-    /// Takes the body at `index` out in the middle of a step: an empty one is left in its place, and nothing touches
-    /// it any more. The other bodies keep their indices.
+    /// Takes the body at `index` out in the middle of a step, and leaves an empty body that touches nothing. The other
+    /// bodies keep their indices.
     pub fn vacate_body(&mut self, index: usize) {
-        self.take_body(index);
+        self.fit_scratch();
+        self.bodies[index] = Body::default();
+        self.context.contacts.bodies[index] = BodyContacts::default();
+        self.context.plans[index] = BodyPlan::default();
         self.context.contacts.ball_cloth.forget(index);
         self.context.contacts.cloth_cloth.forget(index);
         self.context.report.vacate(index);
@@ -191,33 +183,32 @@ impl Island {
         });
     }
 
-    /// The most iterations that a body takes.
+    /// The greatest number of iterations of a body.
     pub(crate) fn iterations(&self) -> u32 {
         self.bodies.iter().map(|body| body.settings.iterations).max().unwrap_or(1)
     }
 
-    /// Iterations that the last substep took: fewer than asked for where a body's
+    /// The number of iterations of the last substep: fewer than asked for if a body's
     /// [tolerance](crate::SolverSettings::tolerance) let it stop early.
     pub fn iterations_taken(&self) -> u32 {
         self.context.iterations_taken
     }
 
-    /// Pairs of particles that [self-contact](crate::SolverSettings::self_contact) watches: what it costs grows with
-    /// their number.
+    /// The number of pairs that [self-contact](crate::SolverSettings::self_contact) watches; its cost grows with them.
     pub fn self_contact_pairs(&self) -> usize {
         self.context.contacts.cloth_cloth.pair_count()
     }
 
-    /// Substeps of the step that was [begun](crate::step::begin).
+    /// The number of substeps of the step that was [begun](crate::step::begin).
     pub fn substeps(&self) -> u32 {
         self.context.substeps
     }
 
-    /// The overlaps of balls with cloth in the middle of a step, right after
-    /// [`integrate`](crate::step::integrate), added to `found`: what the first projection of contacts would act on if
+    /// Adds the overlaps of balls with cloth in the middle of a step, right after
+    /// [`integrate`](crate::step::integrate), to `found`: those on which the first projection of contacts would act if
     /// nothing else was pushed meanwhile. Only candidates of the last
-    /// [`detect_collisions`](crate::step::detect_collisions) are looked at. Gives the number of faces that were asked for
-    /// their nearest point.
+    /// [`detect_collisions`](crate::step::detect_collisions) are tested. Returns the number of faces whose nearest
+    /// point was computed.
     pub fn ball_cloth_contacts(&mut self, found: &mut Vec<BallClothContact>) -> usize {
         let contacts = &mut self.context.contacts.ball_cloth;
         ball_cloth::find_all(contacts, &self.bodies, &self.balls, self.isa, |contact| found.push(contact))

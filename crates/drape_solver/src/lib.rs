@@ -6,8 +6,8 @@
 //!
 //! ```text
 //! world/       bodies, balls and obstacles by name: islands, sleep, wake and culling
-//! drape_test   Cusick's drape test, as a program
-//! step         the whole step on one screen: read it first
+//! drape_test   Cusick's drape test, and stretch by weight
+//! step         the whole step on one screen: start here
 //! island       bodies and balls that are stepped together, with their scratch
 //! tearing/     sticks tear, blades cut, bodies fall into pieces
 //! build/       builders of cloths, ropes, soft bodies, ragdolls; cloth from meshes
@@ -22,9 +22,9 @@
 //! simd/        columns, lanes, instruction sets
 //! union_find   groups of what hangs together
 //! error        typed errors
-//! constants    every tolerance, with its unit and its reason
+//! constants    tolerances, bounds and tuning constants, with units and reasons
 //! ```
-// Same input, same bits, on every machine: `clippy.toml` lists what rounds differently.
+// Same input, same bits, on every machine: `clippy.toml` lists the methods that round differently.
 #![warn(clippy::disallowed_methods)]
 
 pub mod broad_phase;

@@ -6,13 +6,15 @@
 //!       -> finish
 //! ```
 //!
-//! The stages of a substep and their order stand in [`substep::order`](crate::substep::order), once, as data; this file
+//! The stages of a substep and their order stand in `substep/order.rs`, once, as data; this file
 //! walks that list. The public stages let a schedule run its own systems between them; [`step`] and [`substeps_on`] walk
 //! the same list, and give the same bits.
 //!
-//! Friction comes last in *each* substep, on the substep's whole tangential displacement, with the depth summed
-//! over its N + 1 projections. Once per step instead, a body with a friction of 0.5 slides from about 1 degree;
-//! per substep, from 26.6 degrees, as Coulomb's law has it.
+//! Friction comes last in *each* substep, on the substep's whole tangential displacement, with the depth summed over
+//! its N + 1 projections. Applied once per step instead, a body with a friction of 0.5 slides from about 1 degree; per
+//! substep, it slides from 26.6 degrees, as Coulomb's law says.
+//!
+//! Design: `docs/design/relaxation.md`.
 
 use glam::Vec3;
 
@@ -24,7 +26,7 @@ use crate::constraint::{angular_momentum, stick, strain::greatest_strain, volume
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
     ball_ball, ball_cloth, ball_obstacle, body_contacts, cloth_cloth, dynamic_obstacle, embedded_obstacle,
-    face_obstacle, impact_zone, limit_conflict, particle_dynamic, reaction, report,
+    face_obstacle, hit_substeps, impact_zone, limit_conflict, particle_dynamic, reaction, report,
 };
 use crate::error::{StepError, in_range};
 use crate::island::{Island, IslandContext};
@@ -33,6 +35,7 @@ use crate::motion::wind::WindZone;
 use crate::motion::{force, rest};
 use crate::parallel::threads::{Alone, Threads};
 use crate::parallel::workers::Workers;
+use crate::state::ball::Ball;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::substep::begin;
@@ -48,7 +51,7 @@ pub fn step(island: &mut Island, environment: &Environment) -> Result<(), StepEr
     step_on(island, environment, &Alone)
 }
 
-/// The same on several threads, to the same bits: large bodies are shared out.
+/// The same on several threads, which share large bodies; the bits are the same.
 ///
 /// # Errors
 /// As [`step`].
@@ -58,7 +61,7 @@ pub fn step_on(
     threads: &dyn Threads,
 ) -> Result<(), StepError> {
     let mut outcome = Ok(());
-    Workers::run(lent(island, threads), &mut |workers| {
+    Workers::run(threads_for(island, threads), &mut |workers| {
         outcome = begin(island, environment).and_then(|()| {
             accumulate_forces(island, environment);
             detect(island, environment, workers);
@@ -69,14 +72,14 @@ pub fn step_on(
     outcome
 }
 
-/// All substeps that are left of the step that was [begun](begin). Where no ball is near, each body takes them in
-/// turn, a large one down its strips with the stages of several substeps at once.
+/// Takes all substeps that are left of the step that was [begun](fn@begin). If no ball is near, each body takes them in
+/// turn; a large body takes the stages of several substeps in one trip down its strips.
 pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn Threads) {
-    Workers::run(lent(island, threads), &mut |workers| substeps(island, environment, workers));
+    Workers::run(threads_for(island, threads), &mut |workers| substeps(island, environment, workers));
 }
 
-/// The threads, if the island has a body that is worth sharing out.
-fn lent<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
+/// The threads, if the island has a body that is large enough to share.
+fn threads_for<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
     let is_large = |body: &Body| body.topology.layout.cells() >= 2 * LEAST_SHARED_CELLS;
     if island.bodies.iter().any(is_large) { threads } else { &Alone }
 }
@@ -98,7 +101,7 @@ fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
 }
 
 /// True if no stage of the island has anything to do, so that its bodies may go through their substeps one by one.
-fn can_be_swept(island: &Island) -> bool {
+pub(crate) fn can_be_swept(island: &Island) -> bool {
     let IslandContext { contacts, report, reactions, .. } = &island.context;
     let is_alone = island.balls.is_empty() && !report.is_on() && !reactions.is_on();
     is_alone && island.bodies.iter().zip(&contacts.bodies).all(|(body, of)| sweep::can_be_swept(body, of))
@@ -111,11 +114,11 @@ pub fn substep(island: &mut Island, environment: &Environment) {
     project_collisions(island, environment);
 }
 
-/// Checks the input, settles the number of substeps and everything that depends on it.
+/// Checks the input, and sets the number of substeps and everything that depends on it.
 ///
-/// The island takes the substeps of its most demanding body; a ball that would cross more than half its radius
-/// in a substep asks for more, so that it cannot jump over a cloth; a heavy one near a light cloth, for more still; so
-/// do two cloths that fly at each other.
+/// The island takes the substeps of its most demanding body. It takes more for a ball that would cross more than half
+/// its radius in a substep, so that the ball cannot jump over a cloth, and more still for a heavy ball near a light
+/// cloth, or for two cloths that fly at each other.
 ///
 /// # Errors
 /// [`StepError`] as [`step`].
@@ -142,10 +145,10 @@ pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepE
     for ball in &mut island.balls {
         let path = (ball.velocity().length() + environment.gravity.length() * dt) * dt;
         let wanted = path / (ball.material.radius * BALL_TRAVEL_PER_SUBSTEP);
-        ball.hit_substeps = ball_cloth::hit_substeps(ball, &island.bodies, path);
+        ball.hit_substeps = hit_substeps::of_ball(ball, &island.bodies, path);
         substeps = substeps.max(wanted.max(ball.hit_substeps).min(MAX_SUBSTEPS as f32).ceil() as u32);
     }
-    let wanted = cloth_cloth::hit_substeps(&island.bodies, dt);
+    let wanted = hit_substeps::of_bodies(&island.bodies, dt);
     substeps = substeps.max(wanted.min(MAX_SUBSTEPS as f32).ceil() as u32);
     let h = dt / substeps as f32;
     island.context.substeps = substeps;
@@ -176,7 +179,7 @@ pub fn accumulate_forces(island: &mut Island, environment: &Environment) {
     }
 }
 
-/// Lists what could touch what within the step.
+/// Lists the pairs that could touch within the step.
 pub fn detect_collisions(island: &mut Island, environment: &Environment) {
     detect(island, environment, &Workers::default());
 }
@@ -185,7 +188,7 @@ fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
     let (dt, gravity, obstacles) = (environment.dt, environment.gravity.length(), &environment.obstacles);
     let Island { bodies, balls, context, isa, .. } = island;
     let fastest_ball = balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
-    // A ball can bring the cloth to its own speed within the step, and what was edited is pulled into place.
+    // A ball can bring the cloth to its own speed within the step, and edited particles are pulled into place.
     let speed_of = |body: &Body| body.particles.greatest_speed() + begin::pull(body) / dt;
     let speed = bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + CONTACT_MARGIN;
@@ -222,8 +225,8 @@ pub fn relax(island: &mut Island, environment: &Environment) {
     walk(island, environment, order.relaxed(iterations));
 }
 
-/// Span 3 of a substep: contacts have the last word on positions; then velocities follow, what bounces bounces, and
-/// friction; zones, where a ball would have passed through a cloth; and limits on motion.
+/// Span 3 of a substep: contacts set the final positions. Then velocities follow, with restitution, friction, impact
+/// zones for balls that would have passed through a cloth, and limits on motion.
 pub fn project_collisions(island: &mut Island, environment: &Environment) {
     walk(island, environment, island.context.order.project_collisions(island.iterations()));
     island.context.substep_index += 1;
@@ -232,7 +235,7 @@ pub fn project_collisions(island: &mut Island, environment: &Environment) {
     }
 }
 
-/// True if the sticks of all bodies are as near to their rest lengths as they were asked to be.
+/// True if the strain of every body is within its tolerance.
 fn is_relaxed(island: &Island) -> bool {
     island.bodies.iter().all(|body| {
         let tolerance = body.settings.tolerance;
@@ -259,7 +262,7 @@ fn walk<const N: usize>(island: &mut Island, environment: &Environment, spans: [
     }
 }
 
-/// One stage of one body, which has this `place` in the order.
+/// Runs one stage of one body; `place` is the stage's index in the order.
 fn run_body_stage(
     island: &mut Island,
     environment: &Environment,
@@ -316,7 +319,7 @@ fn run_body_stage(
     }
 }
 
-/// One stage of an island.
+/// Runs one stage of an island.
 fn run_island_stage(island: &mut Island, environment: &Environment, stage: IslandStage) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, balls, touches, context, .. } = island;
@@ -377,7 +380,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
             let pairs = &mut ball_cloth.pairs;
             impact_zone::enforce(impact_zones, pairs, bodies, balls, touches, substep.duration);
         }
-        IslandStage::TurnBalls => balls.iter_mut().for_each(|ball| ball.turn()),
+        IslandStage::TurnBalls => balls.iter_mut().for_each(Ball::turn),
         IslandStage::Account => {
             report::gather(report, contacts, bodies, balls, substep);
             reaction::gather(reactions, contacts, bodies, balls, substep);
@@ -385,8 +388,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
     }
 }
 
-/// Cloth against cloth and the obstacles below, in turn: what lies in layers on an obstacle is held up by it through all
-/// layers below.
+/// Projects cloth against cloth and against obstacles in turn, so that an obstacle holds up all layers of cloth on it.
 fn project_layers(island: &mut Island, environment: &Environment) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, context, .. } = island;
@@ -406,7 +408,7 @@ fn project_layers(island: &mut Island, environment: &Environment) {
     }
 }
 
-/// Counts what limits on motion keep in obstacles.
+/// Counts the particles that limits on motion keep in obstacles.
 fn count_conflicts(island: &mut Island, environment: &Environment) {
     let substep = island.context.now(island.isa, environment);
     for (body, contacts) in island.bodies.iter_mut().zip(&island.context.contacts.bodies) {
@@ -414,7 +416,7 @@ fn count_conflicts(island: &mut Island, environment: &Environment) {
     }
 }
 
-/// Ends the step: forgets forces and pin targets, keeps the account of rest, brings local origins near.
+/// Ends the step: clears forces and pin targets, updates the timers of rest, moves local origins to their bodies.
 ///
 /// # Errors
 /// [`StepError::NonFiniteBody`] or [`StepError::NonFiniteBall`].

@@ -1,4 +1,4 @@
-//! A step allocates nothing once warm.
+//! After a warm-up a step allocates nothing.
 
 use std::alloc::System;
 
@@ -15,20 +15,20 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations in the second half of a shot at a curtain, over ground, in a sensor and beside a turning capsule.
+/// Allocations in the second half of a shot at a curtain, over ground, in a sensor and beside a rotating capsule.
 #[test]
 fn a_warm_step_allocates_nothing() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
         allocate_nothing(SolverSettings { structural, ..SolverSettings::default() });
     }
-    // Not a test of its own: the count is that of the whole program.
+    // All cases are one test, as the count is that of the whole process.
     fold_allocating_nothing();
     meet_shapes_allocating_nothing();
     step_a_world_allocating_nothing();
 }
 
-/// A cloth that lies on every shape which is asked for its surface, coarse enough for its faces to be met, with balls among
-/// them; some of the shapes move, one of them fast.
+/// A cloth with balls on all shapes with surface queries, so coarse that its faces touch them. Some shapes move, one of them
+/// fast.
 fn meet_shapes_allocating_nothing() {
     let corners: Vec<Vec3> =
         (0..8).map(|i| Vec3::from([i & 1, i >> 1 & 1, i >> 2].map(|bit| 0.3 * bit as f32))).collect();
@@ -91,7 +91,7 @@ fn meet_shapes_allocating_nothing() {
     assert!(touches > 0, "the balls must have hit something");
 }
 
-/// A world in which a row of curtains sleeps, is hit by a ball that is put back again and again, and falls asleep again.
+/// A world with a row of sleeping curtains. A ball that is put back again and again hits them, and they fall asleep again.
 fn step_a_world_allocating_nothing() {
     let mut world = World::new();
     world.add_obstacle(Obstacle::ground());
@@ -184,7 +184,7 @@ fn allocate_nothing(settings: SolverSettings) {
             contacts += island.contacts.len();
         }
     };
-    // The first seconds see the hit: every list has then been as long as it gets.
+    // The hit is in the first seconds: then every list has reached its greatest length.
     steps(240);
     let region = Region::new(ALLOCATOR);
     steps(120);

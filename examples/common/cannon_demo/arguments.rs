@@ -41,7 +41,7 @@ pub struct Arguments {
     pub threads: u16,
 
     /// Instead measure collision detection of the shots by five methods, as in the founding paper's Table 1, and write
-    /// table1.json.
+    /// table1.json (needs the feature `table1`).
     #[arg(long, conflicts_with = "soak")]
     pub table1: bool,
 

@@ -3,12 +3,13 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
-use crate::cannon_demo::scene::{Curtain, begin};
+use crate::cannon_demo::plugin::begin;
+use crate::cannon_demo::scene::Curtain;
 use crate::view::clock_keys::control_clock;
 
-/// How fast the barrel turns, in rad/s.
+/// Speed at which the barrel turns, in rad/s.
 const TURN_RATE: f32 = 0.35;
-/// How fast the muzzle speed changes, in m/s^2.
+/// Rate at which the muzzle speed changes, in m/s^2.
 const SPEED_RATE: f32 = 12.0;
 /// Least and greatest elevation in radians.
 const ELEVATION: (f32, f32) = (-0.03, 0.9);
@@ -19,10 +20,10 @@ const SPEED: (f32, f32) = (5.0, 40.0);
 /// Mean velocity of the wind in m/s.
 const WIND: Vec3 = Vec3::new(0.5, 0.0, -1.8);
 
-/// Strain from which on a stick is wholly red: what is seen for a moment after a hit.
+/// Strain at which a stick is drawn red. Sticks reach it for a moment after a hit.
 const FULL_STRAIN: f32 = 0.01;
 
-/// What is shown of the cloth.
+/// The view of the cloth.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClothView {
     /// The cloth.
@@ -34,7 +35,7 @@ pub enum ClothView {
     Wireframe,
 }
 
-/// Whether the wind blows.
+/// True while the wind blows.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Blowing(pub bool);
 
@@ -51,7 +52,7 @@ impl Plugin for ControlsPlugin {
     }
 }
 
-/// -1, 0 or 1, for keys that pull one way or the other.
+/// -1, 0 or 1, for keys of opposite directions.
 fn axis(keys: &ButtonInput<KeyCode>, less: &[KeyCode], more: &[KeyCode]) -> f32 {
     let pressed = |codes: &[KeyCode]| f32::from(u8::from(keys.any_pressed(codes.iter().copied())));
     pressed(more) - pressed(less)
@@ -68,7 +69,7 @@ fn aim(mut cannons: Query<&mut Cannon>, keys: Res<ButtonInput<KeyCode>>, time: R
     if (rise, turn, speed) == (0.0, 0.0, 0.0) {
         return;
     }
-    // A frame that took long shall not throw the barrel about.
+    // A slow frame must not turn the barrel far.
     let seconds = time.delta_secs().min(0.1);
     for mut cannon in &mut cannons {
         let elevation = cannon.elevation + rise * TURN_RATE * seconds;
@@ -136,7 +137,7 @@ fn show_view(
     }
 }
 
-/// Draws where a shot would go, up to the ground.
+/// Draws the path of a shot, up to the ground.
 fn preview_path(mut gizmos: Gizmos, cannons: Query<(&Cannon, &GlobalTransform)>, gravity: Res<DrapeGravity>) {
     for (cannon, transform) in &cannons {
         let start = cannon.muzzle(transform);

@@ -1,4 +1,4 @@
-//! Keeps the captured of a run that are worth a picture, to be drawn when it is over: the run does not notice.
+//! Captures the frames of a run that become pictures. They are drawn after the run, which they do not change.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -16,21 +16,21 @@ enum When {
     AtTheEnd,
 }
 
-/// Where a picture is taken from.
+/// The viewpoint of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrameView {
-    /// From one place to another.
+    /// A fixed camera.
     Fixed {
-        /// The camera's place.
+        /// Position of the camera in metres.
         eye: Vec3,
-        /// What is in the middle.
+        /// The point in the middle of the picture.
         target: Vec3,
     },
-    /// From a place seen from the newest ball, to near that ball.
+    /// A camera placed relative to the newest ball.
     Ball {
-        /// The camera's place less the ball's.
+        /// Position of the camera, relative to the ball, in metres.
         eye: Vec3,
-        /// What is in the middle, less the ball's place.
+        /// The point in the middle of the picture, relative to the ball, in metres.
         target: Vec3,
     },
 }
@@ -69,11 +69,11 @@ const FRAMES: [(&str, When, FrameView); 6] = [
     ),
 ];
 
-/// The scene at one moment.
+/// The state of the scene for one picture.
 pub struct CapturedFrame {
     /// Name of the picture, without ending.
     pub name: &'static str,
-    /// Where it is taken from.
+    /// The viewpoint.
     pub view: FrameView,
     /// The curtain's particles.
     pub particles: Particles,
@@ -85,11 +85,11 @@ pub struct CapturedFrame {
     pub cannon: Option<(Cannon, Transform)>,
 }
 
-/// What was kept.
+/// The frames that were captured so far.
 #[derive(Resource, Default)]
 pub struct CapturedFrames {
     shots: Vec<Fired>,
-    /// Indices of [`FRAMES`] that are over.
+    /// Indices of the [`FRAMES`] that were captured.
     done: Vec<usize>,
     /// In the order in which they were taken.
     pub frames: Vec<CapturedFrame>,
@@ -101,7 +101,7 @@ struct Fired {
     hit: Option<f64>,
 }
 
-/// Keeps [`CapturedFrames`].
+/// Fills [`CapturedFrames`].
 pub struct FrameCapturePlugin;
 
 impl Plugin for FrameCapturePlugin {
@@ -142,7 +142,7 @@ fn watch(
             }
             When::AtTheEnd => None,
         };
-        // The step that ends nearest to the moment.
+        // The step that ends nearest to the due time.
         if due.is_some_and(|due| now + 0.5 * STEP >= due) && !captured.done.contains(&index) {
             captured.capture(index, &curtains, &balls, &cannons);
         }
@@ -181,7 +181,7 @@ impl CapturedFrames {
 }
 
 impl CapturedFrame {
-    /// Where the camera is.
+    /// The place of the camera.
     pub fn camera(&self) -> Transform {
         let ball = self.balls.last().map_or(Vec3::Y, |(_, transform)| transform.translation);
         let (eye, target) = match self.view {

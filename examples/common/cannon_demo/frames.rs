@@ -17,7 +17,7 @@ use crate::view::offscreen::{PictureError, app};
 /// Size of a picture in pixels.
 const SIZE: UVec2 = UVec2::new(1280, 720);
 
-/// Draws `frames` of `scene` into `folder`, one PNG file each, and tells `on_frame` of each.
+/// Draws `frames` of `scene` into `folder`, one PNG file each, and calls `on_frame` for each.
 ///
 /// # Errors
 /// [`PictureError`]: no adapter, or a file that cannot be written.

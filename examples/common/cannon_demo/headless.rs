@@ -11,10 +11,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cannon_demo::arguments::Arguments;
 use crate::cannon_demo::output::{Output, OutputError};
+use crate::cannon_demo::plugin::CannonScenePlugin;
 use crate::cannon_demo::recorder::{Recorder, RecorderPlugin};
-use crate::cannon_demo::scene::{CannonScene, CannonScenePlugin, first_shot, shot_interval};
+use crate::cannon_demo::scene::CannonScene;
+use crate::cannon_demo::shot::{FIRST_SHOT, SHOT_INTERVAL};
 
-/// How long after the last hit the run goes on at most, in seconds.
+/// The longest time that the run goes on after the last hit, in seconds.
 const PATIENCE: f64 = 40.0;
 
 /// The demo as an app that takes exactly one step in every update but the first, which takes none.
@@ -39,7 +41,7 @@ pub fn task_pools(threads: u16) -> TaskPoolPlugin {
     plugin
 }
 
-/// Runs the whole experiment and writes what came of it.
+/// Runs the whole experiment and writes its results.
 ///
 /// # Errors
 /// [`OutputError`] if the folder cannot be made or written; before the run where that can be known.
@@ -65,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Draws the pictures of the run that is over. Without a graphics adapter one line says so.
+/// Draws the pictures after the run. Prints one line if there is no graphics adapter.
 #[cfg(feature = "render")]
 fn draw_frames(app: &mut App, scene: &CannonScene, folder: &Path) {
     use crate::cannon_demo::frame_capture::{CapturedFrames, capture_last};
@@ -80,13 +82,13 @@ fn draw_frames(app: &mut App, scene: &CannonScene, folder: &Path) {
     }
 }
 
-/// Says why there are no pictures.
+/// Prints the reason why there are no pictures.
 #[cfg(not(feature = "render"))]
 fn draw_frames(_: &mut App, _: &CannonScene, _: &Path) {
     println!("no pictures: this program was built without the feature `render`");
 }
 
-/// Steps until every shot is fired and all is at rest, or patience ends. `on_step` is told the time.
+/// Steps until every shot is fired and all is at rest, or patience ends. Calls `on_step` with the time.
 pub fn run_to_rest(app: &mut App, scene: &CannonScene, mut on_step: impl FnMut(f64)) {
     app.finish();
     app.cleanup();
@@ -109,7 +111,7 @@ pub fn run_to_rest(app: &mut App, scene: &CannonScene, mut on_step: impl FnMut(f
 }
 
 fn progress_bar(scene: &CannonScene) -> ProgressBar {
-    let last_shot = first_shot() + shot_interval() * f64::from(scene.shots.saturating_sub(1));
+    let last_shot = FIRST_SHOT + SHOT_INTERVAL * f64::from(scene.shots.saturating_sub(1));
     // Tenths of a second; how long the rest takes after the last shot is a guess.
     let bar = ProgressBar::new(((last_shot + 10.0) * 10.0) as u64);
     if let Ok(style) =

@@ -1,16 +1,16 @@
-//! What the scene looks like, in a window and in pictures: materials, meshes, light, camera.
+//! Meshes and materials of the scene, in a window and in pictures.
 //!
-//! The scene itself knows nothing of this: observers dress whatever is added to the world.
+//! The scene itself does not depend on this: observers add meshes and materials to new entities.
 
 use core::f32::consts::FRAC_PI_2;
 
 use bevy::prelude::*;
 
-use crate::cannon_demo::scene::{Curtain, Ground, curtain_clearance, curtain_size};
+use crate::cannon_demo::scene::{CURTAIN_SIZE, Curtain, Ground, curtain_clearance};
 use crate::view::lighting::LightingPlugin;
 use crate::view::shared_materials::{EARTH, SharedMaterials, SharedMaterialsPlugin};
 
-/// Dresses the scene of the cannon demo.
+/// Adds meshes and materials to the scene of the cannon demo.
 pub struct CannonMaterialsPlugin;
 
 impl Plugin for CannonMaterialsPlugin {
@@ -22,7 +22,7 @@ impl Plugin for CannonMaterialsPlugin {
     }
 }
 
-/// Rod and posts that the curtain hangs from. Only to look at.
+/// Rod and posts that the curtain hangs from. Nothing touches them.
 fn spawn_frame(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -33,7 +33,7 @@ fn spawn_frame(
         perceptual_roughness: 0.6,
         ..default()
     });
-    let (half_width, top) = (0.5 * curtain_size().x + 0.2, curtain_clearance() + curtain_size().y + 0.02);
+    let (half_width, top) = (0.5 * CURTAIN_SIZE.x + 0.2, curtain_clearance() + CURTAIN_SIZE.y + 0.02);
     let mut spawn = |mesh: Mesh, transform: Transform| {
         commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()), transform));
     };

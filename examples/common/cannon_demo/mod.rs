@@ -16,10 +16,13 @@ mod output;
 #[cfg(feature = "window")]
 mod overlay;
 mod plot;
+pub mod plugin;
 pub mod recorder;
 pub mod report;
 pub mod scene;
+pub mod shot;
 pub mod soak;
+#[cfg(feature = "table1")]
 pub mod table1;
 #[cfg(feature = "window")]
 pub mod window;

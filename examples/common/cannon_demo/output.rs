@@ -1,4 +1,4 @@
-//! Where a headless run leaves its results: report, plot, and a table on the screen.
+//! The results of a run without a window: report, plot, and a table on the screen.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};

@@ -1,4 +1,4 @@
-//! What is written over the window's picture: keys and live figures.
+//! The texts over the window's picture: keys and live figures.
 
 use core::time::Duration;
 
@@ -18,7 +18,7 @@ space, click      fire                   T  slow motion   R    reset
 drag the cloth    left mouse button      G  strain, wireframe
 turn, zoom        right button, wheel    H  this help     Esc  quit";
 
-/// How often the figures are brought up to date.
+/// Time between two updates of the figures.
 const INTERVAL: Duration = Duration::from_millis(250);
 
 /// Shows help and figures.
@@ -39,7 +39,7 @@ struct Help;
 #[derive(Component)]
 struct Figures;
 
-/// What was counted since the figures were written last.
+/// Counts since the last update of the figures.
 #[derive(Resource, Default)]
 struct Rates {
     frames: u32,

@@ -1,4 +1,4 @@
-//! Draws what the recorder saw.
+//! Draws the samples of the recorder.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ const CURVES: [Curve; 4] = [
 /// Draws four panels over time, hits marked, as an SVG.
 ///
 /// # Errors
-/// What the drawing library or the file system says.
+/// The message of the drawing library or of the file system.
 pub fn draw(path: &Path, recorder: &Recorder) -> Result<(), String> {
     try_draw(path, recorder).map_err(|error| error.to_string())
 }

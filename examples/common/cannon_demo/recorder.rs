@@ -11,9 +11,10 @@ use drape_solver::state::measure;
 use crate::cannon_demo::report::{
     ActivitySample, CurtainReport, Report, SceneReport, ShotReport, TimingReport, VERSION,
 };
-use crate::cannon_demo::scene::{CannonScene, Curtain, STEP, Shot};
+use crate::cannon_demo::scene::{CannonScene, Curtain, STEP, cannon_ball};
+use crate::cannon_demo::shot::Shot;
 
-/// How long after the first touch the ball's speed is taken if it has not left the cloth, in seconds.
+/// If the ball stays in the cloth, its speed is taken this long after the first touch, in seconds.
 const SPEED_AFTER: f64 = 0.5;
 
 /// Records every step.
@@ -51,7 +52,7 @@ struct ShotRecord {
     collision: Duration,
 }
 
-/// What was seen so far.
+/// The record of the run so far.
 #[derive(Resource, Default)]
 pub struct Recorder {
     samples: Vec<Sample>,
@@ -133,7 +134,7 @@ fn record(
 
 /// Deepest that a particle lies in the ground or a ball, in metres.
 fn deepest(particles: &Particles, balls: &Query<(&ProjectileState, &Activity)>) -> f32 {
-    let radius = crate::cannon_demo::scene::ball().radius;
+    let radius = cannon_ball().radius;
     let mut deepest = 0.0_f32;
     for position in particles.positions() {
         deepest = deepest.max(-position.y);
@@ -150,7 +151,7 @@ impl Recorder {
         self.walls.push(wall);
     }
 
-    /// Whether a shot is still to be fired or its ball to hit, at `time`.
+    /// True if, at `time`, a shot is still to be fired or its ball to hit.
     pub fn is_waiting(&self, scene: &CannonScene, time: f64) -> bool {
         let recent = |shot: &ShotRecord| shot.hit.is_none() && time - shot.fired_at < 3.0;
         self.shots.len() < scene.shots as usize || self.shots.iter().any(recent)
@@ -182,7 +183,7 @@ impl Recorder {
                 continue;
             };
             // Twice the greatest distance that a face's corners can be from a touching ball.
-            let near = crate::cannon_demo::scene::ball().radius + 0.1;
+            let near = cannon_ball().radius + 0.1;
             let has_left = particles.positions().all(|p| p.distance(ball.position()) > near);
             if has_left || time - hit.time >= SPEED_AFTER {
                 shot.speed_after = Some(f64::from(ball.velocity().length()));

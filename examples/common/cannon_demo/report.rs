@@ -10,21 +10,21 @@ pub const VERSION: u32 = 1;
 pub struct Report {
     /// Version of this schema.
     pub version: u32,
-    /// What was simulated.
+    /// The scene.
     pub scene: SceneReport,
-    /// What each shot did.
+    /// The result of each shot.
     pub shots: Vec<ShotReport>,
-    /// How the curtain fared.
+    /// The state of the curtain.
     pub curtain: CurtainReport,
     /// Bodies in each state, once a second.
     pub activity: Vec<ActivitySample>,
-    /// What it cost.
+    /// The cost of the run.
     pub timing: TimingReport,
     /// Hash of all positions and velocities at the end, as 16 hexadecimal digits.
     pub state_hash: String,
 }
 
-/// What was simulated.
+/// The scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneReport {
     /// Particles of the curtain.
@@ -39,7 +39,7 @@ pub struct SceneReport {
     pub dt: f64,
 }
 
-/// What one shot did.
+/// The result of one shot.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShotReport {
     /// Number of the shot, from 0.
@@ -52,7 +52,7 @@ pub struct ShotReport {
     pub azimuth_deg: f64,
     /// Speed at the muzzle.
     pub speed_m_s: f64,
-    /// Whether the ball touched the curtain.
+    /// True if the ball touched the curtain.
     pub hit: bool,
     /// From the shot to the first touch, interpolated within the substep.
     pub hit_time_s: Option<f64>,
@@ -72,7 +72,7 @@ pub struct ShotReport {
     pub collision_ms: f64,
 }
 
-/// How the curtain fared.
+/// The state of the curtain.
 #[derive(Clone, Debug, Serialize)]
 pub struct CurtainReport {
     /// Greatest stretch at the end of the run.
@@ -100,7 +100,7 @@ pub struct ActivitySample {
     pub culled: usize,
 }
 
-/// What it cost.
+/// The cost of the run.
 #[derive(Clone, Debug, Serialize)]
 pub struct TimingReport {
     /// Number of steps.

@@ -1,5 +1,5 @@
-//! `--soak SECONDS`: a shot every second, and old balls taken away. Nothing may grow: not the memory, not the time of a
-//! step; and nothing may turn into a number that is none.
+//! `--soak SECONDS`: a shot every second, and old balls taken away. Neither memory nor the time of a step may grow, and all
+//! positions stay finite.
 
 use std::fs;
 use std::time::{Duration, Instant};
@@ -12,7 +12,9 @@ use serde::Serialize;
 use crate::cannon_demo::arguments::Arguments;
 use crate::cannon_demo::headless::task_pools;
 use crate::cannon_demo::output::{Output, OutputError};
-use crate::cannon_demo::scene::{CannonScene, CannonScenePlugin, Curtain, STEP, Shot};
+use crate::cannon_demo::plugin::CannonScenePlugin;
+use crate::cannon_demo::scene::{CannonScene, Curtain, STEP};
+use crate::cannon_demo::shot::Shot;
 
 /// Time between shots, in seconds.
 const INTERVAL: f64 = 1.0;
@@ -28,11 +30,11 @@ pub struct SoakReport {
     pub shots: u32,
     /// Each minute of simulated time; the last may be shorter.
     pub minutes: Vec<Minute>,
-    /// Whether any position or velocity was not finite at the end of any step.
+    /// True if any position or velocity was not finite at the end of any step.
     pub any_nan: bool,
 }
 
-/// What a minute of simulated time has shown.
+/// The measurements of one minute of simulated time.
 #[derive(Clone, Debug, Serialize)]
 pub struct Minute {
     /// Memory of the process at its end, in MiB; none where the system does not tell.
@@ -45,7 +47,7 @@ pub struct Minute {
     pub hits: u32,
 }
 
-/// What the systems of the soak keep.
+/// The state that the systems of the soak share.
 #[derive(Resource, Default)]
 pub struct Soak {
     shots: u32,
@@ -83,7 +85,7 @@ fn fire(
     let shot = Shot::planned(soak.shots);
     soak.shots += 1;
     for (entity, mut cannon) in &mut cannons {
-        (cannon.elevation, cannon.azimuth, cannon.muzzle_speed) = (shot.elevation, shot.azimuth, shot.speed);
+        shot.aim(&mut cannon);
         fire.write(FireCannon { cannon: entity });
     }
 }
@@ -114,7 +116,7 @@ fn watch(
     soak.any_nan |= !all_finite;
 }
 
-/// Soaks an [`app`] for so many simulated seconds. `on_step` is told the time.
+/// Soaks an [`app`] for so many simulated seconds. Calls `on_step` with the time.
 pub fn soak(app: &mut App, seconds: u32, mut on_step: impl FnMut(f64)) -> SoakReport {
     let steps = (f64::from(seconds) / STEP).round() as u64;
     let a_minute = (60.0 / STEP).round() as usize;
@@ -143,7 +145,7 @@ pub fn soak(app: &mut App, seconds: u32, mut on_step: impl FnMut(f64)) -> SoakRe
     SoakReport { steps, shots, minutes, any_nan }
 }
 
-/// Memory of this process, where Linux tells.
+/// Memory of this process in MiB; none where there is no `/proc`.
 fn resident_mib() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use drape_bench::Failure;
 use drape_bench::bombardment::{Bombardment, Shot as BenchShot};
-use drape_bench::contender::Failure;
 use drape_bench::table1::{CurtainReport, measure};
 use drape_solver::{BallMaterial, SolverSettings};
 use serde::Serialize;
@@ -12,8 +12,9 @@ use thiserror::Error;
 use crate::cannon_demo::arguments::Arguments;
 use crate::cannon_demo::output::{Output, OutputError};
 use crate::cannon_demo::scene::{
-    CannonScene, STEP, Shot, ball, curtain_clearance, curtain_drag, curtain_size, muzzle, shot_interval,
+    CURTAIN_DRAG, CURTAIN_SIZE, CannonScene, MUZZLE, STEP, cannon_ball, curtain_clearance,
 };
+use crate::cannon_demo::shot::{SHOT_INTERVAL, Shot};
 
 /// Why there is no table.
 #[derive(Debug, Error)]
@@ -40,17 +41,17 @@ struct Table1 {
 pub fn bombardment(scene: &CannonScene) -> Bombardment {
     let shot = |index| {
         let shot = Shot::planned(index);
-        BenchShot { time: shot.time, muzzle: muzzle(), velocity: shot.velocity().as_vec3() }
+        BenchShot { time: shot.time, muzzle: MUZZLE, velocity: shot.velocity().as_vec3() }
     };
-    let ball = ball();
+    let ball = cannon_ball();
     Bombardment {
-        size: curtain_size().to_array(),
+        size: CURTAIN_SIZE.to_array(),
         clearance: curtain_clearance(),
         particles: scene.particles.to_array(),
         settings: SolverSettings {
             substeps: scene.substeps,
             iterations: scene.iterations,
-            drag: curtain_drag(),
+            drag: CURTAIN_DRAG,
             ..SolverSettings::default()
         },
         ball: BallMaterial {
@@ -62,7 +63,7 @@ pub fn bombardment(scene: &CannonScene) -> Bombardment {
         shots: (0..scene.shots).map(shot).collect(),
         step: STEP as f32,
         gravity: *bevy_drape::prelude::DrapeGravity::default(),
-        rest: shot_interval(),
+        rest: SHOT_INTERVAL,
     }
 }
 

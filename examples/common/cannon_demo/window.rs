@@ -11,7 +11,8 @@ use crate::cannon_demo::controls::ControlsPlugin;
 use crate::cannon_demo::headless::task_pools;
 use crate::cannon_demo::materials::CannonMaterialsPlugin;
 use crate::cannon_demo::overlay::OverlayPlugin;
-use crate::cannon_demo::scene::{CannonScene, CannonScenePlugin};
+use crate::cannon_demo::plugin::CannonScenePlugin;
+use crate::cannon_demo::scene::CannonScene;
 use crate::view::lighting::camera;
 use crate::view::orbit::{Orbit, OrbitPlugin};
 use crate::view::pointer::PointerPlugin;
@@ -55,7 +56,7 @@ fn spawn_camera(mut commands: Commands, mut images: ResMut<Assets<Image>>, adapt
     let orbit = Orbit { target: Vec3::new(0.4, 1.4, 5.0), yaw: -0.3, pitch: 0.08, distance: 13.5 };
     let mut camera = commands.spawn((orbit, camera(orbit.transform(), &mut images)));
     if adapter.device_type == DeviceType::Cpu {
-        // Software has enough to do.
+        // A software renderer is slow enough.
         camera.insert(Msaa::Off);
         commands.insert_resource(DirectionalLightShadowMap { size: 1024 });
     }

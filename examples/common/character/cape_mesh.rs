@@ -10,10 +10,10 @@ use crate::character::skeleton::{CHEST, HIPS, THIGHS};
 /// Columns and rows of the cape.
 pub const CAPE: [usize; 2] = [13, 23];
 
-/// How far the hem may be from where the animation has it, in metres.
+/// Greatest distance of the hem from its animated place, in metres.
 pub const FULL_DISTANCE: f32 = 0.7;
 
-/// The joints that a vertex at (across, down), each 0 to 1, goes with.
+/// The joints of a vertex at (across, down), each from 0 to 1, and their weights.
 fn skin(across: f32, down: f32) -> ([u16; 4], [f32; 4]) {
     let chest = (1.0 - 2.0 * down).max(0.0);
     let legs = (0.6 * (down - 0.5)).max(0.0);
@@ -21,7 +21,7 @@ fn skin(across: f32, down: f32) -> ([u16; 4], [f32; 4]) {
     (joints, [chest, 1.0 - chest - legs, legs * (1.0 - across), legs * across])
 }
 
-/// A cape behind the shoulders: red are its pins, green is how far it may go.
+/// A cape behind the shoulders: red paints pins, green paints limits of motion.
 pub fn cape_mesh() -> Mesh {
     let [columns, rows] = CAPE;
     let part = |i: usize, n: usize| i as f32 / (n - 1) as f32;

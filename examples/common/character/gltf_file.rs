@@ -13,7 +13,7 @@ use crate::character::walk_cycle::{Character, pace};
 /// Poses of an animation, in frames per second.
 const FRAMES: usize = 30;
 
-/// glTF's numbers for what an accessor holds.
+/// glTF's codes of the component types of an accessor.
 const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
@@ -27,7 +27,7 @@ struct Model {
 }
 
 impl Model {
-    /// Adds an accessor of rows of numbers; tells its place.
+    /// Adds an accessor of rows of numbers; returns its index.
     fn add(
         &mut self,
         bytes: &[u8],
@@ -141,11 +141,11 @@ impl Model {
     }
 }
 
-/// What the figure has besides its bones, none of which reaches the cape: joint, radius, length, and middle; the second lies along X.
+/// Neck and shoulders, which do not reach the cape: joint, radius, length, and middle; the second lies along X.
 const NECK_AND_SHOULDERS: [(usize, f32, f32, Vec3); 2] =
     [(3, 0.05, 0.12, Vec3::new(0.0, 0.0, 0.0)), (2, 0.06, 0.34, Vec3::new(0.0, 0.15, 0.0))];
 
-/// The figure itself: a capsule for each bone, which goes with its joint. It is hardly thinner than the one that the cape touches.
+/// The body: one capsule for each bone, a little thinner than the capsule that the cape touches.
 fn figure() -> Mesh {
     let bones = (0..BONES.len()).map(|joint| {
         let (radius, half, middle) = capsule(joint);
@@ -220,7 +220,7 @@ pub fn model() -> Vec<u8> {
     container(text.to_string().into_bytes(), model.bytes)
 }
 
-/// Text and numbers in one file, as glTF 2.0 has it.
+/// Text and numbers in one file, in the binary format of glTF 2.0.
 fn container(mut text: Vec<u8>, numbers: Vec<u8>) -> Vec<u8> {
     text.resize(text.len().next_multiple_of(4), b' ');
     let length = 12 + 8 + text.len() + 8 + numbers.len();

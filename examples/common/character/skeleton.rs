@@ -23,7 +23,7 @@ pub(super) const ARMS: [usize; 2] = [4, 5];
 pub(super) const THIGHS: [usize; 2] = [6, 7];
 pub(super) const SHINS: [usize; 2] = [8, 9];
 
-/// Where the joints are in the mesh's coordinates.
+/// The place of a joint in the mesh's coordinates, in metres.
 pub fn bind_place(joint: usize) -> Vec3 {
     let (_, parent, place, ..) = BONES[joint];
     Vec3::from(place) + parent.map_or(Vec3::ZERO, bind_place)
@@ -35,7 +35,7 @@ pub fn capsule(joint: usize) -> (f32, f32, Vec3) {
     (radius, length * 0.5, middle.into())
 }
 
-/// What takes a joint's coordinates to the mesh's.
+/// The matrices from the mesh's coordinates to each joint's.
 pub fn inverse_bind_poses() -> Vec<Mat4> {
     (0..BONES.len()).map(|joint| Mat4::from_translation(-bind_place(joint))).collect()
 }

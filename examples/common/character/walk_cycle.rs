@@ -15,7 +15,7 @@ pub const WALK: f32 = 30.0;
 /// A character in a world.
 #[derive(Resource, Clone, Debug)]
 pub struct Character {
-    /// What the joints and the cape are children of.
+    /// The parent of the joints and of the cape.
     pub root: Entity,
     /// Its joints, in the order of [`BONES`].
     pub joints: Vec<Entity>,
@@ -23,13 +23,13 @@ pub struct Character {
     pub capsules: Vec<Entity>,
     /// The cape.
     pub cape: Entity,
-    /// Where it is, in metres.
+    /// Position in metres.
     pub place: Vec3,
-    /// Which way it looks, in radians about Y; 0 is along -Z.
+    /// Heading in radians about Y; 0 looks along -Z.
     pub heading: f32,
     /// Seconds since it began.
     pub time: f32,
-    /// Of its step.
+    /// Phase of its step.
     phase: f32,
 }
 
@@ -57,7 +57,7 @@ pub fn spawn(world: &mut World, bundle: impl Bundle) -> Character {
 }
 
 impl Default for Character {
-    /// One that is in no world, at the beginning.
+    /// A character in no world, at the beginning.
     fn default() -> Self {
         Self {
             root: Entity::PLACEHOLDER,
@@ -72,7 +72,7 @@ impl Default for Character {
     }
 }
 
-/// What the character does at a time: speed, its turning in rad/s, and height above the ground.
+/// The gait at a time: speed in m/s, turning in rad/s, and height above the ground in metres.
 fn gait(time: f32) -> (f32, f32, f32) {
     let turn = |start: f32, length: f32, angle: f32| {
         if (start..start + length).contains(&time) { angle / length } else { 0.0 }
@@ -103,7 +103,7 @@ pub fn pace(speed: f32) -> f32 {
 }
 
 impl Character {
-    /// Goes on to `time`, however long that is: in small steps, so that it goes the same way at any frame rate.
+    /// Advances to `time` in small steps, so that the way is the same at any frame rate.
     pub fn advance(&mut self, time: f32) {
         const STRIDE: f32 = 1.0 / 480.0;
         while self.time + STRIDE <= time + 1e-5 {

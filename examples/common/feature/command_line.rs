@@ -9,7 +9,7 @@ use crate::feature::example::Feature;
 
 #[derive(Parser, Debug)]
 struct FeatureArguments {
-    /// Run without a window, and tell what came of it.
+    /// Run without a window, and print the result.
     #[arg(long)]
     headless: bool,
     /// Simulated time of a run without a window; as long as until the picture, if not given.

@@ -1,30 +1,25 @@
-//! What the examples of single features share: a command line, a run without a window with a verdict, a window, a picture.
+//! An example of one feature, as an app.
 //!
-//! An example is a [`Feature`] and the function that sets its scene up. It says nothing of drawing but [`Paint`]: the same
-//! code runs in a test that knows no renderer.
+//! An example is a [`Feature`] and the function that sets its scene up. All it says about drawing is a
+//! [`Paint`](crate::view::paint::Paint), so the same code runs in tests without a renderer.
 
 use core::time::Duration;
 
-use bevy::gltf::GltfPlugin;
 use bevy::input::InputPlugin;
-use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_drape::prelude::*;
-
-use crate::view::asset_files::asset_plugin;
 
 /// An example of one feature.
 #[derive(Clone, Copy, Debug)]
 pub struct Feature {
-    /// What it shows, for the window's title.
+    /// The title of the window.
     pub title: &'static str,
     /// The keys, for the window; may be empty.
     pub controls: &'static str,
-    /// Where the camera is, in metres.
+    /// Position of the camera in metres.
     pub eye: Vec3,
-    /// What it looks at.
+    /// The point that the camera looks at, in metres.
     pub target: Vec3,
     /// Simulated time of the picture, in seconds.
     pub picture_time: f32,
@@ -33,7 +28,7 @@ pub struct Feature {
 }
 
 impl Feature {
-    /// What the example does, to be run in the world of an app that has the plugins already.
+    /// The schedules of the example, to be run in the world of an app that has the plugins already.
     pub fn schedules(&self) -> Schedules {
         let mut script = App::empty();
         script.init_resource::<Schedules>();
@@ -54,19 +49,14 @@ impl Feature {
 /// An app without a renderer that has nothing in it yet, and takes one step in each update but the first.
 pub fn bare_app() -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin, asset_plugin(), InputPlugin, MeshPlugin))
-        .add_plugins((
-            ImagePlugin::default(),
-            WorldSerializationPlugin,
-            GltfPlugin::default(),
-            AnimationPlugin,
-        ))
-        .add_plugins(DrapePlugins::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.add_plugins((MinimalPlugins, TransformPlugin, InputPlugin));
+    #[cfg(feature = "meshes")]
+    app.add_plugins(crate::view::asset_files::MeshFilePlugins);
+    app.add_plugins(DrapePlugins::default()).insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app
 }
 
-/// How many steps `app` takes in this long (simulated seconds).
+/// The number of steps that `app` takes in this many simulated seconds.
 pub fn steps_in(app: &App, seconds: f32) -> u64 {
     let dt = app.world().resource::<Time<Fixed>>().timestep();
     Duration::from_secs_f32(seconds.max(0.0)).div_duration_f64(dt).round() as u64

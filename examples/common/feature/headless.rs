@@ -5,9 +5,10 @@ use bevy_drape::prelude::*;
 use thiserror::Error;
 
 use crate::feature::example::{Feature, steps_in};
+#[cfg(feature = "meshes")]
 use crate::view::asset_files::{FileError, wait_for_files};
 
-/// What a run without a window came to.
+/// The result of a run without a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeatureReport {
     /// Steps taken.
@@ -22,19 +23,20 @@ pub struct FeatureReport {
     pub greatest_speed: f32,
 }
 
-/// Why a run without a window is no success.
+/// The errors of a run without a window.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FeatureError {
     /// Something was left out of the simulation.
     #[error("{0}")]
     Refused(String),
-    /// Nothing there to see.
+    /// The example has neither bodies nor balls.
     #[error("the example has neither bodies nor balls")]
     Empty,
-    /// A body is no longer anywhere.
+    /// A position or velocity is not finite.
     #[error("{0} has a particle that is nowhere, at step {1}")]
     NotFinite(Entity, u64),
     /// A file is missing.
+    #[cfg(feature = "meshes")]
     #[error(transparent)]
     NotLoaded(#[from] FileError),
 }
@@ -43,7 +45,7 @@ impl Feature {
     /// Runs for this long (simulated seconds), as fast as it goes, without a renderer.
     ///
     /// # Errors
-    /// [`FeatureError`] if a body or obstacle is refused, a file or everything is missing, or something has no finite place.
+    /// [`FeatureError`] if a body or obstacle is refused, a file is missing, nothing is simulated, or a position is not finite.
     pub fn run_headless(&self, seconds: f32) -> Result<FeatureReport, FeatureError> {
         let mut app = self.headless_app();
         let steps = steps_in(&app, seconds);
@@ -51,6 +53,7 @@ impl Feature {
         // The first update takes no step.
         for step in 0..=steps {
             app.update();
+            #[cfg(feature = "meshes")]
             if step == 0 {
                 wait_for_files(&mut app)?;
             }
@@ -63,7 +66,7 @@ impl Feature {
     }
 }
 
-/// Counts what is there after `step`, and checks that it is somewhere.
+/// Counts bodies and balls after `step`, and checks that all positions and velocities are finite.
 fn look_at(world: &mut World, step: u64, report: &mut FeatureReport) -> Result<(), FeatureError> {
     if let Some(message) = world.resource::<Refusals>().messages().next() {
         return Err(FeatureError::Refused(message.to_string()));

@@ -1,4 +1,4 @@
-//! What the bodies and obstacles of a feature's example look like: as their [`Paint`] says.
+//! Meshes and materials of an example's bodies and obstacles, in the colours of their [`Paint`].
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -17,7 +17,7 @@ const SOLID: Color = Color::srgb(0.45, 0.52, 0.58);
 /// Pieces that a round shape is made of, all the way round.
 const ROUNDNESS: u32 = 48;
 
-/// Dresses whatever a feature's example spawns.
+/// Adds meshes and materials to the bodies and obstacles of an example.
 pub struct FeatureMaterialsPlugin;
 
 impl Plugin for FeatureMaterialsPlugin {
@@ -47,9 +47,9 @@ fn add_body_materials(
     mut commands: Commands,
 ) {
     for (entity, paint) in &bodies {
-        let painted = paint.map(|&Paint(colour)| {
+        let painted = paint.map(|paint| {
             materials.add(StandardMaterial {
-                base_color: colour,
+                base_color: paint.color(),
                 perceptual_roughness: 0.8,
                 reflectance: 0.25,
                 diffuse_transmission: 0.2,
@@ -63,21 +63,21 @@ fn add_body_materials(
     }
 }
 
-/// What was painted anew.
+/// Follows changes of [`Paint`].
 fn repaint(
     bodies: Query<(&Paint, &MeshMaterial3d<StandardMaterial>), Changed<Paint>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    for (&Paint(colour), material) in &bodies {
+    for (paint, material) in &bodies {
         if let Some(mut material) = materials.get_mut(material) {
-            material.base_color = colour;
+            material.base_color = paint.color();
         }
     }
 }
 
 type BareRigid = (Without<HasMeshes>, With<Particles>);
 
-/// Rigid bodies look as the hull of their corners.
+/// Draws a rigid body as the convex hull of its corners.
 fn add_rigid_meshes(
     bodies: Query<(Entity, &RigidTetrahedron, Option<&Paint>), BareRigid>,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -89,14 +89,14 @@ fn add_rigid_meshes(
         parent.insert((HasMeshes, Interpolated)).insert_if_new(Visibility::default());
         let hull = SharedShape::convex_hull(&body.corners).and_then(|hull| round(&Shape::Parry(hull)));
         if let Some(mesh) = hull {
-            let colour = paint.map_or(SOLID, |&Paint(colour)| colour);
+            let colour = paint.map_or(SOLID, Paint::color);
             let material = StandardMaterial { base_color: colour, perceptual_roughness: 0.8, ..default() };
             parent.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material))));
         }
     }
 }
 
-/// Marks an obstacle, or a rigid body, that has been given its looks.
+/// Marks an obstacle or rigid body that has its meshes.
 #[derive(Component)]
 struct HasMeshes;
 
@@ -109,13 +109,13 @@ fn add_obstacle_meshes(
     for (entity, obstacle, paint) in &obstacles {
         let mut parent = commands.entity(entity);
         parent.insert((HasMeshes, Interpolated)).insert_if_new(Visibility::default());
-        // What only senses is air.
+        // Sensors are not drawn.
         if obstacle.is_sensor {
             continue;
         }
         let shape = &obstacle.shape.0;
         let usual = if matches!(shape, Shape::HalfSpace { .. }) { EARTH } else { SOLID };
-        let colour = paint.map_or(usual, |&Paint(colour)| colour);
+        let colour = paint.map_or(usual, Paint::color);
         let form = Form::of(shape);
         let (looks, form) = match round(shape) {
             Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),
@@ -129,7 +129,7 @@ fn add_obstacle_meshes(
     }
 }
 
-/// The mesh of a shape of parry's that is not only known by its box.
+/// The mesh of a cylinder, cone or convex hull; none for other shapes.
 fn round(shape: &Shape) -> Option<Mesh> {
     let Shape::Parry(shape) = shape else { return None };
     let (corners, triangles) = match shape.as_typed_shape() {

@@ -13,12 +13,12 @@ use crate::view::asset_files::wait_for_files;
 use crate::view::offscreen::{self, PictureError};
 use crate::view::viewpoint::Viewpoint;
 
-/// Size of what is drawn, in pixels: twice that of the picture, whose edges are smooth then.
+/// Size in pixels at which the scene is drawn: twice that of the picture, for smooth edges.
 const DRAWN: UVec2 = UVec2::new(960, 540);
 /// Vertical angle of view in radians.
 pub const FIELD_OF_VIEW: f32 = 0.7;
 
-/// Runs `feature` until its moment and draws it into a PNG file.
+/// Runs `feature` until the time of its picture and draws it into a PNG file.
 ///
 /// # Errors
 /// [`PictureError`].

@@ -17,7 +17,7 @@ const HELP: &str = "\
 left button  drag             P, O, T  pause, one step, slow motion
 right button, wheel  turn, zoom        G  strain     H  this help     Esc  quit";
 
-/// What the window says.
+/// The example that the window shows.
 #[derive(Resource)]
 struct Shown(Feature);
 

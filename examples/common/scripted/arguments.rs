@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use bevy_drape_script::Override;
 use clap::{Parser, ValueEnum};
 
-/// Runs scripted scenes and tells whether they do what they must.
+/// Runs scripted scenes and checks their expectations.
 #[derive(Clone, Debug, Parser)]
 #[command(version, about)]
 pub struct SceneArguments {
@@ -29,7 +29,7 @@ pub struct SceneArguments {
     #[arg(long, value_name = "FILE")]
     pub replay: Option<PathBuf>,
 
-    /// Tell where another recording parts from the one that is shown; they must not.
+    /// Compare with another recording, and fail if the two differ.
     #[arg(long, value_name = "OTHER")]
     pub diff: Option<PathBuf>,
 

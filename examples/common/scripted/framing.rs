@@ -1,4 +1,4 @@
-//! From where a scene is looked at: its cameras, or a place from which all of it is seen.
+//! The viewpoints of a scene: its cameras, or one from which all of it is seen.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -7,11 +7,11 @@ use bevy_drape_script::scene::Camera as SceneCamera;
 
 use crate::view::viewpoint::Viewpoint;
 
-/// Vertical angle of view where no camera says another, in degrees.
+/// Vertical angle of view of a scene without cameras, in degrees.
 const FIELD_OF_VIEW: f32 = 45.0;
-/// From where it is looked at: angle to the right, and above the horizon, in radians.
+/// Direction of the viewpoint: angle to the right, and above the horizon, in radians.
 pub const DIRECTION: (f32, f32) = (0.4, 0.25);
-/// The largest obstacle that must be seen whole, in metres: the ground need not.
+/// Largest obstacle that must be seen whole, in metres. The ground need not.
 const LARGEST: f32 = 6.0;
 
 /// The viewpoint of a scene's camera.

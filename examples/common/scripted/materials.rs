@@ -1,4 +1,4 @@
-//! What the bodies and obstacles of a running scene look like: the materials that the scene gives them.
+//! Meshes and materials of the bodies and obstacles of a running scene, as its file gives them.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -14,7 +14,7 @@ use crate::view::tubes::TubesPlugin;
 /// Colour of obstacles that have no material, but for the ground.
 const SOLID: Color = Color::srgb(0.45, 0.52, 0.58);
 
-/// Dresses whatever a scene spawns.
+/// Adds meshes and materials to the bodies and obstacles of a scene.
 pub struct SceneMaterialsPlugin;
 
 impl Plugin for SceneMaterialsPlugin {
@@ -24,7 +24,7 @@ impl Plugin for SceneMaterialsPlugin {
     }
 }
 
-/// The material that the scene gives to what has this name.
+/// The material that the scene gives to the body or obstacle of this name.
 fn material(play: &ScenePlay, name: &str) -> Option<scene::Material> {
     let script = play.script();
     let of_body = script.bodies.get(name).and_then(scene::Body::material);
@@ -63,7 +63,7 @@ fn add_cloth_materials(
     }
 }
 
-/// Marks an obstacle that has been given its looks.
+/// Marks an obstacle that has its meshes.
 #[derive(Component)]
 struct HasMeshes;
 
@@ -79,7 +79,7 @@ fn add_obstacle_meshes(
         let mut parent = commands.entity(entity);
         parent.insert((HasMeshes, Interpolated, Visibility::default()));
         let told = play.script().obstacles.get(name.as_str());
-        // What only senses is air.
+        // Sensors are not drawn.
         let Some(told) = told.filter(|_| !obstacle.is_sensor) else { continue };
         let usual = if matches!(told.shape, scene::Shape::Ground) { EARTH } else { SOLID };
         let own = material(&play, name);

@@ -1,5 +1,5 @@
-//! Pictures of scenes without a window: of each at its beginning, middle and end by all its cameras, when its timeline takes
-//! one, and when something expected does not hold.
+//! Pictures of scenes without a window: at the beginning, in the middle and at the end by every camera, at the pictures of
+//! the timeline, and if an expectation fails.
 
 use core::time::Duration;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ pub struct PictureWriter {
     framing: Framing,
     /// Number of steps after which the last pictures were drawn.
     drawn: u64,
-    /// Expectations that have been seen broken.
+    /// Indices of the failed expectations that were drawn.
     broken: Vec<usize>,
 }
 
@@ -74,7 +74,7 @@ impl PictureWriter {
         self.app = Some(runner.into_app());
     }
 
-    /// Draws what is worth a picture after the step that `runner` has just taken.
+    /// Draws the pictures that are due after the step that `runner` has just taken.
     ///
     /// # Errors
     /// [`PictureError`].

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-// Not all of the prelude: its `Color`, where there is one, and that of the plots get into each other's way.
+// Not all of the prelude, whose `Color` clashes with that of the plots.
 use bevy::prelude::World;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
@@ -13,7 +13,7 @@ use plotters::prelude::*;
 /// One value of every body, by name, over time.
 type Curve = BTreeMap<String, Vec<(f64, f64)>>;
 
-/// What the bodies of a scene did.
+/// Speed and stretch of the bodies of a scene.
 #[derive(Default)]
 pub struct Curves {
     speed: Curve,
@@ -43,7 +43,7 @@ impl Curves {
     /// Draws two panels as an SVG.
     ///
     /// # Errors
-    /// What the drawing library or the file system says.
+    /// The message of the drawing library or of the file system.
     pub fn draw(&self, path: &Path, scene: &str) -> Result<(), String> {
         self.try_draw(path, scene).map_err(|error| error.to_string())
     }

@@ -1,4 +1,4 @@
-//! A recording without a window: what is in it, and where it parts from another.
+//! A recording without a window: its contents, and the first difference from another.
 
 use core::fmt;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ pub fn load(path: &Path) -> Result<Recording, ReplayError> {
     Recording::load(path).map_err(|source| ReplayError { path: path.to_path_buf(), source })
 }
 
-/// Prints what is in a recording, and where `other` parts from it; true if it does not.
+/// Prints the contents of a recording, and the first difference from `other`. Returns true if there is none.
 ///
 /// # Errors
 /// [`ReplayError`] if one of them cannot be read, or is damaged.
@@ -53,12 +53,12 @@ pub fn run(path: &Path, other: Option<&Path>) -> Result<bool, ReplayError> {
     }
 }
 
-/// What a track did.
+/// The motion of a track.
 #[derive(Default)]
 struct Span {
     /// Its first and last frame.
     frames: Option<(usize, usize)>,
-    /// Where it was first, every particle of it.
+    /// The first positions, one for each particle.
     start: Vec<Vec3>,
     /// The corners of the box in which it always was.
     bounds: Option<(Vec3, Vec3)>,
@@ -94,7 +94,7 @@ impl fmt::Display for Span {
     }
 }
 
-/// What is in it, in a few lines.
+/// The contents of a recording, in a few lines.
 fn summary(recording: &Recording) -> Result<String, RecordingError> {
     let (header, frames) = (recording.header(), recording.frame_count());
     let mut cursor = recording.cursor();

@@ -32,7 +32,7 @@ pub enum ReplayWindowError {
     NoRecording(#[from] ReplayError),
 }
 
-/// Opens the window and stays until it is closed. Returns whether it was closed in peace.
+/// Opens the window and stays until it is closed. Returns true if it was closed without an error.
 ///
 /// # Errors
 /// [`ReplayWindowError`] if there is no display, no graphics adapter, or no recording.
@@ -48,7 +48,7 @@ pub fn run(path: &Path) -> Result<bool, ReplayWindowError> {
     Ok(exit.is_success())
 }
 
-/// Where the replay has got to.
+/// The state of the replay.
 #[derive(Resource)]
 struct Replay {
     cursor: Cursor<Recording>,

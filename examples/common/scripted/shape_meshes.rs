@@ -8,7 +8,7 @@ use drape_solver::parry3d::transformation::try_convex_hull;
 
 use crate::view::shape_meshes::{Placed, flat, plane};
 
-/// What an obstacle of a scene looks like: of one with several parts, all of them. Nothing for the inside of a box.
+/// The meshes of an obstacle of a scene: one for each of its parts, none for the inside of a box.
 pub fn meshes_of(shape: &Shape) -> Vec<Placed> {
     let at_home = |mesh: Mesh| vec![(mesh, Transform::IDENTITY)];
     let sides = |(x, y, z): &(Positive, Positive, Positive)| Vec3::new(x.get(), y.get(), z.get());

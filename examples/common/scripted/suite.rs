@@ -20,7 +20,7 @@ use crate::scripted::plot::Curves;
 #[cfg(feature = "render")]
 use crate::view::offscreen::PictureError;
 
-/// Why scenes could not be run, or what they did not be written.
+/// The errors of a run of scenes.
 #[derive(Debug, Error)]
 pub enum SuiteError {
     /// A folder cannot be made.
@@ -28,7 +28,7 @@ pub enum SuiteError {
     Folder {
         /// The folder.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A folder cannot be read, or has no scenes in it.
@@ -39,7 +39,7 @@ pub enum SuiteError {
     Recording {
         /// The recording.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         source: RecordingError,
     },
     /// A plot cannot be drawn.
@@ -47,7 +47,7 @@ pub enum SuiteError {
     Plot {
         /// The plot.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// Pictures are asked for, and cannot be drawn.
@@ -58,7 +58,7 @@ pub enum SuiteError {
     #[cfg(not(feature = "render"))]
     #[error("`--frames` draws pictures, which needs the feature `render`: cargo run --features render ..")]
     CannotDraw,
-    /// A checkpoint cannot be written, read or gone on from.
+    /// A checkpoint cannot be written, read or resumed.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// The reports cannot be written.
@@ -96,12 +96,12 @@ pub fn run(arguments: &SceneArguments) -> Result<bool, SuiteError> {
     Ok(passed == reports.len())
 }
 
-/// Prints to the standard output, as long as somebody reads it: `scene .. | head` is no fault.
+/// Prints to the standard output. A pipe that was closed, as by `scene .. | head`, is no error.
 pub(crate) fn tell(what: &impl Display) {
     let _ = write!(io::stdout(), "{what}");
 }
 
-/// All scene files that are named, or in a folder that is.
+/// The scene files among `named`, and those in its folders.
 pub(crate) fn files_of(named: &[PathBuf]) -> Result<Vec<PathBuf>, SuiteError> {
     let mut files = Vec::new();
     for path in named {
@@ -211,7 +211,7 @@ impl Checkpoints {
     }
 }
 
-/// What draws pictures of the scenes, if they are asked for.
+/// Draws pictures of the scenes, if they are asked for.
 struct Pictures {
     #[cfg(feature = "render")]
     writer: Option<PictureWriter>,
@@ -260,7 +260,7 @@ impl Pictures {
 }
 
 fn progress_bar(name: &str, steps: u64) -> ProgressBar {
-    // Hidden where nobody watches.
+    // Hidden if the output is not a terminal.
     let bar = ProgressBar::new(steps);
     if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} steps, {elapsed}") {
         bar.set_style(style);

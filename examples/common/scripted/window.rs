@@ -19,7 +19,7 @@ use crate::view::orbit::Orbit;
 use crate::view::text_panel::TextPanel;
 use crate::view::window::{WindowError, bare_app};
 
-/// How often the files are looked at.
+/// Time between two looks at the files.
 const WATCH: core::time::Duration = core::time::Duration::from_millis(300);
 
 const HELP: &str = "\
@@ -38,7 +38,7 @@ pub enum SceneWindowError {
     NoScenes(#[from] SuiteError),
 }
 
-/// Opens the window and stays until it is closed. Returns whether it was closed in peace.
+/// Opens the window and stays until it is closed. Returns true if it was closed without an error.
 ///
 /// # Errors
 /// [`SceneWindowError`] if there is no display, no graphics adapter, or no scene.
@@ -69,7 +69,7 @@ fn open(title: &str, show: ShownScenes) -> Result<bool, SceneWindowError> {
     Ok(exit.is_success())
 }
 
-/// What is shown.
+/// The scenes that the window shows.
 #[derive(Resource, Default)]
 struct ShownScenes {
     files: Vec<PathBuf>,
@@ -82,9 +82,9 @@ struct ShownScenes {
     view: usize,
     /// The box around all that was shown.
     framing: Framing,
-    /// How the camera was last put so that all of that is seen; none for a scene with cameras of its own.
+    /// The last place of the camera from which all of that is seen; none for a scene with cameras of its own.
     framed: Option<Orbit>,
-    /// What is wrong with the file.
+    /// The fault of the file, if it has one.
     fault: Option<SceneError>,
 }
 
@@ -92,7 +92,7 @@ fn saved_at(path: &PathBuf) -> Option<SystemTime> {
     std::fs::metadata(path).and_then(|data| data.modified()).ok()
 }
 
-/// Loads the current file and begins its scene. One that cannot be loaded leaves what is there.
+/// Loads the current file and begins its scene. If it cannot be loaded, the scene before it stays.
 fn begin(world: &mut World) {
     world.resource_scope(|world, mut show: Mut<ShownScenes>| {
         let Some(path) = show.files.get(show.current).cloned() else { return };
@@ -113,7 +113,7 @@ fn begin(world: &mut World) {
     });
 }
 
-/// The same, and looks at it from where it is to be looked at.
+/// Begins the scene of the current file and places the camera.
 fn open_current(world: &mut World) {
     begin(world);
     world.resource_mut::<ShownScenes>().framing = Framing::default();
@@ -195,7 +195,7 @@ fn control(
     }
 }
 
-/// Writes where the scene is, and what has become of its expectations.
+/// Writes the time of the scene and the verdicts of its expectations.
 fn tell(
     show: Res<ShownScenes>,
     play: Option<Res<ScenePlay>>,

@@ -1,7 +1,7 @@
 //! Pictures of the window, one after another, to make a film of.
 //!
-//! While they are taken, time goes on by one picture's worth a frame, however long drawing it takes, so that the film has the right
-//! pace on any machine; and what is written over the picture is hidden.
+//! While it records, each frame takes one picture's length of simulated time, however long drawing takes, so that the film has
+//! the right pace on any machine. The texts over the picture are hidden.
 
 use core::time::Duration;
 use std::io;
@@ -12,12 +12,12 @@ use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::PrimaryWindow;
 
-/// Where films go, a folder for each.
+/// The folder of films, one folder in it for each.
 const FOLDER: &str = "target/showcase";
 /// Pictures for each second.
 const RATE: u32 = 30;
 
-/// Begins and ends films by key F.
+/// Key F begins and ends a film.
 pub struct FrameRecorderPlugin;
 
 impl Plugin for FrameRecorderPlugin {
@@ -33,13 +33,13 @@ struct FrameRecorder(Option<Film>);
 struct Film {
     folder: PathBuf,
     pictures: u32,
-    /// What is set again at its end.
+    /// The settings to restore when the film ends.
     clock: TimeUpdateStrategy,
     title: String,
     hidden: Vec<(Entity, Visibility)>,
 }
 
-/// A folder below `parent` that was not there.
+/// Makes a new folder in `parent`.
 fn new_folder(parent: &Path) -> io::Result<PathBuf> {
     std::fs::create_dir_all(parent)?;
     let parent = parent.canonicalize()?;

@@ -12,14 +12,14 @@ use crate::showcase::selection::Showcase;
 use crate::view::slider::{Slider, SliderPlugin};
 use crate::view::text_panel::TextPanel;
 
-/// How often the figures are written.
+/// Time between two updates of the figures.
 const INTERVAL: Duration = Duration::from_millis(200);
 
 const HELP: &str = "\
 left, right  the example before, the next     R  again      P, O, T  pause, one step, slow motion
 G  strain    F  record a film    drag, turn, zoom: left button, right button, wheel    H  this help";
 
-/// What a slider sets.
+/// The setting that a slider changes.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 enum Setting {
     Substeps,
@@ -45,7 +45,7 @@ struct Entry(usize);
 #[derive(Component)]
 struct Reading(Setting);
 
-/// Shows them and does what they say.
+/// Shows them and applies them.
 pub struct ShowcasePanelPlugin;
 
 impl Plugin for ShowcasePanelPlugin {
@@ -104,7 +104,7 @@ fn choose(mut entries: Query<(&Entry, Ref<Interaction>, &mut TextColor)>, mut sh
     }
 }
 
-/// Sets what is held, of all bodies; a slider that is not held shows what is set.
+/// Applies the slider that is held to all bodies; the others show the current settings.
 fn set(
     mut sliders: Query<(&mut Slider, &Setting)>,
     mut settings: ResMut<DefaultSolverSettings>,
@@ -161,7 +161,7 @@ fn read(sliders: Query<(Ref<Slider>, &Setting)>, mut readings: Query<(&Reading, 
     }
 }
 
-/// Writes what is shown and what it costs.
+/// Writes the title of the example and its cost.
 fn tell(showcase: Res<Showcase>, diagnostics: Res<DiagnosticsStore>, mut panel: ResMut<TextPanel>) {
     type Told = DrapeDiagnosticsPlugin;
     let smoothed = |path: &DiagnosticPath| {

@@ -4,19 +4,19 @@ use bevy::prelude::*;
 
 use crate::feature::example::Feature;
 
-/// The examples, and which of them is shown.
+/// The examples, and the index of the one that is shown.
 #[derive(Resource)]
 pub struct Showcase {
     /// With their names.
     pub features: &'static [(&'static str, Feature)],
     /// Index of the one that is shown.
     pub current: usize,
-    /// Whether that is to begin with the next frame.
+    /// True if the example is to begin in the next frame.
     pub is_due: bool,
 }
 
 impl Showcase {
-    /// The one that is shown.
+    /// The example that is shown.
     pub fn feature(&self) -> &Feature {
         &self.features[self.current].1
     }

@@ -1,7 +1,7 @@
 //! All examples of features in one window.
 //!
-//! An example adds its systems to an app. Here that is an app without anything else, of which only the schedules are
-//! kept: they run in the showcase's world as long as the example is shown.
+//! An example adds its systems to an empty app, of which only the schedules are kept. They run in the showcase's world while
+//! the example is shown.
 
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
@@ -23,7 +23,7 @@ use crate::view::window::bare_app;
 #[derive(Resource, Default)]
 struct Playing(Vec<Schedule>);
 
-/// What was there before the first example: all that an example spawns goes when the next one comes.
+/// Marks entities that were there before the first example. All others are despawned when the next example begins.
 #[derive(Component)]
 struct Stays;
 
@@ -37,7 +37,7 @@ pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowEr
         .insert_resource(Showcase { features, current: 0, is_due: true })
         .init_resource::<Playing>()
         .add_systems(PostStartup, keep)
-        // Before all others: while they run, some have commands in hand for what is cleared away.
+        // First of all: other systems may hold commands for entities that are despawned here.
         .add_systems(First, show.run_if(|showcase: Res<Showcase>| showcase.is_due))
         .add_systems(FixedUpdate, |world: &mut World| play(world, FixedUpdate.intern()))
         .add_systems(Update, |world: &mut World| play(world, Update.intern()))
@@ -46,7 +46,7 @@ pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowEr
     Ok(())
 }
 
-/// Marks all that is no part of an example.
+/// Marks all entities that belong to no example.
 fn keep(world: &mut World) {
     let all: Vec<Entity> = world.query::<Entity>().iter(world).collect();
     for entity in all {
@@ -54,7 +54,7 @@ fn keep(world: &mut World) {
     }
 }
 
-/// Clears the stage and begins the example that is chosen.
+/// Despawns the old example and begins the chosen one.
 fn show(world: &mut World) {
     let entities: Vec<Entity> = world
         .query_filtered::<Entity, (Without<Stays>, Without<ChildOf>, Or<(With<Transform>, With<Stick>)>)>()
@@ -82,7 +82,7 @@ fn show(world: &mut World) {
     look(world, &feature);
 }
 
-/// Runs what the example does in this schedule.
+/// Runs the systems of the example in this schedule.
 fn play(world: &mut World, label: InternedScheduleLabel) {
     let mut playing = core::mem::take(&mut world.resource_mut::<Playing>().0);
     for schedule in playing.iter_mut().filter(|schedule| schedule.label() == label) {

@@ -1,18 +1,21 @@
-//! The files that a feature's example shows.
+//! Asset files: meshes and glTF scenes from the folder `assets`.
 
 use core::time::Duration;
 
 use bevy::asset::{AssetPlugin, LoadState};
+use bevy::gltf::GltfPlugin;
+use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy::world_serialization::WorldSerializationPlugin;
 use thiserror::Error;
 
-/// Looks at a file that is loaded until its scene must be spawned. How long loading takes is the machine's affair.
+/// Updates after which the scene of a loaded file must be spawned. Loading itself may take as long as the machine needs.
 const PATIENCE: u32 = 1000;
-/// Between two looks.
+/// Pause between two updates.
 const PAUSE: Duration = Duration::from_millis(1);
 
-/// A file is not there, or is not what it should be.
+/// A file is missing or cannot be loaded.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("cannot load a scene: {0}")]
 pub struct FileError(String);
@@ -22,11 +25,24 @@ pub fn asset_plugin() -> AssetPlugin {
     AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(), ..default() }
 }
 
-/// Updates `app` until all scenes of files are spawned that have been asked for. Its clock stands still meanwhile, so that what
-/// comes after does not depend on how long they took.
+/// Meshes, glTF files and their animations, for an app without a renderer.
+pub struct MeshFilePlugins;
+
+impl Plugin for MeshFilePlugins {
+    fn build(&self, app: &mut App) {
+        app.add_plugins((asset_plugin(), MeshPlugin, ImagePlugin::default())).add_plugins((
+            WorldSerializationPlugin,
+            GltfPlugin::default(),
+            AnimationPlugin,
+        ));
+    }
+}
+
+/// Updates `app` until every requested scene file is spawned. Its clock stands still meanwhile, so that results do not depend
+/// on loading times.
 ///
 /// # Errors
-/// [`FileError`] telling which file, and what is wrong with it.
+/// [`FileError`] with the file and its fault.
 pub fn wait_for_files(app: &mut App) -> Result<(), FileError> {
     let clock = app.world_mut().remove_resource::<TimeUpdateStrategy>().unwrap_or_default();
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));

@@ -22,7 +22,7 @@ pub(crate) struct Barrel;
 #[derive(Component)]
 pub(crate) struct Carriage;
 
-/// What the parts are made of.
+/// Materials of the parts.
 struct CannonMaterials {
     iron: Handle<StandardMaterial>,
     bore: Handle<StandardMaterial>,

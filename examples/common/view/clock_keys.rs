@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
-/// How much slower slow motion is.
+/// The speed of slow motion, as a fraction of real time.
 const SLOW_MOTION: f32 = 0.2;
 
 /// P pauses, O takes one step, T turns slow motion on and off.

@@ -1,9 +1,10 @@
-//! Shared by all that is watched: meshes, materials, light, cameras, windows, and drawing without a window.
+//! Shared parts of windows and pictures: meshes, materials, light, cameras, and drawing without a window.
 //!
 //! Imports no other folder.
 
 #[cfg(feature = "render")]
 mod adapter;
+#[cfg(feature = "meshes")]
 pub mod asset_files;
 #[cfg(feature = "render")]
 mod cannon_model;

@@ -33,7 +33,7 @@ pub enum PictureError {
     /// The renderer did not come to an end.
     #[error("the renderer did not finish {0}")]
     NotDrawn(String),
-    /// What is to be drawn is missing.
+    /// A file of the scene is missing.
     #[error(transparent)]
     NotLoaded(#[from] FileError),
     /// A picture cannot be written.
@@ -160,7 +160,7 @@ impl OffscreenCamera {
     fn take_picture(&self, app: &mut App) -> Receiver<Image> {
         let (sender, receiver) = channel();
         let send = move |captured: On<ScreenshotCaptured>| {
-            // Nobody waits for it any more: nothing to do.
+            // An error means that nobody waits for the picture any more.
             let _ = sender.send(captured.image.clone());
         };
         app.world_mut().spawn(Screenshot::image(self.target.clone())).observe(send);
@@ -168,7 +168,7 @@ impl OffscreenCamera {
     }
 }
 
-/// Whether every shader that was asked for is compiled.
+/// True if every shader that was asked for is compiled.
 fn is_ready(app: &App) -> bool {
     let renderer = app.get_sub_app(RenderApp);
     let cache = renderer.and_then(|renderer| renderer.world().get_resource::<PipelineCache>());

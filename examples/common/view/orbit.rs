@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 /// Turn in radians for a pointer's move of one pixel.
 const TURN: f32 = 0.005;
-/// What a notch of the wheel multiplies the distance by.
+/// The factor by which a notch of the wheel changes the distance.
 const ZOOM: f32 = 0.9;
 /// A notch of the wheel in pixels, where the wheel counts in those.
 const NOTCH: f32 = 40.0;
@@ -15,7 +15,7 @@ const NOTCH: f32 = 40.0;
 /// A camera that looks at a point from a direction and a distance.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
-    /// What is looked at.
+    /// The point that the camera looks at.
     pub target: Vec3,
     /// Angle about the vertical in radians: 0 looks along -Z, and grows as the camera goes to the right.
     pub yaw: f32,
@@ -26,7 +26,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// Where the camera is.
+    /// The place of the camera.
     pub fn transform(&self) -> Transform {
         let turn = Quat::from_rotation_y(self.yaw) * Quat::from_rotation_x(-self.pitch);
         let eye = self.target + turn * Vec3::Z * self.distance;

@@ -2,13 +2,22 @@
 
 use bevy::prelude::*;
 
-/// The colour of a body or obstacle, where something is drawn. Those without have the usual one.
-#[derive(Component, Clone, Copy, Debug)]
-pub struct Paint(pub Color);
+/// The colour of a body, ball or obstacle, in a window and in pictures. Those without have the usual one.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct Paint {
+    /// Red, green and blue in sRGB, from 0 to 1. Not a `Color`: an example that draws nothing compiles no colours.
+    rgb: [f32; 3],
+}
 
 impl Paint {
-    /// Of these parts of red, green and blue, from 0 to 1.
+    /// A colour of this much red, green and blue in sRGB, from 0 to 1.
     pub const fn rgb(red: f32, green: f32, blue: f32) -> Self {
-        Self(Color::srgb(red, green, blue))
+        Self { rgb: [red, green, blue] }
+    }
+
+    /// Bevy's colour.
+    #[cfg(feature = "render")]
+    pub fn color(&self) -> Color {
+        Color::srgb_from_array(self.rgb)
     }
 }

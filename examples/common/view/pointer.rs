@@ -19,7 +19,7 @@ impl Plugin for PointerPlugin {
 
 type Untouched = (Added<Particles>, Without<Draggable>);
 
-/// Whatever has been built can be dragged.
+/// Makes every built body draggable.
 fn offer(bodies: Query<Entity, Untouched>, mut commands: Commands) {
     for body in &bodies {
         commands.entity(body).insert(Draggable { radius: HANDFUL, ..default() });

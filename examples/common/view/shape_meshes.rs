@@ -1,4 +1,4 @@
-//! What the obstacles of a scene look like.
+//! Meshes and materials of obstacles.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::PrimitiveTopology;
@@ -11,7 +11,7 @@ const PLANE: f32 = 600.0;
 /// A mesh, and where it is in the obstacle's coordinates.
 pub type Placed = (Mesh, Transform);
 
-/// What an obstacle of a recording looks like. None for the inside of a box.
+/// The mesh of an obstacle of a recording. None for the inside of a box.
 pub fn mesh_of(form: Form) -> Option<Placed> {
     let (half, middle) = match form {
         Form::HalfSpace { normal } => return Some(plane(Vec3::from_array(normal))),
@@ -45,7 +45,7 @@ pub fn flat(corners: &[Vec3], triangles: &[[u32; 3]]) -> Mesh {
         .with_computed_flat_normals()
 }
 
-/// What obstacles are made of. Where only the box is known, it can be seen through.
+/// The material of an obstacle: transparent if only its bounding box is known.
 pub fn material_of(form: Form, colour: Color) -> StandardMaterial {
     let is_known = !matches!(form, Form::Other { .. });
     StandardMaterial {
@@ -55,7 +55,7 @@ pub fn material_of(form: Form, colour: Color) -> StandardMaterial {
     }
 }
 
-/// What obstacles of this colour are made of. Thin sheets are seen from both sides.
+/// The material of obstacles of this colour. Thin sheets are seen from both sides.
 pub fn solid(colour: Color) -> StandardMaterial {
     StandardMaterial {
         base_color: colour,

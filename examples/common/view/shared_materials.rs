@@ -22,12 +22,12 @@ impl Plugin for SharedMaterialsPlugin {
     }
 }
 
-/// What bodies of the same kind share.
+/// The materials and meshes that bodies of the same kind share.
 #[derive(Resource)]
 pub struct SharedMaterials {
-    /// What cloth is made of.
+    /// The material of cloth.
     pub fabric: Handle<StandardMaterial>,
-    /// What balls are made of.
+    /// The material of balls.
     pub ball: Handle<StandardMaterial>,
     /// A ball of radius 1.
     pub sphere: Handle<Mesh>,
@@ -61,7 +61,7 @@ impl FromWorld for SharedMaterials {
     }
 }
 
-/// A ball's looks are a child of it: its own transform belongs to the simulation.
+/// The mesh is a child of the ball, whose own transform belongs to the simulation.
 fn add_ball_mesh(
     added: On<Add, Projectile>,
     mut commands: Commands,
@@ -72,8 +72,8 @@ fn add_ball_mesh(
     let Ok((ball, paint)) = balls.get(added.entity) else {
         return;
     };
-    let painted = paint.map(|&Paint(colour)| {
-        materials.add(StandardMaterial { base_color: colour, perceptual_roughness: 0.4, ..default() })
+    let painted = paint.map(|paint| {
+        materials.add(StandardMaterial { base_color: paint.color(), perceptual_roughness: 0.4, ..default() })
     });
     commands.entity(added.entity).insert((Interpolated, Visibility::default())).with_child((
         Mesh3d(shared.sphere.clone()),

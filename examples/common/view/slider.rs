@@ -16,7 +16,7 @@ pub struct Slider {
     pub to: f32,
     /// The number that is chosen.
     pub value: f32,
-    /// Whether the pointer holds the bar.
+    /// True while the pointer holds the bar.
     pub is_held: bool,
 }
 
@@ -45,7 +45,7 @@ impl Plugin for SliderPlugin {
     }
 }
 
-/// Gives a new slider its looks.
+/// Adds the bars of a new slider.
 fn dress(added: On<Add, Slider>, mut commands: Commands) {
     let chosen = Node { width: percent(0), height: percent(100), ..default() };
     commands.entity(added.entity).insert((Interaction::default(), BackgroundColor(REST))).with_child((

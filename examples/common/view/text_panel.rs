@@ -1,4 +1,4 @@
-//! What is written over the picture of a scene or recording.
+//! The texts over the picture of a scene, recording or example.
 
 use bevy::prelude::*;
 

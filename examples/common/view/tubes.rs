@@ -1,4 +1,4 @@
-//! What has no surface, as ropes and rigs, drawn as tubes.
+//! Bodies without a surface, such as ropes and rigs, drawn as tubes.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoFrustumCulling;
@@ -23,7 +23,7 @@ impl Plugin for TubesPlugin {
     }
 }
 
-/// A mesh without anything, for [`write`].
+/// An empty mesh, for [`write`].
 pub fn empty() -> Mesh {
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, Vec::<Vec3>::new())
@@ -31,7 +31,7 @@ pub fn empty() -> Mesh {
         .with_inserted_indices(Indices::U32(Vec::new()))
 }
 
-/// Makes `mesh` that of tubes of this radius (in metres) from end to end, a prism each.
+/// Makes a prism of this radius (in metres) in `mesh` for each pair of ends.
 pub fn write(mesh: &mut Mesh, tubes: impl IntoIterator<Item = [Vec3; 2]>, radius: f32) {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for [from, to] in tubes {
@@ -52,7 +52,7 @@ pub fn write(mesh: &mut Mesh, tubes: impl IntoIterator<Item = [Vec3; 2]>, radius
     mesh.insert_indices(Indices::U32(indices));
 }
 
-/// What tubes are made of.
+/// The material of tubes.
 pub fn material() -> StandardMaterial {
     StandardMaterial {
         base_color: COLOUR,
@@ -63,7 +63,7 @@ pub fn material() -> StandardMaterial {
     }
 }
 
-/// Shows the tubes of a body: of its structural sticks, as it has no surface.
+/// Draws the structural sticks of a body without a surface.
 #[derive(Component)]
 struct TubesOf(Entity);
 

@@ -8,9 +8,9 @@ use crate::view::orbit::Orbit;
 /// The place of a camera, and its vertical angle of view in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
-    /// Where the camera is.
+    /// The place of the camera.
     pub eye: Vec3,
-    /// What it looks at.
+    /// The point that the camera looks at, in metres.
     pub target: Vec3,
     /// Vertical angle of view in radians.
     pub field_of_view: f32,

@@ -1,4 +1,4 @@
-//! A window with a sky, a camera that turns about a point, and two texts: those of scenes, recordings and features begin here.
+//! A window with sky, camera and texts: the base of the windows of scenes, recordings and features.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

@@ -1,4 +1,4 @@
-//! Cloth that an animation poses: where it has its pins, and the middles of its limits on motion.
+//! Poses that an animation gives to pins and to the centres of motion limits.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -10,35 +10,35 @@ use crate::rigid_motion::placement;
 
 #[cfg(feature = "mesh")]
 
-/// The pose that an animation gives to some particles of a body: each goes with a blend of up to four joints.
+/// The pose that an animation gives to some particles of a body. Each particle follows a blend of up to four joints.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct AnimatedPose {
     pub joints: Vec<Entity>,
     /// From the mesh's coordinates into those of each joint.
     pub inverse_bind_poses: Vec<Affine3A>,
-    /// The joint that most of the cloth hangs on.
+    /// Index of the joint with the most weight.
     pub main: usize,
     pub particles: Vec<PosedParticle>,
-    /// What took the mesh's coordinates to the world in the last step, joint by joint.
+    /// For each joint, the matrix from the mesh to the world in the last step.
     pub last: Vec<Affine3A>,
-    /// The same of the main joint, after the last two steps; none before the first.
+    /// The same for the main joint after the last two steps; none before the first step.
     #[cfg_attr(not(feature = "mesh"), expect(dead_code, reason = "for what shows meshes"))]
     pub shown: [Option<Affine3A>; 2],
 }
 
-/// A particle with a place in an animation.
+/// A particle that follows an animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PosedParticle {
     pub particle: u32,
-    /// In the coordinates of the mesh.
+    /// Position in the coordinates of the mesh.
     pub local: Vec3,
     pub joints: [u16; 4],
-    /// They sum up to one.
+    /// Weights of the joints; their sum is one.
     pub weights: [f32; 4],
 }
 
 impl PosedParticle {
-    /// Where it belongs (linear blend skinning).
+    /// Returns the position that the animation asks for (linear blend skinning).
     pub fn target(&self, matrices: &[Affine3A]) -> Vec3 {
         let parts = self.joints.iter().zip(self.weights).filter(|&(_, weight)| weight > 0.0);
         parts.fold(Vec3::ZERO, |sum, (&joint, weight)| {
@@ -48,7 +48,8 @@ impl PosedParticle {
 }
 
 impl AnimatedPose {
-    /// What takes the mesh's coordinates to the world now; none if a joint is gone, or nowhere.
+    /// Computes the matrices from the mesh to the world now. Fails with the first joint that is despawned or not
+    /// finite.
     pub fn matrices<'a>(
         &self,
         place: impl Fn(Entity) -> Option<&'a GlobalTransform>,
@@ -62,7 +63,7 @@ impl AnimatedPose {
         Ok(())
     }
 
-    /// Notes where a step has left the main joint.
+    /// Records the main joint after a step.
     #[cfg(feature = "mesh")]
     pub fn record(&mut self) {
         let [_, before] = self.shown;
@@ -70,8 +71,8 @@ impl AnimatedPose {
         self.shown = [before.or(now), now];
     }
 
-    /// How far the main joint is ahead of what is shown at `fraction` of the last step: steps see it as it was, and the rest of the
-    /// character is drawn as it is. None if it is there.
+    /// Returns the motion from the main joint as shown at `fraction` of the last step to the joint as it is now. Steps
+    /// see an older pose than the one that the rest of the character is drawn in. None if both are the same.
     #[cfg(feature = "mesh")]
     pub fn ahead<'a>(
         &self,
@@ -87,12 +88,12 @@ impl AnimatedPose {
         (now != shown && ahead.is_finite()).then_some(ahead)
     }
 
-    /// Where the main joint was in the last step.
+    /// Returns the placement of the main joint in the last step.
     pub fn last_place(&self) -> Option<Placement> {
         self.last.get(self.main).and_then(placement)
     }
 
-    /// The same pose of a body, or of a piece of it, whose particles have these origins after a tear.
+    /// Returns the pose of a torn body, or of a piece of it, whose particles have these origins.
     pub fn torn(&self, origins: &[u32]) -> Self {
         let find = |origin: &u32| self.particles.iter().find(|posed| posed.particle == *origin);
         let found = (0..).zip(origins).filter_map(|(particle, origin)| Some((particle, *find(origin)?)));

@@ -5,17 +5,17 @@ use bevy::prelude::*;
 
 use crate::attach::attachment_state::AttachmentState;
 
-/// Ties particles of the body that it is on to other entities: a hand, a ship, a joint of a skinned character.
+/// Ties particles of a body to other entities: a hand, a ship, a joint of a skinned character.
 ///
-/// A tied particle keeps the place that it has relative to the entity's [`GlobalTransform`] when it is tied, and goes there evenly
-/// over the substeps of each step, pulling the cloth along. Nothing else moves it. Of two ties of one particle the later counts;
-/// any counts more than the body's own entity, which pins follow otherwise.
+/// A tied particle keeps its place relative to the entity's [`GlobalTransform`], as it was at the moment of tying. In
+/// each step it moves there evenly over the substeps and pulls the cloth along; nothing else moves it. The last tie of
+/// a particle counts. A tied pin no longer follows the body's own entity.
 ///
-/// Particles are let go when the component or the tie is removed, or when the entity they are tied to is despawned, which is told in
-/// the log; those that were pinned before stay where they are. The component may be changed at any time: what stays tied to the same
-/// entity keeps its place.
+/// Remove the component or the tie to release its particles. Despawning the entity releases them too, with a line in
+/// the log. Particles that were pinned before stay pinned. Change the component at any time: particles that stay tied
+/// to the same entity keep their places.
 ///
-/// A body that is culled, or whose entity jumps farther than anything moves in a step, is carried along as a whole.
+/// A culled body is carried along as a whole, and so is a body whose entity jumps faster than 1500 m/s.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -47,18 +47,18 @@ pub struct Tie {
     pub particles: TiedParticles,
 }
 
-/// Which particles of a body a [`Tie`] holds.
+/// The particles of a body that a [`Tie`] holds.
 #[derive(Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum TiedParticles {
-    /// Those that the body has pinned itself: a cape's painted collar, a curtain's top edge.
+    /// The pinned particles of the body: a cape's painted collar, a curtain's top edge.
     #[default]
     Pinned,
-    /// The first: the start of a rope.
+    /// The first particle: the start of a rope.
     First,
-    /// The last: the end of a rope.
+    /// The last particle: the end of a rope.
     Last,
-    /// Those with these indices. What is not there is told in the log, and left out.
+    /// The particles with these indices. Missing ones are logged and left out.
     Indices(Vec<u32>),
 }
 
@@ -68,7 +68,7 @@ impl Tie {
         Self { entity, particles }
     }
 
-    /// Ties the particles that the body has pinned itself.
+    /// Ties the pinned particles of the body.
     pub fn pinned(entity: Entity) -> Self {
         Self::new(entity, TiedParticles::Pinned)
     }
@@ -96,7 +96,7 @@ impl From<Tie> for Attachment {
 }
 
 impl Attachment {
-    /// Ties the particles that the body has pinned itself to `entity`.
+    /// Ties the pinned particles of the body to `entity`.
     pub fn pinned(entity: Entity) -> Self {
         Tie::pinned(entity).into()
     }
@@ -116,7 +116,7 @@ impl Attachment {
         Tie::indices(entity, indices).into()
     }
 
-    /// Another tie besides.
+    /// Adds another tie.
     pub fn and(mut self, tie: Tie) -> Self {
         self.ties.push(tie);
         self

@@ -1,38 +1,39 @@
-//! What holds the particles of an [`Attachment`] from step to step.
+//! Tied particles, from step to step.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use crate::attach::attachment::{Attachment, Tie, TiedParticles};
 
-/// The particles that are tied, as of the last step.
+/// The tied particles of a body as of the last step.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct AttachmentState {
-    /// What it was made of, and the body's number.
+    /// The attachment that this was made for.
     pub made_of: Attachment,
     pub body: u64,
-    /// Where the entity of each tie was; none if it was not there.
+    /// The pose of each tie's entity in the last step; none for a missing entity.
     pub poses: Vec<Option<Affine3A>>,
-    /// In order of the particles.
+    /// Sorted by particle.
     pub held: Vec<HeldParticle>,
 }
 
-/// A particle that is tied.
+/// A tied particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HeldParticle {
     pub particle: u32,
-    /// Its tie, by place.
+    /// Index of its tie.
     pub tie: u32,
     /// Its place in the coordinates of the tie's entity.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub local: Vec3,
-    /// Its inverse mass before, in 1/kg.
+    /// Inverse mass before it was tied, in 1/kg.
     pub inverse_mass: f32,
 }
 
 impl AttachmentState {
-    /// Ties what `attachment` asks for. What was tied to the same entity keeps its place.
+    /// Ties the particles that `attachment` asks for. A particle that was tied to the same entity keeps its place.
+    /// Fails with the first missing index, after tying all others.
     pub fn make(
         &mut self,
         attachment: &Attachment,
@@ -60,7 +61,7 @@ impl AttachmentState {
                 }
             }
         }
-        // Stable: the last of a particle's ties counts.
+        // A stable sort, so that the last tie of a particle counts.
         wanted.sort_by_key(|&(particle, _)| particle);
         for (i, &(particle, tie)) in wanted.iter().enumerate() {
             if wanted.get(i + 1).is_some_and(|next| next.0 == particle) {
@@ -81,18 +82,18 @@ impl AttachmentState {
             }
             self.held.push(HeldParticle { particle, tie, local, inverse_mass });
         }
-        // All go where they belong in this step.
+        // Poses that differ from any other move all particles in this step.
         self.poses.iter_mut().flatten().for_each(|pose| *pose = Affine3A::NAN);
         self.made_of.clone_from(attachment);
         missing
     }
 
-    /// Whether it is the one that says where a particle goes.
+    /// True if a particle is tied.
     pub fn holds(&self, particle: u32) -> bool {
         self.held.binary_search_by_key(&particle, |held| held.particle).is_ok()
     }
 
-    /// Lets go what is tied by some ties.
+    /// Releases the particles of some ties.
     pub fn release(&self, particles: &mut drape_solver::Particles, is_cut: impl Fn(u32) -> bool) {
         for held in self.held.iter().filter(|held| is_cut(held.tie)) {
             let i = held.particle as usize;
@@ -102,7 +103,7 @@ impl AttachmentState {
         }
     }
 
-    /// The same of a body, or of a piece of it, whose particles have these origins after a tear.
+    /// Returns the tied particles of a torn body, or of a piece of it, whose particles have these origins.
     pub fn torn(&self, body: u64, origins: &[u32]) -> Self {
         let mut torn = Self { body, held: Vec::new(), ..self.clone() };
         for (particle, origin) in (0..).zip(origins) {

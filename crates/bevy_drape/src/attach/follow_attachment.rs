@@ -14,7 +14,7 @@ use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
 use crate::rigid_motion::placement;
 
-/// Takes tied particles to where the entities that they are tied to have gone.
+/// Moves tied particles with the entities that they are tied to.
 pub(crate) fn move_attached(
     mut bodies: Query<(Entity, &Attachment, &mut AttachmentState, &mut Particles, &mut BodyState, &Activity)>,
     targets: Query<&GlobalTransform>,
@@ -26,7 +26,7 @@ pub(crate) fn move_attached(
         let state = &mut *state;
         let pose = |target: Entity| targets.get(target).ok().map(GlobalTransform::affine);
         let finite_pose = |target: Entity| pose(target).filter(Affine3A::is_finite);
-        // A tie whose entity has come only now.
+        // Ties whose entity was missing until now.
         let mut waiting = attachment.ties.iter().zip(&state.poses).filter(|(_, pose)| pose.is_none());
         let has_come = waiting.any(|(tie, _)| finite_pose(tie.entity).is_some());
         if has_come || state.made_of != *attachment || state.body != body.order {
@@ -81,7 +81,7 @@ pub(crate) fn move_attached(
     }
 }
 
-/// Lets go what was tied.
+/// Releases all tied particles of a body that loses its [`Attachment`].
 pub(crate) fn release_attached(
     removed: On<Remove, Attachment>,
     mut bodies: Query<(&mut AttachmentState, &mut Particles)>,

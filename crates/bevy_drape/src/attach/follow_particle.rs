@@ -6,12 +6,13 @@ use crate::body::activity::Activity;
 use crate::body::particles::Particles;
 use crate::change_detection::collect_changed;
 
-/// Keeps the entity that it is on at a particle of a body. After each step the [`Transform`] is brought there; its rotation and
-/// scale are left alone, unless it is to [turn](Self::turns) with the rope. Add [`Interpolated`](crate::transform::interpolation::Interpolated) to see
-/// it move smoothly.
+/// Keeps an entity at a particle of a body. Each step sets the translation of its [`Transform`], and the rotation if it
+/// [turns](Self::turns) with the rope. Add [`Interpolated`](crate::transform::interpolation::Interpolated) for smooth
+/// motion.
 ///
-/// The entity weighs nothing: give the particle the mass of the lamp ([`set_inverse_mass`](drape_solver::Particles::set_inverse_mass)). Where
-/// the body, or the particle, is gone, the entity stays where it is.
+/// The entity has no mass: add the mass of the lamp to the particle
+/// ([`set_inverse_mass`](drape_solver::Particles::set_inverse_mass)). If body or particle is gone, the entity stays in
+/// place.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -31,23 +32,23 @@ pub struct FollowParticle {
     pub body: Entity,
     /// The particle.
     pub particle: FollowedParticle,
-    /// Where the entity is, seen from the particle, in its own coordinates, in metres.
+    /// Position of the entity relative to the particle, in the entity's coordinates, in metres.
     pub offset: Vec3,
-    /// Whether the entity turns so that its Y axis points from the particle to the one before it (from the first, to the second):
-    /// up the rope that it hangs on. The turn is the least, so that it does not spin about the rope.
+    /// True to turn the entity's Y axis from the particle towards the one before it (from the first to the second): up
+    /// the rope that it hangs on. The turn is minimal, so the entity does not spin about the rope.
     pub turns: bool,
 }
 
-/// Which particle of a body is followed.
+/// The particle that is followed.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum FollowedParticle {
-    /// The first.
+    /// The first particle.
     First,
-    /// The last.
+    /// The last particle.
     #[default]
     Last,
-    /// The one with this index.
+    /// The particle with this index.
     Index(u32),
 }
 
@@ -72,7 +73,7 @@ impl FollowParticle {
         Self::new(body, FollowedParticle::Index(index))
     }
 
-    /// Sets where the entity is, seen from the particle, in its own coordinates, in metres.
+    /// Sets the position of the entity relative to the particle, in the entity's coordinates, in metres.
     pub fn with_offset(mut self, offset: Vec3) -> Self {
         self.offset = offset;
         self
@@ -84,7 +85,7 @@ impl FollowParticle {
         self
     }
 
-    /// The index of the particle, and that of its neighbour; none if there is no such particle.
+    /// Returns the indices of the particle and of its neighbour; none if there is no such particle.
     fn indices(&self, count: usize) -> Option<[usize; 2]> {
         let particle = match self.particle {
             FollowedParticle::First => 0,
@@ -96,7 +97,7 @@ impl FollowParticle {
     }
 }
 
-/// Brings entities to the particles that they follow.
+/// Moves entities to the particles that they follow.
 pub(crate) fn follow_particles(
     changed: Query<(Entity, Ref<FollowParticle>)>,
     mut followers: Query<(Entity, &FollowParticle, &mut Transform, Option<&ChildOf>)>,
@@ -108,7 +109,7 @@ pub(crate) fn follow_particles(
     collect_changed(&changed, &mut new);
     for (entity, follow, mut transform, child_of) in &mut followers {
         let Ok((particles, activity)) = bodies.get(follow.body) else { continue };
-        // What is frozen or culled may be carried along.
+        // Frozen and culled bodies may be carried along.
         let is_carried = particles.is_changed();
         let is_due =
             *activity == Activity::Active || is_carried || child_of.is_some() || new.contains(&entity);
@@ -126,7 +127,7 @@ pub(crate) fn follow_particles(
             placed.rotation = (turn * placed.rotation).normalize();
         }
         placed.translation += placed.rotation * follow.offset;
-        // A parent may have a scale of zero, or be somewhere that is not finite.
+        // The transform of the parent may have a scale of zero, or not be finite.
         if placed.is_finite() {
             transform.set_if_neq(placed);
         }

@@ -14,8 +14,8 @@ use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
 use crate::rigid_motion::placement;
 
-/// Takes pins and limits to where the animation has them. A jump faster than anything moves is a teleport, and so is every move of a
-/// culled body.
+/// Moves pins and the centres of motion limits to their animated positions. A jump faster than [`TELEPORT_SPEED`]
+/// teleports the whole body, and so does every move of a culled one.
 pub(crate) fn move_posed(
     mut bodies: Query<(
         Entity,

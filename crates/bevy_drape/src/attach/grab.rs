@@ -1,7 +1,7 @@
-//! Taking hold of a cloth or rope at a point, for example with the pointer.
+//! Hands that take hold of a cloth or rope at a point, for example for a pointer.
 //!
-//! [`pick`] finds the particle that a ray meets; a [`Grab`] on its body pulls that particle, and those around it,
-//! to a target until it is removed:
+//! [`pick`] finds the particle that a ray meets. A [`Grab`] on its body pulls that particle and those around it to a
+//! target:
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -21,8 +21,8 @@ use bevy::prelude::*;
 use crate::body::particles::Particles;
 use crate::clock::DrapeClock;
 
-/// How fast what is left of the way to the target is made up, in 1/s. The cloth that hangs from the held piece
-/// pulls it back: at 40/s it stays a few centimetres short.
+/// Rate in 1/s at which the distance to the target shrinks. The cloth that hangs from the held piece pulls it back: at
+/// 40/s it stays a few centimetres short of the target.
 const PULL_RATE: f32 = 40.0;
 
 /// Greatest speed of a pulled particle in m/s: a pointer may jump, cloth should not.
@@ -35,15 +35,15 @@ pub struct Pick {
     pub entity: Entity,
     /// Index of the particle in the body.
     pub particle: usize,
-    /// Where the particle is, in metres.
+    /// Position of the particle in metres.
     pub position: Vec3,
-    /// How far along the ray it is, in metres.
+    /// Distance along the ray in metres.
     pub distance: f32,
 }
 
-/// The particle of `bodies` that `ray` meets: within `radius` (metres) of the ray and in front of its origin, with
-/// the least sum of its distances along the ray and from the ray. So the layer in front wins where cloth lies in
-/// folds, and the particle nearest to the ray within a layer.
+/// Finds the particle of `bodies` that `ray` meets: in front of its origin, within `radius` metres of the ray, with the
+/// least sum of the distances along the ray and from the ray. In folded cloth the front layer wins, and within a layer
+/// the particle nearest to the ray.
 pub fn pick<'a>(
     ray: Ray3d,
     radius: f32,
@@ -56,7 +56,7 @@ pub fn pick<'a>(
             let offset = position - ray.origin;
             let along = offset.dot(*ray.direction);
             let aside = offset.reject_from_normalized(*ray.direction).length();
-            // Written so that what is not a number is no hit.
+            // Comparisons with NaN are false, so it is no hit.
             if along >= 0.0 && aside <= radius && along + aside < least {
                 least = along + aside;
                 best = Some(Pick { entity, particle, position, distance: along });
@@ -66,11 +66,11 @@ pub fn pick<'a>(
     best
 }
 
-/// Hands on the body that it is on. Each pulls the particle that it grabbed to its target, and those around it keep their
-/// place beside it, the less so the farther away they are. Remove it to let go.
+/// Hands that hold a body. Each pulls the particle that it grabbed to its target. The particles around it are pulled
+/// along, less with growing distance. Remove the component to let go.
 ///
-/// Works by velocities, so that sticks and contacts have the last word: the body may be dragged against an
-/// obstacle, or farther than it reaches. Pinned particles stay where they are.
+/// A hand sets velocities, and sticks and contacts are solved after it: dragging a body into an obstacle, or farther
+/// than it reaches, is safe. Pinned particles stay in place.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -84,13 +84,13 @@ pub struct Grab {
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hand {
-    /// What tells it from others, also when a piece comes off with it; 0 by default.
+    /// Names the hand, also on a piece that comes off; 0 by default.
     pub id: u64,
-    /// Where the grabbed particle is pulled to, in the world, in metres. Not pulled while it is not finite.
+    /// Target of the grabbed particle in the world, in metres. A hand whose target is not finite does not pull.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub target: Vec3,
-    /// The greatest force in newtons, over a step; infinite by default. With less than the weight of what hangs on it, a hand
-    /// lifts nothing. At or below 0, or not a number, it does not pull at all.
+    /// The greatest force in newtons, averaged over a step; infinite by default. A hand cannot lift more than this
+    /// force carries. At 0, below 0 or NaN the hand does not pull.
     pub greatest_force: f32,
     /// Particles that are held.
     held: Vec<Held>,
@@ -108,7 +108,7 @@ impl Default for Hand {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Held {
     particle: u32,
-    /// Its place less that of the grabbed particle.
+    /// Offset from the grabbed particle.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     offset: Vec3,
     /// 1 for the grabbed particle, falling to 0 at the radius.
@@ -126,7 +126,7 @@ impl Hand {
         let hold = |(i, position): (usize, Vec3)| {
             let offset = position - target;
             let part = if i == particle { 0.0 } else { offset.length() / radius };
-            // A bell that ends at the radius.
+            // A bell curve that is zero at the radius.
             let firmness = (1.0 - part * part) * (1.0 - part * part);
             (part < 1.0).then_some(Held { particle: i as u32, offset, firmness })
         };
@@ -134,12 +134,20 @@ impl Hand {
         Self { target, held, ..Self::default() }
     }
 
+    /// Puts the hand on a body. A hand of the same id on that body lets go first.
+    pub fn hold(self, body: &mut EntityWorldMut) {
+        match body.get_mut::<Grab>() {
+            Some(mut grab) => grab.hold(self),
+            None => drop(body.insert(Grab::from(self))),
+        }
+    }
+
     /// Indices of the particles that are held.
     pub fn particles(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         self.held.iter().map(|held| held.particle as usize)
     }
 
-    /// What of it holds particles that have these `origins`; none if it holds none of them.
+    /// Returns the hand on a piece whose particles have these `origins`; none if it holds none of them.
     fn on(&self, origins: &[u32]) -> Option<Self> {
         let of = |held: &Held| origins.iter().position(|&origin| origin == held.particle).map(|i| (i, *held));
         let held = self.held.iter().filter_map(of);
@@ -148,16 +156,17 @@ impl Hand {
         (!held.is_empty()).then(|| Self { held, ..self.clone() })
     }
 
-    /// Gives what it holds the velocity that takes it to its places, as far as its force reaches in a step of `dt` seconds.
+    /// Sets the velocities that move the held particles to their targets, within the greatest force over a step of `dt`
+    /// seconds.
     fn pull(&self, particles: &mut drape_solver::Particles, dt: f32) {
         if !self.target.is_finite() {
             return;
         }
-        // A step does not go beyond the target, however long it is.
+        // Even a long step does not overshoot the target.
         let rate = PULL_RATE.min(1.0 / dt);
         let change = |particles: &drape_solver::Particles, &Held { particle, offset, firmness }: &Held| {
             let i = particle as usize;
-            // The body may have been built anew, with fewer particles.
+            // The body may have been rebuilt with fewer particles.
             if i >= particles.len() || particles.is_pinned(i) {
                 return Vec3::ZERO;
             }
@@ -186,11 +195,29 @@ impl Hand {
     }
 }
 
+impl From<Hand> for Grab {
+    fn from(hand: Hand) -> Self {
+        Self { hands: vec![hand] }
+    }
+}
+
 impl Grab {
     /// A hand on particle `particle` and on all within `radius` metres of it, where they are now. Holds
     /// nothing if there is no such particle.
     pub fn new(particles: &drape_solver::Particles, particle: usize, radius: f32) -> Self {
-        Self { hands: vec![Hand::new(particles, particle, radius)] }
+        Hand::new(particles, particle, radius).into()
+    }
+
+    /// Holds the body with another hand. A hand of the same id lets go first.
+    pub fn hold(&mut self, hand: Hand) {
+        self.let_go(hand.id);
+        self.hands.push(hand);
+    }
+
+    /// Takes off the hand of this id; true if no hand is left, so that the component can go too.
+    pub fn let_go(&mut self, id: u64) -> bool {
+        self.hands.retain(|hand| hand.id != id);
+        self.hands.is_empty()
     }
 
     /// Limits the force of its hands, in newtons each.
@@ -199,22 +226,23 @@ impl Grab {
         self
     }
 
-    /// Has its hands pull to `target`, in the world, in metres.
+    /// Sets the target of all hands, in the world, in metres.
     pub fn pull_to(&mut self, target: Vec3) {
         self.hands.iter_mut().for_each(|hand| hand.target = target);
     }
 
-    /// Where the first hand pulls to; none if there is none.
+    /// Returns the target of the first hand; none without hands.
     pub fn target(&self) -> Option<Vec3> {
         self.hands.first().map(|hand| hand.target)
     }
 
-    /// The hand of this id.
+    /// Returns the hand with this id.
     pub fn hand_mut(&mut self, id: u64) -> Option<&mut Hand> {
         self.hands.iter_mut().find(|hand| hand.id == id)
     }
 
-    /// What of it holds a body, or a piece of it, whose particles got these `origins` in a tear; none if nothing does.
+    /// Returns the hands on a torn body, or on a piece of it, whose particles have these `origins`; none if no hand
+    /// holds it.
     pub(crate) fn on(&self, origins: &[u32]) -> Option<Self> {
         let hands: Vec<Hand> = self.hands.iter().filter_map(|hand| hand.on(origins)).collect();
         (!hands.is_empty()).then_some(Self { hands })
@@ -226,7 +254,7 @@ impl Grab {
     }
 }
 
-/// Has all hands pull.
+/// Pulls with all hands.
 pub(crate) fn pull_grabbed(mut bodies: Query<(&Grab, &mut Particles)>, clock: Res<DrapeClock>) {
     for (grab, mut particles) in &mut bodies {
         for hand in &grab.hands {
@@ -235,7 +263,7 @@ pub(crate) fn pull_grabbed(mut bodies: Query<(&Grab, &mut Particles)>, clock: Re
     }
 }
 
-/// The particle that is nearest to `place`; none if there is none, or no such place.
+/// Finds the particle nearest to `place`; none if there are no particles, or `place` is not finite.
 pub(crate) fn nearest_particle(particles: &drape_solver::Particles, place: Vec3) -> Option<usize> {
     let away = particles.positions().enumerate().map(|(i, position)| (i, position.distance_squared(place)));
     let nearest = away.filter(|(_, away)| away.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1));

@@ -14,8 +14,8 @@ use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
 use crate::rigid_motion::placement;
 
-/// Pins are fixed to their entity: where it goes, they go, and pull the cloth along. A jump faster than anything moves is a
-/// teleport: it takes the whole body along, and so does every move of a culled body.
+/// Moves pins with their entity; they pull the cloth along. A jump faster than [`TELEPORT_SPEED`] teleports the whole
+/// body, and so does every move of a culled one.
 pub(crate) fn move_pins(
     anchors: Query<(Entity, Ref<GlobalTransform>), With<BodyState>>,
     mut bodies: Query<

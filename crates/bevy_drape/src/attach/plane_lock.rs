@@ -4,24 +4,24 @@ use bevy::prelude::*;
 
 use crate::body::particles::Particles;
 
-/// What a particle may be off its plane before it is put back, in metres: what rounding makes in a step is left, so that a body
-/// can fall asleep.
+/// Distance from the plane in metres below which particles are left alone: the rounding of a step would keep a body
+/// awake.
 const TOLERANCE: f32 = 1e-5;
 
-/// Keeps a body in a plane of the world: after each step its particles are put back, and what took them out of it is taken off
-/// their velocity. For two dimensions: in the plane of X and Y where nothing pushes sideways, it changes nothing.
+/// Keeps a body in a plane of the world: after each step it puts particles back and removes their velocity along the
+/// normal. For two dimensions. It changes nothing in the XY plane as long as nothing pushes sideways.
 ///
-/// A body that something keeps pushing out of its plane does not fall asleep. Start flat: a cloth that stands
-/// edge on to its plane becomes a bundle in a line.
+/// A body that is pushed out of its plane all the time does not fall asleep. Start flat: a cloth across the plane
+/// collapses into a line.
 ///
-/// Obstacles are bodies of three dimensions: a disc is a sphere or a cylinder whose middle is in the plane, a box a cuboid that
-/// reaches far to both sides of it.
+/// Obstacles stay three-dimensional: use a sphere or cylinder centred on the plane for a disc, and a cuboid that
+/// reaches far to both sides for a box.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct PlaneLock {
     /// Normal of the plane, of any length but zero; Z by default.
     pub normal: Vec3,
-    /// How far it is from the world's origin along the normal, in metres; 0 by default.
+    /// Distance from the world's origin along the normal, in metres; 0 by default.
     pub distance: f32,
 }
 
@@ -31,7 +31,7 @@ impl Default for PlaneLock {
     }
 }
 
-/// Puts particles back into their planes. A lock that is no plane does nothing.
+/// Puts particles back into their planes. A lock without a valid normal does nothing.
 pub(crate) fn lock_planes(mut bodies: Query<(&PlaneLock, &mut Particles)>) {
     for (lock, mut particles) in &mut bodies {
         let Some(normal) = lock.normal.try_normalize().filter(|_| lock.distance.is_finite()) else {

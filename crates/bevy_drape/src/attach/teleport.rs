@@ -7,7 +7,7 @@ use crate::attach::attachment_state::AttachmentState;
 use crate::body::body_state::BodyState;
 use crate::rigid_motion::rigid_way;
 
-/// Takes a body from one place to another as it is, and all that knows where it hung.
+/// Moves a body rigidly, and with it the stored poses that it follows.
 pub(crate) fn teleport(
     particles: &mut drape_solver::Particles,
     state: &mut BodyState,

@@ -3,20 +3,19 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use drape_solver::RopeBuilder;
 
 use crate::body::particles::{Particles, Sticks};
 use crate::build::rope::Rope;
 use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
 
-/// Changes the length of the [`Rope`] that it is on: all its links grow or shrink alike, and its mass with them, but not what was
-/// hung on it. Tethers keep pace. A rope that was torn is wound no more.
+/// Changes the length of a [`Rope`]. All links grow or shrink alike, with their mass; masses hung on the rope stay.
+/// Tethers follow. A torn rope no longer changes.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Winch {
-    /// How fast rope is paid out, or, below 0, reeled in, in m/s; 0, the default, holds.
+    /// Speed in m/s at which rope is paid out, or reeled in if negative; 0, the default, holds.
     pub speed: f32,
     /// The least length in metres, above 0; 0.1 by default.
     pub least: f32,
@@ -31,7 +30,7 @@ impl Default for Winch {
 }
 
 impl Winch {
-    /// Pays out `speed` metres a second, or reels them in.
+    /// Pays out `speed` metres per second, or reels in if negative.
     pub fn new(speed: f32) -> Self {
         Self { speed, ..Self::default() }
     }
@@ -41,7 +40,7 @@ impl Winch {
     }
 }
 
-/// The length of a rope at rest, in metres; none if it is no longer whole.
+/// Returns the length of a rope at rest in metres; none if the rope is torn.
 pub fn rest_length(rope: &Rope, sticks: &Sticks) -> Option<f32> {
     let count = sticks.particle_count();
     let is_whole = count >= 2 && count == rope.particles as usize && sticks.segments().len() == count - 1;
@@ -49,7 +48,7 @@ pub fn rest_length(rope: &Rope, sticks: &Sticks) -> Option<f32> {
     is_whole.then(|| sticks.rest_position(0).distance(sticks.rest_position(count - 1)))
 }
 
-/// Turns the winches by a step.
+/// Turns the winches for one step.
 pub(crate) fn turn_winches(
     mut ropes: Query<(Entity, &Rope, Ref<Winch>, &mut Particles, &mut Sticks)>,
     clock: Res<DrapeClock>,
@@ -66,23 +65,13 @@ pub(crate) fn turn_winches(
         }
         let Some(length) = rest_length(rope, &sticks) else { continue };
         let wanted = (length + winch.speed * clock.delta()).clamp(winch.least, winch.greatest);
-        // A rope that was longer than the greatest length when it was built is not jerked there.
+        // A rope that was built outside the range approaches it at the winch's speed.
         let farthest = winch.speed.abs() * clock.delta();
         let wanted = wanted.clamp(length - farthest, length + farthest);
         if wanted == length || particles.len() != sticks.particle_count() {
             continue;
         }
-        let mut builder = RopeBuilder::new(Vec3::ZERO, Vec3::X * wanted, rope.particles)
-            .linear_density(rope.linear_density)
-            .stiffness(rope.stretch_stiffness, rope.bend_stiffness)
-            .damping(rope.damping);
-        if rope.pin_start {
-            builder = builder.pin_start();
-        }
-        if rope.pin_end {
-            builder = builder.pin_end();
-        }
-        let Ok((_, topology)) = builder.build_parts() else { continue };
+        let Ok((_, topology)) = rope.builder(Vec3::ZERO, Vec3::X * wanted).build_parts() else { continue };
         let links = particles.len() - 1;
         let gain = rope.linear_density * (wanted - length) / links as f32;
         for i in 0..particles.len() {

@@ -1,4 +1,4 @@
-//! How much of a character's motion its clothes inherit.
+//! The part of a character's motion that its clothes feel.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -15,27 +15,28 @@ use crate::environment::obstacle::{Obstacle, TeleportObstacle};
 use crate::refusal::Refusals;
 use crate::rigid_motion::placement;
 
-/// How much a body feels of the motion of an entity, usually the root of the character that wears it.
+/// Scales the motion of an entity, usually the root of a character, that its clothes feel.
 ///
-/// A cape on somebody who runs, jumps and turns flies like a flag, as it would; games want it calmer. What a body is not to feel, it
-/// is carried along by, as if it were in a carriage that moves so. Unity's cloth calls these numbers `worldVelocityScale`, `NvCloth` has them
-/// as inertia.
+/// A cape on a running character flies like a flag; games often want it calmer. The body is carried along with the rest
+/// of the motion, as if it rode in a carriage. Unity's cloth calls these numbers `worldVelocityScale`, `NvCloth`
+/// inertia.
 ///
-/// A reference that goes farther than [`teleport_distance`](Self::teleport_distance) in one step has been put somewhere else: the body
-/// goes along as it is, turned as the reference turns, and obstacles among the reference's descendants are
-/// [teleported](TeleportObstacle). [`TeleportCloth`] says so of shorter ways.
+/// A reference that moves farther than [`teleport_distance`](Self::teleport_distance) in one step counts as teleported.
+/// The body moves with it rigidly, and obstacles among its descendants are [teleported](TeleportObstacle) too. Use
+/// [`TeleportCloth`] for shorter teleports.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(WorldMotionState)]
 pub struct WorldMotion {
-    /// The entity whose motion counts; by default the one that this is on.
+    /// The entity whose motion counts; by default the body's own.
     #[entities]
     pub reference: Option<Entity>,
-    /// How much of its translation is felt: 0 (none) to 1 (all, the default).
+    /// The part of its translation that is felt: 0 (none) to 1 (all, the default).
     pub linear: f32,
-    /// How much of its turning is felt, about its origin, likewise.
+    /// The part of its rotation about its origin that is felt: 0 to 1, the default.
     pub angular: f32,
-    /// A way in one step, in metres, that is a teleport: 2 by default, which is 120 m/s at 60 Hz. Infinite for none.
+    /// Distance in one step, in metres, beyond which the reference counts as teleported; 2 by default, which is 120 m/s
+    /// at 60 Hz. Infinite for never.
     pub teleport_distance: f32,
 }
 
@@ -46,34 +47,34 @@ impl Default for WorldMotion {
 }
 
 impl WorldMotion {
-    /// Of `reference`, all of which is felt.
+    /// Feels the whole motion of `reference`.
     pub fn of(reference: Entity) -> Self {
         Self { reference: Some(reference), ..Self::default() }
     }
 
-    /// Sets how much is felt of translation and of turning, 0 to 1.
+    /// Sets the parts of translation and rotation that are felt, 0 to 1.
     pub fn with_scale(mut self, linear: f32, angular: f32) -> Self {
         (self.linear, self.angular) = (linear, angular);
         self
     }
 }
 
-/// Marks a body whose [`Transform`], character or [attachment](Attachment) is set to somewhere else and that is not to be pulled
-/// there: the next step takes it along as it is, with its velocities turned. The step takes the mark off.
+/// Marks a body whose [`Transform`], character or [attachment](Attachment) was set to another place and that must not
+/// be pulled there. The next step moves the body rigidly, turns its velocities, and removes the mark.
 ///
-/// What counts is the motion of the [`WorldMotion`]'s reference; without one that of the joint that most of a skinned cloth hangs on, of the
-/// first entity that it is tied to, or of its own entity.
+/// The body moves with the [`WorldMotion`]'s reference; without one, with the main joint of a skinned cloth, the first
+/// entity that it is tied to, or its own entity.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]
 pub struct TeleportCloth;
 
-/// Where the reference was in the last step.
+/// The pose of the reference in the last step.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct WorldMotionState {
     pub last: Option<Affine3A>,
 }
 
-/// Carries bodies along with what they do not feel of their references' motions.
+/// Carries bodies along with the part of their references' motion that they do not feel.
 pub(crate) fn inherit_motion(
     mut commands: Commands,
     mut bodies: Query<

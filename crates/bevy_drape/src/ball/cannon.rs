@@ -9,7 +9,7 @@ use crate::refusal::Refusals;
 
 /// Shoots [`Projectile`]s when a [`FireCannon`] message names it.
 ///
-/// With elevation and azimuth zero it shoots along the entity's `forward` (-Z).
+/// At elevation and azimuth zero it shoots along the entity's `forward` (-Z).
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform)]
@@ -22,7 +22,7 @@ pub struct Cannon {
     pub muzzle_speed: f32,
     /// Distance from the entity to the muzzle, along the barrel, in metres.
     pub barrel_length: f32,
-    /// What is shot; its velocity is set by the shot.
+    /// The ball that is shot. The shot sets its velocity.
     pub ball: Projectile,
 }
 
@@ -44,7 +44,7 @@ impl Cannon {
         ballistics::direction(f64::from(self.elevation), f64::from(self.azimuth)).as_vec3()
     }
 
-    /// Where the muzzle is in the world, for a cannon at `transform`.
+    /// Position of the muzzle in the world, for a cannon at `transform`.
     pub fn muzzle(&self, transform: &GlobalTransform) -> Vec3 {
         transform.translation() + transform.rotation() * self.direction() * self.barrel_length
     }
@@ -58,7 +58,7 @@ pub struct FireCannon {
     pub cannon: Entity,
 }
 
-/// Tells that a cannon has fired.
+/// Sent when a cannon has fired.
 #[derive(Message, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct CannonFired {
@@ -77,7 +77,7 @@ pub(crate) fn fire_cannons(
     mut refusals: ResMut<Refusals>,
 ) {
     for FireCannon { cannon: entity } in requests.waiting.drain(..) {
-        // A cannon that is gone by now does not fire.
+        // A despawned cannon does not fire.
         let Ok((cannon, transform)) = cannons.get(entity) else {
             continue;
         };
@@ -98,7 +98,7 @@ pub(crate) fn fire_cannons(
         }
         refusals.forget(entity);
         let transform = Transform::from_translation(muzzle);
-        // The global transform is given too: the ball flies in this very step.
+        // The ball flies in this very step, which needs the global transform.
         let bundle = (ball, transform, GlobalTransform::from(transform));
         let projectile = commands.spawn(bundle).id();
         fired.write(CannonFired { cannon: entity, projectile });

@@ -13,8 +13,8 @@ use crate::refusal::Refusals;
 
 /// A ball: flies, hits, rolls and comes to rest. Cloth acts back on it.
 ///
-/// Its [`Transform`] says where it starts; from then on the plugin writes it, and moving it by hand teleports the
-/// ball. The simulated state is in [`ProjectileState`].
+/// It starts at its [`Transform`]. From then on the plugin writes the transform; moving it by hand teleports the ball.
+/// The simulated state is in [`ProjectileState`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, Activity)]
@@ -31,9 +31,10 @@ pub struct Projectile {
     pub drag: f32,
     /// Coulomb friction coefficient. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
-    /// Coefficient of static friction, which holds what does not slide yet; below that of friction it counts as that.
+    /// Coefficient of static friction, which holds until sliding begins; at least the friction coefficient counts.
     pub static_friction: f32,
-    /// Coefficient of restitution against balls and obstacles: 0 (no bounce) to 1. The mean of the two counts.
+    /// Coefficient of restitution against balls and obstacles: 0 (no bounce) to 1. Two surfaces in contact use the mean
+    /// of theirs.
     pub restitution: f32,
     /// Rolling resistance: on level ground a rolling ball slows by `5/7 g` times this. A hard ball on a floor has
     /// 0.001 to 0.01, on grass 0.1.
@@ -50,7 +51,7 @@ impl Default for Projectile {
 }
 
 impl Projectile {
-    /// The ball at `position` (metres), under `gravity` (m/s^2).
+    /// Launches the ball at `position` (metres) under `gravity` (m/s^2).
     pub(crate) fn launch(&self, position: Vec3, gravity: Vec3) -> Result<Ball, BuildError> {
         let material = BallMaterial {
             radius: self.radius,
@@ -65,7 +66,7 @@ impl Projectile {
     }
 }
 
-/// Substep that a ball is launched for, in seconds. The solver brings it to the real one.
+/// Substep that a ball is launched for, in seconds. The solver adapts the ball to the real one.
 const LAUNCH_SUBSTEP: f32 = 1.0 / 1024.0;
 
 /// The simulated state of a [`Projectile`]: position, velocity, spin. Write to it to push or move the ball.
@@ -86,19 +87,18 @@ impl ProjectileState {
     }
 }
 
-/// What the plugin keeps about a ball between steps.
+/// State of a ball that the plugin keeps from step to step.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct ProjectileRecord {
-    /// Order of creation: what balls are sorted by.
+    /// Order of creation, by which balls are sorted.
     pub order: u64,
     /// The transform that the plugin wrote last; another one found there is a teleport.
     pub written: Transform,
-    /// Whether the ball cannot be simulated; see the log for why.
+    /// True if the ball cannot be simulated; the log has the reason.
     pub refused: bool,
 }
 
-/// Builds the balls that were inserted or changed since the last step, and those that could not be built where they
-/// were and have moved.
+/// Builds balls that were inserted or changed since the last step, and refused ones that have moved.
 pub(crate) fn build_projectiles(
     mut commands: Commands,
     projectiles: Query<
@@ -110,7 +110,7 @@ pub(crate) fn build_projectiles(
     mut order: ResMut<CreationOrder>,
     mut refusals: ResMut<Refusals>,
 ) {
-    let gravity = if gravity.is_usable() { gravity.0 } else { solver.environment.gravity };
+    let gravity = gravity.or_last(solver.environment.gravity);
     for (entity, projectile, transform, global) in &projectiles {
         let built = if global.affine().is_finite() {
             let ball = projectile.launch(global.translation(), gravity);
@@ -133,12 +133,12 @@ pub(crate) fn build_projectiles(
     }
 }
 
-/// Takes the simulated ball off an entity that loses its [`Projectile`].
+/// Removes the simulated ball from an entity that loses its [`Projectile`].
 pub(crate) fn remove_ball(removed: On<Remove, Projectile>, mut commands: Commands) {
     commands.entity(removed.entity).try_remove::<(ProjectileState, ProjectileRecord, Activity)>();
 }
 
-/// Moves balls whose transform was changed by somebody else.
+/// Moves balls whose transform was changed by hand.
 pub(crate) fn teleport_projectiles(
     mut balls: Query<
         (Entity, &mut Transform, &GlobalTransform, &mut ProjectileState, &mut ProjectileRecord),
@@ -162,7 +162,7 @@ pub(crate) fn teleport_projectiles(
     }
 }
 
-/// Writes where the balls are into their transforms.
+/// Writes the transforms of balls.
 pub(crate) fn write_projectile_transforms(
     mut balls: Query<
         (&ProjectileState, &Activity, &mut ProjectileRecord, &mut Transform, Option<&ChildOf>),
@@ -181,7 +181,7 @@ pub(crate) fn write_projectile_transforms(
             placed.translation = to_parent.transform_point3(placed.translation);
             placed.rotation = parent.rotation().inverse() * placed.rotation;
         }
-        // A parent may have a scale of zero, or be somewhere that is not finite.
+        // The transform of the parent may have a scale of zero, or not be finite.
         if placed.is_finite() {
             *transform = placed;
             record.written = placed;

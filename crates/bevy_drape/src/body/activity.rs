@@ -1,10 +1,10 @@
-//! Whether a body is simulated.
+//! Activity of bodies: simulated, at rest, or culled.
 
 use bevy::prelude::*;
 use drape_solver::world::activity as solver;
 
-/// Whether a body is simulated, at rest, or out of sight. The scene manager keeps it; setting it by hand puts a
-/// body to sleep or wakes it.
+/// Activity of a body: simulated, at rest, or out of sight. The scene manager writes it; set it by hand to put a body
+/// to sleep or to wake it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -12,23 +12,22 @@ pub enum Activity {
     /// Simulated.
     #[default]
     Active,
-    /// Came to rest: costs nothing until something touches, pushes or edits it.
+    /// At rest: costs nothing until something touches, pushes or edits it.
     Resting,
-    /// Left the play area, or fell asleep far from every viewer, or cannot be simulated: neither simulated nor
-    /// drawn.
+    /// Outside the play area, asleep far from every viewer, or invalid: neither simulated nor drawn.
     Culled,
-    /// Too far from every viewer for its motion to be seen ([`LevelOfDetail`](crate::detail::level::LevelOfDetail)): drawn as it is, but not
-    /// simulated, and touched by nothing. It goes along with its entity.
+    /// Too far from every viewer for its motion to be seen ([`LevelOfDetail`](crate::detail::level::LevelOfDetail)):
+    /// drawn, but not simulated, and touched by nothing. It moves rigidly with its entity.
     Frozen,
 }
 
 impl Activity {
-    /// Whether any of these is [`Active`](Self::Active).
+    /// True if any of these is [`Active`](Self::Active).
     pub(crate) fn is_any_active(activities: &[Self]) -> bool {
         activities.iter().fold(false, |any, activity| any | (*activity == Self::Active))
     }
 
-    /// Whether the body goes along with its entity as it is, because nobody simulates it.
+    /// True if the body moves rigidly with its entity, because it is not simulated.
     pub(crate) fn is_carried(self) -> bool {
         matches!(self, Self::Culled | Self::Frozen)
     }

@@ -1,4 +1,4 @@
-//! State of a body that the plugin keeps from step to step.
+//! State of bodies that the plugin keeps from step to step.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -6,28 +6,28 @@ use drape_solver::world::bounds::Bounds;
 use drape_solver::world::extent::Extent;
 use drape_solver::{BodyContext, BodyScratch};
 
-/// What the plugin keeps about a body between steps.
+/// State of bodies that the plugin keeps from step to step.
 #[derive(Component, Default)]
 pub(crate) struct BodyState {
-    /// Order of creation: what bodies are sorted by, so that entity ids do not matter to the result.
+    /// Order of creation. Bodies are sorted by it, so that entity ids do not matter to the result.
     pub order: u64,
     /// State and memory of the solver that a body keeps from step to step.
     pub context: BodyContext,
     /// The same of its contacts and its substeps, beside the body in its island.
     pub scratch: BodyScratch,
-    /// The transform that pins are attached to, as it was when they were last brought there.
+    /// Transform of the entity when pins were last moved with it.
     pub anchor: Affine3A,
-    /// What took the entity's own coordinates to where its particles rest, when the body was built.
+    /// Transform from the entity's coordinates to the rest positions of the particles, from when the body was built.
     pub rest: Affine3A,
-    /// Places of the pinned particles in the entity's own coordinates.
+    /// Positions of the pinned particles in the entity's coordinates.
     pub pins: Vec<(u32, Vec3)>,
-    /// Where the particles are and how fast, as of the last step or edit.
+    /// Box and greatest speed of the particles, as of the last step or edit.
     pub extent: Extent,
-    /// Whether the body cannot be simulated; see the log for why.
+    /// True if the body cannot be simulated; the log has the reason.
     pub refused: bool,
     /// Settings of the last step; a change wakes the body.
     pub settings: drape_solver::SolverSettings,
-    /// Layers of the last step, likewise.
+    /// Layers of the last step; a change wakes the body.
     pub layers: drape_solver::Layers,
 }
 
@@ -58,7 +58,7 @@ impl CreationOrder {
         self.0
     }
 
-    /// Hands out the numbers after `last` from now on.
+    /// Continues with the numbers after `last`.
     pub fn go_on_from(&mut self, last: u64) {
         self.0 = last;
     }

@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 
-/// Marks a body, ball or obstacle whose contacts are told by [`DrapeContactStarted`], [`DrapeContactHit`] and
-/// [`DrapeContactEnded`]. One of two that touch is enough.
+/// Marks a body, ball or obstacle whose contacts are reported by [`DrapeContactStarted`], [`DrapeContactHit`] and
+/// [`DrapeContactEnded`]. A contact is reported if either of the two has the mark.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -1,12 +1,12 @@
-//! Layers: who touches whom at all.
+//! Collision layers.
 
 use bevy::prelude::*;
 use drape_solver::Layers;
 
-/// Which layers a body, ball or obstacle belongs to, and which it touches: one bit each.
+/// The layers that a body, ball or obstacle belongs to, and those that it touches: one bit each.
 ///
-/// Two touch when each belongs to a layer that the other touches. What has no such component belongs to all layers and
-/// touches all. A body that sleeps wakes when its layers change.
+/// Two touch if each belongs to a layer that the other touches. An entity without this component belongs to all layers
+/// and touches all. A sleeping body wakes when its layers change.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -39,7 +39,7 @@ impl DrapeLayers {
         Self { memberships, filters }
     }
 
-    /// What the solver is told of an entity with or without this component.
+    /// Returns the solver's layers of an entity with or without this component.
     pub(crate) fn of(layers: Option<&Self>) -> Layers {
         let Self { memberships, filters } = layers.copied().unwrap_or_default();
         Layers { memberships, filters }

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use crate::body::particles::Particles;
 
-/// Keeps the volume inside a closed body, in parts of that at rest: 1, the default, keeps it, 1.2 blows up a balloon, 0 lets it
-/// be. From 0 to 1000. Nothing happens to a body whose faces are not closed.
+/// Keeps the volume inside a closed body, as a multiple of the volume at rest, from 0 to 1000: 1, the default, keeps
+/// that, 1.2 inflates a balloon, 0 does nothing. Bodies with open faces are not affected.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct Pressure(pub f32);
@@ -16,14 +16,14 @@ impl Default for Pressure {
     }
 }
 
-/// Wakes what has lost its air.
+/// Wakes bodies that lose their pressure.
 pub(crate) fn wake_slack(removed: On<Remove, Pressure>, mut bodies: Query<&mut Particles>) {
     if let Ok(mut particles) = bodies.get_mut(removed.entity) {
         particles.rouse();
     }
 }
 
-/// Wakes what is blown up or let go flat.
+/// Wakes bodies whose pressure changes.
 pub(crate) fn wake_pressed(mut bodies: Query<&mut Particles, Changed<Pressure>>) {
     for mut particles in &mut bodies {
         particles.rouse();

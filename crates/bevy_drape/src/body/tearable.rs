@@ -29,12 +29,12 @@ use drape_solver::TearLimits;
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tearable {
-    /// The strain of a structural stick beyond which it tears: 0.5, the default, means half as long again as at rest. Above
-    /// 0. Rigid sticks stretch where more hangs on them than the substeps can carry.
+    /// Strain beyond which a structural stick tears, above 0; 0.5, the default, is one and a half times the rest
+    /// length. Even rigid sticks stretch under more load than the substeps can carry.
     pub strain: f32,
-    /// The most particles that are split in one step; 16 by default. How fast a tear runs.
+    /// The most particles that are split in one step; 16 by default. It limits the speed of a tear.
     pub most_at_once: u32,
-    /// Pieces of fewer particles vanish; 4 by default. Such a crumb is no cloth.
+    /// Pieces of fewer particles vanish; 4 by default.
     pub least_particles: u32,
 }
 
@@ -45,15 +45,15 @@ impl Default for Tearable {
     }
 }
 
-/// On a body that neither tears nor is cut.
+/// Marks a body that neither tears nor is cut.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct Untearable;
 
-/// How the vertices of a torn body's mesh follow from those of the mesh that it had. Taken off once the mesh is made.
+/// Origin of the vertices of a torn body's mesh. Removed once the new mesh is made.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct TornMesh {
-    /// The entity whose mesh it was.
+    /// The entity with the mesh from before the tear.
     pub source: Entity,
-    /// For each particle the vertex of that mesh.
+    /// For each particle, the vertex of that mesh.
     pub origins: Vec<u32>,
 }

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, ClothBuilder, ClothMaterial, Edge};
 
+use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
 /// A rectangular cloth: curtain, flag, sail, table cloth.
 ///
-/// It hangs in the XY plane of its [`Transform`], centred, facing +Z, and is built into [`Particles`](crate::body::particles::Particles) and
-/// [`Sticks`](crate::body::particles::Sticks) in the first step after it was inserted or changed. Pinned particles stay fixed to the entity: move
-/// the `Transform` and the cloth is pulled along.
+/// It lies centred in the XY plane of its [`Transform`] and faces +Z. The first step after insertion or a change builds
+/// its [`Particles`](crate::body::particles::Particles) and [`Sticks`](crate::body::particles::Sticks). Pinned
+/// particles stay fixed to the entity: move the `Transform` to pull the cloth along.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -31,18 +32,18 @@ pub struct Cloth {
     /// Mass per area in kg/m^2.
     pub areal_density: f32,
     /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching.
-    pub structural_stiffness: f32,
+    pub stretch_stiffness: f32,
     /// Stiffness of shear sticks, 0 to 1: resists skewing.
     pub shear_stiffness: f32,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
     pub bend_stiffness: f32,
     /// Damping along the sticks in 1/s.
     pub damping: f32,
-    /// Which particles are fixed to the entity.
+    /// Particles that are fixed to the entity.
     pub pins: ClothPins,
 }
 
-/// Which particles of a cloth are pinned. Particle `row * columns + column` is counted from the top left.
+/// The pinned particles of a cloth. Particle `row * columns + column` counts from the top left.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub enum ClothPins {
@@ -63,14 +64,15 @@ pub enum ClothPins {
 
 impl Default for Cloth {
     fn default() -> Self {
-        let ClothMaterial { areal_density, structural, shear, bend, damping } = ClothMaterial::default();
+        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
+            ClothMaterial::default();
         Self {
             size: Vec2::ONE,
             particles: UVec2::splat(32),
             areal_density,
-            structural_stiffness: structural,
-            shear_stiffness: shear,
-            bend_stiffness: bend,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
             damping,
             pins: ClothPins::Top,
         }
@@ -95,14 +97,14 @@ impl Cloth {
         self
     }
 
-    /// Sets which particles are pinned.
+    /// Sets the pinned particles.
     pub fn with_pins(mut self, pins: ClothPins) -> Self {
         self.pins = pins;
         self
     }
 
-    /// The same cloth of fewer particles: about one in `coarseness` of each side. It weighs, hangs, stretches and swings as this one
-    /// does: in a row of fewer and heavier particles the same material has softer sticks.
+    /// Returns the same cloth with fewer particles: about one in `coarseness` along each side. It weighs, hangs,
+    /// stretches and swings like the original: fewer and heavier particles need softer sticks for the same material.
     pub(crate) fn coarsened(&self, coarseness: u32) -> Self {
         if coarseness <= 1 {
             return self.clone();
@@ -112,7 +114,7 @@ impl Cloth {
             _ => ((side - 1 + coarseness / 2) / coarseness).max(1) + 1,
         };
         let particles = UVec2::new(fewer(self.particles.x), fewer(self.particles.y));
-        // Compliance goes by the square of the spacing, and damping against it.
+        // Compliance grows with the square of the spacing, damping shrinks with it.
         let ratio = (self.particles.max(UVec2::splat(2)) - 1).as_vec2()
             / (particles.max(UVec2::splat(2)) - 1).as_vec2();
         let square = ratio.x * ratio.y;
@@ -133,7 +135,7 @@ impl Cloth {
         Self {
             particles,
             pins,
-            structural_stiffness: softer(self.structural_stiffness),
+            stretch_stiffness: softer(self.stretch_stiffness),
             shear_stiffness: softer(self.shear_stiffness),
             bend_stiffness: softer(self.bend_stiffness),
             damping: self.damping / square,
@@ -141,14 +143,11 @@ impl Cloth {
         }
     }
 
-    /// The particles and topology of this cloth at `transform`.
+    /// Builds the particles and topology of this cloth at `transform`.
     ///
     /// # Errors
     /// [`BuildError`] naming the field that cannot be used.
-    pub fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    pub fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let (scale, rotation, _) = transform.to_scale_rotation_translation();
         let size = self.size * scale.truncate();
         let corner = Vec3::new(-self.size.x, self.size.y, 0.0) * 0.5;
@@ -157,9 +156,9 @@ impl Cloth {
             .placed(transform.transform_point(corner), rotation * Vec3::X, rotation * Vec3::NEG_Y)
             .material(ClothMaterial {
                 areal_density: self.areal_density,
-                structural: self.structural_stiffness,
-                shear: self.shear_stiffness,
-                bend: self.bend_stiffness,
+                stretch_stiffness: self.stretch_stiffness,
+                shear_stiffness: self.shear_stiffness,
+                bend_stiffness: self.bend_stiffness,
                 damping: self.damping,
             });
         let corner =
@@ -186,10 +185,7 @@ impl Cloth {
 impl Description for Cloth {
     const NAME: &'static str = "Cloth";
 
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         self.build(transform)
     }
 }

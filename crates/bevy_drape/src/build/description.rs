@@ -1,31 +1,26 @@
-//! Descriptions of bodies, and the bodies that are built from them.
-
-use std::sync::Arc;
+//! Builds bodies from their descriptions.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::world::extent::Extent;
-use drape_solver::{BuildError, Topology};
+use drape_solver::BuildError;
 
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};
-use crate::body::particles::{Particles, Sticks};
+use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::change_detection::collect_changed;
 use crate::refusal::Refusals;
 
 /// A component that describes a body.
 pub(crate) trait Description: Component {
-    /// What it is called in the log.
+    /// Name in the log.
     const NAME: &'static str;
 
-    /// The particles and topology of the body at `transform`.
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<Topology>), BuildError>;
+    /// Builds the particles and topology of the body at `transform`.
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError>;
 }
 
-/// Builds what was inserted or changed since the last step, and what could not be built where it was and has moved.
+/// Builds bodies whose description was inserted or changed since the last step, and refused ones that have moved.
 pub(crate) fn build_described<D: Description>(
     mut commands: Commands,
     described: Query<(Entity, Ref<D>)>,
@@ -70,7 +65,7 @@ pub(crate) fn insert_body(
     entity: Entity,
     order: u64,
     transform: &GlobalTransform,
-    (particles, topology): (drape_solver::Particles, Arc<Topology>),
+    (particles, topology): BodyParts,
 ) {
     let anchor = transform.affine();
     let pins = pins_at(&anchor, &particles);
@@ -85,19 +80,19 @@ pub(crate) fn insert_body(
     commands.entity(entity).insert((Particles(particles), Sticks(topology), Activity::Active, state));
 }
 
-/// The pinned particles, and their places in the coordinates of an entity at `anchor`.
+/// Returns the pinned particles and their positions in the coordinates of an entity at `anchor`.
 pub(crate) fn pins_at(anchor: &Affine3A, particles: &drape_solver::Particles) -> Vec<(u32, Vec3)> {
     let to_local = anchor.inverse();
     let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
     pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect()
 }
 
-/// Takes off an entity what [`insert_body`] put there.
+/// Removes everything that [`insert_body`] inserts.
 pub(crate) fn remove_body(commands: &mut Commands, entity: Entity) {
     commands.entity(entity).try_remove::<(Particles, Sticks, Activity, BodyState)>();
 }
 
-/// Takes the body off an entity that loses its `C`, the description it was built from.
+/// Removes the body from an entity that loses its description `C`.
 pub(crate) fn remove_described_body<C: Component>(removed: On<Remove, C>, mut commands: Commands) {
     remove_body(&mut commands, removed.entity);
 }

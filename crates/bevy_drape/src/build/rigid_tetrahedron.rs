@@ -1,23 +1,22 @@
 //! Rigid bodies of four particles: crates, stones, furniture.
 
-use std::sync::Arc;
-
 use bevy::prelude::*;
 use drape_solver::build::rigid_tetrahedron::placement_of;
 use drape_solver::{BuildError, Placement, RigidTetrahedronBuilder, SolverSettings};
 
 use crate::body::activity::Activity;
-use crate::body::particles::Particles;
+use crate::body::particles::{BodyParts, Particles};
 use crate::build::description::Description;
 
-/// A rigid body of four particles and six sticks, which touches obstacles with the corners of a convex collision mesh (S30).
+/// A rigid body of four particles and six sticks. It touches obstacles with the corners of a convex collision mesh
+/// (S30).
 ///
-/// It is built into [`Particles`] and [`Sticks`](crate::body::particles::Sticks) in the first step after
-/// it was inserted or changed, where its [`Transform`] is: the centre of mass is the entity's origin. From then on the plugin
-/// writes the `Transform`; moving it by hand teleports the body, which keeps its velocity. Scale is left alone.
+/// The first step after insertion or a change builds its [`Particles`] and [`Sticks`](crate::body::particles::Sticks)
+/// at its [`Transform`]; the centre of mass is the entity's origin. From then on the plugin writes translation and
+/// rotation. Moving the `Transform` by hand teleports the body, which keeps its velocity.
 ///
-/// Corners touch obstacles, edges and sides do not: give a long body corners along its edges. Cannon balls meet its
-/// sticks. It flies through an obstacle that it crosses by more than its own size in a substep.
+/// Corners touch obstacles, edges and sides do not: give a long body corners along its edges. Cannon balls hit its
+/// sticks. A body that moves by more than its own size per substep may pass through obstacles.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -63,8 +62,8 @@ impl RigidTetrahedron {
         }
     }
 
-    /// The same, as it goes on from two frames of an animation that lie `dt` seconds apart: with the velocity and the spin
-    /// that took it from `previous` to `current`, where its entity is to be. Frames with no time between them give none.
+    /// Continues the motion between two frames of an animation that are `dt` seconds apart: sets the velocity and
+    /// angular velocity from `previous` to `current`, the place of the entity. With `dt` zero nothing changes.
     #[must_use]
     pub fn with_motion(self, previous: &Transform, current: &Transform, dt: f32) -> Self {
         let velocity = (current.translation - previous.translation) / dt;
@@ -76,7 +75,7 @@ impl RigidTetrahedron {
         }
     }
 
-    /// Where its particles are in its own coordinates, without a list of its corners.
+    /// Returns the positions of its particles in its own coordinates.
     fn local_particles(&self) -> Result<[Vec3; 4], BuildError> {
         RigidTetrahedronBuilder::new(self.mass, self.inertia).particles()
     }
@@ -89,10 +88,7 @@ impl RigidTetrahedron {
 impl Description for RigidTetrahedron {
     const NAME: &'static str = "RigidTetrahedron";
 
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let (_, rotation, translation) = transform.to_scale_rotation_translation();
         let builder = self.builder().placed(Placement { translation, rotation });
         let body = builder.moving(self.velocity, self.angular_velocity).build(SolverSettings::default())?;
@@ -106,7 +102,7 @@ impl Description for RigidTetrahedron {
 pub(crate) struct RigidPlace(Option<Transform>);
 
 impl RigidPlace {
-    /// Takes this as the plugin's own.
+    /// Notes a transform as the plugin's own.
     pub fn set(&mut self, transform: Transform) {
         self.0 = Some(transform);
     }
@@ -124,7 +120,7 @@ type RigidQuery<'w, 's> = Query<
     ),
 >;
 
-/// Takes bodies along whose transform somebody else has set.
+/// Teleports bodies whose transform was set by hand.
 pub(crate) fn teleport_rigid_tetrahedra(mut bodies: RigidQuery) {
     for (body, global, transform, mut particles, mut place) in &mut bodies {
         let Some(known) = place.0 else { continue };
@@ -152,7 +148,7 @@ fn placement(local: [Vec3; 4], particles: &Particles) -> Option<Placement> {
     placement_of(local, core::array::from_fn(|i| particles.position(i)))
 }
 
-/// Writes where active bodies are into their transforms.
+/// Writes the transforms of active bodies.
 pub(crate) fn write_rigid_tetrahedra(
     mut bodies: Query<(
         &RigidTetrahedron,

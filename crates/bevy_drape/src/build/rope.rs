@@ -5,13 +5,14 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, RopeBuilder};
 
+use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
 /// A rope, cable or chain, straight between two points at first.
 ///
-/// It is built into [`Particles`](crate::body::particles::Particles) and [`Sticks`](crate::body::particles::Sticks) in the first step after it was inserted or changed. Pinned ends
-/// stay fixed to the entity. The thickness of its surface is that of its
-/// [`SolverSettings`](crate::body::settings::SolverSettings).
+/// The first step after insertion or a change builds its [`Particles`](crate::body::particles::Particles) and
+/// [`Sticks`](crate::body::particles::Sticks). Pinned ends stay fixed to the entity. The
+/// [`SolverSettings`](crate::body::settings::SolverSettings) give the thickness of its surface.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform)]
@@ -24,7 +25,7 @@ pub struct Rope {
     pub particles: u32,
     /// Mass per length in kg/m.
     pub linear_density: f32,
-    /// Mass in kg that its last end carries besides its own, 0 (the default) or more: a bucket, a wrecking ball.
+    /// Additional mass at the last end in kg, 0 (the default) or more: a bucket, a wrecking ball.
     pub end_mass: f32,
     /// Stiffness against stretching, 0 to 1.
     pub stretch_stiffness: f32,
@@ -32,9 +33,9 @@ pub struct Rope {
     pub bend_stiffness: f32,
     /// Damping along the links in 1/s.
     pub damping: f32,
-    /// Whether the first end is fixed to the entity.
+    /// True if the first end is fixed to the entity.
     pub pin_start: bool,
-    /// Whether the last end is fixed to the entity.
+    /// True if the last end is fixed to the entity.
     pub pin_end: bool,
 }
 
@@ -56,24 +57,27 @@ impl Default for Rope {
 }
 
 impl Rope {
-    /// A limp rope of `particles` particles between two points of the entity's coordinates, its start pinned.
+    /// A limp rope of `particles` particles between two points in the entity's coordinates, its start pinned.
     pub fn new(start: Vec3, end: Vec3, particles: u32) -> Self {
         Self { start, end, particles, ..Self::default() }
     }
 
-    /// The particles and topology of this rope at `transform`.
+    /// Builds the particles and topology of this rope at `transform`.
     ///
     /// # Errors
     /// [`BuildError`] naming the field that cannot be used.
-    pub fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    pub fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let [start, end] = [self.start, self.end].map(|end| transform.transform_point(end));
+        let (particles, topology) = self.builder(start, end).end_mass(self.end_mass).build_parts()?;
+        Ok((particles, Arc::new(topology)))
+    }
+
+    /// Describes the rope between two points of the world to the solver, without the mass at its end.
+    pub(crate) fn builder(&self, start: Vec3, end: Vec3) -> RopeBuilder {
         let mut builder = RopeBuilder::new(start, end, self.particles)
             .linear_density(self.linear_density)
-            .end_mass(self.end_mass)
-            .stiffness(self.stretch_stiffness, self.bend_stiffness)
+            .stretch_stiffness(self.stretch_stiffness)
+            .bend_stiffness(self.bend_stiffness)
             .damping(self.damping);
         if self.pin_start {
             builder = builder.pin_start();
@@ -81,18 +85,14 @@ impl Rope {
         if self.pin_end {
             builder = builder.pin_end();
         }
-        let (particles, topology) = builder.build_parts()?;
-        Ok((particles, Arc::new(topology)))
+        builder
     }
 }
 
 impl Description for Rope {
     const NAME: &'static str = "Rope";
 
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         self.build(transform)
     }
 }

@@ -5,19 +5,20 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, SoftBallBuilder};
 
+use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
-/// A soft ball in the entity's XY plane: concentric rings of particles, of which ring `k` of `n` has radius `radius (k + 1) / n`
-/// and `10 (k + 1)` particles (S26). A jelly, a tyre, a wheel.
+/// A soft ball in the entity's XY plane: a jelly, a tyre, a wheel. Of its concentric rings of particles, ring `k` of
+/// `n` has radius `radius (k + 1) / n` and `10 (k + 1)` particles (S26).
 ///
-/// It is built into [`Particles`](crate::body::particles::Particles) and [`Sticks`](crate::body::particles::Sticks) in the first step after
-/// it was inserted or changed, and gets a mesh of filled triangles. It stays in the plane of the
-/// world's X and Y as long as nothing pushes it out; in others, rounding makes it buckle where it is pressed for long.
+/// The first step after insertion or a change builds its [`Particles`](crate::body::particles::Particles) and
+/// [`Sticks`](crate::body::particles::Sticks), and a mesh of filled triangles. It stays in the world's XY plane as long
+/// as nothing pushes it out. In other planes rounding makes it buckle under long pressure.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform)]
 pub struct SoftBall {
-    /// Metres.
+    /// Radius in metres.
     pub radius: f32,
     /// Number of rings, from 1 to 256; 4 by default.
     pub rings: u32,
@@ -27,12 +28,12 @@ pub struct SoftBall {
     pub stiffness: f32,
     /// Damping along all sticks in 1/s; 1 by default.
     pub damping: f32,
-    /// Whether the outmost ring is fixed to the entity.
+    /// True if the outermost ring is fixed to the entity.
     pub pin_rim: bool,
 }
 
 impl Default for SoftBall {
-    /// Half a metre wide.
+    /// Half a metre in diameter.
     fn default() -> Self {
         Self { radius: 0.25, rings: 4, areal_density: 10.0, stiffness: 0.999, damping: 1.0, pin_rim: false }
     }
@@ -44,14 +45,11 @@ impl SoftBall {
         Self { radius, ..Self::default() }
     }
 
-    /// The particles and topology of this ball at `transform`. Of its scale the greatest number counts.
+    /// Builds the particles and topology of this ball at `transform`. The greatest component of its scale counts.
     ///
     /// # Errors
     /// [`BuildError`] naming the field that cannot be used.
-    pub fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    pub fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let (scale, rotation, centre) = transform.to_scale_rotation_translation();
         let [right, up] = [rotation * Vec3::X, rotation * Vec3::Y];
         let mut builder = SoftBallBuilder::new(centre, self.radius * scale.abs().max_element(), self.rings)
@@ -70,10 +68,7 @@ impl SoftBall {
 impl Description for SoftBall {
     const NAME: &'static str = "SoftBall";
 
-    fn build(
-        &self,
-        transform: &GlobalTransform,
-    ) -> Result<(drape_solver::Particles, Arc<drape_solver::Topology>), BuildError> {
+    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         self.build(transform)
     }
 }

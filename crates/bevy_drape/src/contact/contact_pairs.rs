@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-/// Pairs that touch or have just done so, in order.
+/// Sorted pairs that touch, or touched a moment ago.
 #[derive(Resource, Default)]
 pub(crate) struct ContactPairs(pub(super) Vec<Pair>);
 
@@ -12,7 +12,7 @@ impl ContactPairs {
         self.0.iter().map(|pair| (pair.entities, pair.state))
     }
 
-    /// Knows these instead of all others.
+    /// Replaces all pairs.
     pub fn replace(&mut self, pairs: Vec<((Entity, Entity), ContactPair)>) {
         self.0 = pairs.into_iter().map(|(entities, state)| Pair { entities, state }).collect();
         self.0.sort_unstable_by_key(|pair| pair.entities);
@@ -25,16 +25,16 @@ pub(super) struct Pair {
     pub state: ContactPair,
 }
 
-/// What is known of two that touch or have just done so.
+/// State of a pair that touches, or touched a moment ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ContactPair {
     /// Simulated time in seconds of the end of the last step in which they touched.
     pub touched: f64,
-    /// Until when the contact lasts.
+    /// Simulated time in seconds at which the contact ends unless they touch again.
     pub until: f64,
-    /// Whether its start was sent.
+    /// True once the start was sent.
     pub is_told: bool,
-    /// Whether the impulse has not fallen since the last hit.
+    /// True from a hit until the impulse falls below half of the threshold.
     pub is_hitting: bool,
 }

@@ -1,4 +1,4 @@
-//! Messages about contacts: hits of balls, begin and end of contacts.
+//! Messages about contacts: hits of balls, beginnings and ends of contacts.
 //!
 //! Reads the contacts that the solver has left in the islands of `step/`. The plugin runs these systems after the substeps.
 

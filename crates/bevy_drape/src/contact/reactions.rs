@@ -7,7 +7,7 @@ use crate::environment::obstacle::Obstacle;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::step::islands::Islands;
 
-/// Tells obstacles what was done to them in this step, and puts those that fly where they have got.
+/// Gives obstacles their reactions, and dynamic ones their new transforms and velocities.
 pub(crate) fn give_reactions(
     mut reactions: Query<&mut ObstacleReaction>,
     mut dynamics: Query<(Entity, &mut DynamicObstacle, &mut Transform), With<Obstacle>>,
@@ -33,7 +33,7 @@ pub(crate) fn give_reactions(
         let Some(obstacle) = known.slot(entity).map(|slot| &environment.obstacles[slot]) else { continue };
         let (Some(body), place) = (obstacle.rigid_body(), obstacle.placement()) else { continue };
         let there = transform.with_translation(place.translation).with_rotation(place.rotation);
-        // What does not move keeps the digits that it was given.
+        // An obstacle that does not move keeps the exact transform that it was given.
         if obstacle.is_moving() {
             transform.set_if_neq(there);
         }

@@ -16,7 +16,7 @@ use crate::environment::solver_environment::SolverEnvironment;
 use crate::step::island_run::IslandRun;
 use crate::step::islands::Islands;
 
-/// Tells of the contacts of this step.
+/// Sends messages about the contacts of this step.
 pub(crate) fn send_contacts(
     islands: Res<Islands>,
     solver: Res<SolverEnvironment>,
@@ -34,7 +34,7 @@ pub(crate) fn send_contacts(
     let now = clock.elapsed();
     let end = now + f64::from(clock.delta());
     let mut tally = DrapeContactCounts::default();
-    // Whether there is room for one more message.
+    // Counts a message; true if it may be sent.
     let may_send = |tally: &mut DrapeContactCounts| {
         let is_room = tally.sent < settings.max_messages;
         let count = if is_room { &mut tally.sent } else { &mut tally.held_back };
@@ -86,7 +86,7 @@ pub(crate) fn send_contacts(
     counts.set_if_neq(tally);
 }
 
-/// A contact of the solver in terms of entities.
+/// Translates a contact of the solver into entities.
 fn told(contact: &Contact, island: &IslandRun, solver: &SolverEnvironment, now: f64) -> DrapeContact {
     let Contact { party, other, time, point, normal, impulse, feature } = *contact;
     DrapeContact {

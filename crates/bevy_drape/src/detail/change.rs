@@ -1,24 +1,23 @@
 //! Chooses the level of detail of each body, and makes cloths coarser and finer.
 //!
-//! A cloth that gets other particles is built anew from its description, and each new particle takes place and velocity of the
-//! spot on the old cloth where it lies, so that nothing is seen to jump.
+//! A cloth of another coarseness is rebuilt from its description. Each new particle takes position and velocity from
+//! its place on the old cloth, so that no jump is seen.
 
 use core::ops::Range;
-use std::sync::Arc;
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use drape_solver::state::measure;
 use drape_solver::world::extent::Extent;
-use drape_solver::{BodyContext, BuildError, Topology};
+use drape_solver::{BodyContext, BuildError};
 
 use crate::attach::attachment::Attachment;
 use crate::attach::follow_particle::FollowParticle;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
-use crate::body::particles::{Particles, Sticks};
+use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;
 use crate::build::description::pins_at;
@@ -28,14 +27,15 @@ use crate::detail::resampling::resample;
 use crate::refusal::Refusals;
 use crate::viewer::View;
 
-/// Cloths that get other particles in a step, so that a viewer who is set down elsewhere does not make the game hang. The nearest first.
+/// The most cloths that change their particles in one step, the nearest first. A viewer that jumps to another place
+/// must not stall the game.
 const CHANGES_IN_A_STEP: usize = 8;
 
-/// Bodies that lost their [`LevelOfDetail`], and go back to full.
+/// Bodies that lost their [`LevelOfDetail`] and go back to full detail.
 #[derive(Resource, Default)]
 pub(crate) struct LostDetail(Vec<Entity>);
 
-/// What changes of a body with its level, and what it depends on.
+/// Components of a body that its level changes or depends on.
 #[derive(QueryData)]
 #[query_data(mutable)]
 pub(crate) struct Detailed {
@@ -52,7 +52,7 @@ pub(crate) struct Detailed {
     is_tearable: Has<Tearable>,
 }
 
-/// A cloth that is to get other particles.
+/// A cloth that will get other particles.
 #[derive(Clone, Copy)]
 pub(crate) struct Change {
     distance: f32,
@@ -80,7 +80,7 @@ pub(crate) fn choose_detail(
     }
     let is_all = view.is_new() || *is_behind;
     for (entities, activities, particles) in bodies.p0().contiguous_iter().into_iter().flatten() {
-        // What is frozen may be carried along, to where it is near.
+        // A frozen body may be carried near a viewer.
         let (_, ticks) = ContiguousRef::split(particles);
         let is_any = |rows: Range<usize>| {
             is_all || Activity::is_any_active(&activities[rows.clone()]) || is_any_changed(&ticks, rows)
@@ -120,7 +120,7 @@ pub(crate) fn choose_detail(
     }
 }
 
-/// Sets what costs nothing to set, and tells whether the body is to get other particles.
+/// Sets level, substeps and activity. Returns a change if the body needs other particles.
 fn choose_level(
     entity: Entity,
     mut body: DetailedItem,
@@ -138,7 +138,7 @@ fn choose_level(
         |cloth: &Cloth| body.particles.len() as u64 == cloth.particles.as_u64vec2().element_product();
     let mut known = *body.current;
     if body.cloth.is_some_and(is_full) {
-        // Built anew, as its description has changed.
+        // Rebuilt in full after a change of its description.
         known.coarseness = 1;
     }
     if *body.activity == Activity::Resting && coarseness >= known.coarseness {
@@ -154,12 +154,12 @@ fn choose_level(
     is_other.then_some(Change { distance, order: body.state.order, entity, coarseness })
 }
 
-/// Whether nobody knows the particles by their index, and the cloth is as it was described.
+/// True if nothing refers to particles by index, and the cloth is whole and pinned as described.
 fn may_change(body: &DetailedItem) -> bool {
     let DetailedItem { particles, sticks, state, current, grab, .. } = body;
     let Some(cloth) = body.cloth else { return false };
     let [columns, rows] = cloth.coarsened(current.coarseness).particles.to_array().map(u64::from);
-    // What was torn has other numbers of one or the other.
+    // A torn cloth has other numbers of particles or faces.
     let is_whole = particles.len() as u64 == columns * rows
         && sticks.faces().len() as u64 == 2 * columns.saturating_sub(1) * rows.saturating_sub(1);
     let is_held = grab.is_some_and(|grab| !grab.hands.is_empty()) || body.is_attached || body.is_tearable;
@@ -169,7 +169,7 @@ fn may_change(body: &DetailedItem) -> bool {
     is_whole && !is_held && is_pinned_as_built() && !is_limited()
 }
 
-/// Builds the cloth with other particles, where it is and as it moves.
+/// Rebuilds the cloth with other particles, in place and in motion.
 fn change_particles(body: &mut DetailedItem, coarseness: u32) -> Result<(), BuildError> {
     let Some(cloth) = body.cloth else { return Ok(()) };
     let from = cloth.coarsened(body.current.coarseness).particles.to_array();
@@ -187,7 +187,7 @@ fn change_particles(body: &mut DetailedItem, coarseness: u32) -> Result<(), Buil
     Ok(())
 }
 
-/// Gives the particles of one grid place and velocity of those of another. A free cloth keeps its momentum.
+/// Resamples positions and velocities of one grid onto another. A free cloth keeps its momentum.
 fn move_over(old: &drape_solver::Particles, from: [u32; 2], new: &mut drape_solver::Particles, to: [u32; 2]) {
     let positions: Vec<Vec3> = old.positions().collect();
     let velocities: Vec<Vec3> = old.velocities().collect();
@@ -205,16 +205,13 @@ fn move_over(old: &drape_solver::Particles, from: [u32; 2], new: &mut drape_solv
     }
 }
 
-/// Has the body go back to full detail in the next step.
+/// Returns the body to full detail in the next step.
 pub(crate) fn note_lost_detail(lost: On<Remove, LevelOfDetail>, mut bodies: ResMut<LostDetail>) {
     bodies.0.push(lost.entity);
 }
 
-/// The particles and sticks that an entity's cloth has at `coarseness`; none where it has no cloth.
-pub(crate) fn parts_at(
-    entity: EntityRef,
-    coarseness: u32,
-) -> Option<(drape_solver::Particles, Arc<Topology>)> {
+/// Builds the particles and sticks of an entity's cloth at `coarseness`; none without a cloth.
+pub(crate) fn parts_at(entity: EntityRef, coarseness: u32) -> Option<BodyParts> {
     let (cloth, transform) = (entity.get::<Cloth>()?, entity.get::<GlobalTransform>()?);
     cloth.coarsened(coarseness).build(transform).ok()
 }

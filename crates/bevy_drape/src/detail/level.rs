@@ -1,16 +1,18 @@
-//! Less work for what is far away.
+//! Level of detail: less work for distant bodies.
 
 use bevy::prelude::*;
 use thiserror::Error;
 
-/// How much farther than a level begins a body must be to fall back to it, so that it does not change to and fro at the border.
+/// A body falls back to a level only beyond the distance of the level times one plus this, so that it does not change
+/// to and fro at the border.
 const HYSTERESIS: f32 = 0.1;
 
-/// Spends the less on a body the farther it is from the nearest [`Viewer`](crate::viewer::Viewer): fewer substeps, then
-/// fewer particles, then none. Without viewers all is done in full.
+/// Spends less on a body with growing distance from the nearest [`Viewer`](crate::viewer::Viewer): fewer substeps, then
+/// fewer particles, then no simulation. Without viewers every body is simulated in full.
 ///
-/// The default levels are for a window 1080 pixels high: a change from one to the next moves what is seen of a flag by less than two
-/// pixels, which is less than it moves itself from frame to frame. Coarser cloth weighs, hangs and stretches as the fine one does.
+/// The default levels are for a window 1080 pixels high: a change from one to the next moves the picture of a flag by
+/// less than two pixels, less than its own motion from frame to frame. Coarse cloth weighs, hangs and stretches like
+/// the fine one.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -22,44 +24,45 @@ const HYSTERESIS: f32 = 0.1;
 /// # #[derive(Component, Default)] struct Camera3d;
 /// ```
 ///
-/// [Coarseness](DetailLevel::coarseness) is for [`Cloth`](crate::build::cloth::Cloth). A cloth keeps its particles while somebody knows them by
-/// their index or their pins: while it has an [`Attachment`](crate::attach::attachment::Attachment), a [`Grab`](crate::attach::grab::Grab), a follower
-/// ([`FollowParticle`](crate::attach::follow_particle::FollowParticle)), limits of motion, pins that were set by hand, or may tear
-/// ([`Tearable`](crate::body::tearable::Tearable)) or has been cut. What rests is not made coarser, as it costs nothing.
+/// [Coarseness](DetailLevel::coarseness) is for [`Cloth`](crate::build::cloth::Cloth). A cloth keeps its particles
+/// while something refers to them by index: an [`Attachment`](crate::attach::attachment::Attachment), a
+/// [`Grab`](crate::attach::grab::Grab), a follower
+/// ([`FollowParticle`](crate::attach::follow_particle::FollowParticle)), motion limits, pins set by hand,
+/// [`Tearable`](crate::body::tearable::Tearable), or a cut. A resting cloth costs nothing and is not made coarser.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(CurrentDetail)]
 pub struct LevelOfDetail {
-    /// From near to far, by growing distance. Nearer than the first, the body is simulated in full.
+    /// Levels by growing distance. Nearer than the first, the body is simulated in full.
     pub levels: Vec<DetailLevel>,
-    /// How many times as far the body may be for the same level, above 0; 1 by default. More for what is large, or what a player
-    /// looks at.
+    /// Factor on the distances of all levels, above 0; 1 by default. Use more for large bodies, and for those that
+    /// players look at.
     pub importance: f32,
 }
 
-/// What is spent on a body from a distance on.
+/// Work spent on a body from a distance on.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub struct DetailLevel {
     /// Distance from the nearest viewer to the body's box in metres, 0 or more.
     pub distance: f32,
-    /// Substeps at most, from 1 on.
+    /// The most substeps, at least 1.
     pub most_substeps: u32,
-    /// Of the particles of a row and of a column of a cloth, about one in this many is left, from 1 on. Its edges stay.
+    /// Keeps about one in this many particles of each row and column of a cloth, at least 1. The edges stay.
     pub coarseness: u32,
-    /// Whether the body stands still: [`Activity::Frozen`](crate::body::activity::Activity::Frozen).
+    /// True to stop the body: [`Activity::Frozen`](crate::body::activity::Activity::Frozen).
     pub frozen: bool,
 }
 
 impl Default for DetailLevel {
-    /// In full.
+    /// Full detail.
     fn default() -> Self {
         Self { distance: 0.0, most_substeps: u32::MAX, coarseness: 1, frozen: false }
     }
 }
 
 impl Default for LevelOfDetail {
-    /// Half the particles a side from 25 m on, a quarter with half the substeps from 60 m on, frozen from 150 m on.
+    /// Half the particles per side from 25 m on, a quarter and half the substeps from 60 m on, frozen from 150 m on.
     fn default() -> Self {
         let level = |distance, most_substeps, coarseness, frozen| DetailLevel {
             distance,
@@ -74,16 +77,16 @@ impl Default for LevelOfDetail {
     }
 }
 
-/// What is wrong with a [`LevelOfDetail`].
+/// Faults of a [`LevelOfDetail`].
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum DetailError {
-    /// The importance is no number above 0.
+    /// The importance is not a number above 0.
     #[error("importance must be above 0 and finite, but is {0}")]
     BadImportance(f32),
-    /// A distance is less than that of the level before, or 0, or no number.
+    /// A distance is negative, not finite, or less than that of the level before.
     #[error("levels[{0}].distance is {1}: distances must be finite, 0 or more, and grow from level to level")]
     BadDistance(usize, f32),
-    /// Nothing would be left.
+    /// A count is 0.
     #[error("levels[{0}].{1} is 0: it must be 1 or more")]
     Zero(usize, &'static str),
 }
@@ -112,20 +115,20 @@ impl LevelOfDetail {
         Ok(())
     }
 
-    /// The number of levels that have begun at `distance` (metres), coming from `current`.
+    /// Returns the level at `distance` metres, coming from level `current`.
     pub(crate) fn level_at(&self, distance: f32, current: usize) -> usize {
         let begun =
             |distance: f32| self.levels.partition_point(|level| level.distance * self.importance <= distance);
         current.clamp(begun(distance / (1.0 + HYSTERESIS)), begun(distance))
     }
 
-    /// What is spent at a level: 0 is full, and `n` the `n`-th of [`levels`](Self::levels).
+    /// Returns the settings of a level: 0 is full detail, `n` the `n`-th of [`levels`](Self::levels).
     pub(crate) fn spent_at(&self, level: usize) -> DetailLevel {
         level.checked_sub(1).and_then(|i| self.levels.get(i).copied()).unwrap_or_default()
     }
 }
 
-/// What is spent on a body now. Comes with [`LevelOfDetail`], and is written by the plugin.
+/// Current level of a body. Comes with [`LevelOfDetail`], and is written by the plugin.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -136,24 +139,24 @@ pub struct CurrentDetail {
 }
 
 impl Default for CurrentDetail {
-    /// In full.
+    /// Full detail.
     fn default() -> Self {
         Self { level: 0, coarseness: 1, most_substeps: u32::MAX }
     }
 }
 
 impl CurrentDetail {
-    /// 0 where the body is simulated in full, `n` for the `n`-th of [`LevelOfDetail::levels`].
+    /// Returns 0 for full detail, `n` for the `n`-th of [`LevelOfDetail::levels`].
     pub fn level(&self) -> usize {
         self.level
     }
 
-    /// About how many particles of a row there would be in place of each. Lags behind the level: only some bodies change in a step.
+    /// Returns the current coarseness. It lags behind the level, since only some cloths change in each step.
     pub fn coarseness(&self) -> u32 {
         self.coarseness
     }
 
-    /// These settings, with no more substeps than the level allows.
+    /// Limits the substeps of `settings` to those of the level.
     pub(crate) fn limit(self, settings: drape_solver::SolverSettings) -> drape_solver::SolverSettings {
         drape_solver::SolverSettings { substeps: settings.substeps.min(self.most_substeps), ..settings }
     }

@@ -1,4 +1,4 @@
-//! Values on a grid, read off between its corners by a coarser or finer one over the same area.
+//! Bilinear resampling of a grid by a coarser or finer one over the same area.
 //!
 //! ```text
 //!   o-----o-----o          o--------o      Corners lie on corners, edges on edges; what lies
@@ -8,7 +8,8 @@
 
 use core::ops::{Add, Mul};
 
-/// `values` of a grid of `from` (columns, rows) at the particles of one of `to`, row by row. Each side has at least two.
+/// Resamples `values` of a grid of `from` (columns, rows) to a grid of `to`, row by row. Each side has at least two
+/// lines.
 pub(crate) fn resample<T: Copy + Add<Output = T> + Mul<f32, Output = T>>(
     values: &[T],
     from: [u32; 2],
@@ -30,9 +31,9 @@ pub(crate) fn resample<T: Copy + Add<Output = T> + Mul<f32, Output = T>>(
     resampled
 }
 
-/// The line of a side of `from` before line `i` of a side of `to`, and how far between that and the next the line is.
+/// Returns the line of the old grid before line `i` of the new one, and the fraction of the way to the next old line.
 fn place(i: u32, to: u32, from: u32) -> (usize, f32) {
-    // In whole numbers, so that lines that lie on lines are met exactly.
+    // Integers, so that coinciding lines are met exactly.
     let (last, squares) = (u64::from(to) - 1, u64::from(from) - 1);
     let scaled = u64::from(i) * squares;
     let before = (scaled / last).min(squares - 1);
@@ -40,7 +41,7 @@ fn place(i: u32, to: u32, from: u32) -> (usize, f32) {
 }
 
 fn between<T: Copy + Add<Output = T> + Mul<f32, Output = T>>(a: T, b: T, part: f32) -> T {
-    // The ends to the bit.
+    // Both ends are exact to the bit.
     if part == 0.0 {
         a
     } else if part == 1.0 {

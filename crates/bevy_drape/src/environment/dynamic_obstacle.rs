@@ -1,10 +1,11 @@
-//! Obstacles that are pushed back: told what is done to them, or moved by it.
+//! Obstacles that are pushed back.
 
 use bevy::prelude::*;
 use drape_solver::{BuildError, RigidBody};
 
-/// What cloth, ropes and balls did to an [`Obstacle`] in the last step: the exact opposite of all impulses that it gave
-/// them. Add it to an obstacle that another physics engine moves, and hand the impulses to that engine after each step.
+/// Impulse of cloth, ropes and balls on an [`Obstacle`] in the last step: the exact opposite of all impulses that it
+/// gave them. Add this to an obstacle that another physics engine moves, and pass the impulses to that engine after
+/// each step.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -12,19 +13,19 @@ pub struct ObstacleReaction {
     /// Change of its momentum in newton seconds.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub impulse: Vec3,
-    /// Change of its angular momentum in newton metre seconds, in world axes, about the place of its origin at the end of
-    /// the step.
+    /// Change of its angular momentum in newton metre seconds, in world axes, about its origin at the end of the step.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub angular_impulse: Vec3,
 }
 
-/// An [`Obstacle`] that flies, falls, and is pushed back by what it touches. The plugin writes its [`Transform`], which
-/// must not have a parent; moving it by hand puts it somewhere else.
+/// An [`Obstacle`] that flies, falls, and is pushed back by everything that it touches. The plugin writes its
+/// [`Transform`]; the entity must not have a parent. Moving it by hand teleports it.
 ///
-/// It does not collide with other obstacles: for that, have a physics engine move it, by its [`ObstacleReaction`].
+/// It does not collide with other obstacles. For that, let a physics engine move it, driven by its
+/// [`ObstacleReaction`].
 ///
-/// Linear and angular momentum are kept, and no contact gains energy, however light it is under however heavy a cloth: it
-/// flies within the step, and gives way to each push as a ball does.
+/// Contacts conserve linear and angular momentum and never gain energy, even between a light obstacle and a heavy
+/// cloth: the obstacle moves within the step and yields to each push, as a ball does.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -53,7 +54,7 @@ pub struct DynamicObstacle {
     /// Angular velocity in rad/s, in world axes.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub angular_velocity: Vec3,
-    /// How much of [gravity](DrapeGravity) it feels: 1 all of it, 0 none.
+    /// Factor on [gravity](DrapeGravity): 1 for all of it, 0 for none.
     pub gravity_scale: f32,
 }
 
@@ -69,7 +70,7 @@ impl DynamicObstacle {
         Self::new(mass, (Vec3::splat(squared.element_sum()) - squared) * (mass / 12.0))
     }
 
-    /// Of `mass` kilograms and with these principal moments of `inertia` (kg m^2), at rest.
+    /// A body of `mass` kilograms with these principal moments of `inertia` (kg m^2), at rest.
     pub fn new(mass: f32, inertia: Vec3) -> Self {
         Self { mass, inertia, velocity: Vec3::ZERO, angular_velocity: Vec3::ZERO, gravity_scale: 1.0 }
     }

@@ -11,7 +11,7 @@ use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wake_regions::WakeRegions;
 use crate::refusal::Refusals;
 
-/// Has dynamic obstacles fly through the coming step.
+/// Moves dynamic obstacles freely through the coming step.
 pub(crate) fn fly_dynamic_obstacles(
     obstacles: Query<(Entity, &DynamicObstacle), With<Obstacle>>,
     clock: Res<DrapeClock>,
@@ -21,7 +21,7 @@ pub(crate) fn fly_dynamic_obstacles(
     mut refusals: ResMut<Refusals>,
     mut refused: Local<EntityHashSet>,
 ) {
-    let gravity = if gravity.is_usable() { gravity.0 } else { solver.environment.gravity };
+    let gravity = gravity.or_last(solver.environment.gravity);
     let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
     for (entity, dynamic) in &obstacles {
         let body = dynamic.body();

@@ -16,9 +16,14 @@ impl Default for DrapeGravity {
 }
 
 impl DrapeGravity {
-    /// Whether the solver can compute with it: finite and below 10^6 m/s^2.
+    /// True if the solver can compute with it: finite and below 10^6 m/s^2.
     pub(crate) fn is_usable(&self) -> bool {
         // False for NaN.
         self.0.abs().cmple(Vec3::splat(MAX_MAGNITUDE)).all()
+    }
+
+    /// This gravity, or the last one that was usable.
+    pub(crate) fn or_last(&self, last: Vec3) -> Vec3 {
+        if self.is_usable() { self.0 } else { last }
     }
 }

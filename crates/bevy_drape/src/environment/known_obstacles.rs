@@ -1,22 +1,22 @@
-//! Obstacles that are in the solver, and their entities.
+//! Entities behind the solver's obstacles.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
-/// The obstacles that the solver knows: their entities by slot, and their slots by entity.
+/// The obstacles in the solver: entities by slot, and slots by entity.
 #[derive(Default)]
 pub(crate) struct KnownObstacles {
     entities: Vec<Entity>,
-    /// The scales that they were built at.
+    /// Scales that the obstacles were built at.
     scales: Vec<Vec3>,
-    /// Their numbers, in the order in which they came.
+    /// Numbers in the order of creation.
     orders: Vec<u64>,
     last_order: u64,
     slots: EntityHashMap<usize>,
 }
 
 impl KnownObstacles {
-    /// The entity of an obstacle of the solver.
+    /// Returns the entity behind an obstacle of the solver.
     pub fn entity(&self, slot: usize) -> Entity {
         self.entities[slot]
     }
@@ -25,27 +25,27 @@ impl KnownObstacles {
         self.slots.get(&entity).copied()
     }
 
-    /// The numbers and entities of all obstacles by slot.
+    /// Numbers and entities of all obstacles, by slot.
     pub fn orders_and_entities(&self) -> impl Iterator<Item = (u64, Entity)> + '_ {
         self.orders.iter().copied().zip(self.entities.iter().copied())
     }
 
-    /// Notes that an obstacle was built anew at another scale.
+    /// Notes that an obstacle was rebuilt at another scale.
     pub fn set_scale(&mut self, slot: usize, scale: Vec3) {
         self.scales[slot] = scale;
     }
 
-    /// The scale that an obstacle was built at.
+    /// Returns the scale that an obstacle was built at.
     pub fn scale(&self, slot: usize) -> Vec3 {
         self.scales[slot]
     }
 
-    /// Gives the next obstacle the number after `last`.
+    /// Continues with the number after `last`.
     pub fn go_on_from(&mut self, last: u64) {
         self.last_order = last;
     }
 
-    /// Knows these instead of all others, each with its number and scale.
+    /// Replaces all obstacles, each with its number and scale.
     pub fn replace(&mut self, obstacles: Vec<(u64, Entity, Vec3)>) {
         *self = Self { last_order: self.last_order, ..Self::default() };
         for (order, entity, scale) in obstacles {
@@ -65,7 +65,7 @@ impl KnownObstacles {
         self.orders.push(order);
     }
 
-    /// Takes one out; the last takes its slot.
+    /// Removes one; the last one takes its slot.
     pub fn swap_remove(&mut self, slot: usize) {
         self.slots.remove(&self.entities.swap_remove(slot));
         self.scales.swap_remove(slot);
@@ -75,8 +75,8 @@ impl KnownObstacles {
         }
     }
 
-    /// Whether the obstacle was built at this scale. The scale that is read from a matrix wavers in its last digits
-    /// as the obstacle turns; that is no change of shape.
+    /// True if the obstacle was built at about this scale. Rotation changes the last digits of a scale that is read
+    /// from a matrix; that does not count.
     pub fn has_scale(&self, slot: usize, scale: Vec3) -> bool {
         let known = self.scales[slot];
         (scale - known).abs().cmple(1e-4 * known.abs()).all()

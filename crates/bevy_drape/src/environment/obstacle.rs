@@ -1,39 +1,38 @@
-//! Obstacles: what cloth and balls collide with.
+//! Obstacles, which cloth and balls collide with.
 
 use bevy::prelude::*;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{BuildError, Layers, Placement, Shape};
 
-/// Something solid that cloth, ropes and balls collide with. Nothing pushes it back, unless it is a
-/// [`DynamicObstacle`]. Its [`Transform`] says where it is, scale included; moving
-/// it carries its velocity into the contact.
+/// A solid that cloth, ropes and balls collide with. Nothing pushes it back unless it is a [`DynamicObstacle`]. Its
+/// [`Transform`] gives place and scale. Moving it carries its velocity into contacts.
 ///
-/// A move faster than 1500 m/s counts as a teleport, which carries none; so does any with [`TeleportObstacle`].
+/// A move faster than 1500 m/s counts as a teleport and carries no velocity, and so does any move with
+/// [`TeleportObstacle`].
 #[derive(Component, Reflect, Clone, Debug)]
 #[reflect(Component, Debug, Clone)]
 #[require(Transform)]
 pub struct Obstacle {
-    /// The form, in the entity's coordinates.
+    /// Shape in the entity's coordinates.
     pub shape: ObstacleShape,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
-    /// Coefficient of static friction, which holds what does not slide yet; below that of friction it counts as that.
+    /// Coefficient of static friction, which holds until sliding begins; at least `friction` counts.
     pub static_friction: f32,
-    /// Coefficient of restitution against balls: 0 (they do not bounce) to 1. The mean of this and the ball's counts.
+    /// Coefficient of restitution against balls: 0 (no bounce) to 1. Two surfaces in contact use the mean of theirs.
     pub restitution: f32,
-    /// Whether it moves nothing and only tells what touches it: see [`as_sensor`](Self::as_sensor).
+    /// True for a sensor, which moves nothing and only reports contacts: see [`as_sensor`](Self::as_sensor).
     pub is_sensor: bool,
 }
 
-/// The form of an [`Obstacle`]: half-space, sphere, capsule, cuboid, the inside of a box, or any parry shape.
+/// Shape of an [`Obstacle`]: half-space, sphere, capsule, cuboid, the inside of a box, or any parry shape.
 #[derive(Reflect, Clone, Debug, Deref)]
 #[reflect(opaque)]
 #[reflect(Debug, Clone)]
 pub struct ObstacleShape(pub Shape);
 
 impl Obstacle {
-    /// An obstacle of `shape` with a friction of 0.5. Sizes are checked in the next step: what cannot be used is
-    /// logged and left out.
+    /// An obstacle of `shape` with friction 0.5. The next step checks sizes: invalid obstacles are logged and left out.
     pub fn new(shape: Shape) -> Self {
         Self {
             shape: ObstacleShape(shape),
@@ -64,12 +63,12 @@ impl Obstacle {
         Self::new(Shape::Cuboid { half_extents: Vec3::new(x, y, z) * 0.5 })
     }
 
-    /// The inside of a box with sides of `x`, `y` and `z` metres, which nothing leaves.
+    /// The inside of a box with sides of `x`, `y` and `z` metres. Nothing leaves it.
     pub fn container(x: f32, y: f32, z: f32) -> Self {
         Self::new(Shape::Container { half_extents: Vec3::new(x, y, z) * 0.5 })
     }
 
-    /// Makes it a sensor: it moves nothing. With [`ContactEvents`] on it, or on what touches it, that is told.
+    /// Makes it a sensor, which moves nothing. Contacts are reported if it or the other entity has [`ContactEvents`].
     pub fn as_sensor(mut self) -> Self {
         self.is_sensor = true;
         self
@@ -94,8 +93,8 @@ impl Obstacle {
     }
 }
 
-/// Marks an [`Obstacle`] whose [`Transform`] is set to somewhere else and that is not to travel there: its next move carries
-/// no velocity into contacts. The next step takes the mark off.
+/// Marks an [`Obstacle`] whose [`Transform`] was set to another place: its next move carries no velocity into contacts.
+/// The next step removes the mark.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -114,7 +113,7 @@ impl From<SharedShape> for Obstacle {
     }
 }
 
-/// The solver's obstacle; `reports` are contacts and reactions.
+/// Builds the solver's obstacle. The flags turn on reports of contacts and of reactions.
 pub(crate) fn built(
     obstacle: &Obstacle,
     scale: Vec3,

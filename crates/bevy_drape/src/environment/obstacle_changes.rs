@@ -1,11 +1,11 @@
-//! Obstacles to check in the next step although their change ticks do not show it.
+//! Changes of obstacles that change ticks do not show.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 
 use crate::environment::obstacle::Obstacle;
 
-/// Obstacles that have to be looked at in the next step though their components do not tell.
+/// Changes of obstacles that change ticks do not show.
 #[derive(Resource, Default)]
 pub(crate) struct ObstacleChanges {
     /// Those that were despawned, disabled or lost their [`Obstacle`].
@@ -19,7 +19,7 @@ pub(crate) struct ObstacleChanges {
 }
 
 impl ObstacleChanges {
-    /// Notes which have moved in the last step.
+    /// Sets the obstacles that moved in the last step.
     pub fn set_moving(&mut self, moving: Vec<Entity>) {
         self.moving = moving;
     }
@@ -33,7 +33,7 @@ pub(crate) fn note_disabled_obstacle(disabled: On<Add, Disabled>, mut changes: R
     changes.gone.push(disabled.entity);
 }
 
-/// Has an entity looked at in the next step, in case it is an obstacle.
+/// Checks an entity in the next step, in case it is an obstacle.
 pub(crate) fn recheck_obstacle<E: EntityEvent, C: Component>(
     event: On<E, C>,
     mut changes: ResMut<ObstacleChanges>,

@@ -54,7 +54,7 @@ impl Plugin for ObstaclePlugin {
     }
 }
 
-/// Obstacles that fly, or ask for the reaction to what they do.
+/// Obstacles that fly, or ask for reactions.
 pub(crate) struct DynamicObstaclePlugin;
 
 impl Plugin for DynamicObstaclePlugin {

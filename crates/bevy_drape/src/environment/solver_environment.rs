@@ -1,4 +1,4 @@
-//! Gravity and wind.
+//! The solver's environment, and the time, gravity and wind in it.
 
 use bevy::prelude::*;
 use drape_solver::Environment;
@@ -10,17 +10,17 @@ use crate::environment::wind::Wind;
 use crate::environment::wind_zone::{WindZone, read_zones};
 use crate::refusal::Refusals;
 
-/// What the solver sees of the world in this step, with the entities behind the obstacles.
+/// The solver's view of the world in this step, and the entities behind its obstacles.
 #[derive(Resource, Default)]
 pub(crate) struct SolverEnvironment {
     pub environment: Environment,
     /// The entities behind the obstacles.
     pub obstacles: KnownObstacles,
-    /// Whether gravity or wind changed since the last step, which wakes everything.
+    /// True if gravity or wind changed since the last step, which wakes everything.
     pub changed: bool,
 }
 
-/// Brings time, gravity, wind and its zones into the solver. What is not finite is refused, and the last good value kept.
+/// Brings time, gravity, wind and wind zones into the solver. Refuses invalid values and keeps the last good ones.
 pub(crate) fn read_environment(
     clock: Res<DrapeClock>,
     gravity: Res<DrapeGravity>,

@@ -18,7 +18,7 @@ use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wake_regions::WakeRegions;
 use crate::refusal::Refusals;
 
-/// Everything about an obstacle that the solver has to know.
+/// Obstacles, and everything about them that the solver needs.
 type ObstacleQuery<'w, 's> = Query<
     'w,
     's,
@@ -34,8 +34,7 @@ type ObstacleQuery<'w, 's> = Query<
     ),
 >;
 
-/// Brings obstacles into the solver: new ones, changed ones, moved ones; and takes out those that are gone. Looks at
-/// none that has been left alone.
+/// Brings new, changed and moved obstacles into the solver, and removes despawned ones. Skips unchanged obstacles.
 pub(crate) fn sync_obstacles(
     obstacles: ObstacleQuery,
     mut commands: Commands,
@@ -86,8 +85,8 @@ pub(crate) fn sync_obstacles(
     }
 }
 
-/// Lists the obstacles that were added, changed or moved since the last step, those that moved in it and may have stopped,
-/// and those to check again.
+/// Lists the obstacles that were added, changed or moved since the last step, those that moved in it and may have
+/// stopped, and those to recheck.
 fn collect_outdated(obstacles: &ObstacleQuery, changes: &mut ObstacleChanges) {
     let ObstacleChanges { recheck, moving, outdated, .. } = changes;
     outdated.clear();
@@ -102,7 +101,7 @@ fn collect_outdated(obstacles: &ObstacleQuery, changes: &mut ObstacleChanges) {
         };
         collect_rows(entities, is_any, outdated);
     }
-    // Each is listed once: a second look would take a move for a halt.
+    // Each is listed once: a second update would stop a moving obstacle.
     let is_unlisted = |entity: Entity| {
         obstacles.get(entity).is_ok_and(|(_, obstacle, transform, layers, ..)| {
             let is_listed = obstacle.is_changed()
@@ -124,13 +123,13 @@ struct ObstacleState<'a> {
     scale: Vec3,
     placement: Placement,
     layers: Layers,
-    /// If contacts and reactions are reported.
+    /// True for reports of contacts, and of reactions.
     reports: [bool; 2],
     is_teleport: bool,
     is_dynamic: bool,
 }
 
-/// The obstacles of the solver, and everything that a change of one of them concerns.
+/// The solver's obstacles, and everything that their changes affect.
 struct ObstacleSync<'a> {
     built: &'a mut Obstacles,
     known: &'a mut KnownObstacles,
@@ -141,7 +140,7 @@ struct ObstacleSync<'a> {
 }
 
 impl ObstacleSync<'_> {
-    /// Takes an obstacle out, and wakes what rests on it.
+    /// Removes an obstacle, and wakes bodies that rest on it.
     fn remove(&mut self, entity: Entity) {
         if let Some(slot) = self.known.slot(entity) {
             self.wake_regions.push(&self.built.swap_remove(slot));
@@ -173,7 +172,7 @@ impl ObstacleSync<'_> {
         }
     }
 
-    /// True if the obstacle in `slot` needs no more than a move to be what `state` says.
+    /// True if the obstacle in `slot` differs from `state` in its placement only.
     fn is_built_as(&self, slot: usize, state: &ObstacleState) -> bool {
         let built = &self.built[slot];
         self.known.has_scale(slot, state.scale)

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use drape_solver::Obstacle;
 use drape_solver::world::waking::Proxy;
 
-/// Boxes and layers of what appeared, vanished, changed or moves in this step: bodies at rest there wake up, if they could
-/// touch it.
+/// Boxes and layers of obstacles that appeared, vanished, changed or move in this step. Resting bodies that could touch
+/// them wake.
 #[derive(Resource, Default)]
 pub(crate) struct WakeRegions(pub Vec<Proxy>);
 

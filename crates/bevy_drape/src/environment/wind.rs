@@ -3,38 +3,37 @@
 use bevy::prelude::*;
 use drape_solver::Turbulence;
 
-/// The wind that blows everywhere. It pushes on the faces of cloths and the links of ropes, as [`drape_solver::Wind`] says;
-/// places with a wind of their own have a [`WindZone`].
+/// The wind that blows everywhere. It pushes faces of cloths and links of ropes ([`drape_solver::Wind`]). Use a
+/// [`WindZone`] for local wind.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wind {
-    /// Velocity of the air in m/s; zero is no wind.
+    /// Velocity of the air in m/s; zero for no wind.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub velocity: Vec3,
     /// Density of the air in kg/m^3.
     pub air_density: f32,
-    /// Drag coefficient of a plate square to the wind; 1.2 for a flat one.
+    /// Drag coefficient of a plate at right angles to the wind; 1.2 for a flat one.
     pub drag_coefficient: f32,
-    /// Lift coefficient, of a force at right angles to the wind; 0 by default. With some 1, flags flutter more.
+    /// Coefficient of lift, a force at right angles to the wind; 0 by default. With about 1, flags flutter more.
     pub lift_coefficient: f32,
-    /// How the wind differs from place to place and from moment to moment.
+    /// Changes of the wind in space and time.
     pub gusts: Gusts,
-    /// The part of the wind that is spared what has an obstacle between itself and the wind, within 10 m: from 0, the
-    /// default, to 1.
+    /// Part of the wind that an obstacle upwind, within 10 m, keeps off: from 0, the default, to 1.
     pub shelter: f32,
 }
 
-/// Gusts, the same in every run. While they blow, nothing falls asleep.
+/// Gusts, the same in every run. Bodies do not fall asleep in them.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gusts {
     /// Root mean square of their speed in m/s; 0, the default, is a steady wind.
     pub speed: f32,
-    /// Size of the greatest in metres; 4 by default.
+    /// Size of the largest gusts in metres; 4 by default.
     pub length: f32,
-    /// Another seed is another day.
+    /// Seed of the random gusts.
     pub seed: u32,
 }
 

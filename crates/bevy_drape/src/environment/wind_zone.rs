@@ -1,4 +1,4 @@
-//! Places with a wind of their own: fans, draughts, explosions.
+//! Local winds: fans, draughts, explosions.
 
 use core::cmp::Ordering;
 
@@ -7,7 +7,7 @@ use drape_solver::Placement;
 
 use crate::refusal::Refusals;
 
-/// A wind around its entity, on top of the [`Wind`](crate::environment::wind::Wind) that blows everywhere.
+/// A wind around its entity, in addition to the [`Wind`](crate::environment::wind::Wind) that blows everywhere.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -23,11 +23,11 @@ use crate::refusal::Refusals;
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform)]
 pub struct WindZone {
-    /// How far it reaches, in the entity's coordinates, scale included.
+    /// Region in the entity's coordinates, scale included.
     pub region: WindRegion,
-    /// Where the air goes.
+    /// Motion of the air.
     pub flow: WindFlow,
-    /// The outer part of the region, from 0 to 1, in which the wind falls off to nothing; 0.5 by default.
+    /// Outer part of the region, from 0 to 1, in which the wind falls to zero; 0.5 by default.
     pub falloff: f32,
 }
 
@@ -41,13 +41,13 @@ pub enum WindRegion {
     Cuboid(Vec3),
 }
 
-/// How the air of a [`WindZone`] moves.
+/// Motion of the air in a [`WindZone`].
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub enum WindFlow {
-    /// With this velocity in m/s, in the entity's coordinates; its scale does not count.
+    /// Velocity in m/s in the entity's coordinates, without its scale.
     Along(Vec3),
-    /// Away from the entity, or towards it if negative, at so many m/s.
+    /// Speed in m/s away from the entity, or towards it if negative.
     Outwards(f32),
 }
 
@@ -80,7 +80,7 @@ impl WindZone {
     }
 }
 
-/// Brings the zones up to date; true if one has come, gone or changed. Those that cannot be used are left out.
+/// Updates the zones; true if one was added, removed or changed. Invalid zones are left out.
 pub(crate) fn read_zones(
     zones: &Query<(Entity, &WindZone, &GlobalTransform)>,
     known: &mut Vec<drape_solver::WindZone>,
@@ -101,7 +101,7 @@ pub(crate) fn read_zones(
             refusals.entity(entity, "WindZone", reason);
         }
     }
-    // Winds are summed up in this order, so that entity ids do not matter.
+    // Winds are added up in this order, so that entity ids do not matter.
     found.sort_by(order);
     core::mem::swap(found, known);
     found != known

@@ -12,7 +12,7 @@ use crate::render::any_mesh::{AnyMesh, handle_of, insert_mesh};
 use crate::render::detail_mesh::{MeshesOfDetail, new_mesh};
 use crate::render::surface::{EntitySpace, Shown, Surface, can_be_written, complete};
 
-/// Gives new and rebuilt cloths their surface, and a mesh where there is none that fits.
+/// Gives new and rebuilt cloths their surfaces, and meshes unless they have fitting ones.
 pub(crate) fn build_surfaces<D: Shown>(
     mut commands: Commands,
     cloths: Query<(
@@ -40,7 +40,7 @@ pub(crate) fn build_surfaces<D: Shown>(
             }
             // Not loaded yet.
             (Some(handle), None) => matches!(handle, Handle::Strong(_)),
-            // Somebody took the mesh away, and so it shall be.
+            // The mesh was removed by hand.
             (None, _) => is_known,
         };
         if is_done {
@@ -49,7 +49,7 @@ pub(crate) fn build_surfaces<D: Shown>(
         let full_layout = cloth.layout();
         let cloth = &*cloth.at(detail);
         if cloth.vertex_count() != particles.len() as u64 {
-            // The cloth was changed after the step; the next one builds it anew.
+            // The cloth was changed after the step; the next one rebuilds it.
             continue;
         }
         if let (Some(surface), Some(mesh), Some(_)) = (surface, mesh, detail)

@@ -1,4 +1,4 @@
-//! The meshes of a cloth at its levels of detail.
+//! Meshes of a cloth at its levels of detail.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{PrimitiveTopology, VertexAttributeValues};
@@ -8,27 +8,27 @@ use drape_solver::Topology;
 use crate::detail::resampling::resample;
 use crate::render::surface::{Shown, complete};
 
-/// The meshes that a cloth was shown by at other levels of detail, for when it comes back to them.
+/// Meshes of a cloth from other levels of detail, kept for the return to them.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct MeshesOfDetail {
-    /// Columns and rows of the cloth in full.
+    /// Columns and rows of the cloth in full detail.
     full: [u32; 2],
-    /// Of each columns and rows.
+    /// Columns and rows of each, and its mesh.
     kept: Vec<([u32; 2], Handle<Mesh>)>,
 }
 
 impl MeshesOfDetail {
-    /// Keeps the mesh of `layout`, of a cloth that has `full` columns and rows by its description.
+    /// Keeps the mesh of `layout`, of a cloth whose description has `full` columns and rows.
     pub fn keep(&mut self, full: [u32; 2], layout: [u32; 2], mesh: &Handle<Mesh>) {
         if self.full != full {
-            // It is described otherwise now.
+            // The description has changed.
             *self = Self { full, kept: Vec::new() };
         }
         self.kept.retain(|&(known, _)| known != layout);
         self.kept.push((layout, mesh.clone()));
     }
 
-    /// The mesh for `shown`: the one that was kept, else a new one with the texture coordinates of that in full.
+    /// Returns the mesh for `shown`: the kept one, else a new one with resampled texture coordinates of the full one.
     pub fn mesh(&self, shown: &impl Shown, topology: &Topology, meshes: &mut Assets<Mesh>) -> Handle<Mesh> {
         let of =
             |layout: [u32; 2]| self.kept.iter().find(|&&(known, _)| known == layout).map(|(_, mesh)| mesh);
@@ -47,7 +47,7 @@ impl MeshesOfDetail {
     }
 }
 
-/// A mesh with a vertex for each particle, whose places are to be written.
+/// Creates a mesh with a vertex for each particle. Positions are written later.
 pub(crate) fn new_mesh(shown: &impl Shown, topology: &Topology, uvs: Option<Vec<[f32; 2]>>) -> Mesh {
     let mut new = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
     new.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; topology.particle_count()]);
@@ -58,7 +58,7 @@ pub(crate) fn new_mesh(shown: &impl Shown, topology: &Topology, uvs: Option<Vec<
     new
 }
 
-/// The texture coordinates of a grid of vertices, for a coarser or finer one; none if the mesh has not one for each.
+/// Resamples the texture coordinates of a grid of vertices; none if the mesh does not have one for each vertex.
 fn texture_coordinates(mesh: &Mesh, from: [u32; 2], to: [u32; 2]) -> Option<Vec<[f32; 2]>> {
     let Some(VertexAttributeValues::Float32x2(values)) =
         mesh.try_attribute_option(Mesh::ATTRIBUTE_UV_0).ok()?

@@ -2,9 +2,9 @@
 
 use bevy::math::Vec3;
 
-/// Writes the unit normal of every vertex: the sum of the normals of the faces around it, each weighted with the
-/// face's area. `orientation` is 1 if faces are counter-clockwise seen from the front, -1 if clockwise, as in a
-/// mirror. A vertex without a face, or with flat ones only, gets +Z.
+/// Writes the unit normal of every vertex: the sum of the normals of its faces, weighted by area. `orientation` is 1 if
+/// faces are counter-clockwise seen from the front, -1 if clockwise, as in a mirrored mesh. Vertices without faces, or
+/// with degenerate ones only, get +Z.
 pub(crate) fn write_smooth_normals(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
@@ -14,7 +14,7 @@ pub(crate) fn write_smooth_normals(
     normals.fill([0.0; 3]);
     for face in faces {
         let [a, b, c] = face.map(|i| Vec3::from_array(positions[i as usize]));
-        // As long as twice the face's area.
+        // Its length is twice the face's area.
         let normal = (b - a).cross(c - a);
         for &corner in face {
             let sum = &mut normals[corner as usize];
@@ -23,7 +23,7 @@ pub(crate) fn write_smooth_normals(
     }
     for normal in normals {
         let sum = Vec3::from_array(*normal);
-        // Measured against its own size: the square of a tiny face's area underflows.
+        // Relative to its own size, since the square of a tiny face's area underflows.
         let size = sum.abs().max_element();
         let unit = if size > 0.0 { (sum / size).normalize() * orientation } else { Vec3::Z };
         *normal = unit.to_array();

@@ -1,12 +1,12 @@
-//! Meshes of cloths: made when the cloth is built, kept up with it afterwards.
+//! Meshes of cloths: created with the cloth, and updated with the simulation.
 //!
-//! Each frame the vertices are put between the last two steps, so that motion is smooth at any frame rate, with
-//! smooth normals and bounds of their own. The attributes are written in place: nothing is allocated here once a
-//! mesh exists. A cloth at rest is not written, and so not uploaded, at all. Cloth has two sides: give it a
-//! material that is `double_sided` and has no `cull_mode`.
+//! Each frame interpolates the vertices between the last two steps, so that motion is smooth at any frame rate, and
+//! computes smooth normals and bounds. Attributes are written in place: nothing is allocated once a mesh exists. A
+//! cloth at rest is neither written nor uploaded. Cloth has two sides: give it a material that is `double_sided` and
+//! has no `cull_mode`.
 //!
-//! A mesh that is there already is kept if it has one vertex for each particle, in the particles' order: texture
-//! coordinates, colours and indices may be your own. One that several entities share is copied first.
+//! An existing mesh is kept if it has one vertex for each particle, in the particles' order: texture coordinates,
+//! colours and indices may be your own. A mesh that several entities share is copied first.
 
 use bevy::asset::AssetEventSystems;
 use bevy::camera::visibility::VisibilitySystems;
@@ -36,9 +36,9 @@ use crate::rig::compile::compile_rigs;
 use crate::schedule::{DrapeSchedule, DrapeSystems};
 use crate::step::run::run_drape_schedule;
 
-/// Gives each [`Cloth`] and [`SoftBall`] a [`Mesh3d`] and keeps it up with the simulation. To see it, add a `MeshMaterial3d`.
-/// One that has a [`Mesh2d`] keeps that up instead, for a camera of two dimensions: spawn it with `Mesh2d::default()` and a
-/// `MeshMaterial2d`.
+/// Gives each [`Cloth`] and [`SoftBall`] a [`Mesh3d`] and updates it with the simulation. Add a `MeshMaterial3d` to see
+/// it. For a 2D camera spawn it with `Mesh2d::default()` and a `MeshMaterial2d` instead: then the [`Mesh2d`] is
+/// updated.
 ///
 /// Does nothing in an app without `Assets<Mesh>`.
 #[derive(Clone, Copy, Debug)]
@@ -47,8 +47,8 @@ pub struct MeshPlugin {
 }
 
 impl MeshPlugin {
-    /// For steps taken in `schedule`. Vertices are interpolated where that is a schedule of the fixed loop;
-    /// elsewhere the state after the last step is shown.
+    /// For steps taken in `schedule`. In a schedule of the fixed loop vertices are interpolated; elsewhere they show
+    /// the last step.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
     }

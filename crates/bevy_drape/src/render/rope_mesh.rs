@@ -1,4 +1,4 @@
-//! Tubes around ropes: meshes that are made and kept up as those of cloths are.
+//! Tubes around ropes.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
@@ -10,18 +10,19 @@ use drape_solver::Topology;
 use crate::body::particles::{Particles, Sticks};
 use crate::render::tube::Tube;
 
-/// Shows a rope, or a piece of one, as a tube: gives the entity a [`Mesh3d`] and keeps it up with the simulation. To see it, add a
-/// `MeshMaterial3d`. Texture coordinates go around the tube from 0 to 1, and along it from the rope's start, 0, to its end, 1.
+/// Shows a rope, or a piece of one, as a tube: gives the entity a [`Mesh3d`] and updates it with the simulation. Add a
+/// `MeshMaterial3d` to see it. Texture coordinates go from 0 to 1 around the tube, and from 0 at the rope's start to 1
+/// at its end.
 ///
-/// Rings are carried from one link to the next without a twist, and from one frame to the next. Does nothing in an app
-/// without `Assets<Mesh>`, nor on what has faces.
+/// The tube does not twist from link to link or from frame to frame. Does nothing in an app without `Assets<Mesh>`, or
+/// on a body with faces.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform)]
 pub struct RopeMesh {
-    /// Metres; 0.01 by default.
+    /// Radius in metres; 0.01 by default.
     pub radius: f32,
-    /// Corners of a ring, from 3 to 64; 8 by default.
+    /// Number of corners of a ring, from 3 to 64; 8 by default.
     pub sides: u32,
 }
 
@@ -38,7 +39,7 @@ impl RopeMesh {
     }
 }
 
-/// What is known of a rope between two frames.
+/// State of a rope's tube between two frames.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct RopeSurface {
     made_for: RopeMesh,
@@ -47,15 +48,15 @@ pub(crate) struct RopeSurface {
     order: Vec<u32>,
     previous: Vec<Vec3>,
     current: Vec<Vec3>,
-    /// A vector across the first link, from which rings are carried on.
+    /// A vector across the first link, from which the rings start.
     across: Vec3,
-    /// Whether it did not move in the last step.
+    /// True if it did not move in the last step.
     is_settled: bool,
-    /// Fraction and place that the mesh was last written for; none if a step was taken since.
+    /// Fraction and transform that the mesh was last written for; none if a step was taken since.
     shown: Option<(f32, GlobalTransform)>,
 }
 
-/// The particles of a chain from one end to the other; none if it is none.
+/// Returns the particles of a chain from one end to the other; none if it is not a chain.
 fn order_of(topology: &Topology) -> Option<Vec<u32>> {
     let count = topology.particle_count();
     if !topology.faces().is_empty() || topology.segments().len() + 1 != count || count < 2 {
@@ -82,7 +83,7 @@ fn order_of(topology: &Topology) -> Option<Vec<u32>> {
     (order.len() == count).then_some(order)
 }
 
-/// Gives new ropes, and pieces of them, their tubes.
+/// Gives new ropes and pieces of ropes their tubes.
 pub(crate) fn build_rope_meshes(
     mut commands: Commands,
     ropes: Query<(Entity, &RopeMesh, &Particles, &Sticks, Option<&RopeSurface>, Option<&Mesh3d>)>,
@@ -122,7 +123,7 @@ pub(crate) fn build_rope_meshes(
     }
 }
 
-/// Notes where a step left the ropes.
+/// Records the ropes after a step.
 pub(crate) fn record_ropes(mut ropes: Query<(Ref<Particles>, &mut RopeSurface)>) {
     for (particles, mut surface) in &mut ropes {
         let RopeSurface { order, previous, current, is_settled, shown, .. } = &mut *surface;
@@ -139,7 +140,7 @@ pub(crate) fn record_ropes(mut ropes: Query<(Ref<Particles>, &mut RopeSurface)>)
     }
 }
 
-/// Writes what is to be shown `fraction` of a step after the last but one.
+/// Writes the tubes at `fraction` of the last step.
 pub(crate) fn write_ropes(
     ropes: &mut Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
     meshes: &mut Assets<Mesh>,

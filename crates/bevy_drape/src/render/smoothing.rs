@@ -1,4 +1,4 @@
-//! Which vertices of a mesh share a normal.
+//! Smoothing groups: vertices of a mesh that share a normal.
 
 use std::collections::HashMap;
 
@@ -6,24 +6,24 @@ use bevy::math::Vec3;
 
 use crate::render::normals::write_smooth_normals;
 
-/// Normals that differ by less than this, in radians, are one: the mesh is smooth there.
+/// Normals that differ by less than this angle in radians count as equal.
 const CREASE: f32 = 1e-2;
 
-/// The vertices of a mesh by the normals that they share.
+/// Vertices of a mesh that share normals.
 ///
-/// Where the normals of vertices in one place were the same they stay so, and where they were not, as along the edge of a
-/// box, they stay apart: each is smooth over its own triangles.
+/// Vertices in one place with equal normals keep equal normals. Those with different ones, as along the edge of a box,
+/// stay apart: each is smooth over its own triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct SmoothingGroups {
-    /// The first vertex in the same place with the same normal.
+    /// For each vertex, the first vertex in the same place with the same normal.
     pub first: Vec<u32>,
-    /// The triangles, of such vertices, turned as the normals of the mesh have it.
+    /// Triangles of such vertices, oriented by the normals of the mesh.
     pub faces: Vec<[u32; 3]>,
 }
 
 impl SmoothingGroups {
-    /// For a mesh with `triangles` of vertices at `positions`, and with normals if it has any. Vertices in one place have the same
-    /// number in `points`; those without have a normal of their own.
+    /// Groups the vertices of a mesh with these `triangles`. Vertices in one place have the same number in `points`;
+    /// those without a number have their own normals.
     pub fn new(
         points: impl Iterator<Item = Option<u32>>,
         positions: &[[f32; 3]],

@@ -1,4 +1,4 @@
-//! What is known about a body's surface between two pictures of it, and how it is written into a mesh.
+//! Surfaces of bodies, and their writing into meshes.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -17,31 +17,31 @@ use crate::render::normals::write_smooth_normals;
 use crate::render::vertex_map::VertexMap;
 use crate::render::vertices::Vertices;
 
-/// Where the particles were after one step.
+/// Positions of the particles after one step.
 #[derive(Clone, Debug, PartialEq)]
-struct Snapshot {
-    /// What positions and bounds are relative to, so that they are fine far from the world's origin too.
+struct StepPositions {
+    /// Origin of positions and bounds, so that they are precise far from the world's origin too.
     origin: Vec3,
     positions: Vec<Vec3>,
     low: Vec3,
     high: Vec3,
 }
 
-impl Snapshot {
+impl StepPositions {
     fn of(particles: &drape_solver::Particles) -> Self {
         let (origin, positions) = (particles.origin(), Vec::with_capacity(particles.len()));
-        let mut snapshot = Self { origin, positions, low: Vec3::ZERO, high: Vec3::ZERO };
-        snapshot.read(particles);
-        snapshot
+        let mut of_step = Self { origin, positions, low: Vec3::ZERO, high: Vec3::ZERO };
+        of_step.read(particles);
+        of_step
     }
 
-    /// The places of some of the particles.
+    /// Returns the positions of some of the particles.
     fn torn(&self, origins: &[u32]) -> Option<Self> {
         let positions = origins.iter().map(|&origin| self.positions.get(origin as usize).copied());
         Some(Self { positions: positions.collect::<Option<_>>()?, ..*self })
     }
 
-    /// Takes the present state; false if it is not finite.
+    /// Reads the present positions; false if they are not finite.
     fn read(&mut self, particles: &drape_solver::Particles) -> bool {
         self.origin = particles.origin();
         self.positions.clear();
@@ -57,31 +57,31 @@ impl Snapshot {
     }
 }
 
-/// The surface of a body: its last two states, and what its mesh shows of them.
+/// The surface of a body: its last two states, and the state that its mesh shows.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct Surface {
     pub topology: Arc<Topology>,
-    /// The layout of the vertices that the mesh was made for.
+    /// Layout of the vertices that the mesh was made for.
     pub layout: [u32; 2],
-    /// The mesh that is written.
+    /// Mesh that is written.
     pub mesh: AssetId<Mesh>,
     vertices: Vertices,
-    previous: Snapshot,
-    current: Snapshot,
-    /// The particles as they are shown, where vertices are embedded: kept, so that nothing is allocated for each picture.
+    previous: StepPositions,
+    current: StepPositions,
+    /// Interpolated particles of embedded vertices, kept to allocate nothing per frame.
     between: Vec<Vec3>,
-    /// Their normals, likewise.
+    /// Normals of these particles.
     normals: Vec<Vec3>,
-    /// Whether the body did not move in the last step, so that there is nothing between its two states.
+    /// True if the body did not move in the last step.
     is_settled: bool,
-    /// Fraction and entity's place that the mesh was last written for; none if a step was taken since.
+    /// Fraction and entity's transform that the mesh was last written for; none if a step was taken since.
     shown: Option<(f32, Affine3A)>,
 }
 
 impl Surface {
     /// The surface of a body as it is now.
     pub fn new(particles: &drape_solver::Particles, topology: &Arc<Topology>, layout: [u32; 2]) -> Self {
-        let current = Snapshot::of(particles);
+        let current = StepPositions::of(particles);
         Self {
             topology: Arc::clone(topology),
             layout,
@@ -96,7 +96,7 @@ impl Surface {
         }
     }
 
-    /// The same, of a mesh with vertices of its own.
+    /// The surface of a body as it is now, for a mesh with its own vertices.
     pub fn of_mesh(
         particles: &drape_solver::Particles,
         topology: &Arc<Topology>,
@@ -105,7 +105,7 @@ impl Surface {
         Self { vertices, ..Self::new(particles, topology, [0, 0]) }
     }
 
-    /// The surface of a cloth that has got other particles since the last step, shown as it was before that.
+    /// The surface of a cloth that has just changed its particles, shown as before the change.
     pub fn resampled(
         &self,
         particles: &drape_solver::Particles,
@@ -113,11 +113,11 @@ impl Surface {
         layout: [u32; 2],
     ) -> Self {
         let positions = resample(&self.current.positions, self.layout, layout);
-        let current = Snapshot { positions, ..self.current };
+        let current = StepPositions { positions, ..self.current };
         Self { current, ..Self::new(particles, topology, layout) }
     }
 
-    /// How vertices hang on particles, where they are welded.
+    /// Returns the map from welded vertices to particles, if vertices are welded.
     pub fn welded(&self) -> Option<&VertexMap> {
         match &self.vertices {
             Vertices::Welded(map) => Some(map),
@@ -125,8 +125,8 @@ impl Surface {
         }
     }
 
-    /// The surface of what has these particles of the body since the last step, and these vertices of its own if the body
-    /// has; none if there are no such particles.
+    /// Returns the surface of a torn body or piece, whose particles have these `origins`, with these welded vertices if
+    /// there are any; none if an origin does not exist.
     pub fn torn(
         &self,
         origins: &[u32],
@@ -143,7 +143,7 @@ impl Surface {
         })
     }
 
-    /// Notes where a step left the particles. A state that is not finite is not shown.
+    /// Records the particles after a step. States that are not finite are not shown.
     pub fn record(&mut self, particles: &drape_solver::Particles) {
         if particles.len() != self.current.positions.len() {
             return;
@@ -158,18 +158,18 @@ impl Surface {
         }
     }
 
-    /// Notes that a step was not taken, or not by this body.
+    /// Notes that the body did not move.
     pub fn settle(&mut self) {
         self.is_settled = true;
     }
 
-    /// Whether the mesh has to be written to show `fraction` of the last step from `space`.
+    /// True if the mesh must be written to show `fraction` of the last step in `space`.
     pub fn must_be_written(&self, space: &EntitySpace, fraction: f32) -> bool {
         self.shown != Some((self.fraction(fraction), space.to_world))
     }
 
-    /// Writes positions and normals into `mesh` and gives the bounds, which hold for every fraction of the last
-    /// step; none if the mesh has not the right attributes.
+    /// Writes positions and normals into `mesh` and returns bounds that hold for every fraction of the last step; none
+    /// if the mesh lacks the right attributes.
     pub fn write(&mut self, mesh: &mut Mesh, space: &EntitySpace, fraction: f32) -> Option<Aabb> {
         let (positions, normals) = position_and_normal(mesh)?;
         let count = self.vertices.count(self.current.positions.len());
@@ -205,7 +205,7 @@ impl Surface {
                 vertices.groups().write_normals(positions, normals);
             }
             Vertices::Embedded(vertices) => {
-                // Each particle carries several vertices. In the world's directions, in which offsets are at right angles to triangles.
+                // Each particle carries several vertices. World directions keep offsets at right angles to triangles.
                 self.between.clear();
                 self.between.extend(ends.map(|(&a, &b)| {
                     let (a, b) = (from + a, to + b);
@@ -220,7 +220,7 @@ impl Surface {
                     *vertex = place.to_array();
                 }
                 vertices.groups.write_normals(positions, normals);
-                // Vertices may be outside of what carries them.
+                // Vertices may lie outside the particles that carry them.
                 return Some(Aabb::from_min_max(low, high));
             }
         }
@@ -236,18 +236,18 @@ impl Surface {
     }
 }
 
-/// The way from the world into an entity's own coordinates.
+/// The transform from the world into an entity's coordinates.
 pub(crate) struct EntitySpace {
     to_world: Affine3A,
     translation: Vec3,
-    /// Inverse of rotation and scale; none if there is none, so that numbers are copied as they are.
+    /// Inverse of rotation and scale; none for the identity, so that numbers are copied exactly.
     to_local: Option<Mat3A>,
-    /// -1 in a mirror, where faces turn the other way, else 1.
+    /// -1 for a mirroring transform, which reverses faces, else 1.
     orientation: f32,
 }
 
 impl EntitySpace {
-    /// None if the entity has no coordinates of its own: a scale of zero, or a place that is not finite.
+    /// None if the transform cannot be inverted: a scale of zero, or values that are not finite.
     pub fn new(transform: &GlobalTransform) -> Option<Self> {
         let to_world = transform.affine();
         let matrix = to_world.matrix3;
@@ -261,12 +261,12 @@ impl EntitySpace {
         })
     }
 
-    /// A world offset from the entity, in its own coordinates.
+    /// Transforms a world offset from the entity into its coordinates.
     fn direction(&self, offset: Vec3) -> Vec3 {
         self.to_local.map_or(offset, |to_local| to_local * offset)
     }
 
-    /// A box around the box between two offsets from the entity, in its own coordinates.
+    /// Returns the box in the entity's coordinates around a box between two world offsets.
     fn bounds(&self, low: Vec3, high: Vec3) -> Aabb {
         let (centre, half) = (Vec3A::from(low + high) * 0.5, Vec3A::from(high - low) * 0.5);
         let largest = centre.abs() + half;
@@ -277,14 +277,14 @@ impl EntitySpace {
                 (to_local * centre, size * half, size * largest)
             }
         };
-        // Vertices are rounded, and must not stick out.
+        // A margin for the rounding of vertices.
         Aabb { center, half_extents: half_extents + largest * (8.0 * f32::EPSILON) }
     }
 }
 
-/// A description of a body that is shown by one vertex for each particle.
+/// A description of a body that has one vertex for each particle.
 pub(crate) trait Shown: Component + Clone {
-    /// What differs between bodies whose vertices mean something else: columns and rows, or rings.
+    /// Layout of the vertices: columns and rows, or rings.
     fn layout(&self) -> [u32; 2];
 
     /// The number of vertices.
@@ -293,7 +293,7 @@ pub(crate) trait Shown: Component + Clone {
     /// Texture coordinates from (0, 0) at the top left to (1, 1).
     fn texture_coordinates(&self) -> Vec<[f32; 2]>;
 
-    /// The description with the particles that are left of it far away.
+    /// Returns the description at a level of detail.
     fn at(&self, _detail: Option<&CurrentDetail>) -> Cow<'_, Self> {
         Cow::Borrowed(self)
     }
@@ -342,8 +342,8 @@ impl Shown for SoftBall {
     }
 }
 
-/// Makes sure that `mesh` has what a surface needs: normals, texture coordinates, and indices, each if it has none of
-/// its own. False if it has not one position for each particle.
+/// Adds missing normals, texture coordinates and indices to `mesh`. False if it does not have one position for each
+/// particle.
 pub(crate) fn complete(mesh: &mut Mesh, shown: &impl Shown, topology: &Topology) -> bool {
     let count = topology.particle_count();
     let has = |mesh: &Mesh, id| mesh.try_attribute_option(id).ok().flatten().map(VertexAttributeValues::len);
@@ -366,7 +366,7 @@ pub(crate) fn complete(mesh: &mut Mesh, shown: &impl Shown, topology: &Topology)
     true
 }
 
-/// Whether `mesh` has a position and a normal for each of `count` particles.
+/// True if `mesh` has a position and a normal for each of `count` particles.
 pub(crate) fn can_be_written(mesh: &Mesh, count: usize) -> bool {
     [Mesh::ATTRIBUTE_POSITION, Mesh::ATTRIBUTE_NORMAL].into_iter().all(|attribute| {
         let values = mesh.try_attribute_option(attribute).ok().flatten();
@@ -374,7 +374,7 @@ pub(crate) fn can_be_written(mesh: &Mesh, count: usize) -> bool {
     })
 }
 
-/// Both buffers at once.
+/// Returns both buffers at once.
 fn position_and_normal(mesh: &mut Mesh) -> Option<(&mut Vec<[f32; 3]>, &mut Vec<[f32; 3]>)> {
     let (mut positions, mut normals) = (None, None);
     for (attribute, values) in mesh.try_attributes_mut().ok()? {

@@ -1,4 +1,4 @@
-//! The meshes of what has been torn: the vertices that there were, shared out and copied as the particles were.
+//! Meshes of torn bodies: vertices are divided and duplicated like the particles.
 
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::mesh::Indices;
@@ -9,14 +9,14 @@ use crate::body::tearable::TornMesh;
 use crate::render::from_mesh::cloth_mesh::WeldedVertices;
 use crate::render::surface::{EntitySpace, Surface};
 
-/// Gives torn bodies, and the pieces that came off them, their meshes.
+/// Gives torn bodies and their pieces new meshes.
 pub(crate) fn tear_meshes(
     mut commands: Commands,
     torn: Query<(Entity, &TornMesh, &Particles, &Sticks, &GlobalTransform)>,
     whole: Query<(Option<&Mesh3d>, Option<&Mesh2d>, &Surface)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    // All are made before the first is replaced that others are made from.
+    // All meshes are made before the first one is replaced, since others are made from it.
     let mut made = Vec::new();
     for (entity, TornMesh { source, origins }, particles, sticks, transform) in &torn {
         commands.entity(entity).remove::<TornMesh>();
@@ -61,15 +61,15 @@ pub(crate) fn tear_meshes(
     }
 }
 
-/// A mesh with the vertices `origins` of another, in this order, and these faces; none if it has not so many, or its data is
-/// not here.
+/// Creates a mesh with the vertices `origins` of another, in this order, and these faces; none if a vertex or the data
+/// are missing.
 fn torn_mesh(mesh: &Mesh, origins: &[u32], faces: &[[u32; 3]]) -> Option<Mesh> {
     let count = mesh.count_vertices();
     if origins.iter().any(|&origin| origin as usize >= count) {
         return None;
     }
     let mut torn = mesh.clone();
-    // Vertices are duplicated by index: these are the indices.
+    // `duplicate_vertices` copies vertices by index: these are the indices.
     torn.try_insert_indices(Indices::U32(origins.to_vec())).ok()?;
     torn.try_duplicate_vertices().ok()?;
     torn.try_insert_indices(Indices::U32(faces.as_flattened().to_vec())).ok()?;

@@ -1,14 +1,14 @@
-//! Tubes around lines of points.
+//! Tubes around polylines.
 
 use bevy::prelude::*;
 
-/// A tube: rings around points, and a lid at each end.
+/// A tube: rings around points, and a cap at each end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tube {
     pub rings: usize,
-    /// Corners of a ring; the first is there twice, for the seam of the texture.
+    /// Number of corners of a ring. The first is duplicated for the seam of the texture.
     pub sides: usize,
-    /// Metres.
+    /// Radius in metres.
     pub radius: f32,
 }
 
@@ -17,12 +17,12 @@ impl Tube {
         self.sides + 1
     }
 
-    /// The rings, and those of both lids with their own normals, each with its middle.
+    /// Number of vertices of the rings and of both caps.
     pub fn vertex_count(self) -> usize {
         (self.rings + 2) * self.ring() + 2
     }
 
-    /// Around from 0 to 1, along from 0 to 1.
+    /// Texture coordinates: from 0 to 1 around and along the tube.
     pub fn texture_coordinates(self) -> Vec<[f32; 2]> {
         let ring = |along: f32| (0..self.ring()).map(move |side| [side as f32 / self.sides as f32, along]);
         let along = |i: usize| i as f32 / (self.rings.max(2) - 1) as f32;
@@ -34,7 +34,7 @@ impl Tube {
         coordinates
     }
 
-    /// Triangles that turn to the left seen from outside.
+    /// Triangles, counter-clockwise seen from outside.
     pub fn indices(self) -> Vec<u32> {
         let ring = self.ring() as u32;
         let mut indices = Vec::new();
@@ -54,8 +54,9 @@ impl Tube {
         indices
     }
 
-    /// Positions and normals of the vertices around `centres`, and the vector across the first link that it began with: that
-    /// nearest to `across`. Each ring is that before it, turned as the tube bends and no farther (parallel transport).
+    /// Returns positions and normals of the vertices around `centres`, and the vector across the first link that the
+    /// rings start from: the one nearest to `across`. Each ring is the one before, turned only as far as the tube bends
+    /// (parallel transport).
     pub fn vertices(self, centres: &[Vec3], across: Vec3) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec3) {
         let last = centres.len() - 1;
         let mut positions = Vec::with_capacity(self.vertex_count());
@@ -88,7 +89,7 @@ impl Tube {
         (positions, normals, first)
     }
 
-    /// The directions from the middle of a ring to its corners.
+    /// Returns the directions from the centre of a ring to its corners.
     fn outwards(self, tangent: Vec3, across: Vec3) -> impl Iterator<Item = Vec3> {
         let up = tangent.cross(across);
         (0..self.ring()).map(move |side| {
@@ -99,7 +100,7 @@ impl Tube {
     }
 }
 
-/// The direction of the line at a point: the mean of those of the links on both sides.
+/// Returns the direction of the line at a point: the mean of both links.
 fn tangent_at(centres: &[Vec3], i: usize) -> Option<Vec3> {
     let before =
         i.checked_sub(1).map_or(Vec3::ZERO, |before| (centres[i] - centres[before]).normalize_or_zero());

@@ -1,4 +1,4 @@
-//! How the vertices of a mesh hang on the particles of its cloth.
+//! Maps welded vertices to particles.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -7,26 +7,26 @@ use drape_solver::Topology;
 
 use crate::render::smoothing::SmoothingGroups;
 
-/// How the vertices of a mesh hang on particles. Several vertices may be one particle.
+/// The particles of a mesh's vertices. Several vertices may be one particle.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct VertexMap {
-    /// The particle of each vertex; one that has none stays where it is.
+    /// The particle of each vertex; vertices without one stay in place.
     pub particles: Arc<[Option<u32>]>,
     /// The triangles of the mesh whose corners have particles.
     triangles: Vec<[u32; 3]>,
-    /// Which of the vertices of a particle share a normal.
+    /// Vertices of a particle that share a normal.
     groups: SmoothingGroups,
 }
 
-/// What is left of a mesh's vertices in a piece of what it was.
+/// Vertices of a torn body or piece.
 pub(crate) struct TornVertices {
     pub map: VertexMap,
-    /// For each vertex the one that it was.
+    /// For each vertex, the vertex that it came from.
     pub origins: Vec<u32>,
 }
 
 impl VertexMap {
-    /// For a mesh with triangles `faces` of vertices at `positions`, and with normals if it has any.
+    /// Maps a mesh with these triangles of vertices at `positions`, and with normals if it has any.
     pub fn new(
         particles: Vec<Option<u32>>,
         positions: &[[f32; 3]],
@@ -38,10 +38,10 @@ impl VertexMap {
         Self { particles: particles.into(), triangles, groups }
     }
 
-    /// The vertices of a piece, whose particles were `origins` and whose faces those of `topology` are. A vertex whose
-    /// particle was split is there once for each part.
+    /// Returns the vertices of a piece with particles from `origins` and the faces of `topology`. A vertex of a split
+    /// particle is duplicated for each part.
     pub fn torn(&self, origins: &[u32], topology: &Topology) -> TornVertices {
-        // The faces that are left, by the particles that their corners were: the same, sorted, and what they are now.
+        // Remaining faces: from the sorted original particles of the corners to the present ones.
         let was = |corner: u32| (origins[corner as usize], corner);
         let left: HashMap<[u32; 3], [u32; 3]> = topology
             .faces()
@@ -66,7 +66,7 @@ impl VertexMap {
             triangles.push(triangle.map(|vertex| vertices.number(now(vertex))));
             faces.push(face.map(now));
         }
-        // The first vertex of a group may be one that is not left, so that the first of what is left takes its place.
+        // The first vertex of a group may be gone; then the first remaining one takes its place.
         let first: Vec<u32> = vertices
             .known
             .iter()
@@ -98,13 +98,13 @@ impl VertexMap {
         &self.triangles
     }
 
-    /// Which vertices share a normal.
+    /// Vertices that share a normal.
     pub fn groups(&self) -> &SmoothingGroups {
         &self.groups
     }
 }
 
-/// Numbers for pairs, in the order in which they are asked for.
+/// Numbers pairs in the order of first use.
 #[derive(Default)]
 struct Numbers {
     known: Vec<(u32, u32)>,

@@ -1,28 +1,28 @@
-//! Culled bodies are not drawn.
+//! Hides culled bodies.
 
 use bevy::prelude::*;
 
 use crate::body::activity::Activity;
 
-/// On a body that was hidden because it is culled: what its visibility was before.
+/// Visibility of a culled body before it was hidden.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct HiddenByCulling(Visibility);
 
 impl HiddenByCulling {
-    /// Hides something.
+    /// Hides an entity, and keeps its visibility.
     pub fn hide(visibility: &mut Mut<Visibility>) -> Self {
         let before = **visibility;
         visibility.set_if_neq(Visibility::Hidden);
         Self(before)
     }
 
-    /// Shows it as before, unless somebody else has changed it.
+    /// Restores the visibility, unless it was changed by hand.
     pub fn show(self, visibility: &mut Mut<Visibility>) {
         visibility.set_if_neq(if **visibility == Visibility::Hidden { self.0 } else { **visibility });
     }
 }
 
-/// Hides what was culled, and shows it again when it comes back. What somebody else hid stays hidden.
+/// Hides culled bodies, and shows them again when they return. Bodies that were hidden by hand stay hidden.
 pub(crate) fn hide_culled(
     mut commands: Commands,
     mut bodies: Query<

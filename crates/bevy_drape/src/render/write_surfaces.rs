@@ -11,11 +11,11 @@ use crate::render::rope_mesh::{RopeSurface, write_ropes};
 use crate::render::surface::{EntitySpace, Surface};
 use crate::transform::interpolation::step_fraction;
 
-/// Whether the time between two steps is known, so that what lies between them can be shown.
+/// True if surfaces are interpolated between two steps.
 #[derive(Resource, Clone, Copy, Debug)]
 pub(crate) struct InterpolateSurfaces(pub bool);
 
-/// Notes where the step left each cloth. Those that were not stepped have nothing to be shown in between.
+/// Records each cloth after a step. Cloths that did not move are not interpolated.
 pub(crate) fn record_surfaces(
     mut surfaces: Query<(Ref<Particles>, &mut Surface, Option<&mut AnimatedPose>)>,
 ) {
@@ -31,7 +31,7 @@ pub(crate) fn record_surfaces(
     }
 }
 
-/// Writes what is to be shown now into the meshes of the cloths that have moved.
+/// Writes interpolated surfaces into the meshes of moving cloths.
 pub(crate) fn write_surfaces(
     mut surfaces: Query<
         (Entity, &mut Surface, AnyMesh, &GlobalTransform, Option<&mut Aabb>, Option<&DrivenMesh>),
@@ -50,7 +50,8 @@ pub(crate) fn write_surfaces(
         let Some(mesh) = handle_of(mesh) else { continue };
         let posed = poses.get(driven.map_or(entity, |driven| driven.driver)).ok();
         let ahead = posed.and_then(|posed| posed.ahead(fraction, |joint| places.get(joint).ok()));
-        // Shown from where the character was in the steps that are shown, a cloth is where the character is now.
+        // The cloth is drawn relative to the character as it was in these steps, so that it is on the character as
+        // drawn now.
         let from = ahead.map(|ahead| GlobalTransform::from(ahead.inverse() * transform.affine()));
         let Some(space) = EntitySpace::new(from.as_ref().unwrap_or(transform)) else {
             continue;

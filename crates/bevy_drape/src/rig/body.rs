@@ -1,4 +1,4 @@
-//! What a rig is compiled into.
+//! Rigs on their way into bodies.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, StickBound, StickKind, StickMaterial, Tethers, Topology, TopologyBuilder};
 
+use crate::body::particles::BodyParts;
 use crate::body::settings::SolverSettings;
 use crate::rig::components::{InRig, Rig};
 
@@ -17,9 +18,9 @@ pub(crate) struct RigMember {
     pub position: Vec3,
     pub velocity: Vec3,
     pub inverse_mass: f32,
-    /// The body that it was simulated in until now.
+    /// The body that simulated it until now.
     pub body: Option<Entity>,
-    /// What its entity says about that.
+    /// The [`InRig`] of its entity.
     pub in_rig: Option<InRig>,
     pub settings: Option<SolverSettings>,
     pub is_changed: bool,
@@ -35,14 +36,14 @@ pub(crate) struct Link {
     pub is_changed: bool,
 }
 
-/// Members that links join, and those links; both in the order of insertion.
+/// Members that links join, and these links, both in the order of insertion.
 #[derive(Default)]
 pub(crate) struct Group {
     pub members: Vec<usize>,
     pub links: Vec<usize>,
 }
 
-/// The groups of members that hang together, in the order of their oldest member.
+/// Returns the groups of connected members, in the order of their oldest member.
 pub(crate) fn connected(members: &[RigMember], links: &[Link]) -> Vec<Group> {
     let mut parents: Vec<usize> = (0..members.len()).collect();
     for link in links {
@@ -52,7 +53,7 @@ pub(crate) fn connected(members: &[RigMember], links: &[Link]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     let mut group_of = vec![0; members.len()];
     for i in 0..members.len() {
-        // A root is the oldest member of its group, and so it is met first.
+        // The root of a group is its oldest member, so it comes first.
         let root = root(&mut parents, i);
         if root == i {
             group_of[i] = groups.len();
@@ -67,7 +68,7 @@ pub(crate) fn connected(members: &[RigMember], links: &[Link]) -> Vec<Group> {
     groups
 }
 
-/// The oldest member that hangs together with `i`.
+/// Returns the oldest member that is connected with `i`.
 fn root(parents: &mut [usize], mut i: usize) -> usize {
     while parents[i] != i {
         parents[i] = parents[parents[i]];
@@ -81,7 +82,7 @@ pub(crate) struct CompiledRig {
     pub rig: Rig,
     pub settings: Option<SolverSettings>,
     pub inverse_masses: Vec<f32>,
-    /// Whether a particle, a stick or their settings were changed.
+    /// True if a particle, a stick or their settings were changed.
     pub is_changed: bool,
     positions: Vec<Vec3>,
     velocities: Vec<Vec3>,
@@ -119,12 +120,12 @@ impl CompiledRig {
         }
     }
 
-    /// Whether all its particles come from `body`.
+    /// True if all its particles come from `body`.
     pub fn is_all_from(&self, body: Entity) -> bool {
         self.bodies.iter().all(|from| *from == Some(body))
     }
 
-    /// Whether `body`, of `rig`, has the same particles and sticks.
+    /// True if `body` with `rig` has the same particles and sticks.
     pub fn is_of(&self, body: Entity, rig: &Rig) -> bool {
         self.is_all_from(body)
             && self.rig.particles == rig.particles
@@ -132,8 +133,8 @@ impl CompiledRig {
             && self.rig.settings_from == rig.settings_from
     }
 
-    /// The body's columns and topology.
-    pub fn build(&self) -> Result<(drape_solver::Particles, Arc<Topology>), BuildError> {
+    /// Builds the body's columns and topology.
+    pub fn build(&self) -> Result<BodyParts, BuildError> {
         let (low, high) = self
             .positions
             .iter()
@@ -166,7 +167,7 @@ impl CompiledRig {
         for (material, sticks) in families {
             builder.family_with_lengths(material, sticks)?;
         }
-        // A brace is no surface: it spans what other sticks join; so does a limit.
+        // Braces and limits are not part of the surface: they span particles that other sticks join.
         let is_surface = |material: &StickMaterial| {
             material.kind != StickKind::Bend && material.bound == StickBound::Exact
         };
@@ -176,7 +177,7 @@ impl CompiledRig {
         segments.iter().flatten().for_each(|&end| is_bare[end as usize] = false);
         let bare = (0..).zip(is_bare).filter(|&(_, is_bare)| is_bare);
         segments.extend(bare.map(|(i, _)| [i, i]));
-        // Elastic sticks may stretch, so that nothing bounds the way along them.
+        // Elastic sticks may stretch, so tethers cannot run along them.
         let rigid = self
             .sticks
             .iter()
@@ -191,7 +192,7 @@ impl CompiledRig {
     }
 }
 
-/// When sticks of a kind are relaxed: what carries load first.
+/// Rank of a kind of stick in relaxation: load-bearing sticks come first.
 fn stage(kind: StickKind) -> u32 {
     match kind {
         StickKind::Structural => 0,
@@ -200,7 +201,7 @@ fn stage(kind: StickKind) -> u32 {
     }
 }
 
-/// When sticks of a bound are relaxed among those of a kind: limits after what they limit.
+/// Rank of a bound among sticks of one kind: limits come after the sticks that they limit.
 fn side(bound: StickBound) -> u32 {
     match bound {
         StickBound::Exact => 0,

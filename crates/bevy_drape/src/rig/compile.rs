@@ -1,19 +1,17 @@
 //! Compiles hand-built rigs into bodies.
 //!
-//! An edit looks at all particles and sticks, finds which hang together, and rebuilds the bodies that the edit
-//! touched. Steps without an edit only look for changes.
+//! After an edit all particles and sticks are grouped anew, and the bodies that the edit touched are rebuilt. Without
+//! an edit a step only checks for changes.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
-use drape_solver::Topology;
 use drape_solver::constants::MAX_MAGNITUDE;
 use drape_solver::world::extent::Extent;
 
 use crate::body::body_state::{BodyState, CreationOrder};
-use crate::body::particles::{Particles, Sticks};
+use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::refusal::Refusals;
 use crate::rig::body::{CompiledRig, Link, RigMember, connected};
@@ -71,8 +69,7 @@ pub(crate) fn compile_rigs(
 
     let mut claimed = EntityHashSet::default();
     for group in connected(&members, &links) {
-        // Of the pieces of a split body, that with the oldest particle keeps the entity; so does the oldest of
-        // bodies that are joined.
+        // The piece of a split body with the oldest particle keeps the entity, and so does the oldest of joined bodies.
         let mut homes = group.members.iter().filter_map(|&i| members[i].body);
         let body = homes.find(|body| !claimed.contains(body));
         let compiled = CompiledRig::new(&group, &members, &links);
@@ -114,13 +111,13 @@ fn update_body(
     order: &mut CreationOrder,
     body: Option<Entity>,
     compiled: CompiledRig,
-    (columns, topology): (drape_solver::Particles, Arc<Topology>),
+    (columns, topology): BodyParts,
 ) -> Entity {
     let settings = compiled.settings;
     let body = match body.and_then(|body| rigs.get_mut(body).ok()) {
         Some((body, mut rig, mut particles, mut sticks, mut state)) => {
             if rig.particles == compiled.rig.particles && compiled.is_all_from(body) {
-                // The columns stay, with what users wrote into them since the last step.
+                // The columns stay, with everything that users wrote into them since the last step.
                 for (i, &inverse_mass) in compiled.inverse_masses.iter().enumerate() {
                     particles.set_inverse_mass(i, inverse_mass);
                 }
@@ -259,7 +256,7 @@ fn collect_links(
             stick.validate().map_err(|error| error.to_string())?;
             let rest_length =
                 rest_length(&stick, stick.is_changed(), &mut record, ends.map(|i| members[i].position))?;
-            // A least and a greatest length may go together.
+            // A least and a greatest length may join the same ends.
             let pair = ([ends[0].min(ends[1]), ends[0].max(ends[1])], stick.bound);
             if let Some(other) = joined.get(&pair) {
                 return Err(format!(
@@ -281,7 +278,7 @@ fn collect_links(
     links
 }
 
-/// The members that `stick` joins.
+/// Returns the indices of the members that `stick` joins.
 fn check_ends(
     stick: &Stick,
     index_of: &EntityHashMap<usize>,
@@ -300,7 +297,7 @@ fn check_ends(
     Ok([index("a", stick.a)?, index("b", stick.b)?])
 }
 
-/// The length that a stick is given, or the distance that its ends had when it was first compiled.
+/// Returns the given rest length of a stick, or the distance of its ends when it was first compiled.
 fn rest_length(
     stick: &Stick,
     is_changed: bool,

@@ -5,36 +5,37 @@
 //!            pinned                     \=====o                     (one entity, spawned by the plugin)
 //! ```
 //!
-//! Particles that sticks join form one body. Before a step the plugin compiles what was added, changed or removed
-//! since the last one: it spawns an entity with a [`Rig`] and the body's columns, and puts [`InRig`] on each
-//! particle to say where it went. After a step it writes where the particles are into their [`Transform`]s.
+//! Particles that sticks join form one body. Before a step the plugin compiles the additions, changes and removals
+//! since the last one: it spawns an entity with a [`Rig`] and the body's columns, and puts [`InRig`] on each particle.
+//! After a step it writes the particles' [`Transform`]s.
 //!
-//! An edit keeps the velocities of all particles that stay, also where it splits a body or joins two. Particles
-//! are numbered by when they were inserted, so that entity ids do not matter to the result.
+//! An edit keeps the velocities of all remaining particles, even if it splits a body or joins two. Particles are
+//! numbered in the order of insertion, so that entity ids do not matter to the result.
 
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 use drape_solver::constants::MAX_MAGNITUDE;
 use drape_solver::{BuildError, StickMaterial};
+pub use drape_solver::{StickBound, StickKind};
 
 /// A point mass of a hand-built rig. Join it to others with [`Stick`]s; alone it just falls.
 ///
-/// Its [`Transform`] says where it starts. From then on the plugin writes the translation of a free particle, and
-/// moving it by hand teleports the particle, which keeps its velocity. A pinned particle does the opposite: it goes
-/// where its `Transform`, or its parent's, takes it, evenly over the next step, and pulls the rig along.
+/// It starts at its [`Transform`]. From then on the plugin writes the translation of a free particle; moving it by hand
+/// teleports the particle, which keeps its velocity. A pinned particle follows its `Transform`, evenly over the next
+/// step, and pulls the rig along.
 ///
-/// A [`SolverSettings`](crate::body::settings::SolverSettings) on a particle serves its whole rig; where several have
-/// one, that of the particle inserted first does.
+/// A [`SolverSettings`](crate::body::settings::SolverSettings) on a particle applies to its whole rig. If several
+/// particles have one, that of the oldest particle counts.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, ParticleRecord)]
 #[component(on_add = particle_added, on_remove = note_removal)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Particle {
-    /// Mass in kilograms, from 1e-6 to 1e6. A pinned particle needs one too, for when it is freed.
+    /// Mass in kilograms, from 1e-6 to 1e6. A pinned particle needs one too, for the moment it is freed.
     pub mass: f32,
-    /// Whether the particle is held where its [`Transform`] is.
+    /// True if the particle is held at its [`Transform`].
     pub pinned: bool,
     /// Velocity at the start in m/s. Read once; later velocities are in the body's
     /// [`Particles`](crate::body::particles::Particles).
@@ -54,15 +55,15 @@ impl Particle {
         Self { mass, ..Self::default() }
     }
 
-    /// The same, as it goes on from two frames of an animation that lie `dt` seconds apart, in which it was at `previous` and
-    /// at `current` (world, metres). Frames with no time between them give no velocity.
+    /// Continues the motion between two frames of an animation that are `dt` seconds apart, from `previous` to
+    /// `current` (world, metres). With `dt` zero the velocity stays.
     #[must_use]
     pub fn moved(self, previous: Vec3, current: Vec3, dt: f32) -> Self {
         let velocity = (current - previous) / dt;
         if velocity.is_finite() { Self { velocity, ..self } } else { self }
     }
 
-    /// A particle that is held where its [`Transform`] is.
+    /// A particle that is held at its [`Transform`].
     pub fn pinned() -> Self {
         Self { pinned: true, ..Self::default() }
     }
@@ -83,57 +84,10 @@ impl Particle {
     }
 }
 
-/// What a stick is for.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Debug, Clone, PartialEq)]
-pub enum StickKind {
-    /// Carries load. Where it is rigid, tethers run along it.
-    #[default]
-    Structural,
-    /// A diagonal: keeps squares from becoming rhombs.
-    Shear,
-    /// A brace between particles that other sticks join already: keeps a chain from folding. Balls pass it.
-    Bend,
-}
-
-impl From<StickKind> for drape_solver::StickKind {
-    fn from(kind: StickKind) -> Self {
-        match kind {
-            StickKind::Structural => Self::Structural,
-            StickKind::Shear => Self::Shear,
-            StickKind::Bend => Self::Bend,
-        }
-    }
-}
-
-/// Which lengths a [`Stick`] allows.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[reflect(Default, Debug, Clone, PartialEq)]
-pub enum StickBound {
-    /// The rest length alone: a rod.
-    #[default]
-    Exact,
-    /// The rest length and more. Between two limbs it keeps a joint from closing further; it is no part of the surface.
-    AtLeast,
-    /// The rest length and less: a cord, or what keeps a joint from opening further. It is no part of the surface.
-    AtMost,
-}
-
-impl From<StickBound> for drape_solver::StickBound {
-    fn from(bound: StickBound) -> Self {
-        match bound {
-            StickBound::Exact => Self::Exact,
-            StickBound::AtLeast => Self::AtLeast,
-            StickBound::AtMost => Self::AtMost,
-        }
-    }
-}
-
-/// Keeps two [`Particle`]s of a hand-built rig at a distance, or from coming nearer or going farther.
+/// Keeps two [`Particle`]s of a hand-built rig at a distance, or bounds their distance.
 ///
-/// Sticks that share a particle are joined there by a pin: each turns about it in all directions. Two bodies of sticks
-/// that share two particles are joined by a hinge, whose axis goes through both. A stick with a
-/// [`bound`](Self::bound) from one to the other limits how far the joint turns.
+/// Sticks that share a particle are joined by a ball joint. Two bodies of sticks that share two particles are joined by
+/// a hinge through both. A stick with a [`bound`](Self::bound) from one to the other limits the angle of the joint.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -160,11 +114,11 @@ pub struct Stick {
     pub rest_length: Option<f32>,
     /// From 0 (slack) to 1 (rigid).
     pub stiffness: f32,
-    /// Damping along the stick in 1/s, 0 or more: the speed at which the ends part decays as `exp(-damping t)`.
+    /// Damping along the stick in 1/s, 0 or more: the relative speed of the ends decays as `exp(-damping t)`.
     pub damping: f32,
-    /// What the stick is for. Structural sticks are relaxed first, bend sticks last.
+    /// Purpose of the stick. Structural sticks are relaxed first, bend sticks last.
     pub kind: StickKind,
-    /// Which lengths it allows: the rest length alone by default.
+    /// Lengths that it allows; only the rest length by default.
     pub bound: StickBound,
 }
 
@@ -199,12 +153,7 @@ impl Stick {
     }
 
     pub(crate) fn material(&self) -> StickMaterial {
-        StickMaterial {
-            kind: self.kind.into(),
-            stiffness: self.stiffness,
-            damping: self.damping,
-            bound: self.bound.into(),
-        }
+        StickMaterial { kind: self.kind, stiffness: self.stiffness, damping: self.damping, bound: self.bound }
     }
 
     /// Checks everything but the ends.
@@ -223,8 +172,8 @@ impl Stick {
 
 /// A body that was compiled from [`Particle`]s and [`Stick`]s.
 ///
-/// On its entity are also [`Particles`](crate::body::particles::Particles), [`Sticks`](crate::body::particles::Sticks) and
-/// [`Activity`](crate::body::activity::Activity); from a particle entity, [`InRig`] leads here. The plugin spawns and
+/// Its entity also has [`Particles`](crate::body::particles::Particles), [`Sticks`](crate::body::particles::Sticks) and
+/// [`Activity`](crate::body::activity::Activity). [`InRig`] leads here from a particle entity. The plugin spawns and
 /// despawns it.
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]
@@ -232,7 +181,7 @@ impl Stick {
 pub struct Rig {
     pub(crate) particles: Vec<Entity>,
     pub(crate) sticks: Vec<Entity>,
-    /// The particle whose settings the body has.
+    /// The particle that gives the body its settings.
     #[reflect(ignore)]
     pub(crate) settings_from: Option<Entity>,
 }
@@ -243,14 +192,14 @@ impl Rig {
         &self.particles
     }
 
-    /// The stick entities in the order in which they were inserted. The solver has them in another.
+    /// The stick entities in the order of insertion. The solver has another order.
     pub fn sticks(&self) -> &[Entity] {
         &self.sticks
     }
 }
 
-/// On the entity of a [`Particle`]: where it is simulated. Absent until its first step, and while it is left out
-/// because something is wrong with it.
+/// The body that simulates a [`Particle`], on the particle's entity. Absent until its first step, and while the
+/// particle is refused.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 #[component(clone_behavior = Ignore)]
@@ -262,7 +211,7 @@ pub struct InRig {
     pub index: usize,
 }
 
-/// What the plugin keeps about a particle entity between steps.
+/// State of a particle entity that the plugin keeps from step to step.
 #[derive(Component, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ParticleRecord {
@@ -270,39 +219,39 @@ pub(crate) struct ParticleRecord {
     pub order: u64,
     /// The translation that the plugin wrote or read last; another one found there is a teleport.
     pub written: Vec3,
-    /// The same in the world: what a pinned particle is compared with, so that it follows its parent.
+    /// The same in the world. Pinned particles are compared with it, so that they follow their parents.
     pub placed: Vec3,
-    /// Whether the particle is left out because something is wrong with it.
+    /// True if the particle is refused.
     pub refused: bool,
 }
 
-/// What the plugin keeps about a stick entity between steps.
+/// State of a stick entity that the plugin keeps from step to step.
 #[derive(Component, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct StickRecord {
     /// Order of insertion; 0 before it is known.
     pub order: u64,
-    /// Distance in metres between these ends when the stick was first compiled. Kept, because the ends of a
-    /// stick under load are not at its rest length.
+    /// Distance in metres between these ends when the stick was first compiled. Later, under load, the stick is longer
+    /// or shorter.
     pub measured: Option<([Entity; 2], f32)>,
-    /// Whether the stick is left out because something is wrong with it.
+    /// True if the stick is refused.
     pub refused: bool,
 }
 
-/// What was removed since the last step, and the count of insertions.
+/// Removals since the last step, and the count of insertions.
 #[derive(Resource, Default)]
 pub(crate) struct RigEdits {
     insertions: u64,
     /// Entities that lost a particle or a stick.
     pub removed: Vec<Entity>,
-    /// Whether somebody removed a body.
+    /// True if a body was removed by hand.
     pub lost_rig: bool,
-    /// Particles that are left out as long as their transform is not finite.
+    /// Particles that are refused as long as their transforms are not finite.
     pub misplaced: Vec<Entity>,
 }
 
 impl RigEdits {
-    /// Counts from 1 again.
+    /// Restarts the count at 1.
     pub fn begin_anew(&mut self) {
         self.insertions = 0;
     }
@@ -313,8 +262,8 @@ impl RigEdits {
     }
 }
 
-/// Hooks know the order of insertion exactly, and miss no removal, however rarely steps are taken. Without the
-/// plugin they do nothing.
+/// Hooks know the exact order of insertion and miss no removal, however rare steps are. Without the plugin they do
+/// nothing.
 fn next_order(world: &mut DeferredWorld) -> u64 {
     world.get_resource_mut::<RigEdits>().map_or(0, |mut edits| edits.next_order())
 }

@@ -6,10 +6,10 @@ use drape_solver::{BuildError, Placement, RagdollBuilder, RagdollStick};
 use crate::body::settings::SolverSettings;
 use crate::rig::components::{Particle, Stick, StickBound, StickKind};
 
-/// A human figure of eleven limbs to be spawned as a rig: [`Particle`] and [`Stick`] entities that anything can be attached to.
+/// A human figure of eleven limbs, spawned as a rig of [`Particle`] and [`Stick`] entities.
 ///
-/// Its limbs are thick sticks: the thickness of its settings is their radius. Elbows and knees are hinges, shoulders, waist and
-/// hips pins, and sticks with a bound limit their angles.
+/// Its limbs are thick sticks; the thickness of the settings is their radius. Elbows and knees are hinges; shoulders,
+/// waist and hips are ball joints. Sticks with a bound limit their angles.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -22,11 +22,11 @@ use crate::rig::components::{Particle, Stick, StickBound, StickKind};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ragdoll {
-    /// Metres, above 0; 1.75 by default.
+    /// Height in metres, above 0; 1.75 by default.
     pub height: f32,
-    /// Kilograms, above 0; 75 by default.
+    /// Mass in kilograms, above 0; 75 by default.
     pub mass: f32,
-    /// How it is solved: 16 substeps of 4 iterations by default, and limbs of 5 cm radius.
+    /// Solver settings: 16 substeps of 4 iterations by default, and limbs of 5 cm radius.
     pub settings: SolverSettings,
 }
 
@@ -41,27 +41,27 @@ impl Default for Ragdoll {
 /// The entities of a ragdoll.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RagdollEntities {
-    /// Head, shoulders, sternum, waist, hips, sacrum; of each side the two ends of the elbow's axis; hands; of each side the
-    /// two ends of the knee's axis; feet. Left before right.
+    /// Head, shoulders, sternum, waist, hips, sacrum; for each side the two ends of the elbow's axis; hands; for each
+    /// side the two ends of the knee's axis; feet. Left before right.
     pub particles: Vec<Entity>,
-    /// Those that make limbs, then those that limit joints.
+    /// Sticks of the limbs, then those that limit joints.
     pub sticks: Vec<Entity>,
 }
 
 impl Ragdoll {
-    /// Spawns it at rest, with the ground between its feet at the transform's origin. It looks along +Z; scale does not count.
+    /// Spawns it at rest, facing +Z, with the point between its feet at the transform's origin. Scale does not count.
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be used; nothing is spawned then.
+    /// [`BuildError`] naming the invalid field; then nothing is spawned.
     pub fn spawn(&self, commands: &mut Commands, start: Transform) -> Result<RagdollEntities, BuildError> {
         self.spawn_moving(commands, start, start, 1.0)
     }
 
-    /// Spawns it with the motion of two frames of an animation that lie `dt` seconds apart: it goes on from `current` with the
-    /// velocity and the spin that took it there from `previous` (S32).
+    /// Spawns it in motion, after two frames of an animation that are `dt` seconds apart: at `current`, with the
+    /// velocity and angular velocity from `previous` to there (S32).
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be used; nothing is spawned then.
+    /// [`BuildError`] naming the invalid field; then nothing is spawned.
     pub fn spawn_moving(
         &self,
         commands: &mut Commands,
@@ -82,9 +82,9 @@ impl Ragdoll {
         for RagdollStick { ends, length, bound } in figure.sticks() {
             let [a, b] = ends.map(|end| entities.particles[end as usize]);
             let (bound, kind) = match bound {
-                drape_solver::StickBound::Exact => (StickBound::Exact, StickKind::Structural),
-                drape_solver::StickBound::AtLeast => (StickBound::AtLeast, StickKind::Bend),
-                drape_solver::StickBound::AtMost => (StickBound::AtMost, StickKind::Bend),
+                StickBound::Exact => (StickBound::Exact, StickKind::Structural),
+                StickBound::AtLeast => (StickBound::AtLeast, StickKind::Bend),
+                StickBound::AtMost => (StickBound::AtMost, StickKind::Bend),
             };
             let stick = Stick { rest_length: Some(length), kind, bound, ..Stick::new(a, b) };
             entities.sticks.push(commands.spawn(stick).id());

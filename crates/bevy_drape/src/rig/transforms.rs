@@ -1,4 +1,4 @@
-//! The way between a rig's particles and their transforms.
+//! Keeps rig particles and their transforms together.
 
 use bevy::math::Vec3A;
 use bevy::prelude::*;
@@ -8,7 +8,7 @@ use crate::body::particles::Particles;
 use crate::refusal::Refusals;
 use crate::rig::components::{InRig, Particle, ParticleRecord, Rig};
 
-/// Moves free particles whose transform somebody else changed, and asks pinned ones to follow theirs.
+/// Teleports free particles whose transforms were set by hand, and moves pinned ones with their transforms.
 pub(crate) fn follow_rig_transforms(
     mut members: Query<
         (Entity, &Particle, &InRig, &Transform, &GlobalTransform, &mut ParticleRecord),
@@ -25,7 +25,7 @@ pub(crate) fn follow_rig_transforms(
             continue;
         }
         if !(place.is_finite() && transform.translation.is_finite()) {
-            // The body goes on from where it is.
+            // The body continues from its place.
             refusals.entity(entity, "the new Transform", "its translation must be finite");
             continue;
         }
@@ -43,8 +43,7 @@ pub(crate) fn follow_rig_transforms(
     }
 }
 
-/// Writes where the particles of active rigs are into their transforms. A particle of a rig at rest is written
-/// only when its parent has moved.
+/// Writes the transforms of the particles of active rigs, and of resting rigs if a parent has moved.
 pub(crate) fn write_rig_transforms(
     bodies: Query<(&Particles, &Activity), With<Rig>>,
     mut members: Query<(
@@ -64,7 +63,7 @@ pub(crate) fn write_rig_transforms(
         let is_simulated = !particle.pinned && in_rig.index < particles.len();
         is_simulated.then(|| (particles.position(in_rig.index), *activity))
     };
-    // Global transforms are those of before the step, in which particles that are ancestors have moved.
+    // Global transforms are from before the step. Ancestors that are particles themselves have moved since.
     let moved_by = |mut entity: Entity| -> Vec3 {
         loop {
             let now = simulated.get(entity).ok().and_then(|(particle, in_rig)| place(particle, in_rig));
@@ -90,7 +89,7 @@ pub(crate) fn write_rig_transforms(
             of_parent.translation += Vec3A::from(moved_by(parent));
             translation = of_parent.inverse().transform_point3(place);
         }
-        // A body with a state that is not finite, or a parent of scale zero.
+        // Not finite for an invalid body, or a parent of scale zero.
         if translation.is_finite() && transform.translation != translation {
             transform.translation = translation;
             record.written = translation;

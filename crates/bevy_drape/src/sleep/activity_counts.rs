@@ -6,28 +6,28 @@ use crate::ball::projectile::ProjectileState;
 use crate::body::activity::Activity;
 use crate::body::particles::Particles;
 
-/// How many bodies, balls included, are in each state of [`Activity`] after the last step.
+/// Number of bodies, balls included, in each state of [`Activity`] after the last step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 pub struct ActivityCounts {
-    /// Bodies that are simulated.
+    /// Simulated bodies.
     pub active: usize,
-    /// Bodies at rest.
+    /// Resting bodies.
     pub resting: usize,
-    /// Bodies that are culled.
+    /// Culled bodies.
     pub culled: usize,
-    /// Bodies that stand still as they are far away.
+    /// Bodies frozen at a distance.
     pub frozen: usize,
 }
 
-/// Counts what has been built.
+/// Counts the bodies and balls that have been built.
 pub(crate) fn count_activity(
     bodies: Query<&Activity, Or<(With<Particles>, With<ProjectileState>)>>,
     mut counts: ResMut<ActivityCounts>,
 ) {
     let mut new = ActivityCounts::default();
     for activities in bodies.contiguous_iter().into_iter().flatten() {
-        // In 32 bits, so that many are counted at once.
+        // In 32 bits, which vectorizes well.
         let count =
             |state| activities.iter().map(|&activity| u32::from(activity == state)).sum::<u32>() as usize;
         new.active += count(Activity::Active);

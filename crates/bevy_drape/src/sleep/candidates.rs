@@ -1,4 +1,4 @@
-//! What has to be looked at in a step: all but what rests or is culled and has been left alone.
+//! Bodies and balls to check in a step: all that are active or have been changed.
 
 use core::ops::Range;
 
@@ -15,25 +15,26 @@ use crate::body::settings::{DefaultSolverSettings, SolverSettings};
 use crate::change_detection::{collect_rows, is_any_changed};
 use crate::environment::solver_environment::SolverEnvironment;
 
-/// The bodies and balls to look at in this step. An entity may be listed twice.
+/// The bodies and balls to check in this step. An entity may be listed twice.
 #[derive(Resource, Default)]
 pub(crate) struct Candidates {
     pub bodies: Vec<Entity>,
     pub balls: Vec<Entity>,
-    /// What has lost its own settings or layers since the last step, or has to be looked at for another reason.
+    /// Entities that lost their own settings or layers since the last step, or must be checked for another reason.
     lost: Vec<Entity>,
-    /// Where bodies and balls were that are none any more since the last step.
+    /// Boxes of bodies and balls that vanished since the last step.
     pub left: Vec<Bounds>,
 }
 
 impl Candidates {
-    /// Has these looked at in the next step, whatever has changed.
+    /// Checks these in the next step in any case.
     pub fn look_at(&mut self, entities: impl Iterator<Item = Entity>) {
         self.lost.extend(entities);
     }
 }
 
-/// Lists what is active and what was changed since the last step; all there is, if what concerns all has changed.
+/// Lists active bodies and balls, and those changed since the last step; all of them if gravity, wind or default
+/// settings changed.
 pub(crate) fn collect_candidates(
     bodies: Query<(
         Entity,
@@ -88,7 +89,7 @@ pub(crate) fn collect_candidates(
     }
 }
 
-/// Notes where a body was that is none any more.
+/// Notes the box of a vanished body.
 pub(crate) fn note_gone_body(
     gone: On<Remove, Particles>,
     states: Query<&BodyState>,
@@ -98,7 +99,7 @@ pub(crate) fn note_gone_body(
     candidates.left.extend(bounds);
 }
 
-/// Notes where a ball was that is none any more.
+/// Notes the box of a vanished ball.
 pub(crate) fn note_gone_ball(
     gone: On<Remove, ProjectileState>,
     balls: Query<&ProjectileState>,
@@ -107,7 +108,7 @@ pub(crate) fn note_gone_ball(
     candidates.left.extend(balls.get(gone.entity).map(|ball| ball.bounds_within_step(0.0, 0.0)));
 }
 
-/// Notes what has no settings or layers of its own any more.
+/// Notes an entity that lost its own settings or layers.
 pub(crate) fn note_lost_component<C: Component>(lost: On<Remove, C>, mut candidates: ResMut<Candidates>) {
     candidates.lost.push(lost.entity);
 }

@@ -10,7 +10,7 @@ use crate::sleep::candidates::Candidates;
 use crate::sleep::scene_manager::SceneManager;
 use crate::viewer::View;
 
-/// Culls what left the play area or sleeps far from every viewer, and brings it back when it is in sight again.
+/// Culls bodies and balls that left the play area or rest far from every viewer, and brings them back in sight.
 pub(crate) fn cull(
     mut commands: Commands,
     mut bodies: Query<(&mut Activity, &BodyState)>,

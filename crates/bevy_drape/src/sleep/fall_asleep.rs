@@ -1,4 +1,4 @@
-//! Puts islands at rest to sleep.
+//! Puts resting islands to sleep.
 
 use bevy::prelude::*;
 
@@ -6,7 +6,7 @@ use crate::body::activity::Activity;
 use crate::sleep::scene_manager::SceneManager;
 use crate::step::islands::Islands;
 
-/// Puts the bodies and balls of an island to sleep once all of them have been at rest for long enough.
+/// Puts the bodies and balls of an island to sleep once all of them have been slow for the sleep time.
 pub(crate) fn fall_asleep(
     islands: Res<Islands>,
     manager: Res<SceneManager>,

@@ -1,17 +1,17 @@
-//! The scene manager: sleeps what is at rest, wakes what is touched, culls what is out of sight.
+//! Settings for sleeping and culling.
 
 use bevy::prelude::*;
 use drape_solver::ActivityRules;
 
-/// When bodies fall asleep and when they are culled.
+/// Settings for the sleeping and culling of bodies.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SceneManager {
-    /// Whether bodies at rest fall asleep.
+    /// True if bodies at rest fall asleep.
     pub sleeping: bool,
-    /// How long a body, and all that it touches, must stay below the threshold of rest (2 cm/s, root mean
-    /// square) before it falls asleep, in seconds. Shorter than that, a swing may be at its turning point.
+    /// Time in seconds for which a body, and everything that it touches, must stay below the threshold of rest (2 cm/s,
+    /// root mean square) before it falls asleep. In less time, a swing may be at its turning point.
     pub sleep_time: f32,
     /// Least corner of the play area in metres. Bodies wholly outside are culled.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
@@ -19,10 +19,10 @@ pub struct SceneManager {
     /// Greatest corner of the play area in metres.
     #[cfg_attr(feature = "serde", serde(with = "crate::serde_vector"))]
     pub play_area_max: Vec3,
-    /// Distance in metres from every [`Viewer`] beyond which a sleeping body is culled; it comes back when a
-    /// viewer does. Without viewers nothing is culled for distance.
+    /// Distance in metres from every [`Viewer`] beyond which a sleeping body is culled, until a viewer returns. Without
+    /// viewers nothing is culled for distance.
     pub viewer_distance: f32,
-    /// Whether balls that left the play area are despawned.
+    /// True if balls that left the play area are despawned.
     pub despawn_lost_balls: bool,
 }
 

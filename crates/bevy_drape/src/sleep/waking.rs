@@ -1,4 +1,4 @@
-//! Wakes what is at rest.
+//! Wakes resting bodies and balls.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -13,7 +13,7 @@ use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
-use crate::body::settings::{DefaultSolverSettings, SolverSettings, same_settings};
+use crate::body::settings::{DefaultSolverSettings, SolverSettings};
 use crate::clock::DrapeClock;
 use crate::detail::level::CurrentDetail;
 use crate::environment::solver_environment::SolverEnvironment;
@@ -30,14 +30,14 @@ impl Key for EntityKey {
     }
 }
 
-/// Everything that moves in this step or rests.
+/// Sources of waking in this step, and everything that rests.
 #[derive(Default)]
 pub(crate) struct WakeSearch {
     waking: Waking<EntityKey>,
     woken: Vec<EntityKey>,
 }
 
-/// What may rest, and what tells how far it gets in this step.
+/// Bodies and balls that may wake, and the data for their motion in this step.
 #[derive(SystemParam)]
 pub(crate) struct WakeTargets<'w, 's> {
     bodies: Query<
@@ -69,7 +69,7 @@ pub(crate) struct WakeTargets<'w, 's> {
 }
 
 impl WakeTargets<'_, '_> {
-    /// Length of the step in seconds and size of gravity in m/s^2.
+    /// Returns the length of the step in seconds and the magnitude of gravity in m/s^2.
     fn step_and_gravity(&self) -> (f32, f32) {
         (self.clock.delta(), self.solver.environment.gravity.length())
     }
@@ -107,7 +107,7 @@ impl WakeSearch {
         let WakeTargets { balls, solver, .. } = targets;
         for &entity in candidates {
             let Ok((mut activity, mut ball, mut record, layers)) = balls.get_mut(entity) else { continue };
-            // A ball that was refused gets another chance when somebody has edited it.
+            // An edit gives a refused ball another chance.
             let mended = record.refused && ball.is_changed();
             let bounds = ball.bounds_within_step(dt, gravity);
             let is_elsewhere = ball.layers() != DrapeLayers::of(layers);
@@ -128,7 +128,8 @@ impl WakeSearch {
         }
     }
 
-    /// Wakes the bodies that were pushed, edited or given other settings, and notes what is active and what rests.
+    /// Wakes bodies that were pushed, edited or given other settings, and sorts all candidates into sources and resting
+    /// bodies.
     fn update_bodies(
         &mut self,
         candidates: &[Entity],
@@ -145,7 +146,7 @@ impl WakeSearch {
                 continue;
             };
             let state = &mut *state;
-            let settings = settings.copied().unwrap_or(defaults).into();
+            let settings = settings.copied().unwrap_or(defaults);
             let settings = detail.map_or(settings, |detail| detail.limit(settings));
             let edited = particles.is_disturbed();
             if state.order == 0 {
@@ -161,7 +162,7 @@ impl WakeSearch {
             }
             let layers = DrapeLayers::of(layers);
             let rearranged = state.layers != layers
-                || !same_settings(&state.settings, &settings)
+                || !state.settings.has_same_bits(&settings)
                 || (sticks.is_changed() && !sticks.is_added());
             state.settings = settings;
             state.layers = layers;
@@ -190,7 +191,7 @@ impl WakeSearch {
     }
 }
 
-/// Wakes what was pushed, edited, or may be touched in this step. What has just been woken may wake others.
+/// Wakes everything that was pushed, edited, or may be touched in this step. What wakes may wake others.
 pub(crate) fn wake(
     mut targets: WakeTargets,
     mut candidates: ResMut<Candidates>,

@@ -1,4 +1,4 @@
-//! What holds tied particles.
+//! Tied particles.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use crate::attach::attachment::Attachment;
 use crate::attach::attachment_state::{AttachmentState, HeldParticle};
 
-/// What holds the tied particles of one body.
+/// The tied particles of one body.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct AttachmentSnapshot {
@@ -20,7 +20,7 @@ pub(super) fn take(entity: EntityRef) -> Option<AttachmentSnapshot> {
     Some(AttachmentSnapshot { poses: poses.collect(), held: state.held.clone() })
 }
 
-/// What is tied is found again by the component, which the scene has; where that has other ties, all are made anew.
+/// Restores the tied particles of the entity's own [`Attachment`]. If that has other ties, all are made anew.
 pub(super) fn restore(snapshot: Option<&AttachmentSnapshot>, body: u64, entity: &mut EntityWorldMut) {
     let Some(attachment) = entity.get::<Attachment>().cloned() else { return };
     let known = snapshot.filter(|snapshot| snapshot.poses.len() == attachment.ties.len());

@@ -1,18 +1,16 @@
 //! The state of cloths, ropes and rigs.
 
-use std::sync::Arc;
-
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
 use drape_solver::world::extent::Extent;
-use drape_solver::{BodyContext, Layers, ParticlesSnapshot, Topology};
+use drape_solver::{BodyContext, Layers, ParticlesSnapshot};
 
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::layers::DrapeLayers;
-use crate::body::particles::{Particles, Sticks};
+use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
 use crate::build::rigid_tetrahedron::RigidPlace;
 use crate::detail::change::parts_at;
@@ -53,8 +51,8 @@ impl BodySnapshot {
         Key::Body(self.order)
     }
 
-    /// The particles and sticks of the body, where it has others now, at another level of detail.
-    fn other_parts(&self, entity: EntityRef) -> Option<(drape_solver::Particles, Arc<Topology>)> {
+    /// Builds the particles and sticks of the snapshot, if the body has another level of detail now.
+    fn other_parts(&self, entity: EntityRef) -> Option<BodyParts> {
         let wanted = self.detail?.coarseness;
         let is_other = wanted != entity.get::<CurrentDetail>()?.coarseness;
         if is_other { parts_at(entity, wanted) } else { None }
@@ -82,7 +80,7 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             bounds: [state.extent.bounds.low, state.extent.bounds.high].map(|corner| corner.to_array()),
             greatest_speed: state.extent.greatest_speed,
             is_refused: state.refused,
-            settings: state.settings.into(),
+            settings: state.settings,
             layers: state.layers,
             own_settings: entity.get().copied(),
             own_layers: entity.get().copied(),
@@ -116,7 +114,7 @@ pub(super) fn check(bodies: &[BodySnapshot], world: &World, keys: &Keys) -> Resu
     Ok(())
 }
 
-/// What has been [checked](check).
+/// Restores bodies that have been [checked](check).
 pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -> Result<(), SnapshotError> {
     for &(key, body) in keys {
         let is_known = bodies.binary_search_by_key(&key, BodySnapshot::key).is_ok();
@@ -145,7 +143,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
             let [low, high] = body.bounds.map(Vec3::from_array);
             state.extent = Extent { bounds: Bounds::new(low, high), greatest_speed: body.greatest_speed };
             state.refused = body.is_refused;
-            state.settings = body.settings.into();
+            state.settings = body.settings;
             state.layers = body.layers;
         }
         if let Some(mut activity) = entity.get_mut::<Activity>() {
@@ -155,7 +153,7 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         if let Some(mut place) = entity.get_mut::<RigidPlace>() {
             place.set(body.placed.transform());
         }
-        // A rig has the settings of one of its particles.
+        // A rig takes its settings from one of its particles.
         if !entity.contains::<Rig>() {
             put_component(&mut entity, body.own_settings.as_ref());
         }

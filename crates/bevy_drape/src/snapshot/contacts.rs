@@ -1,4 +1,4 @@
-//! What is known of touches, so that none is told twice.
+//! Known touches, so that none is reported twice.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
@@ -7,11 +7,11 @@ use crate::contact::contact_pairs::{ContactPair, ContactPairs};
 use crate::contact::hit::Touching;
 use crate::snapshot::key::{Key, Keys, entity};
 
-/// Pairs that touch or have just done so.
+/// Pairs that touch, or touched a moment ago.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ContactSnapshot {
-    /// Ball, other, and the time in seconds until which it lasts.
+    /// Ball, other, and the time in seconds at which the touch ends.
     touches: Vec<(Key, Key, f64)>,
     pairs: Vec<(Key, Key, ContactPair)>,
 }

@@ -4,8 +4,7 @@ use bevy::prelude::*;
 use drape_solver::BuildError;
 use thiserror::Error;
 
-/// What tells a body, ball or obstacle from all others of its scene: when it was created. It is the same in every run, as
-/// entity ids need not be.
+/// Names a body, ball or obstacle by its order of creation. Unlike entity ids it is the same in every run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Key {
@@ -27,7 +26,7 @@ pub enum SnapshotError {
     /// A body or obstacle of the snapshot is not in the world.
     #[error("{0:?} is not in the world: it is not the scene that the snapshot was taken of")]
     Missing(Key),
-    /// A body has other sticks.
+    /// A body has a different number of sticks.
     #[error("{key:?} has {found} sticks in the world and {wanted} in the snapshot")]
     AnotherBody {
         /// The body.
@@ -40,31 +39,31 @@ pub enum SnapshotError {
     /// The particles and sticks of a hand-built rig are not those of the snapshot.
     #[error("particle {0} of the hand-built rigs is not in the world as it was: rigs must be edited before")]
     AnotherRig(u64),
-    /// A state cannot be.
+    /// A state is invalid.
     #[error("{key:?} cannot be what it was: {source}")]
     BadState {
         /// The body, ball or obstacle.
         key: Key,
-        /// What is wrong with it.
+        /// The fault.
         source: BuildError,
     },
     /// The same thing is in the snapshot twice, or out of order.
     #[error("{0:?} is in the snapshot twice, or out of order")]
     OutOfOrder(Key),
-    /// A number of the clock, gravity, or the wind cannot be.
+    /// A number of the clock, gravity, or the wind is invalid.
     #[error("{0} of the snapshot cannot be")]
     BadWorld(&'static str),
 }
 
-/// Members of the world: in order of their keys.
+/// Entities sorted by their keys.
 pub(super) type Keys = [(Key, Entity)];
 
-/// The entity of a key.
+/// Returns the entity of a key.
 pub(super) fn entity(keys: &Keys, key: Key) -> Option<Entity> {
     keys.binary_search_by_key(&key, |&(key, _)| key).ok().map(|place| keys[place].1)
 }
 
-/// The first key that is not greater than the one before it.
+/// Fails with the first key that is not greater than the one before it.
 pub(super) fn out_of_order(keys: impl Iterator<Item = Key>) -> Result<(), SnapshotError> {
     let mut last = None;
     for key in keys {

@@ -1,4 +1,4 @@
-//! Snapshots: all that decides what a running world does next, to go on from there later, or somewhere else.
+//! Snapshots: the complete state of a running simulation, to continue from there later, or in another world.
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -18,14 +18,14 @@
 //! }
 //! ```
 //!
-//! A snapshot holds the state of bodies, balls and obstacles, the clock, gravity, wind and settings, and what is known of
-//! touches, so that none is told twice. It does not hold what a scene is made of: the description of bodies, meshes, your own
-//! components, what moves the obstacles, and messages that no step has seen yet. So it is restored into the world that it was
-//! taken of, or into another in which the same scene was spawned and has taken a step; there everything is found again by the
-//! [number of its creation](Key). What the snapshot does not know is despawned. Balls that are missing are spawned, bare: give
-//! them your own components when they appear, as you do when a cannon fires.
+//! A snapshot holds the state of bodies, balls and obstacles, the clock, gravity, wind and settings, and the known
+//! touches, so that none is reported twice. It does not hold the scene: descriptions of bodies, meshes, your own
+//! components, whatever moves the obstacles, and messages that no step has read yet. Restore it into the same world, or
+//! into another one in which the same scene was spawned and has taken a step. Entities are found by their
+//! [order of creation](Key). Entities that are not in the snapshot are despawned. Missing balls are spawned without
+//! your own components: add them when they appear, as you do when a cannon fires.
 //!
-//! With the feature `serde` a snapshot can be written in any format.
+//! The feature `serde` writes snapshots in any format.
 
 pub(crate) mod attachments;
 pub(crate) mod bodies;

@@ -1,4 +1,4 @@
-//! What bodies knew of the motion of their animations and references.
+//! Poses of animations and references that bodies follow.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use crate::attach::animated_pose::AnimatedPose;
 use crate::attach::world_motion::WorldMotionState;
 
-/// The places of joints, and of the reference of a `WorldMotion`, that the last step saw.
+/// Poses of the joints, and of the reference of a `WorldMotion`, in the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct MotionSnapshot {
@@ -25,7 +25,7 @@ pub(super) fn take(entity: EntityRef) -> MotionSnapshot {
 
 pub(super) fn restore(snapshot: &MotionSnapshot, entity: &mut EntityWorldMut) {
     if let Some(mut pose) = entity.get_mut::<AnimatedPose>() {
-        // Of another skeleton, all is worked out anew.
+        // With another skeleton the pose is computed anew.
         pose.last = snapshot.joints.iter().map(Affine3A::from_cols_array).collect();
     }
     if let Some(mut state) = entity.get_mut::<WorldMotionState>() {

@@ -12,14 +12,14 @@ use crate::environment::solver_environment::SolverEnvironment;
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::world::{Placed, put_component};
 
-/// The state of one obstacle. In a snapshot they stand in the order of the solver's list, which contacts are sorted by.
+/// The state of one obstacle. A snapshot keeps the order of the solver's list, by which contacts are sorted.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ObstacleSnapshot {
     order: u64,
     placed: Placed,
     scale: [f32; 3],
-    /// Where the solver has it, and where it had it a step ago.
+    /// Placements in the solver, now and one step ago.
     now: ([f32; 3], [f32; 4]),
     before: ([f32; 3], [f32; 4]),
     friction: f32,
@@ -36,7 +36,7 @@ impl ObstacleSnapshot {
         Key::Obstacle(self.order)
     }
 
-    /// As the solver had it, on the entity that it is now.
+    /// Builds the solver's obstacle for its present entity.
     fn built(&self, entity: EntityRef) -> Result<drape_solver::Obstacle, SnapshotError> {
         let key = self.key();
         let obstacle = entity.get::<Obstacle>().ok_or(SnapshotError::Missing(key))?;
@@ -50,13 +50,13 @@ impl ObstacleSnapshot {
         let built = built(&obstacle, self.scale.into(), before, layers, asks);
         let mut built = built.map_err(|source| SnapshotError::BadState { key, source })?;
         if now != before {
-            // It was not a teleport then, and is none now.
+            // A move, not a teleport, as it was then.
             built.move_to(now, f32::INFINITY);
         }
         Ok(built)
     }
 
-    /// An obstacle with the surface that it had.
+    /// Returns an obstacle with the surface of the snapshot.
     fn on(&self, obstacle: Obstacle) -> Obstacle {
         let Self { friction, static_friction, restitution, is_sensor, .. } = *self;
         Obstacle { friction, static_friction, restitution, is_sensor, ..obstacle }
@@ -102,7 +102,7 @@ pub(super) fn check(obstacles: &[ObstacleSnapshot], world: &World, keys: &Keys) 
     Ok(())
 }
 
-/// What has been [checked](check).
+/// Restores obstacles that have been [checked](check).
 pub(super) fn restore(
     obstacles: &[ObstacleSnapshot],
     world: &mut World,
@@ -129,7 +129,7 @@ pub(super) fn restore(
         solver_obstacles.push(built);
         places.push((snapshot.order, entity.id(), snapshot.scale.into()));
         if let Some(mut obstacle) = entity.get_mut::<Obstacle>() {
-            // The solver has it already: what is changed would be built anew.
+            // A marked change would rebuild the obstacle, which the solver has already.
             let obstacle = obstacle.bypass_change_detection();
             *obstacle = snapshot.on(obstacle.clone());
         }

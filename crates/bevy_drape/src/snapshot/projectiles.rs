@@ -71,7 +71,7 @@ pub(super) fn check(balls: &[ProjectileSnapshot]) -> Result<(), SnapshotError> {
     balls.iter().try_for_each(|ball| ball.ball().map(drop))
 }
 
-/// What has been [checked](check).
+/// Restores balls that have been [checked](check).
 pub(super) fn restore(
     balls: &[ProjectileSnapshot],
     world: &mut World,
@@ -107,7 +107,7 @@ pub(super) fn restore(
             entity.insert(Interpolated);
         }
         snapshot.placed.restore(&mut entity);
-        // The ball is built already: what is new or changed would be launched once more.
+        // A marked change would launch the ball again, which is built already.
         if let Some(mut projectile) = entity.get_mut::<Projectile>() {
             projectile.set_last_changed(old);
         }

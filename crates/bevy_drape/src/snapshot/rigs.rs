@@ -1,4 +1,5 @@
-//! The particle entities of hand-built rigs. Their state is in their body's columns; here is what they show of it.
+//! The particle entities of hand-built rigs. Their bodies hold positions and velocities; their own records and
+//! transforms are here.
 
 use bevy::prelude::*;
 
@@ -17,7 +18,7 @@ pub(super) struct RigParticleSnapshot {
     placed: Placed,
 }
 
-/// All particles that are simulated, by the order of their insertion.
+/// Returns all simulated particles in the order of insertion.
 fn members(world: &mut World) -> Vec<(u64, Entity)> {
     let mut particles = world.query_filtered::<(Entity, &ParticleRecord), With<InRig>>();
     let mut members: Vec<(u64, Entity)> =
@@ -43,7 +44,7 @@ pub(super) fn take(world: &mut World) -> Vec<RigParticleSnapshot> {
     particles
 }
 
-/// Edits of rigs are no state: they are made anew in the world that a snapshot is restored into.
+/// A snapshot does not hold edits of rigs: the world must have the same rigs.
 pub(super) fn check(particles: &[RigParticleSnapshot], world: &mut World) -> Result<(), SnapshotError> {
     let members = members(world);
     for (i, snapshot) in particles.iter().enumerate() {
@@ -62,7 +63,7 @@ pub(super) fn check(particles: &[RigParticleSnapshot], world: &mut World) -> Res
     }
 }
 
-/// What has been [checked](check).
+/// Restores particles that have been [checked](check).
 pub(super) fn restore(particles: &[RigParticleSnapshot], world: &mut World) {
     for (snapshot, (_, entity)) in particles.iter().zip(members(world)) {
         let mut entity = world.entity_mut(entity);

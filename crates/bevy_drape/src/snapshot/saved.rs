@@ -9,7 +9,7 @@ use crate::snapshot::key::SnapshotError;
 use crate::snapshot::world::members;
 use crate::snapshot::{bodies, contacts, obstacles, projectiles, rigs, world};
 
-/// All that decides what a running world does next.
+/// The complete state of a running simulation.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Snapshot {
@@ -21,8 +21,8 @@ pub struct Snapshot {
     contacts: contacts::ContactSnapshot,
 }
 
-/// Has the next step that sees something new give out the numbers after `last`: to spawn again what was spawned while the scene
-/// ran, so that a snapshot of that finds it.
+/// Continues the order of creation after `last`. Call it before you respawn entities that were spawned while the scene
+/// ran, so that a snapshot finds them.
 pub fn number_from(world: &mut World, last: u64) {
     if let Some(mut order) = world.get_resource_mut::<CreationOrder>() {
         order.go_on_from(last);
@@ -30,7 +30,7 @@ pub fn number_from(world: &mut World, last: u64) {
     if let Some(mut solver) = world.get_resource_mut::<SolverEnvironment>() {
         solver.obstacles.go_on_from(last);
     }
-    // Particles of rigs are numbered among themselves: from the first, where there are none.
+    // Rig particles have their own numbers, which restart at 1 if there are none.
     if world.query_filtered::<(), With<InRig>>().iter(world).next().is_none()
         && let Some(mut edits) = world.get_resource_mut::<RigEdits>()
     {
@@ -52,10 +52,10 @@ impl Snapshot {
         }
     }
 
-    /// Puts the world back to where it was, between steps. From there it goes on with the same bits.
+    /// Restores the world to the snapshot, between steps. From there it continues with the same bits.
     ///
     /// # Errors
-    /// [`SnapshotError`] if the world is not one of the same scene; nothing has changed then.
+    /// [`SnapshotError`] if the world does not have the same scene; then nothing is changed.
     pub fn restore(&self, world: &mut World) -> Result<(), SnapshotError> {
         let keys = members(world);
         let Self { world: shared, bodies, balls, obstacles, rig_particles, contacts } = self;
@@ -75,7 +75,7 @@ impl Snapshot {
         Ok(())
     }
 
-    /// Number of steps that had been taken.
+    /// Number of steps taken.
     pub fn steps(&self) -> u64 {
         self.world.clock.steps()
     }

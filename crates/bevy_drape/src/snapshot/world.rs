@@ -1,4 +1,4 @@
-//! What concerns all: clock, gravity, wind, settings.
+//! Resources: clock, gravity, wind, settings.
 
 use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
@@ -16,7 +16,7 @@ use crate::sleep::scene_manager::SceneManager;
 use crate::snapshot::key::{Key, Keys, SnapshotError};
 use crate::transform::interpolation::InterpolationState;
 
-/// What concerns all.
+/// Resources of the simulation.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct WorldSnapshot {
@@ -26,7 +26,7 @@ pub(super) struct WorldSnapshot {
     defaults: DefaultSolverSettings,
     manager: SceneManager,
     contact_settings: DrapeContactSettings,
-    /// What the last step saw.
+    /// Values that the last step used.
     seen_gravity: [f32; 3],
     seen_wind: Wind,
     is_changed: bool,
@@ -78,16 +78,16 @@ pub(super) fn restore(snapshot: &WorldSnapshot, world: &mut World) {
     solver.changed = snapshot.is_changed;
 }
 
-/// Sets a resource, if it is another: a change would concern everything that rests.
+/// Sets a resource only if it differs, since a change wakes everything.
 fn put<R: Resource<Mutability = Mutable> + PartialEq>(world: &mut World, value: R) {
     world.resource_mut::<R>().set_if_neq(value);
 }
 
-/// All bodies, balls and obstacles that have been built, in the order of their keys.
+/// Returns all bodies, balls and obstacles that have been built, sorted by their keys.
 pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
     let mut bodies = world.query::<(Entity, &BodyState)>();
     let mut balls = world.query::<(Entity, &ProjectileRecord)>();
-    // A body that nobody has stepped yet has no number.
+    // A body that has not been stepped yet has no number.
     let bodies = bodies.iter(world).filter(|(_, state)| state.order > 0);
     let bodies = bodies.map(|(entity, state)| (Key::Body(state.order), entity));
     let balls = balls.iter(world).map(|(entity, record)| (Key::Ball(record.order), entity));
@@ -100,7 +100,7 @@ pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
     members
 }
 
-/// Has the next step look at everything, so that what rests is known to rest and what does not is not.
+/// Checks everything in the next step, so that the resting bodies are known.
 pub(super) fn have_all_looked_at(world: &mut World, keys: &Keys) {
     world.resource_mut::<Candidates>().look_at(keys.iter().map(|&(_, entity)| entity));
 }
@@ -123,7 +123,7 @@ impl From<Frozen> for Transform {
     }
 }
 
-/// Where an entity is: its own transform, as of the last step, and that in the world.
+/// Transform of an entity as of the last step, and its global transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Placed {
@@ -132,7 +132,7 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Where it is; at the origin without a transform.
+    /// Reads the transforms of an entity; the identity without a transform.
     pub fn take(entity: EntityRef) -> Self {
         let mut transform = entity.get::<Transform>().copied().unwrap_or_default();
         if let Some(true_transform) = entity.get::<InterpolationState>().and_then(InterpolationState::end) {
@@ -142,19 +142,19 @@ impl Placed {
         Self { own: transform.into(), global: global.affine().to_cols_array() }
     }
 
-    /// Its own transform.
+    /// Returns its transform.
     pub fn transform(&self) -> Transform {
         self.own.into()
     }
 
-    /// That in the world.
+    /// Returns its global transform.
     pub fn global(&self) -> GlobalTransform {
         bevy::math::Affine3A::from_cols_array(&self.global).into()
     }
 
-    /// Puts it back there, if it has a transform at all.
+    /// Restores the transforms of an entity, if it has any.
     pub fn restore(&self, entity: &mut EntityWorldMut) {
-        // Marked as changed in any case: that in the world may be older.
+        // Marked as changed in any case, since the global transform may be older.
         if let Some(mut transform) = entity.get_mut::<Transform>() {
             *transform = self.transform();
         }
@@ -167,7 +167,7 @@ impl Placed {
     }
 }
 
-/// Gives an entity the component that it had, or takes it off, where that makes a difference.
+/// Inserts or removes a component of an entity, if that makes a difference.
 pub(super) fn put_component<C: Component + PartialEq + Clone>(
     entity: &mut EntityWorldMut,
     value: Option<&C>,

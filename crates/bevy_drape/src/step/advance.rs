@@ -1,7 +1,7 @@
 //! The systems that take the islands through a step.
 //!
-//! Each of them brings every island up to its own stage. Where they are [fused](Islands::is_fused) the first ones
-//! have nothing to do, and the last one runs all stages.
+//! Each of them advances every island to its own stage. In a [fused](Islands::is_fused) step the first ones do nothing,
+//! and the last one runs all stages.
 
 use bevy::prelude::*;
 use drape_solver::world::staged_island::StepStage;
@@ -11,26 +11,26 @@ use crate::step::components::StepComponents;
 use crate::step::islands::Islands;
 use crate::step::motion_limits::MotionLimitCounts;
 
-/// Checks the islands and sums up the forces on them. What cannot be stepped is left out.
+/// Checks the islands and adds up the forces on them. Invalid bodies and balls are left out.
 pub(crate) fn begin_islands(mut islands: ResMut<Islands>, mut components: StepComponents) {
     if !islands.is_fused {
         components.advance(&mut islands, StepStage::DetectCollisions);
     }
 }
 
-/// Lists what could touch what within the step.
+/// Lists everything that could touch within the step.
 pub(crate) fn detect_collisions(mut islands: ResMut<Islands>, mut components: StepComponents) {
     if !islands.is_fused {
         components.advance(&mut islands, StepStage::Integrate);
     }
 }
 
-/// All substeps of all islands at once.
+/// Runs all substeps of all islands at once.
 pub(crate) fn run_substeps_of_islands(mut islands: ResMut<Islands>, mut components: StepComponents) {
     components.advance(&mut islands, StepStage::Finish);
 }
 
-/// One stage of one substep of all islands.
+/// Runs one stage of one substep of all islands.
 pub(crate) fn substep_stage(
     In(stage): In<StepStage>,
     mut islands: ResMut<Islands>,
@@ -39,7 +39,7 @@ pub(crate) fn substep_stage(
     components.run(&mut islands, |island, environment| island.run_substep_stage(environment, stage));
 }
 
-/// Takes the islands through the rest of the step, and notes the time that it took.
+/// Runs the rest of the step, and records its times.
 pub(crate) fn finish_islands(
     mut islands: ResMut<Islands>,
     mut components: StepComponents,

@@ -1,4 +1,4 @@
-//! The components that a step takes out and puts back.
+//! Moves bodies and balls between components and islands.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -40,7 +40,7 @@ pub(crate) type BallQuery<'w, 's> = Query<
     ),
 >;
 
-/// What the islands are filled from, and what it takes to leave something out.
+/// The components of bodies and balls that a step moves into islands and back.
 #[derive(SystemParam)]
 pub(crate) struct StepComponents<'w, 's> {
     bodies: BodyQuery<'w, 's>,
@@ -51,19 +51,19 @@ pub(crate) struct StepComponents<'w, 's> {
 }
 
 impl StepComponents<'_, '_> {
-    /// Brings all islands up to the stage `end`.
+    /// Advances all islands to the stage `end`.
     pub fn advance(&mut self, islands: &mut Islands, end: StepStage) {
         self.run(islands, |island, environment| island.advance(environment, end));
     }
 
-    /// Runs `stages` on all islands, with their components taken out of their components and given back.
+    /// Runs `stages` on all islands, with bodies and balls moved out of their components and back.
     pub fn run(
         &mut self,
         islands: &mut Islands,
         stages: impl Fn(&mut IslandRun, &Environment) + Send + Sync,
     ) {
         if islands.are_for_one_thread() {
-            // Each from beginning to end, through the same memory, while it is in the cache.
+            // One island after another through the same memory, which stays in the cache.
             let mut bodies = core::mem::take(&mut islands.bodies);
             for island in islands.live_mut() {
                 core::mem::swap(&mut bodies, &mut island.staged.island.bodies);
@@ -87,7 +87,7 @@ impl StepComponents<'_, '_> {
         }
     }
 
-    /// Leaves out what cannot be stepped; the others go on.
+    /// Leaves invalid bodies and balls out; the others continue.
     fn refuse_faulty(&mut self, island: &mut IslandRun, stages: impl Fn(&mut IslandRun, &Environment)) {
         while let Some(error) = island.staged.error.take() {
             if self.refuse(island, &error) {
@@ -103,7 +103,7 @@ impl StepComponents<'_, '_> {
     /// Leaves the body or ball that `error` names out of the simulation; false if it names none.
     fn refuse(&mut self, island: &mut IslandRun, error: &StepError) -> bool {
         const NOT_FINITE: &str = "a position, velocity, force or pin target is not finite";
-        // Writing to what is refused does not count as a change: a change is how a user mends it.
+        // Bypasses change detection: a change of a refused component means that the user has mended it.
         let entity = match *error {
             StepError::NonFiniteBody(index) | StepError::BadSettings { body: index, .. } => {
                 let entity = island.bodies.remove(index);

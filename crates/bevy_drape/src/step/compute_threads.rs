@@ -1,13 +1,13 @@
-//! The threads that islands and large bodies are spread over.
+//! The worker threads for islands and large bodies.
 
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use drape_solver::Threads;
 
-/// The threads of the compute pool, for the sharing out of a large body.
+/// The threads of the compute pool, for the work on a large body.
 pub(crate) struct ComputeThreads;
 
 impl Threads for ComputeThreads {
-    /// With the one that calls, which need not be the pool's.
+    /// Includes the calling thread, which may be outside the pool.
     fn count(&self) -> usize {
         1 + pool().thread_num()
     }

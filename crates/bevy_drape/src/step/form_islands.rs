@@ -17,7 +17,7 @@ use crate::environment::solver_environment::SolverEnvironment;
 use crate::refusal::Refusals;
 use crate::step::islands::Islands;
 
-/// Begins the order of what comes after all bodies and balls.
+/// Lowest order of dynamic obstacles, above those of all bodies and balls.
 const LATEST: u64 = 1 << 63;
 
 /// Groups all active bodies and balls into the islands of this step.

@@ -1,4 +1,4 @@
-//! One island on its way through a step.
+//! One island's run through a step.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ pub(crate) struct IslandRun {
     pub limit_conflicts: usize,
     /// Time that the search for contacts took in this step.
     pub detect_time: Duration,
-    /// Time that the substeps took.
+    /// Time of the substeps.
     pub substep_time: Duration,
     /// True if no other island runs at the same time, so that its bodies may have all threads.
     pub is_alone: bool,
@@ -44,7 +44,7 @@ impl IslandRun {
         self.is_alone = false;
     }
 
-    /// Runs the stages that are left before `end`, however many have been run one by one already.
+    /// Runs all remaining stages before `end`.
     pub fn advance(&mut self, environment: &Environment, end: StepStage) {
         let threads: &dyn Threads = if self.is_alone { &ComputeThreads } else { &Alone };
         while self.staged.is_before(end) {
@@ -56,8 +56,7 @@ impl IslandRun {
         }
     }
 
-    /// Runs one stage of a substep, if it is that stage's turn. An island that needs fewer substeps than others is
-    /// through before them.
+    /// Runs one stage of a substep if it is next. An island with fewer substeps than others finishes before them.
     pub fn run_substep_stage(&mut self, environment: &Environment, stage: StepStage) {
         if self.staged.next_stage() == stage && self.staged.error.is_none() {
             self.time(|staged| staged.run_next(environment));
@@ -103,7 +102,7 @@ impl IslandRun {
             let is_gone = body.particles.is_empty();
             solver.push_body(body, scratch);
             if is_gone {
-                // A user's system took the body away in the middle of the step.
+                // A user system removed the body within the step.
                 solver.vacate_body(solver.bodies.len() - 1);
                 *entity = Entity::PLACEHOLDER;
             }

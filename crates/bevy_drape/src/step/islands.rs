@@ -1,8 +1,8 @@
-//! Islands: which bodies and balls are stepped together, and their way into the solver and back.
+//! Islands: groups of bodies and balls that are stepped together.
 //!
-//! The solver owns what it steps. A body's columns are moved out of its component into an island (a few pointers,
-//! no copy of the particles), stepped, and moved back. Islands do not depend on each other, so they run on all
-//! threads of the compute pool and give the same bits on any number of them.
+//! The solver owns the bodies that it steps. A body's columns are moved from its component into an island (a few
+//! pointers, no copy of particles), stepped, and moved back. Islands are independent, so they run on all threads of the
+//! compute pool and give the same bits on any number of threads.
 
 use bevy::prelude::*;
 use drape_solver::Body;
@@ -21,13 +21,13 @@ pub(crate) struct Islands {
     pub grouping: Grouping<Entity>,
     /// Memory that bodies are stepped in on one thread, one island after another.
     pub bodies: Vec<Body>,
-    /// Whether nobody has a system of their own between the stages of this step. Each island then goes through all
-    /// of them in one go, on its own thread, while its particles are in the cache.
+    /// True without user systems between the stages of this step. Then each island runs all stages at once, on its own
+    /// thread, while its particles are in the cache.
     pub is_fused: bool,
 }
 
 impl Islands {
-    /// The islands of this step.
+    /// Returns the islands of this step.
     pub fn live(&self) -> &[IslandRun] {
         &self.slots[..self.live]
     }
@@ -36,12 +36,12 @@ impl Islands {
         &mut self.slots[..self.live]
     }
 
-    /// The most substeps that an island takes in this step.
+    /// Returns the greatest number of substeps of an island in this step.
     pub fn substeps(&self) -> u32 {
         self.live().iter().map(|island| island.solver().substeps()).max().unwrap_or(0)
     }
 
-    /// Whether the islands are not worth more threads than one, or there is none.
+    /// True if there are fewer than two islands, or only one thread.
     pub fn are_for_one_thread(&self) -> bool {
         self.live < 2 || pool().thread_num() < 2
     }
@@ -59,7 +59,7 @@ impl Islands {
         });
     }
 
-    /// Groups the members whose boxes meet in this step: islands in order of their oldest member.
+    /// Groups the members whose boxes overlap, into islands in the order of their oldest members.
     pub fn form(&mut self) {
         let Self { slots, grouping, .. } = self;
         self.live = grouping.form(|number, &Member { key: entity, kind, .. }| {

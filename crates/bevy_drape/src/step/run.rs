@@ -19,7 +19,7 @@ const SUBSTEP: [(StepStage, DrapeSystems); 3] = [
     (StepStage::ProjectCollisions, DrapeSystems::ProjectCollisions),
 ];
 
-/// Takes a step, if the clock says so.
+/// Takes a step, if one is due.
 pub(crate) fn run_drape_schedule(world: &mut World) {
     let timestep = world.resource::<Time>().delta_secs();
     if !world.resource_mut::<DrapeClock>().begin_step(timestep) {
@@ -27,7 +27,7 @@ pub(crate) fn run_drape_schedule(world: &mut World) {
     }
     let start = Instant::now();
     world.schedule_scope(DrapeSchedule, |world, schedule| {
-        // What is wrong with the schedule is told when it is run.
+        // Errors of the schedule are reported when it runs.
         let _ = schedule.initialize(world);
         let is_fused = !is_substep_hooked(world) && !is_hooked(schedule);
         world.resource_mut::<Islands>().is_fused = is_fused;
@@ -37,7 +37,7 @@ pub(crate) fn run_drape_schedule(world: &mut World) {
     world.resource_mut::<DrapeClock>().end_step();
 }
 
-/// Whether anybody else has a system where the islands are on their way.
+/// True if user systems run between the first and the last stage of the islands.
 fn is_hooked(schedule: &Schedule) -> bool {
     let Ok(systems) = schedule.systems() else { return true };
     let first = begin_islands.system_type_id();
@@ -58,7 +58,7 @@ fn is_substep_hooked(world: &World) -> bool {
     systems != SUBSTEP.len()
 }
 
-/// Runs the substeps, one by one if somebody looks.
+/// Runs the substeps, one by one if there are user systems among them.
 pub(crate) fn run_substeps(world: &mut World) {
     if is_substep_hooked(world) {
         for _ in 0..world.resource::<Islands>().substeps() {

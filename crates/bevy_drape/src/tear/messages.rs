@@ -1,25 +1,25 @@
-//! Messages: cuts that are asked for, sticks that gave way, pieces that came off.
+//! Messages: requested cuts, torn sticks, pieces that come off.
 
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
 
-/// Cuts what a blade passes through. Sent at any time; carried out at the start of the next step.
+/// Cuts everything that a blade passes through. Send it at any time; the next step cuts first.
 #[derive(Message, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Debug, Default, Clone, PartialEq)]
 pub struct CutCloth {
-    /// The triangles of the blade in the world, in metres.
+    /// Triangles of the blade in the world, in metres.
     pub blade: Vec<[Vec3; 3]>,
     /// The only body that is cut; all by default.
     pub only: Option<Entity>,
 }
 
 impl CutCloth {
-    /// What a straight edge cuts that moves from one place to another: a sword's hilt and tip, then and now.
+    /// A cut by a straight edge that moves from one place to another: a sword's hilt and tip, then and now.
     pub fn sweep([hilt, tip]: [Vec3; 2], [new_hilt, new_tip]: [Vec3; 2]) -> Self {
         Self { blade: vec![[hilt, tip, new_tip], [hilt, new_tip, new_hilt]], only: None }
     }
 
-    /// What a blade cuts whose middle moves along `path`, and which reaches `depth` to both sides of it: both in the world, in metres.
+    /// A cut by a blade that moves along `path` and reaches `depth` to both sides of it: both in the world, in metres.
     pub fn along(path: impl IntoIterator<Item = Vec3>, depth: Vec3) -> Self {
         let mut blade = Vec::new();
         let mut path = path.into_iter();
@@ -33,12 +33,12 @@ impl CutCloth {
         Self { blade, only: None }
     }
 
-    /// What lies between two rays, up to `length` metres away: a stroke of the pointer across the screen.
+    /// A cut of everything between two rays, up to `length` metres away: a stroke of the pointer across the screen.
     pub fn between(from: Ray3d, to: Ray3d, length: f32) -> Self {
         Self::sweep([from.origin, from.get_point(length)], [to.origin, to.get_point(length)])
     }
 
-    /// A star of three slits of `radius` (metres) around `centre`, along `direction`: what a bullet leaves.
+    /// A star of three slits of `radius` metres around `centre`, along `direction`: the hole of a bullet.
     pub fn star(centre: Vec3, direction: Dir3, radius: f32) -> Self {
         let (along, aside) = (direction * radius, direction.any_orthonormal_vector());
         let mut star = Self::default();
@@ -67,34 +67,34 @@ impl CutCloth {
     }
 }
 
-/// Sent for each stick that a tear or a cut parts.
+/// Sent for each stick that tears or is cut.
 #[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct StickTorn {
     /// The body.
     pub body: Entity,
-    /// The middle of the stick when it gave way, in the world, in metres.
+    /// Middle of the stick when it parted, in the world, in metres.
     pub position: Vec3,
-    /// How long it was, in metres.
+    /// Length when it parted, in metres.
     pub length: f32,
-    /// How long it is at rest, in metres.
+    /// Rest length in metres.
     pub rest_length: f32,
-    /// Whether it was cut; else it was stretched too far.
+    /// True if it was cut, false if it tore.
     pub is_cut: bool,
     /// Simulated time in seconds.
     pub time: f64,
 }
 
-/// Triggered on a body that a piece comes off, once for each piece; also sent as a message.
+/// Triggered on a torn body, once for each piece that comes off; also sent as a message.
 #[derive(EntityEvent, Message, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct BodySplit {
     /// The body that the piece was part of.
     #[event_target]
     pub body: Entity,
-    /// The piece, a body of its own now. None if it was too small, and is gone.
+    /// The piece, now a body of its own; none if it was too small and vanished.
     pub piece: Option<Entity>,
-    /// For each particle of the piece the index that it had in the body.
+    /// For each particle of the piece, its index in the body.
     pub origins: Vec<u32>,
     /// Simulated time in seconds.
     pub time: f64,

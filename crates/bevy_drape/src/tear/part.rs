@@ -26,7 +26,7 @@ pub(crate) type TornQuery<'w, 's> = Query<
     (Without<Rig>, Without<Untearable>),
 >;
 
-/// What tears are told to, and what pieces are made with.
+/// Everything that is needed to part bodies.
 #[derive(bevy::ecs::system::SystemParam)]
 pub(crate) struct Tearing<'w, 's> {
     pub commands: Commands<'w, 's>,
@@ -38,19 +38,19 @@ pub(crate) struct Tearing<'w, 's> {
     posed: Query<'w, 's, &'static mut AnimatedPose>,
     torn: MessageWriter<'w, StickTorn>,
     split: MessageWriter<'w, BodySplit>,
-    /// What observers are still to be told.
+    /// Splits that observers have not been told of yet.
     pub splits: Local<'s, Vec<BodySplit>>,
 }
 
 impl Tearing<'_, '_> {
-    /// Tells observers of the splits, after all that is done to the bodies: they may despawn them.
+    /// Triggers observers of the splits, last of all, since they may despawn the bodies.
     pub fn tell_splits(&mut self) {
         for split in self.splits.drain(..) {
             self.commands.trigger(split);
         }
     }
 
-    /// Does `part` to a body, and makes entities of what comes off.
+    /// Applies `part` to a body, and makes entities of the pieces that come off.
     pub fn part(
         &mut self,
         entity: Entity,
@@ -117,7 +117,7 @@ impl Tearing<'_, '_> {
         sticks.0 = body.topology;
     }
 
-    /// The entity of a piece that has come off another.
+    /// Spawns the entity of a piece that has come off another.
     fn spawn(&mut self, from: Entity, state: &BodyState, piece: Body, origins: &[u32]) -> Entity {
         let mesh = self.torn_mesh(from, origins);
         let state = BodyState {
@@ -162,10 +162,10 @@ impl Tearing<'_, '_> {
         spawned.id()
     }
 
-    /// Where the vertices of a body's new mesh come from.
+    /// Returns the origin of the vertices of a body's new mesh.
     fn torn_mesh(&self, entity: Entity, origins: &[u32]) -> TornMesh {
         match self.torn_meshes.get(entity) {
-            // Torn before the mesh of the last tear was made.
+            // Torn again before the mesh of the last tear was made.
             Ok(TornMesh { source, origins: before }) => {
                 let origins = origins.iter().filter_map(|&origin| before.get(origin as usize).copied());
                 TornMesh { source: *source, origins: origins.collect() }
@@ -175,7 +175,7 @@ impl Tearing<'_, '_> {
     }
 }
 
-/// The pins of a body, or of a piece of it, whose particles have these origins.
+/// Returns the pins of a torn body, or of a piece of it, whose particles have these origins.
 fn pins_after(state: &BodyState, origins: &[u32]) -> Vec<(u32, Vec3)> {
     let place = |origin: u32| state.pins.iter().find(|&&(pin, _)| pin == origin).map(|&(_, place)| place);
     let origins = origins.iter().enumerate();

@@ -1,4 +1,4 @@
-//! Cuts what blades pass through, and tears what is stretched too far.
+//! Cuts bodies that blades pass through, and tears bodies that are stretched too far.
 
 use bevy::prelude::*;
 use drape_solver::TearLimits;
@@ -12,7 +12,8 @@ use crate::rig::components::Rig;
 use crate::tear::messages::CutCloth;
 use crate::tear::part::{Tearing, TornQuery};
 
-/// Makes the cuts that were asked for. Those after one by which something comes off are made once that is a body, so that they cut it too.
+/// Makes the requested cuts. If a piece comes off, the rest of them follows once the piece is a body, so that they cut
+/// it too.
 pub(crate) fn cut_bodies(
     mut cuts: ResMut<Pending<CutCloth>>,
     mut bodies: TornQuery,
@@ -48,10 +49,10 @@ pub(crate) fn cut_bodies(
     }
 }
 
-/// Tears what this step has stretched too far.
+/// Tears bodies that this step has stretched too far.
 pub(crate) fn tear_bodies(
     mut bodies: TornQuery,
-    // Apart from the bodies, so that only what may tear is looked at.
+    // A query of its own, so that only tearable bodies are checked.
     tearable: Query<(Entity, Ref<Tearable>, &Activity), Without<Rig>>,
     clock: Res<DrapeClock>,
     whole: Query<(Entity, Ref<Tearable>, Ref<Untearable>)>,

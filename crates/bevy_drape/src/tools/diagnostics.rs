@@ -1,4 +1,4 @@
-//! What a step costs and how much there is of everything, as Bevy's diagnostics.
+//! Bevy diagnostics: costs of a step and numbers of bodies.
 
 use core::time::Duration;
 
@@ -26,19 +26,19 @@ use crate::sleep::activity_counts::ActivityCounts;
 pub struct DrapeDiagnosticsPlugin;
 
 impl DrapeDiagnosticsPlugin {
-    /// The whole step, in milliseconds by the clock on the wall.
+    /// Wall time of the whole step in milliseconds.
     pub const STEP: DiagnosticPath = DiagnosticPath::const_new("drape/step");
-    /// The search for what could touch what, in milliseconds, summed up over islands.
+    /// Time of the search for contacts in milliseconds, added up over islands.
     pub const DETECT: DiagnosticPath = DiagnosticPath::const_new("drape/detect");
-    /// All substeps, with relaxation and contacts, in milliseconds, summed up over islands.
+    /// Time of all substeps, with relaxation and contacts, in milliseconds, added up over islands.
     pub const RELAX: DiagnosticPath = DiagnosticPath::const_new("drape/relax");
-    /// Bodies and balls that are simulated.
+    /// Simulated bodies and balls.
     pub const ACTIVE: DiagnosticPath = DiagnosticPath::const_new("drape/active");
-    /// Bodies and balls at rest.
+    /// Resting bodies and balls.
     pub const RESTING: DiagnosticPath = DiagnosticPath::const_new("drape/resting");
-    /// Bodies and balls that are culled.
+    /// Culled bodies and balls.
     pub const CULLED: DiagnosticPath = DiagnosticPath::const_new("drape/culled");
-    /// Bodies that stand still as they are far away.
+    /// Bodies frozen at a distance.
     pub const FROZEN: DiagnosticPath = DiagnosticPath::const_new("drape/frozen");
     /// Particles of all bodies.
     pub const PARTICLES: DiagnosticPath = DiagnosticPath::const_new("drape/particles");

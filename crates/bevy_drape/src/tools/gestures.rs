@@ -1,4 +1,4 @@
-//! What swords, bullets and hands do to cloth, as commands.
+//! Commands for swords, bullets and hands.
 
 use bevy::prelude::*;
 
@@ -22,23 +22,24 @@ use crate::tear::messages::CutCloth;
 /// }
 /// ```
 pub trait Gestures {
-    /// Takes hold, with the hand of this number, of the particle of `body` that is nearest to `place` (in the world, in metres), and
-    /// of those within `radius` of it. What the hand held of that body before it lets go. Nothing happens to an entity
-    /// that is no body by then.
+    /// Grabs the particle of `body` nearest to `place` (in the world, in metres) and all within `radius` of it, with
+    /// the hand of this id. The hand releases whatever it held of that body before. Does nothing if `body` is not a
+    /// body by then.
     fn grab(&mut self, body: Entity, hand: u64, place: Vec3, radius: f32) -> &mut Self;
 
-    /// Has a hand pull to `target` (in the world, in metres) with no more than `greatest_force` newtons. Nothing happens if it holds
-    /// nothing of `body` by then.
+    /// Pulls with a hand to `target` (in the world, in metres) with at most `greatest_force` newtons. Does nothing if
+    /// the hand does not hold `body` by then.
     fn pull(&mut self, body: Entity, hand: u64, target: Vec3, greatest_force: f32) -> &mut Self;
 
-    /// Lets go.
+    /// Releases a hand.
     fn release(&mut self, body: Entity, hand: u64) -> &mut Self;
 
-    /// Cuts what a blade passes through whose middle moves along `path`, and which reaches `depth` to both sides of it (both in
-    /// the world, in metres).
+    /// Cuts everything along `path` with a blade that reaches `depth` to both sides of it (both in the world, in
+    /// metres).
     fn cut_along(&mut self, path: impl IntoIterator<Item = Vec3>, depth: Vec3) -> &mut Self;
 
-    /// Tears a star of three slits of `radius` metres around `place`, as what flies along `direction` leaves it.
+    /// Tears a star of three slits of `radius` metres around `place`, the hole of a bullet that flies along
+    /// `direction`.
     fn pierce(&mut self, place: Vec3, direction: Dir3, radius: f32) -> &mut Self;
 }
 
@@ -49,10 +50,7 @@ impl Gestures for Commands<'_, '_> {
             let Some(nearest) = nearest_particle(particles, place) else { return };
             let mut new = Hand::new(particles, nearest, radius);
             new.id = hand;
-            let mut grab = world.get::<Grab>(body).cloned().unwrap_or_default();
-            grab.hands.retain(|other| other.id != hand);
-            grab.hands.push(new);
-            world.entity_mut(body).insert(grab);
+            new.hold(&mut world.entity_mut(body));
         });
         self
     }
@@ -70,11 +68,8 @@ impl Gestures for Commands<'_, '_> {
     fn release(&mut self, body: Entity, hand: u64) -> &mut Self {
         self.queue(move |world: &mut World| {
             let Ok(mut body) = world.get_entity_mut(body) else { return };
-            if let Some(mut grab) = body.get_mut::<Grab>() {
-                grab.hands.retain(|other| other.id != hand);
-                if grab.hands.is_empty() {
-                    body.remove::<Grab>();
-                }
+            if body.get_mut::<Grab>().is_some_and(|mut grab| grab.let_go(hand)) {
+                body.remove::<Grab>();
             }
         });
         self

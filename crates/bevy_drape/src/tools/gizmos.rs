@@ -1,6 +1,6 @@
-//! What the solver sees, drawn over the scene: sticks by their strain, particles, pins, contacts.
+//! Gizmos that show the solver's view of the scene: sticks coloured by strain, particles, pins, contacts.
 //!
-//! Off until switched on:
+//! Off by default:
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -12,7 +12,7 @@
 //! }
 //! ```
 //!
-//! They show the last step, not what lies between it and the one before as the meshes do.
+//! They show the last step, while meshes show states between the last two steps.
 
 use bevy::color::Color;
 use bevy::gizmos::GizmoPlugin;
@@ -25,7 +25,7 @@ use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
 use crate::step::islands::Islands;
 
-/// What is drawn when this group is enabled in the `GizmoConfigStore`, as the [module](self) shows.
+/// Gizmos to draw when this group is enabled in the `GizmoConfigStore`; see the [module](self).
 #[derive(Reflect, GizmoConfigGroup, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub struct DrapeGizmos {
@@ -43,7 +43,7 @@ pub struct DrapeGizmos {
     pub contacts: bool,
     /// Points where balls first touched something in the last step, each with the normal.
     pub touches: bool,
-    /// Strain (a fraction, 0.05 is 5 %) from which on a stick is wholly red.
+    /// Strain at which a stick becomes fully red (a fraction, 0.05 is 5 %).
     pub full_strain: f32,
     /// Half the size of a particle's cross in metres; pins are twice as large, normals eight times as long.
     pub particle_size: f32,
@@ -74,14 +74,14 @@ impl Plugin for GizmosPlugin {
         app.register_type::<DrapeGizmos>();
     }
 
-    /// Only now is it known whether the app has gizmos at all.
+    /// All plugins are added by now, so it is known if the app has gizmos.
     fn finish(&self, app: &mut App) {
         if !app.is_plugin_added::<GizmoPlugin>() {
             return;
         }
         let store = app.world().get_resource::<GizmoConfigStore>();
         if store.is_none_or(|store| store.get_config::<DrapeGizmos>().is_none()) {
-            // A little towards the camera, so that the sticks are seen on the cloth and not in it.
+            // A small offset towards the camera, so that sticks are drawn on the cloth and not in it.
             let config = GizmoConfig { enabled: false, depth_bias: -0.002, ..default() };
             app.insert_gizmo_config(DrapeGizmos::default(), config);
         }

@@ -1,4 +1,4 @@
-//! Bevy's pointer events on bodies as they are now, and bodies that pointers drag.
+//! Bevy's pointer events on simulated bodies, and bodies that pointers drag.
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -35,13 +35,13 @@ use crate::body::particles::{Particles, Sticks};
 use crate::tools::ray_cast::{BodyHit, cast_ray, meet_sphere};
 use drape_solver::world::bounds::Bounds;
 
-/// How thick links are at least for a pointer, in metres: ropes are thin.
+/// Least radius of links for pointers, in metres: ropes are thin.
 const LINK_RADIUS: f32 = 0.03;
-/// Ids of hands of pointers begin here, so that others can have small ones.
+/// First id of the hands of pointers; smaller ids are free for others.
 const FIRST_HAND: u64 = 1 << 63;
 
-/// Tells Bevy's picking which bodies and balls are under its pointers, for observers of [`Pointer`] events, and lets them drag what
-/// is [`Draggable`]. The hits carry a [`BodyHit`] as extra data.
+/// A backend for Bevy's picking: observers of [`Pointer`] events on bodies and balls work, and pointers drag
+/// [`Draggable`] bodies. Hits carry a [`BodyHit`] as extra data.
 ///
 /// Does nothing in an app without Bevy's `PickingPlugin`. [`Pickable`], [`RenderLayers`] and visibility count as for meshes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,12 +65,12 @@ impl Plugin for DrapePickingPlugin {
     }
 }
 
-/// Lets pointers drag a body: the first button of a mouse, and each finger. What is held stays as far along the pointer's ray as it
-/// was taken, in perspective or not, until the pointer lets go. The pieces of a torn body are draggable too.
+/// Lets pointers drag a body: the primary button of a mouse, and each finger. The held point keeps its distance along
+/// the pointer's ray until the pointer is released. Pieces of a torn body are draggable too.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct Draggable {
-    /// How far around the pointer particles are held, the less so the farther away they are, in metres; 0.2 by default.
+    /// Radius in metres around the pointer within which particles are held, less with growing distance; 0.2 by default.
     pub radius: f32,
     /// The greatest force of each pointer in newtons; infinite by default.
     pub greatest_force: f32,
@@ -87,15 +87,15 @@ impl Default for Draggable {
 struct PointerDrag {
     pointer: PointerId,
     camera: Entity,
-    /// The id of its hand, wherever that is: what it holds may have come off.
+    /// The id of its hand, which may hold a piece that has come off.
     hand: u64,
-    /// How far along the ray it was taken, in metres.
+    /// Distance along the ray at which it was grabbed, in metres.
     distance: f32,
-    /// The held particle's place less that of the pointer.
+    /// Offset from the pointer to the held particle.
     offset: Vec3,
 }
 
-/// Pointers that drag something, and how many have.
+/// Pointers that drag something, and the number of all drags so far.
 #[derive(Resource, Debug, Default)]
 struct Drags {
     under_way: Vec<PointerDrag>,
@@ -147,16 +147,16 @@ fn find_hits(
     }
 }
 
-/// Whether a ray meets a box, or may.
+/// True if a ray may hit a box.
 fn meets_box(ray: Ray3d, low: Vec3, high: Vec3) -> bool {
     let inverse = ray.direction.recip();
     let (a, b) = ((low - ray.origin) * inverse, (high - ray.origin) * inverse);
-    // What is not a number, as of a ray in the plane of a side, counts as a hit.
+    // NaN, as for a ray in the plane of a side, counts as a hit.
     let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
     !(enter > leave || leave < 0.0)
 }
 
-/// A drag begins: a hand is put on the body.
+/// Puts a hand on the body when a drag begins.
 fn take_hold(
     start: On<Pointer<DragStart>>,
     mut bodies: Query<(&Particles, &Draggable, Option<&mut Grab>)>,
@@ -182,19 +182,19 @@ fn take_hold(
         offset: hand.target - place,
     });
     match grab {
-        Some(mut grab) => grab.hands.push(hand),
-        None => drop(commands.entity(start.entity).insert(Grab { hands: vec![hand] })),
+        Some(mut grab) => grab.hold(hand),
+        None => drop(commands.entity(start.entity).insert(Grab::from(hand))),
     }
 }
 
-/// Hands follow their pointers. One that is off its camera's view holds still.
+/// Moves hands with their pointers. The hand of a pointer outside its camera's view stays.
 fn pull_dragged(rays: Res<RayMap>, mut drags: ResMut<Drags>, mut grabs: Query<&mut Grab>) {
     if drags.under_way.is_empty() {
         return;
     }
     drags.under_way.retain(|drag| {
         let ray = rays.iter().find(|(id, _)| id.pointer == drag.pointer && id.camera == drag.camera);
-        // The hand may be on several pieces by now, or on none.
+        // The hand may hold several pieces by now, or none.
         let mut holds = false;
         for mut grab in &mut grabs {
             if let Some(hand) = grab.bypass_change_detection().hand_mut(drag.hand) {
@@ -220,13 +220,11 @@ fn let_go_if_cancelled(end: On<Pointer<Cancel>>, drags: ResMut<Drags>, grabs: Ha
 
 type Hands<'w, 's> = Query<'w, 's, (Entity, &'static mut Grab)>;
 
-/// The hands of a pointer let go, wherever they are by then.
+/// Releases the hands of a pointer from everything that they hold.
 fn let_go(pointer: PointerId, mut drags: ResMut<Drags>, mut grabs: Hands, mut commands: Commands) {
     for drag in drags.under_way.extract_if(.., |drag| drag.pointer == pointer) {
         for (entity, mut grab) in &mut grabs {
-            let count = grab.hands.len();
-            grab.hands.retain(|hand| hand.id != drag.hand);
-            if grab.hands.is_empty() && count > 0 {
+            if grab.hand_mut(drag.hand).is_some() && grab.let_go(drag.hand) {
                 commands.entity(entity).try_remove::<Grab>();
             }
         }

@@ -1,23 +1,23 @@
-//! Where a ray meets a body as it is now: its faces, or the links of what has none.
+//! Ray casts against the faces of simulated bodies, or against the links of bodies without faces.
 
 use bevy::prelude::*;
 use drape_solver::{Particles, Topology};
 
-/// Where a ray meets a body.
+/// Hit of a ray on a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyHit {
-    /// How far along the ray, in metres.
+    /// Distance along the ray in metres.
     pub distance: f32,
     /// The point in the world.
     pub position: Vec3,
-    /// Of length 1, towards the ray's origin.
+    /// Unit normal towards the ray's origin.
     pub normal: Vec3,
-    /// Index of the nearest particle of the face or link that was met.
+    /// Index of the nearest particle of the hit face or link.
     pub particle: usize,
 }
 
-/// Where `ray` first meets a body within `reach` metres: one of its faces, from either side, or a link of a body that has no
-/// faces, which is as thick as `radius` (metres) all around. None if it passes by, or starts inside a link.
+/// Returns the first hit of `ray` on a body within `reach` metres: on a face from either side, or on a link, of
+/// `radius` metres, of a body without faces. None if it misses, or starts inside a link.
 pub fn cast_ray(
     ray: Ray3d,
     reach: f32,
@@ -53,7 +53,7 @@ pub fn cast_ray(
     Some(BodyHit { distance, position, normal, particle: nearest as usize })
 }
 
-/// Distance and normal where a ray meets a triangle (Möller and Trumbore 1997).
+/// Returns distance and normal of the hit of a ray on a triangle (Möller and Trumbore 1997).
 fn meet_face(ray: Ray3d, [a, b, c]: [Vec3; 3]) -> Option<(f32, Vec3)> {
     let direction = *ray.direction;
     let (ab, ac) = (b - a, c - a);
@@ -64,7 +64,7 @@ fn meet_face(ray: Ray3d, [a, b, c]: [Vec3; 3]) -> Option<(f32, Vec3)> {
     let turned = offset.cross(ab);
     let part_c = direction.dot(turned) / determinant;
     let distance = ac.dot(turned) / determinant;
-    // Written so that what is not a number, as of a face seen edge on, is no hit.
+    // Comparisons with NaN, as for a face seen edge on, are false, so it is no hit.
     if part_b >= 0.0 && part_c >= 0.0 && part_b + part_c <= 1.0 && distance >= 0.0 {
         let normal = ab.cross(ac).normalize_or_zero();
         Some((distance, if normal.dot(direction) > 0.0 { -normal } else { normal }))
@@ -73,7 +73,7 @@ fn meet_face(ray: Ray3d, [a, b, c]: [Vec3; 3]) -> Option<(f32, Vec3)> {
     }
 }
 
-/// Distance and normal where a ray meets a link that is as thick as `radius`: a sphere around the link's point that is nearest to
+/// Returns distance and normal of the hit of a ray on a link of `radius`: a sphere around the link's point nearest to
 /// the ray.
 fn meet_link(ray: Ray3d, [a, b]: [Vec3; 2], radius: f32) -> Option<(f32, Vec3)> {
     let (direction, along) = (*ray.direction, b - a);
@@ -84,7 +84,7 @@ fn meet_link(ray: Ray3d, [a, b]: [Vec3; 2], radius: f32) -> Option<(f32, Vec3)> 
     meet_sphere(ray, a + along * part, radius)
 }
 
-/// Distance and normal where a ray that starts outside meets a sphere.
+/// Returns distance and normal of the hit on a sphere of a ray that starts outside.
 pub(crate) fn meet_sphere(ray: Ray3d, centre: Vec3, radius: f32) -> Option<(f32, Vec3)> {
     let offset = centre - ray.origin;
     let along = offset.dot(*ray.direction);

@@ -1,4 +1,4 @@
-//! Motion between fixed steps, so that it looks smooth at any frame rate.
+//! Interpolation between fixed steps, for smooth motion at any frame rate.
 //!
 //! ```text
 //!   step 1        step 2        step 3
@@ -7,7 +7,7 @@
 //!                          lies half way from the state of step 1 to that of step 2
 //! ```
 //!
-//! What is shown is thus up to one step old, but never guessed.
+//! The shown state is up to one step old, but never extrapolated.
 
 use bevy::app::RunFixedMainLoopSystems;
 use bevy::prelude::*;
@@ -15,14 +15,14 @@ use bevy::prelude::*;
 use crate::rigid_motion::between;
 use crate::step::run::run_drape_schedule;
 
-/// Shows the entity between the places where the last two fixed steps left it, instead of where the last one did.
+/// Shows an entity interpolated between its transforms after the last two fixed steps.
 ///
-/// For balls, and for anything else that is moved in the fixed loop: obstacles, cannons, the entity that a curtain
-/// is pinned to. The [`Transform`] is interpolated after the fixed loop and put back before the next fixed step,
-/// so that systems in the fixed loop see the true one. The place of a ball as of the last step is always in
-/// [`ProjectileState`](crate::ball::projectile::ProjectileState).
+/// For balls, and for anything else that moves in the fixed loop: obstacles, cannons, the entity that a curtain is
+/// pinned to. The [`Transform`] is interpolated after the fixed loop and restored before the next fixed step, so that
+/// systems in the fixed loop see the true one. [`ProjectileState`](crate::ball::projectile::ProjectileState) always has
+/// a ball's position after the last step.
 ///
-/// A `Transform` that is set outside the fixed loop is taken as a jump: it is shown at once.
+/// Setting the `Transform` outside the fixed loop is a jump, which is shown at once.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, InterpolationState)]
@@ -44,28 +44,28 @@ impl Plugin for InterpolationPlugin {
     }
 }
 
-/// Fraction of the way from the step before last to the last step that is to be shown now, 0 to 1.
+/// Returns the fraction, 0 to 1, between the last two steps that is shown now.
 pub(crate) fn step_fraction(time: Option<&Time<Fixed>>) -> f32 {
     time.map_or(1.0, |time| time.overstep_fraction().clamp(0.0, 1.0))
 }
 
-/// Where an [`Interpolated`] entity is; nothing before it was first seen.
+/// Motion of an [`Interpolated`] entity; none before the first frame.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct InterpolationState(Option<Path>);
 
 impl InterpolationState {
-    /// Where the last fixed step left the entity, whatever is shown; nothing before it was first seen.
+    /// Returns the transform after the last fixed step; none before the first one.
     pub fn end(&self) -> Option<Transform> {
         self.0.map(|path| path.end)
     }
 }
 
-/// The way of an entity in the last fixed step.
+/// Motion of an entity in the last fixed step.
 #[derive(Clone, Copy, Debug)]
 struct Path {
     start: Transform,
     end: Transform,
-    /// What this module wrote or saw last: anything else was set by somebody.
+    /// Transform that this module wrote or read last; any other was set by hand.
     shown: Transform,
 }
 
@@ -74,7 +74,7 @@ impl Path {
         Self { start: transform, end: transform, shown: transform }
     }
 
-    /// Takes what somebody else set since as a jump. Part by part, as who scales a ball does not move it.
+    /// Takes changes made by hand as jumps. Part by part, since scaling a ball does not move it.
     fn adopt(&mut self, seen: &Transform) {
         let Self { start, end, shown } = self;
         if seen.translation != shown.translation {
@@ -96,7 +96,7 @@ impl Path {
 type InterpolatedQuery<'w, 's> =
     Query<'w, 's, (&'static mut Transform, &'static mut InterpolationState), With<Interpolated>>;
 
-/// Before a fixed step: back to where the last one ended, to the bit, so that nothing looks moved by hand.
+/// Restores the exact transforms of the last step before a fixed step.
 fn restore_transforms(mut entities: InterpolatedQuery) {
     for (mut transform, mut state) in &mut entities {
         let path = state.0.get_or_insert(Path::staying_at(*transform));
@@ -106,7 +106,7 @@ fn restore_transforms(mut entities: InterpolatedQuery) {
     }
 }
 
-/// After a fixed step.
+/// Records transforms after a fixed step.
 fn record_transforms(mut entities: InterpolatedQuery) {
     for (transform, mut state) in &mut entities {
         let path = state.0.get_or_insert(Path::staying_at(*transform));
@@ -114,7 +114,7 @@ fn record_transforms(mut entities: InterpolatedQuery) {
     }
 }
 
-/// After the fixed loop.
+/// Shows interpolated transforms after the fixed loop.
 fn show_transforms(mut entities: InterpolatedQuery, time: Option<Res<Time<Fixed>>>) {
     let fraction = step_fraction(time.as_deref());
     for (mut transform, mut state) in &mut entities {

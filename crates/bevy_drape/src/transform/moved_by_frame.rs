@@ -1,4 +1,4 @@
-//! Transforms that are set once a frame, as fixed steps see them.
+//! Interpolation of transforms that are set once a frame, for fixed steps.
 //!
 //! ```text
 //!   frame            1                   2                   3
@@ -7,10 +7,10 @@
 //!   seen             |              between P0 and P1        between P1 and P2
 //! ```
 //!
-//! An animation moves a character once a frame, after the fixed steps of that frame. At 10 frames per second the first of six steps would
-//! see all of the motion, and the others none; at 144 a step would see that of two or three frames. So each step sees the pose between the last
-//! two frames that is as late after the first as the step is after the beginning of the frame: one frame late, and as smooth as the
-//! animation.
+//! An animation moves a character once a frame, after the fixed steps of that frame. At 10 frames per second the first
+//! of six steps would see the whole motion and the others none; at 144 a step would see that of two or three frames. So
+//! each step sees an interpolated pose between the last two frames, by the time of the step within the frame: one frame
+//! late, and as smooth as the animation.
 
 use bevy::app::RunFixedMainLoopSystems;
 use bevy::prelude::*;
@@ -20,26 +20,27 @@ use crate::attach::world_motion::TeleportCloth;
 use crate::rigid_motion::between;
 use crate::transform::interpolation::Interpolated;
 
-/// Marks an entity whose [`Transform`] is set once a frame, by an animation or in `Update`: the fixed steps of a frame see it on its way
-/// from where it was in the frame before last to where it was in the last one, and not in one jump. After them it is again as it was.
+/// Marks an entity whose [`Transform`] is set once a frame, by an animation or in `Update`. Instead of a jump, the
+/// fixed steps of a frame see it interpolated between the last two frames. After the steps the transform is restored.
 ///
-/// The joints of a skinned [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh) get it by themselves. Give it to the character's root, too, if that is
-/// moved in `Update`. What moves faster than 100 m/s is seen where it is at once, and so is all while a
-/// [`TeleportCloth`] waits. A transform that is set in the fixed loop is left alone; so is one that is [`Interpolated`].
+/// The joints of a skinned [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh) get it automatically. Add it
+/// to the character's root too if that moves in `Update`. Motion faster than 100 m/s is not interpolated, and neither
+/// is any motion while a [`TeleportCloth`] waits. Transforms that are set in the fixed loop, and [`Interpolated`] ones,
+/// are left alone.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, FramePoses)]
 pub struct MovedByFrame;
 
-/// The poses of the last two frames; none before the first.
+/// Transforms of the last two frames; none before the first.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct FramePoses {
     ends: Option<[Transform; 2]>,
-    /// What was written for the last step, as long as nobody else wrote.
+    /// Transform written for the last step; none after a change by others.
     written: Option<Transform>,
 }
 
-/// What moves faster, in m/s, has been put somewhere else, and is there at once.
+/// Speed in m/s above which a motion is a jump, shown at once.
 const JUMP_SPEED: f32 = 100.0;
 
 type Moved<'w, 's> = Query<
@@ -49,7 +50,7 @@ type Moved<'w, 's> = Query<
     (With<MovedByFrame>, Without<Interpolated>),
 >;
 
-/// Has fixed steps see what moves by frames on its way.
+/// Interpolates transforms that are set once a frame for fixed steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MovedByFramePlugin;
 
@@ -65,7 +66,8 @@ impl Plugin for MovedByFramePlugin {
     }
 }
 
-/// Before the steps of a frame. While a cloth waits to be teleported, nothing is shown on its way: its character is where it is.
+/// Records transforms before the steps of a frame. Nothing is interpolated while a cloth waits to be teleported: its
+/// character has arrived already.
 fn note_poses(
     mut moved: Moved,
     teleports: Query<(), With<TeleportCloth>>,
@@ -81,14 +83,14 @@ fn note_poses(
     }
 }
 
-/// Before each step.
+/// Shows interpolated transforms before each step.
 fn show_pose_of_step(mut moved: Moved, fixed: Res<Time<Fixed>>, frame: Option<Res<Time<Virtual>>>) {
     let length = frame.map_or(0.0, |frame| frame.delta_secs());
     let fraction = if length > 0.0 { 1.0 - fixed.overstep().as_secs_f32() / length } else { 1.0 };
     for (mut transform, mut poses) in &mut moved {
         let (Some([start, end]), Some(written)) = (poses.ends, poses.written) else { continue };
         if *transform != written {
-            // Set by somebody in the fixed loop, who knows better.
+            // Set by another system in the fixed loop, which has priority.
             poses.written = None;
             poses.ends = Some([*transform; 2]);
             continue;
@@ -99,7 +101,7 @@ fn show_pose_of_step(mut moved: Moved, fixed: Res<Time<Fixed>>, frame: Option<Re
     }
 }
 
-/// After the steps of a frame.
+/// Restores the frame's transforms after its steps.
 fn show_pose_of_frame(mut moved: Moved) {
     for (mut transform, mut poses) in &mut moved {
         match (poses.ends, poses.written) {

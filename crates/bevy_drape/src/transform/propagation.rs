@@ -1,23 +1,22 @@
-//! Global transforms, up to date within the fixed loop.
+//! Run conditions for the propagation of transforms.
 //!
-//! Bevy brings them up to date after it, which is too late for a step. Its systems look at every entity; these
-//! conditions tell whether they have anything to do.
+//! Bevy's systems of propagation visit every entity. These conditions skip them in steps without a change.
 
 use bevy::prelude::*;
 
 use crate::change_detection::has_changed;
 
-/// Whether an entity with a parent or children has moved, or was given or has lost them.
+/// True if an entity with a parent or children has moved, or has gained or lost one.
 pub(crate) fn have_hierarchies_moved(
     moved: Query<Ref<Transform>, Or<(With<ChildOf>, With<Children>)>>,
     hung: Query<Ref<ChildOf>>,
     mut orphaned: RemovedComponents<ChildOf>,
 ) -> bool {
-    // All of them are asked, so that none reports an old change the next time.
+    // All three are evaluated, so that none reports an old change the next time.
     [has_changed(&moved), has_changed(&hung), orphaned.read().count() > 0].contains(&true)
 }
 
-/// Whether an entity without parent and children has moved, or has just become one.
+/// True if an entity without parent and children has moved, or has just lost its parent.
 pub(crate) fn have_unparented_moved(
     moved: Query<Ref<Transform>, (Without<ChildOf>, Without<Children>)>,
     mut orphaned: RemovedComponents<ChildOf>,

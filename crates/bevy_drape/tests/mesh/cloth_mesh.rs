@@ -135,7 +135,7 @@ fn stiffness(app: &App, cloth: Entity, kind: StickKind) -> Vec<f32> {
 fn a_painted_mesh_is_soft_where_it_is_dark() {
     let painted = |channel| {
         let paint = ClothPaint { stiffness: Some(channel), ..default() };
-        let cloth = ClothMesh { structural_stiffness: 1.0, bend_stiffness: 0.5, paint, ..default() };
+        let cloth = ClothMesh { stretch_stiffness: 1.0, bend_stiffness: 0.5, paint, ..default() };
         let (app, entity) = hung(pipe(), cloth, Transform::default());
         [StickKind::Structural, StickKind::Bend].map(|kind| stiffness(&app, entity, kind))
     };
@@ -151,7 +151,7 @@ fn a_painted_mesh_is_soft_where_it_is_dark() {
 #[test]
 fn a_woven_mesh_is_stiff_by_the_direction_of_its_texture() {
     let weave = Some(ClothWeave { weft_stiffness: 0.99, bias_stiffness: 0.9 });
-    let cloth = ClothMesh { structural_stiffness: 0.999, weave, ..default() };
+    let cloth = ClothMesh { stretch_stiffness: 0.999, weave, ..default() };
     let (app, entity) = hung(pipe(), cloth.clone(), Transform::default());
     let edges = stiffness(&app, entity, StickKind::Structural);
     let has = |wanted: f32| edges.iter().any(|found| (found - wanted).abs() < 1e-5);
@@ -402,7 +402,7 @@ fn a_mesh_that_is_no_cloth_is_refused() {
 fn fields_out_of_range_and_places_that_are_none_are_refused_and_mended() {
     let bad = [
         (ClothMesh { areal_density: 0.0, ..default() }, "areal_density"),
-        (ClothMesh { structural_stiffness: 2.0, ..default() }, "stiffness"),
+        (ClothMesh { stretch_stiffness: 2.0, ..default() }, "stiffness"),
         (ClothMesh { bend_stiffness: f32::NAN, ..default() }, "stiffness"),
         (ClothMesh { damping: -1.0, ..default() }, "damping"),
         (

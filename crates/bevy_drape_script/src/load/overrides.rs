@@ -1,4 +1,4 @@
-//! Overrides: values of a scene replaced by their paths, as by `--set curtain.particles=[128,96]`.
+//! Overrides, which replace values of a scene by their paths: `--set curtain.particles=[128,96]`.
 
 use core::fmt;
 use std::str::FromStr;
@@ -6,23 +6,23 @@ use std::str::FromStr;
 use crate::scene::{Literal, SCHEMA};
 use crate::text::{SceneError, explain};
 
-/// A value and the path of what it replaces, or the name of a parameter. Parsed from `PATH=VALUE`.
+/// A path and its new value, or a parameter and its value. Parsed from `PATH=VALUE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
-    /// A path such as `settings.duration`, `curtain.particles` or `timeline[0].at`, or the name of a parameter. What begins
-    /// with the name of a body, obstacle, cannon, camera or material is within that.
+    /// A path such as `settings.duration`, `curtain.particles` or `timeline[0].at`, or the name of a parameter. Paths
+    /// may begin with the name of a body, obstacle, wind, cannon, camera or material.
     pub path: String,
-    /// The new value, as it would be written in the file.
+    /// The new value, written as in the file.
     pub value: Literal,
 }
 
 impl Override {
-    /// Replaces what is at `path` by `value`.
+    /// Replaces the value at `path` by `value`.
     pub fn new(path: impl Into<String>, value: impl Into<Literal>) -> Self {
         Self { path: path.into(), value: value.into() }
     }
 
-    /// The same error, told of this override instead of a place in a file.
+    /// The same error, attributed to this override instead of a place in a file.
     pub(super) fn blamed(&self, error: SceneError) -> SceneError {
         SceneError { origin: Some(format!("--set {self}")), file: None, line: None, column: None, ..error }
     }

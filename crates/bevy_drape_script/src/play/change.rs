@@ -1,4 +1,4 @@
-//! A scene that changes while it is played: what is different is brought into the world.
+//! Changes a scene while it is played: applies the differences to the world.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -8,7 +8,7 @@ use super::named_entity::NamedEntity;
 use super::scene_play::ScenePlay;
 use crate::scene::{self, Body, SceneScript, Settings};
 
-/// Gravity, wind, the length of a step and so on.
+/// Applies gravity, wind, the length of a step and so on.
 pub(super) fn apply_settings(world: &mut World, settings: &Settings) {
     world.insert_resource(Time::<Fixed>::from(settings));
     world.insert_resource(DrapeGravity::from(settings));
@@ -18,7 +18,7 @@ pub(super) fn apply_settings(world: &mut World, settings: &Settings) {
 }
 
 impl ScenePlay {
-    /// Makes `script` the scene that is played: what is on the stage and told differently there is changed.
+    /// Makes `script` the scene that is played, and changes all entities that it describes differently.
     pub(super) fn change(&mut self, world: &mut World, script: SceneScript) {
         let old = core::mem::replace(&mut self.script, script.clone());
         if old.settings != script.settings {
@@ -93,7 +93,7 @@ impl ScenePlay {
                 if is_changed {
                     self.describe_anew(world, name, [was, new]);
                     for entity in self.entities.entities(name) {
-                        set_touch(world, entity, new.layers(), new.tells_contacts());
+                        set_touch(world, entity, new.layers(), new.reports_contacts());
                     }
                 }
             }
@@ -116,7 +116,8 @@ impl ScenePlay {
         }
     }
 
-    /// Brings what differs between two descriptions of a body to its entity. A body that is built anew has no pieces.
+    /// Applies the differences between two descriptions of a body to its entity. A body that is rebuilt loses its
+    /// pieces.
     fn describe_anew(&mut self, world: &mut World, name: &str, [was, is]: [&Body; 2]) {
         let entities = self.entities.entities(name);
         for &entity in &entities {
@@ -147,7 +148,7 @@ impl ScenePlay {
     }
 }
 
-/// Gives a body another description, if it is another.
+/// Replaces the description of a body if it differs. Returns true if it does.
 fn replace<D: Component + PartialEq>(world: &mut World, entity: Entity, [was, is]: [D; 2]) -> bool {
     let has_changed = is != was;
     if has_changed {
@@ -156,7 +157,7 @@ fn replace<D: Component + PartialEq>(world: &mut World, entity: Entity, [was, is
     has_changed
 }
 
-/// Whether the plugin builds both of descriptions of one kind.
+/// True if the plugin builds both bodies from descriptions of the same kind.
 fn is_described(was: &Body, is: &Body) -> bool {
     core::mem::discriminant(was) == core::mem::discriminant(is)
         && !matches!(is, Body::Rig(_) | Body::Balls(_))

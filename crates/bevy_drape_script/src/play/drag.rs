@@ -89,8 +89,7 @@ impl Drag {
             hand.target = target;
             holds = true;
             if is_over {
-                grab.hands.retain(|hand| hand.id != self.hand);
-                empty.extend(grab.hands.is_empty().then_some(body));
+                empty.extend(grab.let_go(self.hand).then_some(body));
             }
         }
         for body in empty {
@@ -109,11 +108,7 @@ impl Drag {
             hand.greatest_force = force.get();
         }
         let from = Vector::known(hand.target);
-        let mut body = world.entity_mut(body);
-        match body.get_mut::<Grab>() {
-            Some(mut grab) => grab.hands.push(hand),
-            None => drop(body.insert(Grab { hands: vec![hand] })),
-        }
+        hand.hold(&mut world.entity_mut(body));
         Some(from)
     }
 }

@@ -38,7 +38,7 @@ pub(super) struct EventCounter {
 }
 
 impl EventCounter {
-    /// Counts from now on.
+    /// A counter that starts now.
     pub fn new(world: &World) -> Self {
         Self {
             hits: Vec::new(),
@@ -67,7 +67,7 @@ impl EventCounter {
         }
     }
 
-    /// Goes on from a checkpoint.
+    /// A counter that continues from a checkpoint.
     pub fn restored(
         world: &World,
         counted: &CountedEvents,

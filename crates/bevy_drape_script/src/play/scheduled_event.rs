@@ -11,7 +11,7 @@ pub(super) struct ScheduledEvent {
     pub due: Option<f64>,
     /// True while its trigger may still fire.
     pub is_waiting: bool,
-    /// How often it has happened.
+    /// The number of times that it has happened.
     pub done: u32,
 }
 

@@ -13,7 +13,7 @@ use super::scene_play::ScenePlay;
 use crate::scene::{self, Body, Selection, Solver};
 
 impl ScenePlay {
-    /// The settings of a body, over those of the scene.
+    /// The solver settings of a body, with those of the scene as defaults.
     pub(super) fn solver_settings(&self, solver: &Solver) -> SolverSettings {
         solver.over(self.script.settings.solver.over(SolverSettings::default()))
     }
@@ -53,7 +53,7 @@ impl ScenePlay {
         self.entities.insert(name, entity);
     }
 
-    /// Spawns what the plugin builds of a description.
+    /// Spawns a body that the plugin builds of a description.
     fn spawn_described(
         &mut self,
         world: &mut World,
@@ -64,14 +64,14 @@ impl ScenePlay {
         let settings = body.solver().map(|solver| self.solver_settings(solver)).unwrap_or_default();
         let place = body.place().map(|(at, turn)| place(at, turn)).unwrap_or_default();
         let entity = world.spawn((described, place, settings)).id();
-        mark(world, entity, name, body.layers(), body.tells_contacts());
+        mark(world, entity, name, body.layers(), body.reports_contacts());
         set_tearable(world, entity, body);
         set_pressure(world, entity, body);
         self.command_velocity(name, body.velocity());
         NamedEntity::Body { body: entity, pieces: Vec::new() }
     }
 
-    /// A mesh as an asset. An app without any has them from now on.
+    /// Adds a mesh as an asset. Apps without mesh assets get them now.
     fn mesh_of(&mut self, world: &mut World, name: &str, source: &scene::MeshSource) -> Option<Mesh3d> {
         match source.mesh(&self.script.meshes) {
             Ok(mesh) => {
@@ -99,7 +99,7 @@ impl ScenePlay {
         }
         let mut sticks = Vec::new();
         for stick in &rig.sticks {
-            // The check of the scene has found both ends.
+            // The checks of the scene have found both ends.
             let (Some(&a), Some(&b)) = (by_name.get(stick.a.as_str()), by_name.get(stick.b.as_str())) else {
                 continue;
             };

@@ -4,27 +4,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::Measured;
 
-/// What has become of an expectation.
+/// The result of an expectation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
-    /// What the expectation is called.
+    /// The name of the expectation.
     pub title: String,
-    /// What was measured, in words.
+    /// The probe, in words.
     pub probe: String,
-    /// When, in words.
+    /// The time or times of measurement, in words.
     pub when: String,
-    /// What was expected, in words.
+    /// The expected value, in words.
     pub expected: String,
-    /// The unit of both; empty if they have none.
+    /// The unit of expected and measured value; empty if they have none.
     pub unit: String,
-    /// What was measured: the first value that failed; if none did, the one that came nearest to failing. None if it was
-    /// never measured.
+    /// The measured value: the first that failed, or else the one that came closest to failing. None if it was never
+    /// measured.
     pub got: Option<Measured>,
-    /// When that was, in seconds.
+    /// The time of that value in seconds.
     pub time: Option<f64>,
-    /// Whether it holds. What is only reported does.
+    /// True if the expectation holds. Values that are only reported pass.
     pub passed: bool,
-    /// Whether nothing is expected: the value is only reported.
+    /// True if the value is only reported.
     pub is_report: bool,
 }
 

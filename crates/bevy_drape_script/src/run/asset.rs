@@ -1,4 +1,4 @@
-//! Scenes as Bevy assets, and scenes that begin anew when their file changes.
+//! Scenes as Bevy assets, which restart when their file changes.
 
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
@@ -10,9 +10,9 @@ use crate::play::{ScenePlugin, begin_scene};
 use crate::scene::SceneScript;
 use crate::text::SceneError;
 
-/// Loads [`SceneScript`]s from `*.scene.ron` files, and plays the one that [`PlayScene`] names.
+/// Loads [`SceneScript`]s from `*.scene.ron` files, and plays the one that the resource [`PlayScene`] names.
 ///
-/// With Bevy's feature `file_watcher`, a scene begins anew when its file, or a fragment of it, is saved.
+/// With Bevy's feature `file_watcher`, a scene restarts when its file or one of its fragments is saved.
 pub struct SceneAssetPlugin;
 
 impl Plugin for SceneAssetPlugin {
@@ -26,7 +26,7 @@ impl Plugin for SceneAssetPlugin {
     }
 }
 
-/// The scene to be played. Insert it, and the scene begins once it is loaded.
+/// The scene to be played. The scene begins once it is loaded.
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -39,20 +39,20 @@ impl Plugin for SceneAssetPlugin {
 pub struct PlayScene {
     /// The scene.
     pub scene: Handle<SceneScript>,
-    /// What is replaced in it.
+    /// Values to be replaced in it.
     pub overrides: Vec<Override>,
-    /// What is wrong with the overrides, if anything is. The scene that is being played goes on then.
+    /// The error in the overrides, if there is one. The scene that is being played continues then.
     pub error: Option<SceneError>,
 }
 
 impl PlayScene {
-    /// Plays `scene` as it is.
+    /// Plays `scene` without overrides.
     pub fn new(scene: Handle<SceneScript>) -> Self {
         Self { scene, overrides: Vec::new(), error: None }
     }
 }
 
-/// Begins the scene that was loaded, or loaded anew.
+/// Begins the scene when it was loaded or reloaded.
 fn play_what_was_loaded(
     mut commands: Commands,
     mut events: MessageReader<AssetEvent<SceneScript>>,
@@ -79,7 +79,7 @@ fn play_what_was_loaded(
     }
 }
 
-/// Loads scenes, what they include, and the meshes that they name.
+/// Loads scenes with their fragments and meshes.
 #[derive(Default, TypePath)]
 pub struct SceneScriptLoader;
 

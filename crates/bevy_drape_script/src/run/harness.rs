@@ -1,4 +1,4 @@
-//! Scenes as tests: one named test for each scene file of a folder, run in parallel and chosen by name.
+//! Scenes as tests: one named test per scene file of a folder, run in parallel and filtered by name.
 //!
 //! In `Cargo.toml`:
 //!
@@ -16,8 +16,8 @@
 //! }
 //! ```
 //!
-//! `cargo test --test scenes curtain` runs the scenes with `curtain` in their names; after `--`, `--list` lists all, and
-//! `--nocapture` has them print what they measured beside what was expected.
+//! `cargo test --test scenes curtain` runs the scenes with `curtain` in their names; after `--`, `--list` lists all,
+//! and `--nocapture` prints measured beside expected values.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -28,17 +28,17 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use super::runner::run_scene;
 use super::scene_files::{SCENE_SUFFIX, scene_files};
 
-/// Runs the scenes of `folder` as tests, as the command line of this process asks. The path is from the folder of the
-/// package's `Cargo.toml`, where Cargo starts tests.
+/// Runs the scenes of `folder` as tests, filtered by the command line of this process. The path is relative to the
+/// folder of the package's `Cargo.toml`, where Cargo starts tests.
 ///
-/// A test is called by the path of its file in the folder. It fails if the file is wrong, an expectation does not hold, or
-/// the plugin refuses something.
+/// Tests are named after the paths of their files in the folder. A test fails if the file has errors, an expectation
+/// does not hold, or the plugin refuses something.
 pub fn test_scenes(folder: impl AsRef<Path>) -> ExitCode {
     run(folder.as_ref(), None)
 }
 
-/// The same, and each scene has to end in the state that a table has for it: a text file with lines of a scene's name and
-/// its state hash. So a scene that does something else than it used to is noticed, on whatever machine.
+/// Runs the scenes of `folder` as tests, each of which has to end in the state in `table`: a text file with a scene's
+/// name and its state hash on each line. So every change of behaviour is noticed, on any machine.
 pub fn test_scenes_to_the_bit(folder: impl AsRef<Path>, table: impl AsRef<Path>) -> ExitCode {
     let table = table.as_ref();
     match std::fs::read_to_string(table) {
@@ -50,7 +50,7 @@ pub fn test_scenes_to_the_bit(folder: impl AsRef<Path>, table: impl AsRef<Path>)
     }
 }
 
-/// Names and hashes.
+/// State hashes by scene name.
 type Hashes = BTreeMap<String, String>;
 
 fn hashes_in(text: &str) -> Hashes {

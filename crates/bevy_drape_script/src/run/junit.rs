@@ -7,8 +7,8 @@ use quick_junit::{NonSuccessKind, Report as JunitReport, TestCase, TestCaseStatu
 use super::report::Report;
 use crate::text::SceneError;
 
-/// The reports of a suite as JUnit XML: a suite for each scene, a case for each expectation, and one more: "nothing is
-/// refused", which fails with what the plugin refused, or "it can be loaded", which fails with what was wrong with the file.
+/// The reports of a suite as JUnit XML: a test suite per scene, a test case per expectation, and one more: "nothing is
+/// refused", which lists everything that the plugin refused, or "it can be loaded", which gives the error in the file.
 ///
 /// # Errors
 /// [`SceneError`] if it cannot be written as XML.
@@ -32,12 +32,12 @@ pub fn to_junit<'a>(name: &str, reports: impl IntoIterator<Item = &'a Report>) -
         } else {
             failure(report, &report.problems.join("\n"))
         };
-        // A scene without a step has not been loaded.
+        // A scene that took no step was not loaded.
         let title = if report.steps == 0 { "it can be loaded" } else { "nothing is refused" };
         let mut case = TestCase::new(title, status);
         case.set_classname(report.scene.as_str());
         suite.add_test_case(case);
-        // With what was measured, and with what is only reported.
+        // The report includes measured values and values that are only reported.
         suite.set_system_out(report.to_string());
         junit.add_test_suite(suite);
     }

@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 use crate::play::Verdict;
 use crate::text::SceneError;
 
-/// What a scene did, and whether it did what is expected.
+/// The results of a scene: measured values, and the verdicts on its expectations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// The scene's name.
     pub scene: String,
-    /// Its file, if it is from one.
+    /// Its file, if it was loaded from one.
     pub file: Option<PathBuf>,
-    /// Where the recording of the run lies, if there is one.
+    /// The file of the run's recording, if there is one.
     pub recording: Option<PathBuf>,
     /// Number of steps taken.
     pub steps: u64,
@@ -25,12 +25,12 @@ pub struct Report {
     pub wall_s: f64,
     /// Hash of all positions and velocities at the end.
     pub state_hash: String,
-    /// What has become of the expectations, in their order.
+    /// The results of the expectations, in their order.
     pub verdicts: Vec<Verdict>,
-    /// What the plugin has refused, or what could not be done, in words. A scene with problems has failed.
+    /// Everything that the plugin refused or that could not be done, in words. A scene with problems has failed.
     pub problems: Vec<String>,
-    /// What the scene asked for in vain, in words: actions on what is not there, cuts that severed nothing, triggers that
-    /// were never set off, a scene that expects nothing. None of it fails a scene.
+    /// Actions without effect, in words: actions on things that do not exist, cuts that severed nothing, triggers that
+    /// never fired, a scene without expectations. Notes do not fail a scene.
     #[serde(default)]
     pub notes: Vec<String>,
 }
@@ -52,7 +52,7 @@ impl Report {
         }
     }
 
-    /// Whether every expectation holds and there was no problem.
+    /// Returns true if every expectation holds and there was no problem.
     pub fn passed(&self) -> bool {
         self.problems.is_empty() && self.verdicts.iter().all(|verdict| verdict.passed)
     }
@@ -62,8 +62,8 @@ impl Report {
         self.verdicts.iter().filter(|verdict| !verdict.passed)
     }
 
-    /// What went wrong, a line each: scene, expectation, time, expected, got, and where the recording lies. Empty if
-    /// nothing did.
+    /// All failures, one per line: scene, expectation, time, expected and measured value; and the file of the
+    /// recording. Empty if the scene passed.
     pub fn complaint(&self) -> String {
         let mut lines: Vec<String> =
             self.problems.iter().map(|problem| format!("{}: {problem}", self.scene)).collect();
@@ -77,10 +77,10 @@ impl Report {
         lines.join("\n")
     }
 
-    /// Nothing, if the scene did what is expected: for tests.
+    /// Asserts that the scene passed.
     ///
     /// # Panics
-    /// If it did not, with the [`complaint`](Self::complaint).
+    /// If it failed, with the [`complaint`](Self::complaint).
     #[track_caller]
     pub fn assert_passed(&self) {
         assert!(self.passed(), "{}", self.complaint());

@@ -1,4 +1,4 @@
-//! Running scenes without a window.
+//! Runs scenes without a window.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -16,7 +16,7 @@ use crate::load::Override;
 use crate::play::{ScenePlay, ScenePlugin, begin_scene};
 use crate::scene::SceneScript;
 
-/// Runs a scene step by step, as fast as it goes.
+/// Runs a scene step by step, as fast as possible.
 ///
 /// ```
 /// use bevy_drape_script::{SceneRunner, SceneScript};
@@ -49,20 +49,20 @@ impl SceneRunner {
         Self::new(app, script)
     }
 
-    /// A runner of `script` in `app`, which has [`DrapePlugins`] and Bevy's time and tasks. From now on the app's time goes
-    /// by steps: each update takes one.
+    /// A runner of `script` in `app`, which must have [`DrapePlugins`] and Bevy's time and tasks. From now on each
+    /// update of the app takes one step.
     pub fn new(app: App, script: SceneScript) -> Self {
         let mut runner = Self::ready(app);
         begin_scene(runner.world_mut(), script);
-        // The first update takes no time and so no step.
+        // The first update has no time delta and takes no step.
         runner.app.update();
         runner
     }
 
-    /// A runner of the scene of `checkpoint`, from there on, in an app of its own.
+    /// A runner that resumes the scene of `checkpoint`, in an app of its own.
     ///
     /// # Errors
-    /// [`CheckpointError`] if it holds no scene, or one that does not agree with itself.
+    /// [`CheckpointError`] if it holds no scene, or one that contradicts itself.
     pub fn resume(checkpoint: &Checkpoint) -> Result<Self, CheckpointError> {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, DrapePlugins::default()));
@@ -72,7 +72,7 @@ impl SceneRunner {
         Ok(runner)
     }
 
-    /// A runner of no scene yet.
+    /// A runner without a scene.
     fn ready(mut app: App) -> Self {
         if !app.is_plugin_added::<ScenePlugin>() {
             app.add_plugins(ScenePlugin);
@@ -80,7 +80,7 @@ impl SceneRunner {
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }
-        // An app that has run a scene before is ready.
+        // An app that has run a scene before was finished then.
         if app.plugins_state() != PluginsState::Cleaned {
             app.finish();
             app.cleanup();
@@ -89,56 +89,56 @@ impl SceneRunner {
         Self { app, name: String::from("scene"), file: None, recording: None, began: Instant::now() }
     }
 
-    /// What the scene is called in the report.
+    /// Names the scene, for the report.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// The file that the scene is from, for the report, and its name.
+    /// Sets the file of the scene, for the report, and names the scene after it.
     #[must_use]
     pub fn from_file(self, path: &Path) -> Self {
         Self { file: Some(path.to_path_buf()), ..self.named(scene_name(path)) }
     }
 
-    /// Says where the recording of this run lies, for the report.
+    /// Sets the file of the run's recording, for the report.
     pub fn note_recording(&mut self, path: impl Into<PathBuf>) {
         self.recording = Some(path.into());
     }
 
-    /// The app, to run another scene in.
+    /// Returns the app, to run another scene in.
     pub fn into_app(self) -> App {
         self.app
     }
 
-    /// The app that the scene is in.
+    /// The app of the scene.
     pub fn app_mut(&mut self) -> &mut App {
         &mut self.app
     }
 
-    /// The world that the scene is in.
+    /// The world of the scene.
     pub fn world(&self) -> &World {
         self.app.world()
     }
 
-    /// The same, to be changed.
+    /// The world of the scene, mutably.
     pub fn world_mut(&mut self) -> &mut World {
         self.app.world_mut()
     }
 
-    /// Number of steps that the scene takes at most.
+    /// The greatest number of steps that the scene takes.
     pub fn greatest_steps(&self) -> u64 {
         let settings = self.world().get_resource::<ScenePlay>().map(|play| play.script().settings.clone());
         settings.map_or(0, |settings| (settings.duration.get() / settings.dt.get()).ceil() as u64)
     }
 
-    /// Whether the last step has been taken.
+    /// Returns true once the last step has been taken.
     pub fn is_over(&self) -> bool {
         self.world().get_resource::<ScenePlay>().is_none_or(ScenePlay::is_over)
     }
 
-    /// Takes one step, unless the scene is over or paused by its own timeline. Returns whether it goes on.
+    /// Takes one step, unless the scene is over or paused by its own timeline. Returns true while the scene goes on.
     pub fn step(&mut self) -> bool {
         if !self.is_over() {
             self.app.update();
@@ -151,7 +151,7 @@ impl SceneRunner {
         self.run_with(|_, _| {})
     }
 
-    /// The same, and hands the world to `look` after each step, with the number of steps taken so far.
+    /// Takes all steps, and passes the world to `look` after each, with the number of steps taken so far.
     pub fn run_with(mut self, mut look: impl FnMut(&mut World, u64)) -> Report {
         let mut steps = 0;
         loop {
@@ -167,7 +167,7 @@ impl SceneRunner {
         }
     }
 
-    /// What there is to say so far: after the last step, the whole verdict.
+    /// The report so far; complete after the last step.
     pub fn report(&mut self) -> Report {
         let wall_s = self.began.elapsed().as_secs_f64();
         let world = self.app.world();
@@ -198,7 +198,7 @@ impl SceneRunner {
     }
 }
 
-/// Loads the scene in the file at `path`, runs it, and reports. What is wrong with the file is told by the report.
+/// Loads the scene in the file at `path`, runs it, and reports. Errors in the file become problems of the report.
 ///
 /// ```no_run
 /// # use bevy_drape_script::run_scene;
@@ -211,7 +211,7 @@ pub fn run_scene(path: impl AsRef<Path>) -> Report {
     run_scene_with(path, &[])
 }
 
-/// The same, with some values replaced.
+/// Loads, runs and reports the scene in the file at `path`, with some values replaced.
 pub fn run_scene_with(path: impl AsRef<Path>, overrides: &[Override]) -> Report {
     let path = path.as_ref();
     match SceneScript::load_with(path, overrides) {

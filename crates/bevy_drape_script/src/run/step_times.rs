@@ -1,4 +1,4 @@
-//! How long steps take: measured apart from the scene, and only reported.
+//! Measures step times, apart from the scene; they are only reported.
 
 use core::time::Duration;
 
@@ -9,10 +9,10 @@ use super::runner::SceneRunner;
 use crate::play::Verdict;
 use crate::scene::{Measured, Probe, SceneScript, Seconds};
 
-/// Steps that are timed.
+/// The number of steps that are timed.
 const TIMED: u32 = 60;
 
-/// Fills in the verdicts on step times.
+/// Fills in the values of `StepTimeRatio` probes.
 pub(crate) fn measure(script: &SceneScript, verdicts: &mut [Verdict]) {
     for (expectation, verdict) in script.expectations.iter().zip(verdicts) {
         let Probe::StepTimeRatio { of, against } = &expectation.probe else { continue };
@@ -24,7 +24,7 @@ pub(crate) fn measure(script: &SceneScript, verdicts: &mut [Verdict]) {
     }
 }
 
-/// The median time of a step of the scene with no other body than `name`.
+/// The median time of a step of the scene with `name` as its only body.
 fn median_step(script: &SceneScript, name: &str) -> Option<Duration> {
     let body = script.bodies.get(name)?.clone();
     let mut alone = SceneScript { timeline: Vec::new(), expectations: Vec::new(), ..script.clone() };

@@ -1,4 +1,4 @@
-//! Cameras: where a scene is looked at from.
+//! Cameras of scenes.
 
 use bevy::prelude::*;
 use schemars::JsonSchema;
@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::{Positive, Vector};
 
-/// A camera, for pictures and for the window. The simulation does not look at it.
+/// A camera, for pictures and for the window. It does not affect the simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
-    /// Where it is, in metres; (0, 2, 8) by default.
+    /// Position in metres; (0, 2, 8) by default.
     pub at: Vector,
-    /// What it looks at, in metres; (0, 1, 0) by default.
+    /// The point that it looks at, in metres; (0, 1, 0) by default.
     pub look_at: Vector,
     /// Vertical angle of view in degrees; 45 by default.
     pub field_of_view: Positive,

@@ -8,21 +8,21 @@ use serde::{Deserialize, Serialize};
 
 use super::{Balls, NonNegative, Number, Turn, Vector};
 
-/// A cannon. Its balls are called by its name and their number: `cannon#1` is the first.
+/// A cannon. Its balls have its name and a number: `cannon#1` is the first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cannon {
-    /// Where it is, in metres; (0, 0, 0) by default.
+    /// Position in metres; (0, 0, 0) by default.
     pub at: Vector,
-    /// How it is turned; not at all, so that it looks along -Z, by default.
+    /// Rotation; none by default, so that it points along -Z.
     pub turn: Turn,
-    /// Where it aims; level along -Z by default.
+    /// Its aim; level along -Z by default.
     pub aim: Aim,
     /// Speed of the ball in m/s as it leaves the muzzle; 20 by default.
     pub speed: NonNegative,
     /// Distance to the muzzle along the barrel in metres; 0 by default.
     pub barrel_length: NonNegative,
-    /// What is shot. Of its fields those count that tell what a ball is made of.
+    /// Its balls. Only the material counts: radius, mass, drag, friction, restitution and rolling resistance.
     pub ball: Balls,
 }
 
@@ -39,7 +39,7 @@ impl Default for Cannon {
     }
 }
 
-/// Where a cannon aims.
+/// The aim of a cannon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Aim {
@@ -52,8 +52,8 @@ pub enum Aim {
         #[serde(default)]
         azimuth: Number,
     },
-    /// At a point that the ball is to fly through, on the flatter of its two paths without drag. Level, if it is out of range.
-    /// For a cannon that is not turned and has no barrel.
+    /// At a point, on the flatter of the two parabolas through it, without drag. Level, if the point is out of range.
+    /// For cannons without rotation and barrel.
     Point(Vector),
 }
 

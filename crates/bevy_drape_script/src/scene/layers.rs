@@ -1,4 +1,4 @@
-//! Layers of collision.
+//! Collision layers.
 
 use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Whole;
 
-/// Which layers something is in, and which it touches. Two touch if each is in a layer that the other touches.
+/// The collision layers that something is in, and those that it touches. Two things touch if each is in a layer that
+/// the other touches.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Layers {

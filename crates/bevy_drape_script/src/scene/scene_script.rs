@@ -1,4 +1,4 @@
-//! The whole of a scene file.
+//! Scenes as files describe them.
 
 use bevy::prelude::*;
 use schemars::JsonSchema;
@@ -14,23 +14,23 @@ use crate::text::{self, SceneError};
 /// The version of the format that this crate reads.
 pub const FORMAT_VERSION: u32 = 1;
 
-/// A scripted scene: what is in it, what happens, and what is expected.
+/// A scripted scene: its bodies and obstacles, its timeline, its expectations.
 #[derive(Asset, TypePath, Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneScript {
     /// Version of the format: 1.
     pub version: Whole<FORMAT_VERSION, FORMAT_VERSION>,
-    /// What the scene shows, in a sentence.
+    /// The purpose of the scene, in a sentence.
     #[serde(default)]
     pub about: String,
     /// Fragments whose bodies, obstacles and so on are part of this scene: paths from this file's folder. A fragment is
-    /// written as a scene, but has no settings.
+    /// written like a scene, but has no settings.
     #[serde(default)]
     pub include: Vec<String>,
-    /// What a run can change by a name of its own.
+    /// Parameters that a run can set, by name.
     #[serde(default)]
     pub parameters: Named<Parameter>,
-    /// What holds for the whole scene.
+    /// Settings of the whole scene.
     #[serde(default)]
     pub settings: Settings,
     /// Materials by name.
@@ -42,7 +42,7 @@ pub struct SceneScript {
     /// Obstacles by name.
     #[serde(default)]
     pub obstacles: Named<Obstacle>,
-    /// Winds in some places only, by name.
+    /// Local winds by name.
     #[serde(default)]
     pub winds: Named<WindZone>,
     /// Cannons by name.
@@ -51,13 +51,13 @@ pub struct SceneScript {
     /// Cameras by name.
     #[serde(default)]
     pub cameras: Named<Camera>,
-    /// What happens, and when.
+    /// Events.
     #[serde(default)]
     pub timeline: Vec<Event>,
-    /// What the scene must do.
+    /// Expectations that the scene has to meet.
     #[serde(default)]
     pub expectations: Vec<Expectation>,
-    /// What was read from the files of meshes that it names.
+    /// The meshes from the files that it names.
     #[serde(skip)]
     pub(crate) meshes: MeshFiles,
 }

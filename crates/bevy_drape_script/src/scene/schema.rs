@@ -9,8 +9,8 @@ use crate::text::{SceneError, Schema};
 pub(crate) static SCHEMA: Schema =
     Schema::new(|| serde_json::to_value(schemars::schema_for!(SceneScript)).unwrap_or_default());
 
-/// The JSON schema of scene files: every field with its meaning, unit, range and default. A scene file is RON; its values have
-/// the same shape.
+/// The JSON schema of scene files: every field with its meaning, unit, range and default. Scene files are RON, whose
+/// values have the same structure as JSON.
 ///
 /// # Errors
 /// [`SceneError`] if it cannot be written as JSON.
@@ -22,7 +22,7 @@ pub fn schema() -> Result<String, SceneError> {
     Ok(text)
 }
 
-/// Makes one line of each description, as the lines of the source mean nothing there.
+/// Joins the lines of each description, as line breaks of the source mean nothing there.
 fn join_lines(value: &mut Value) {
     match value {
         Value::Object(map) => {

@@ -1,4 +1,4 @@
-//! What holds for the whole scene.
+//! Settings of the whole scene.
 
 use bevy::prelude::*;
 use bevy_drape::prelude as drape;
@@ -7,23 +7,23 @@ use serde::{Deserialize, Serialize};
 
 use super::{Fraction, NonNegative, Number, Positive, Seconds, Solver, StepLength, Vector};
 
-/// What holds for the whole scene.
+/// Settings of the whole scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// How long the scene runs, in seconds; 5 by default.
+    /// Duration of the scene in seconds; 5 by default.
     pub duration: Seconds,
-    /// The length of a step in seconds; a 60th by default.
+    /// Length of a step in seconds; 1/60 by default.
     pub dt: StepLength,
     /// Acceleration of gravity in m/s^2; (0, -9.81, 0) by default.
     pub gravity: Vector,
     /// The wind; none by default.
     pub wind: Wind,
-    /// How bodies are solved that do not say it themselves.
+    /// Solver settings of bodies that do not give their own.
     pub solver: Solver,
-    /// Whether bodies at rest fall asleep; true by default.
+    /// True to let bodies at rest fall asleep; true by default.
     pub sleeping: bool,
-    /// Where the scatter of copies starts from; 0 by default. The same seed scatters the same way everywhere.
+    /// Seed of the scatter of copies; 0 by default. Equal seeds scatter equally on every machine.
     pub seed: u64,
 }
 
@@ -41,7 +41,7 @@ impl Default for Settings {
     }
 }
 
-/// The wind that blows everywhere.
+/// The global wind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Wind {
@@ -51,23 +51,24 @@ pub struct Wind {
     pub air_density: NonNegative,
     /// Drag coefficient of a plate square to the wind; 1.2 by default.
     pub drag_coefficient: Number,
-    /// Lift coefficient, of a force at right angles to the wind; 0 by default. With some 1, flags flutter more.
+    /// Lift coefficient, for the force at right angles to the wind; 0 by default. Values near 1 make flags flutter
+    /// more.
     pub lift_coefficient: Number,
-    /// How it differs from place to place and from moment to moment; not at all by default.
+    /// Gusts, which vary in space and time; none by default.
     pub gusts: Gusts,
-    /// The part of it that is spared what has an obstacle between itself and the wind, from 0 to 1; 0 by default.
+    /// Fraction of the wind that an obstacle upwind keeps off, from 0 to 1; 0 by default.
     pub shelter: Fraction,
 }
 
-/// Gusts, the same in every run.
+/// Gusts, equal in every run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gusts {
     /// Root mean square of their speed in m/s; 0, a steady wind, by default.
     pub speed: NonNegative,
-    /// Size of the greatest in metres; 4 by default.
+    /// Size of the largest gusts in metres; 4 by default.
     pub length: Positive,
-    /// Another seed is another day; 0 by default.
+    /// Seed; 0 by default. Another seed gives other gusts.
     pub seed: u32,
 }
 

@@ -1,4 +1,4 @@
-//! How bodies are solved.
+//! Solver settings.
 
 use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{Fraction, NonNegative, Whole};
 
-/// How bodies are solved. What a body leaves out is as the scene's settings have it, and what these leave out is as the
-/// plugin has it.
+/// Solver settings. Fields that a body leaves out come from the scene's settings, and those that these leave out from
+/// the plugin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Solver {
-    /// How well it is solved: `Low`, `Medium` (the plugin's default) or `High`. The fields below go before it.
+    /// Quality preset: `Low`, `Medium` (the plugin's default) or `High`. The fields below override it.
     pub quality: Option<Quality>,
     /// Substeps per step, 1 to 256.
     pub substeps: Option<Whole<1, 256>>,
@@ -25,30 +25,30 @@ pub struct Solver {
     pub friction: Option<NonNegative>,
     /// Coefficient of static friction; below `friction` it counts as `friction`.
     pub static_friction: Option<NonNegative>,
-    /// Distance in metres that the middle of the cloth keeps from what it touches.
+    /// Distance in metres between the middle of the cloth and the surfaces that it touches.
     pub thickness: Option<NonNegative>,
     /// The formula for sticks.
     pub projection: Option<StickProjection>,
-    /// How structural sticks are solved.
+    /// The method for structural sticks.
     pub structural: Option<StructuralSolve>,
-    /// Whether tethers hold particles within their rest distance from the pins.
+    /// True to let tethers hold particles within their rest distance from the pins.
     pub tethers: Option<bool>,
-    /// How the body touches itself, and other cloths and ropes that have this on too: not at all, unless it is said.
+    /// Contact with itself, and with other bodies that have this on, too; off by default.
     pub self_contact: Option<SelfContact>,
 }
 
-/// How well bodies are solved.
+/// Quality presets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Quality {
-    /// For what is far away or small.
+    /// For bodies that are far away or small.
     Low,
     /// The plugin's default.
     Medium,
-    /// For what must not stretch.
+    /// For bodies that must not stretch.
     High,
 }
 
-/// Which formula moves the ends of a stick to its rest length.
+/// The formula that moves the ends of a stick to its rest length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StickProjection {
     /// One square root a stick.
@@ -57,7 +57,7 @@ pub enum StickProjection {
     SquareRootFree,
 }
 
-/// How structural sticks are brought to their rest lengths.
+/// The method that brings structural sticks to their rest lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StructuralSolve {
     /// One stick after another.
@@ -66,10 +66,10 @@ pub enum StructuralSolve {
     Lines,
 }
 
-/// How a body touches itself.
+/// Contact of a body with itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum SelfContact {
-    /// Not at all.
+    /// No contact.
     Off,
     /// Particle by particle.
     Particles,
@@ -78,7 +78,7 @@ pub enum SelfContact {
 }
 
 impl Solver {
-    /// The plugin's settings for these, with `base` for what they leave out.
+    /// The plugin's settings: these, with `base` for fields that are left out.
     pub fn over(&self, base: drape::SolverSettings) -> drape::SolverSettings {
         let quality = self.quality.map(|quality| match quality {
             Quality::Low => drape::Quality::Low,

@@ -1,4 +1,4 @@
-//! Winds in some places only.
+//! Local winds.
 
 use bevy::prelude::*;
 use bevy_drape::prelude as drape;
@@ -8,21 +8,21 @@ use serde::{Deserialize, Serialize};
 use super::bracketed;
 use super::{Fraction, Number, Positive, Turn, Vector};
 
-/// A wind in some place, on top of that of the settings: a fan, a draught, an explosion.
+/// A local wind, on top of the global one: a fan, a draught, an explosion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WindZone {
-    /// How far it reaches; `Sphere(radius: 2)` by default.
+    /// Its shape and size; `Sphere(radius: 2)` by default.
     pub region: WindRegion,
-    /// Where the air goes; `Along(0, 0, -5)` by default.
+    /// The flow of the air; `Along(0, 0, -5)` by default.
     pub flow: WindFlow,
-    /// The outer part of the region, from 0 to 1, in which it falls off to nothing; 0.5 by default.
+    /// Outer fraction of the region, from 0 to 1, over which it falls off to nothing; 0.5 by default.
     pub falloff: Fraction,
-    /// Where its middle is, in metres; (0, 0, 0) by default.
+    /// Position of its centre in metres; (0, 0, 0) by default.
     pub at: Vector,
-    /// How it is turned, with its flow; not at all by default.
+    /// Rotation of the region and its flow; none by default.
     pub turn: Turn,
-    /// Whether it blows at the start, and not only once it is spawned; true by default.
+    /// True to blow from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 
@@ -43,13 +43,13 @@ pub enum WindRegion {
     },
 }
 
-/// How the air of a wind zone moves.
+/// The flow of a wind zone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum WindFlow {
-    /// With this velocity in m/s, turned as the zone is.
+    /// A uniform velocity in m/s, rotated with the zone.
     Along(Vector),
-    /// Away from the middle, or towards it if negative, at so many m/s.
+    /// Away from the centre at this speed in m/s, or towards it if negative.
     Outwards(Number),
 }
 
@@ -67,7 +67,7 @@ impl Default for WindZone {
 }
 
 impl WindZone {
-    /// Where it is.
+    /// Its position and rotation.
     pub fn place(&self) -> Transform {
         Transform { translation: self.at.get(), rotation: self.turn.quaternion(), scale: Vec3::ONE }
     }

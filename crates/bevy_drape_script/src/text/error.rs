@@ -1,28 +1,28 @@
-//! What can be wrong with a scene.
+//! Errors in scene files.
 
 use core::fmt;
 use std::path::{Path, PathBuf};
 
 use super::find::locate;
 
-/// Something wrong with a scene file: where, with which field, and what was expected.
+/// An error in a scene file: its place, the field, and what was expected there.
 ///
 /// ```text
 /// assets/scenes/curtain.scene.ron:12:19: bodies.curtain.size: expected a number from 0.000001 to 1000000, found -1
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneError {
-    /// The override that it is about, such as `--set curtain.pins=Tip`; none if it is about the file itself.
+    /// The override that caused it, such as `--set curtain.pins=Tip`; none if the file itself did.
     pub origin: Option<String>,
-    /// The file; none if the scene did not come from one.
+    /// The file; none if the scene was not loaded from one.
     pub file: Option<PathBuf>,
-    /// Line, counted from 1; none if it is not about a place in the file.
+    /// Line, counted from 1; none if no place in the file is at fault.
     pub line: Option<u32>,
     /// Column, counted in characters from 1.
     pub column: Option<u32>,
-    /// The field by its path, such as `bodies.curtain.size`; empty if it is about the whole file.
+    /// The path of the field, such as `bodies.curtain.size`; empty if the whole file is at fault.
     pub field: String,
-    /// What is wrong, and what was expected.
+    /// The problem, and what was expected.
     pub problem: String,
 }
 

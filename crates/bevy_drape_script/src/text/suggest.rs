@@ -1,9 +1,9 @@
-//! Suggestions: which of the known words somebody may have meant.
+//! Suggests known words for misspelt ones.
 
-/// How alike two words have to be, from 0 (not at all) to 1 (the same), to be taken for each other.
+/// The least similarity of two words, from 0 (none) to 1 (equal), for which one is suggested for the other.
 const ALIKE: f64 = 0.8;
 
-/// "; did you mean `curtain`?" if one of `known` is much like `found`, and nothing else.
+/// "; did you mean `curtain`?" if one of `known` resembles `found`; empty if none does.
 pub(crate) fn did_you_mean<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(found, known).map_or_else(String::new, |nearest| format!("; did you mean `{nearest}`?"))
 }
@@ -12,7 +12,7 @@ fn nearest<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<
     let found = found.to_lowercase();
     let likeness = |word: &str| {
         let word = word.to_lowercase();
-        // What begins alike (`dens` for `density`), and what has letters swapped or wrong.
+        // The first measure finds common beginnings (`dens` for `density`), the second swapped and wrong letters.
         strsim::jaro_winkler(&found, &word).max(strsim::normalized_damerau_levenshtein(&found, &word))
     };
     known
@@ -23,7 +23,8 @@ fn nearest<'a>(found: &str, known: impl IntoIterator<Item = &'a str>) -> Option<
         .map(|(_, word)| word)
 }
 
-/// "nothing is called `canon`; did you mean `cannon`? There are: cannon, curtain"
+/// Adds a suggestion and the known names to `problem`: "nothing is called `canon`; did you mean `cannon`? There are:
+/// cannon, curtain"
 pub(crate) fn unknown(problem: &str, found: &str, known: &[impl AsRef<str>]) -> String {
     let names: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
     if names.is_empty() {
@@ -36,7 +37,8 @@ pub(crate) fn unknown(problem: &str, found: &str, known: &[impl AsRef<str>]) -> 
     )
 }
 
-/// The same with fields: "there is no field `pin` here; did you mean `pins`? The fields are: `at`, `pins`"
+/// Adds a suggestion and the known fields to `problem`: "there is no field `pin` here; did you mean `pins`? The fields
+/// are: `at`, `pins`"
 pub(crate) fn unknown_field(problem: &str, found: &str, fields: &[&str]) -> String {
     let list = format!("the fields are: `{}`", fields.join("`, `"));
     with_list(problem, &did_you_mean(found, fields.iter().copied()), &list)

@@ -17,22 +17,22 @@ const PEERS: &[Solver] = &[
     Solver {
         name: "silk",
         has_threads: false,
-        load: |scene, effort| Ok(Box::new(silk::Silk::new(scene, effort)?)),
+        load: |scene, options| Ok(Box::new(silk::Silk::new(scene, options)?)),
     },
     Solver {
         name: "verlet",
         has_threads: false,
-        load: |scene, effort| Ok(Box::new(verlet::Verlet::new(scene, effort)?)),
+        load: |scene, options| Ok(Box::new(verlet::Verlet::new(scene, options)?)),
     },
     Solver {
         name: "rapier100",
         has_threads: false,
-        load: |scene, effort| Ok(Box::new(rapier::Rapier::new(scene, effort, 100.0)?)),
+        load: |scene, options| Ok(Box::new(rapier::Rapier::new(scene, options, 100.0)?)),
     },
     Solver {
         name: "rapier1000",
         has_threads: false,
-        load: |scene, effort| Ok(Box::new(rapier::Rapier::new(scene, effort, 1000.0)?)),
+        load: |scene, options| Ok(Box::new(rapier::Rapier::new(scene, options, 1000.0)?)),
     },
 ];
 

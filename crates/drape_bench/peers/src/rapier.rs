@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
-use drape_bench::contender::{Contender, Failure, timed};
+use drape_bench::Failure;
+use drape_bench::options::SolverOptions;
 use drape_bench::scene::{Scene, SceneKind};
-use drape_bench::solver::Effort;
+use drape_bench::simulation::{Simulation, timed};
 use drape_bench::world::{GRAVITY, MASS, SIDE, SPHERE_CENTRE, SPHERE_RADIUS, STEP};
 use drape_solver::glam;
 use rapier3d::prelude::{
@@ -27,14 +28,14 @@ impl Rapier {
     ///
     /// # Errors
     /// [`Failure`] for another scene.
-    pub fn new(scene: &Scene, effort: &Effort, softness: f32) -> Result<Self, Failure> {
+    pub fn new(scene: &Scene, options: &SolverOptions, softness: f32) -> Result<Self, Failure> {
         if !matches!(scene.kind, SceneKind::Sheet | SceneKind::Million) {
             return Err(Failure::Scene { solver: "rapier", scene: scene.kind.name() });
         }
         let mut world = PhysicsWorld { gravity: vector(GRAVITY), ..PhysicsWorld::default() };
         world.integration_parameters.dt = STEP;
-        world.integration_parameters.num_solver_iterations = effort.substeps as usize;
-        world.integration_parameters.num_internal_pgs_iterations = effort.sweeps as usize;
+        world.integration_parameters.num_solver_iterations = options.substeps as usize;
+        world.integration_parameters.num_internal_pgs_iterations = options.sweeps as usize;
         // No more substeps than were asked for.
         world.integration_parameters.soft_bodies.max_extra_substeps = 0;
         let collider = ColliderBuilder::ball(SPHERE_RADIUS).friction(0.0);
@@ -64,7 +65,7 @@ fn vector(v: glam::Vec3) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }
 
-impl Contender for Rapier {
+impl Simulation for Rapier {
     fn step(&mut self) -> Result<Duration, Failure> {
         Ok(timed(|| self.world.step()))
     }

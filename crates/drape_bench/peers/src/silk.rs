@@ -7,9 +7,11 @@ use bevy::platform::collections::HashMap;
 use bevy_silk::components::cloth::Cloth;
 use bevy_silk::stick::StickMode;
 use bevy_silk::vertex_anchor::VertexAnchor;
-use drape_bench::contender::{Contender, Failure, timed};
+use drape_bench::Failure;
+use drape_bench::options::SolverOptions;
 use drape_bench::scene::Scene;
-use drape_bench::solver::{Effort, refuse_sleepers};
+use drape_bench::simulation::{Simulation, timed};
+use drape_bench::solver::refuse_sleepers;
 use drape_bench::world::{GRAVITY, SPHERE_CENTRE, SPHERE_RADIUS, STEP};
 use drape_solver::glam;
 
@@ -24,10 +26,10 @@ impl Silk {
     ///
     /// # Errors
     /// [`Failure`] if bodies should rest, or there are more iterations than the crate can count.
-    pub fn new(scene: &Scene, effort: &Effort) -> Result<Self, Failure> {
+    pub fn new(scene: &Scene, options: &SolverOptions) -> Result<Self, Failure> {
         refuse_sleepers("silk", scene)?;
         let model = &scene.model;
-        let iterations = u8::try_from(effort.substeps * effort.sweeps)
+        let iterations = u8::try_from(options.substeps * options.sweeps)
             .map_err(|_| Failure::Peer("silk takes at most 255 iterations".to_owned()))?;
         let points: Vec<Vec3> = model.positions.iter().map(|p| Vec3::from_array(p.to_array())).collect();
         let anchor = |&pin: &u32| (pin as usize, (VertexAnchor::default(), points[pin as usize]));
@@ -51,7 +53,7 @@ pub fn out_of_sphere(point: Vec3) -> Option<Vec3> {
     (distance < SPHERE_RADIUS).then(|| centre + out * (SPHERE_RADIUS / distance))
 }
 
-impl Contender for Silk {
+impl Simulation for Silk {
     fn step(&mut self) -> Result<Duration, Failure> {
         let acceleration = Vec3::from_array(GRAVITY.to_array()) * (STEP * STEP);
         Ok(timed(|| {

@@ -9,9 +9,11 @@ use bevy::math::Vec3;
 use bevy::time::{Fixed, Time, TimeUpdateStrategy};
 use bevy::transform::components::Transform;
 use bevy_verlet::{VerletConfig, VerletLocked, VerletPlugin, VerletPoint, VerletStick};
-use drape_bench::contender::{Contender, Failure, timed};
+use drape_bench::Failure;
+use drape_bench::options::SolverOptions;
 use drape_bench::scene::Scene;
-use drape_bench::solver::{Effort, refuse_sleepers};
+use drape_bench::simulation::{Simulation, timed};
+use drape_bench::solver::refuse_sleepers;
 use drape_bench::world::{GRAVITY, STEP};
 use drape_solver::glam;
 
@@ -36,10 +38,10 @@ impl Verlet {
     ///
     /// # Errors
     /// [`Failure`] if bodies should rest, or there are more iterations than the crate can count.
-    pub fn new(scene: &Scene, effort: &Effort) -> Result<Self, Failure> {
+    pub fn new(scene: &Scene, options: &SolverOptions) -> Result<Self, Failure> {
         refuse_sleepers("verlet", scene)?;
         // The crate sweeps once more than its setting says.
-        let depth = u8::try_from(effort.substeps * effort.sweeps - 1)
+        let depth = u8::try_from(options.substeps * options.sweeps - 1)
             .map_err(|_| Failure::Peer("verlet takes at most 256 iterations".to_owned()))?;
         let step = Duration::from_secs_f32(STEP);
         let mut app = App::new();
@@ -93,7 +95,7 @@ fn collide(
     steps.length = time.delta_secs();
 }
 
-impl Contender for Verlet {
+impl Simulation for Verlet {
     fn step(&mut self) -> Result<Duration, Failure> {
         let time = timed(|| self.app.update());
         self.steps += 1;

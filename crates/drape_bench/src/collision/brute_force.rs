@@ -1,33 +1,34 @@
-//! The judge: every face against every ball, in double precision.
+//! The reference: every face against every ball, in double precision.
 
 use drape_solver::glam::{DVec3, Vec3A};
 
-use crate::collision::{Pair, State};
+use super::method::Pair;
+use super::state::State;
 
-/// Depth below which single precision may find a contact or not, in metres: some ten roundings of a coordinate.
+/// Depth in metres below which single precision may find a contact or not: some ten roundings of a coordinate.
 pub const TOLERANCE: f64 = 1e-5;
 
-/// What a method got wrong.
+/// The errors of a method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Faults {
+pub struct ContactErrors {
     /// Contacts deeper than [`TOLERANCE`] that it did not find.
     pub missed: usize,
     /// Contacts that it found between a ball and a face that are farther apart than [`TOLERANCE`].
     pub false_contacts: usize,
 }
 
-/// All contacts of a state: those that must be found, and those that may be. Both are in order.
-pub struct Truth {
+/// All contacts of a state: those that must be found, and those that may be. Both are sorted.
+pub struct ExactContacts {
     /// Deeper than the tolerance.
     pub certain: Vec<Pair>,
     /// Deeper than minus the tolerance.
     pub possible: Vec<Pair>,
 }
 
-impl Truth {
-    /// Looks at every face.
+impl ExactContacts {
+    /// Tests every face.
     pub fn of(state: &State) -> Self {
-        let mut truth = Self { certain: Vec::new(), possible: Vec::new() };
+        let mut exact = Self { certain: Vec::new(), possible: Vec::new() };
         for (ball, sphere) in (0..).zip(&state.balls) {
             let (centre, apart) = (sphere.centre.as_dvec3(), f64::from(sphere.apart));
             let far = apart + 2.0 * TOLERANCE;
@@ -40,20 +41,20 @@ impl Truth {
                 }
                 let depth = apart - nearest(corners, centre).distance(centre);
                 if depth > TOLERANCE {
-                    truth.certain.push((ball, face));
+                    exact.certain.push((ball, face));
                 }
                 if depth > -TOLERANCE {
-                    truth.possible.push((ball, face));
+                    exact.possible.push((ball, face));
                 }
             }
         }
-        truth
+        exact
     }
 
-    /// What is wrong with these contacts.
-    pub fn judge(&self, mut found: Vec<Pair>) -> Faults {
+    /// Counts the errors in these contacts.
+    pub fn errors_of(&self, mut found: Vec<Pair>) -> ContactErrors {
         found.sort_unstable();
-        Faults {
+        ContactErrors {
             missed: self.certain.iter().filter(|pair| found.binary_search(pair).is_err()).count(),
             false_contacts: found.iter().filter(|pair| self.possible.binary_search(pair).is_err()).count(),
         }
@@ -102,9 +103,9 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_counted() {
-        let truth = Truth { certain: vec![(0, 1), (0, 2)], possible: vec![(0, 1), (0, 2), (0, 3)] };
-        assert_eq!(truth.judge(vec![(0, 2), (0, 3), (0, 1)]), Faults::default());
-        assert_eq!(truth.judge(vec![(1, 2), (0, 1)]), Faults { missed: 1, false_contacts: 1 });
+    fn errors_are_counted() {
+        let exact = ExactContacts { certain: vec![(0, 1), (0, 2)], possible: vec![(0, 1), (0, 2), (0, 3)] };
+        assert_eq!(exact.errors_of(vec![(0, 2), (0, 3), (0, 1)]), ContactErrors::default());
+        assert_eq!(exact.errors_of(vec![(1, 2), (0, 1)]), ContactErrors { missed: 1, false_contacts: 1 });
     }
 }

@@ -1,34 +1,35 @@
-//! The question that three of the methods end in: the feature of a face (corner, edge or inside) that is closest to a
+//! The query that three of the methods end in: the feature of a face (corner, edge or inside) that is closest to a
 //! ball's centre.
 //!
-//! parry's own query is used, which walks the Voronoi regions of the triangle. Faces that the boxes or the plane tell
-//! apart are not asked.
+//! It is parry's own query, which walks the Voronoi regions of the triangle. Faces whose box or plane is apart from the
+//! ball are not queried.
 
 use drape_solver::glam::{Vec3, Vec3A};
 use drape_solver::parry3d::query::PointQueryWithLocation;
 use drape_solver::parry3d::shape::{Triangle, TrianglePointLocation};
 
-use crate::collision::{Contact, Sphere, State};
+use super::method::Contact;
+use super::state::{Sphere, State};
 
-/// What the methods keep of a query.
+/// The results of queries.
 #[derive(Default)]
-pub struct Asked {
+pub struct ClosestFeatureQueries {
     /// Contacts found.
     pub contacts: Vec<Contact>,
-    /// Faces that were asked for their nearest point.
-    pub queries: usize,
+    /// Number of faces that were queried for their nearest point.
+    pub count: usize,
 }
 
-impl Asked {
-    /// Starts anew, keeping the memory.
+impl ClosestFeatureQueries {
+    /// Clears the results and keeps the memory.
     pub fn clear(&mut self) {
         self.contacts.clear();
-        self.queries = 0;
+        self.count = 0;
     }
 
-    /// Asks one face, if its box as it is now touches that of the ball, and its plane the ball.
+    /// Queries one face, if its current box touches that of the ball, and its plane touches the ball.
     #[inline(always)]
-    pub fn ask(&mut self, state: &State, ball: u32, sphere: &Sphere, face: u32) {
+    pub fn query(&mut self, state: &State, ball: u32, sphere: &Sphere, face: u32) {
         let Sphere { centre, apart, .. } = *sphere;
         let middle = Vec3A::from(centre);
         if !state.is_within(face, middle - apart, middle + apart) {
@@ -40,7 +41,7 @@ impl Asked {
         if height * height > 1.001 * apart * apart * normal.length_squared() {
             return;
         }
-        self.queries += 1;
+        self.count += 1;
         let (nearest, place) = Triangle::new(a, b, c).project_local_point_and_get_location(centre, true);
         let offset = centre - nearest.point;
         let distance_squared = offset.length_squared();
@@ -58,7 +59,7 @@ impl Asked {
 }
 
 fn weights(place: &TrianglePointLocation) -> [f32; 3] {
-    // None only where the triangle has no area.
+    // There are none only if the triangle has no area.
     place.barycentric_coordinates().unwrap_or([1.0, 0.0, 0.0])
 }
 

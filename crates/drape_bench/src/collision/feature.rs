@@ -1,21 +1,22 @@
 //! Feature-based: a closest-feature query for each candidate pair.
 //!
-//! No structure in space: in a step whose balls come near the cloth, all faces are compared, box by box, with the space
-//! that a ball can reach, and those that pass are the step's candidates. In a substep each candidate whose box touches
-//! the ball's is asked for its closest feature. Walking from feature to feature of the substep before, as Lin and Canny
-//! (1991) do for convex bodies, does not apply: a cloth is not convex, and all its contacts are wanted, not one.
+//! Without a spatial structure: in a step whose balls come near the cloth, the boxes of all faces are compared with the
+//! space that a ball can reach, which gives the step's candidates. In a substep each candidate whose box touches the
+//! ball's is queried for its closest feature. Walking from feature to feature of the substep before, as Lin and Canny
+//! (1991) do for convex bodies, does not apply: a cloth is not convex, and needs all contacts, not one.
 
 use drape_solver::glam::Vec3A;
 
-use crate::collision::closest_feature::Asked;
-use crate::collision::{Contact, Method, Pair, State};
+use super::closest_feature::ClosestFeatureQueries;
+use super::method::{Contact, Method, Pair};
+use super::state::State;
 
 /// See the [module](self).
 #[derive(Default)]
 pub struct FeatureBased {
     /// Candidates of the step: ball and face.
     candidates: Vec<Pair>,
-    asked: Asked,
+    queries: ClosestFeatureQueries,
 }
 
 impl Method for FeatureBased {
@@ -36,14 +37,14 @@ impl Method for FeatureBased {
     }
 
     fn find(&mut self, state: &mut State) -> usize {
-        self.asked.clear();
+        self.queries.clear();
         for &(ball, face) in &self.candidates {
-            self.asked.ask(state, ball, &state.balls[ball as usize], face);
+            self.queries.query(state, ball, &state.balls[ball as usize], face);
         }
-        self.asked.queries
+        self.queries.count
     }
 
     fn pairs(&self, _: &State) -> Vec<Pair> {
-        self.asked.contacts.iter().map(|contact: &Contact| contact.pair).collect()
+        self.queries.contacts.iter().map(|contact: &Contact| contact.pair).collect()
     }
 }

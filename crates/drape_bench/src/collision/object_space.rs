@@ -1,21 +1,22 @@
 //! Object space: a bounding-volume tree of the cloth, parry's.
 //!
-//! The tree is built once, over bunches of faces that follow each other in the cloth's own order, and refitted at the
-//! start of each step whose balls come near, with every box widened by how far a particle can move in the step. In a
-//! substep a ball goes down the tree with its box as it is now, and asks each face found whose own box touches its for
-//! the closest feature.
+//! The tree is built once, over bunches of consecutive faces in the cloth's own order, and refitted at the start of
+//! each step whose balls come near, with every box widened by the greatest motion of a particle in the step. In a
+//! substep a ball descends the tree with its current box, and queries each face whose own box touches it for the
+//! closest feature.
 //!
-//! To rebuild the tree at every step costs eight times a refit, and makes queries no faster: a curtain stays a curtain.
-//! Leaves of one face take more than twice the time of bunches of sixteen, of four a sixth more.
+//! Rejected: rebuilding the tree at every step, which costs eight times a refit and makes queries no faster; leaves of
+//! one face, which take more than twice the time of bunches of sixteen; leaves of four, a sixth more.
 
 use drape_solver::glam::{Vec3, Vec3A};
 use drape_solver::parry3d::bounding_volume::Aabb;
 use drape_solver::parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
 
-use crate::collision::closest_feature::Asked;
-use crate::collision::{Contact, Method, Pair, State};
+use super::closest_feature::ClosestFeatureQueries;
+use super::method::{Contact, Method, Pair};
+use super::state::State;
 
-/// Faces of a leaf.
+/// Faces per leaf.
 const BUNCH: usize = 16;
 
 /// See the [module](self).
@@ -23,7 +24,7 @@ const BUNCH: usize = 16;
 pub struct ObjectSpace {
     tree: Option<Bvh>,
     near: Vec<u32>,
-    asked: Asked,
+    queries: ClosestFeatureQueries,
 }
 
 fn boxes(state: &State) -> impl Iterator<Item = Aabb> {
@@ -59,8 +60,8 @@ impl Method for ObjectSpace {
     }
 
     fn find(&mut self, state: &mut State) -> usize {
-        let Self { tree, near, asked } = self;
-        asked.clear();
+        let Self { tree, near, queries } = self;
+        queries.clear();
         let Some(tree) = tree else { return 0 };
         let count = state.faces.len();
         for &ball in &*near {
@@ -74,16 +75,16 @@ impl Method for ObjectSpace {
                 if let Some(leaf) = node.leaf_data() {
                     let first = leaf as usize * BUNCH;
                     for face in first..(first + BUNCH).min(count) {
-                        asked.ask(state, ball, sphere, face as u32);
+                        queries.query(state, ball, sphere, face as u32);
                     }
                 }
                 TraversalAction::Continue
             });
         }
-        asked.queries
+        queries.count
     }
 
     fn pairs(&self, _: &State) -> Vec<Pair> {
-        self.asked.contacts.iter().map(|contact: &Contact| contact.pair).collect()
+        self.queries.contacts.iter().map(|contact: &Contact| contact.pair).collect()
     }
 }

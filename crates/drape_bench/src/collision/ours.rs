@@ -1,16 +1,17 @@
 //! Ours: the solver's own detection, called as the step calls it.
 //!
-//! Broad phase: [`detect_collisions`] lists the faces of which a corner can come near a ball within the step. Narrow phase:
-//! [`Island::ball_cloth_contacts`](drape_solver::Island::ball_cloth_contacts) looks at the list as the projection of
-//! contacts does. Unlike the other methods it also tells on which side of a face the ball was when the substep began,
-//! so that a fast ball is not pushed out on the wrong side.
+//! Broad phase: [`detect_collisions`] lists the faces with a corner that can come near a ball within the step. Narrow
+//! phase: [`Island::ball_cloth_contacts`](drape_solver::Island::ball_cloth_contacts) goes through the list as the
+//! projection of contacts does. Unlike the other methods it also gives the side of the face on which the ball began the
+//! substep, so that a fast ball is not pushed out on the wrong side.
 
 use std::collections::HashMap;
 
 use drape_solver::BallClothContact;
 use drape_solver::step::detect_collisions;
 
-use crate::collision::{Method, Pair, State};
+use super::method::{Method, Pair};
+use super::state::State;
 
 /// See the [module](self).
 #[derive(Default)]

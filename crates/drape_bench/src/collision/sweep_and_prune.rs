@@ -1,47 +1,48 @@
 //! Like SOLID 2.0 (van den Bergen 1999, "A fast and robust GJK implementation for collision detection of convex
 //! objects"): sweep and prune, then GJK with a cached separating axis for each pair.
 //!
-//! Sweep and prune: bunches of faces that follow each other in the cloth's own order are kept sorted by the low ends of
-//! their boxes along the cloth's longest axis. The boxes are wider than needed, so that those that move little keep their
-//! place; of the others few change places from step to step, so insertion sort is nearly linear (Cohen et al. 1995,
-//! "I-COLLIDE"), and where many do, as at the first step of a shot, all are sorted. A ball looks up the stretch of that
+//! Sweep and prune: bunches of consecutive faces in the cloth's own order are kept sorted by the low ends of their
+//! boxes along the cloth's longest axis. The boxes are wider than needed, so that those that move little keep their
+//! place; few of the others change places from step to step, so insertion sort is nearly linear (Cohen et al. 1995,
+//! "I-COLLIDE"). If many do, as in the first step of a shot, all are sorted anew. A ball looks up the part of that
 //! order that it can reach, and compares the boxes of the faces there. In a substep each pair first tries the axis that
-//! separated it last; if it still does, that is all. Else parry's GJK is started with that axis, on the triangle and the
-//! ball's centre, as SOLID treats a sphere as a point with a margin: it needs no penetration depth that way. A new step
-//! keeps the axes of the pairs that stay. To sort single faces takes twice as long.
+//! separated it last; if it still does, the pair is done. Otherwise parry's GJK starts with that axis, on the triangle
+//! and the ball's centre: SOLID treats a sphere as a point with a margin, which needs no penetration depth. A new step
+//! keeps the axes of the pairs that stay. Rejected: sorting single faces, which takes twice as long.
 
 use drape_solver::glam::{Vec3, Vec3A};
 use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::query::gjk::{ConstantPoint, CsoPoint, GJKResult, VoronoiSimplex, closest_points};
 use drape_solver::parry3d::shape::Triangle;
 
-use crate::collision::{Contact, Method, Pair, State};
+use super::method::{Contact, Method, Pair};
+use super::state::State;
 
-/// Faces of a bunch.
+/// Faces per bunch.
 const BUNCH: usize = 16;
-/// GJK's tolerances are absolute, and meant for shapes of some metres: to it a metre is so long. A power of two, so that
-/// nothing is rounded.
+/// Factor on lengths for GJK, whose tolerances are absolute and meant for shapes of some metres. A power of two, so
+/// that nothing is rounded.
 const SCALE: f32 = 64.0;
-/// By how much a box is wider than needed, in metres.
+/// Additional width of boxes at either end, in metres.
 const SLACK: f32 = 0.02;
-/// All are sorted anew if more than one in so many has left its box.
+/// All bunches are sorted anew if more than one in so many has left its box.
 const MOVED_TO_SORT_ALL: usize = 32;
 
 /// A pair that may touch in this step.
 struct Candidate {
     pair: Pair,
-    /// Unit vector from the face to the ball that separated them last; none if they touched.
+    /// The last separating axis, a unit vector from the face to the ball; none if they touched.
     axis: Option<Vec3>,
 }
 
 /// See the [module](self).
 pub struct SweepAndPrune {
-    /// Bunches by the low ends of their boxes, with those.
+    /// Low ends of boxes and their bunches, sorted.
     order: Vec<(f32, u32)>,
-    /// For each bunch the wider box along the axis: low and high end.
+    /// The widened box of each bunch along the axis: low and high end.
     wide: Vec<(f32, f32)>,
     axis: usize,
-    /// The longest box along the axis.
+    /// The length of the longest box along the axis, in metres.
     longest: f32,
     candidates: Vec<Candidate>,
     before: Vec<Candidate>,
@@ -65,7 +66,7 @@ impl Default for SweepAndPrune {
 }
 
 impl SweepAndPrune {
-    /// Brings the order up to date.
+    /// Updates the order.
     fn sort(&mut self, state: &State) {
         let Self { order, wide, axis, longest, .. } = self;
         if wide.is_empty() {
@@ -137,7 +138,7 @@ impl Method for SweepAndPrune {
             }
             self.candidates[start..].sort_unstable_by_key(|candidate| candidate.pair);
         }
-        // Both lists are in the same order: the axes go along.
+        // Both lists are in the same order, so one pass carries the axes over.
         let mut before = self.before.iter().peekable();
         for candidate in &mut self.candidates {
             while before.next_if(|old| old.pair < candidate.pair).is_some() {}
@@ -163,7 +164,7 @@ impl Method for SweepAndPrune {
                 }
             }
             queries += 1;
-            // The face about the ball's centre: the origin of the configuration space.
+            // The face relative to the ball's centre, the origin of the configuration space.
             let triangle = Triangle::new(a, b, c);
             let point = ConstantPoint(Vec3::ZERO);
             let pose = Pose::IDENTITY;
@@ -173,7 +174,7 @@ impl Method for SweepAndPrune {
                 GJKResult::ClosestPoints(nearest, _, _) => {
                     let distance = nearest.length();
                     let normal = -nearest / distance.max(f32::MIN_POSITIVE);
-                    // The axis that brings GJK to its end at once, and separates when the ball has left.
+                    // This axis lets GJK end at once, and separates the pair once the ball has left.
                     *axis = Some(normal);
                     if distance < apart {
                         let weights = weights(simplex, corners);
@@ -203,7 +204,7 @@ impl Method for SweepAndPrune {
     }
 }
 
-/// Weights of the corners in GJK's nearest point: those of the simplex, whose points are corners.
+/// Weights of the corners in GJK's nearest point: those of the simplex, whose points are corners of the face.
 fn weights(simplex: &VoronoiSimplex, corners: [Vec3; 3]) -> [f32; 3] {
     let mut weights = [0.0; 3];
     for i in 0..=simplex.dimension() {

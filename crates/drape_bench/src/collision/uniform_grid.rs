@@ -1,35 +1,36 @@
 //! Spatial decomposition: a uniform grid over the cloth's faces.
 //!
-//! A step whose balls come near sorts the faces into cubes by counting, each into the cube of its box's middle, so that
-//! none is listed twice (a *loose* grid: what is asked for grows by half the largest box). The cubes are as wide as a
-//! ball's radius or the longest face, whichever is more, at most 65,536 of them; twice and half of that were slower.
-//! In a substep a ball asks the cubes around the place where it is now, widened by how far a particle can have moved
-//! since, and each face found whose box touches the ball's for its closest feature.
+//! A step whose balls come near sorts the faces into cubes by counting, each into the cube of its box's centre, so that
+//! none is listed twice (a *loose* grid: queries grow by half the largest box). The cubes are as wide as a ball's
+//! radius or the longest face, whichever is more, at most 65,536 of them; twice and half of that were slower. In a
+//! substep a ball visits the cubes around its current position, widened by the greatest motion of a particle since, and
+//! queries each face whose box touches its own for the closest feature.
 
 use drape_solver::glam::{UVec3, Vec3, Vec3A};
 
-use crate::collision::closest_feature::Asked;
-use crate::collision::{Contact, Method, Pair, State};
+use super::closest_feature::ClosestFeatureQueries;
+use super::method::{Contact, Method, Pair};
+use super::state::State;
 
-/// More cubes are not worth clearing.
+/// The greatest number of cubes: clearing more costs more than they save.
 const MOST_CUBES: f32 = 65_536.0;
 
 /// See the [module](self).
 #[derive(Default)]
 pub struct UniformGrid {
     low: Vec3,
-    /// Cubes in a metre.
+    /// Cubes per metre.
     per_metre: f32,
     cubes: UVec3,
-    /// Where the faces of each cube start in `sorted`, from the second entry on; the last entry is their number.
+    /// The start of each cube's faces in `sorted`, from the second entry on; the last entry is their number.
     starts: Vec<u32>,
     /// Faces, cube by cube.
     sorted: Vec<u32>,
     cube_of_face: Vec<u32>,
-    /// By how much what is asked for grows, in metres: half the largest box, and the motion of a step.
+    /// The growth of queries in metres: half the largest box, and the motion of a step.
     margin: Vec3,
     near: Vec<u32>,
-    asked: Asked,
+    queries: ClosestFeatureQueries,
 }
 
 impl UniformGrid {
@@ -70,7 +71,7 @@ impl UniformGrid {
             *end = sum;
         }
         self.sorted.resize(self.cube_of_face.len(), 0);
-        // Filled from the back, each cube's end, which stands here so far, becomes its start.
+        // Each entry is the end of a cube's faces. Filling from the back makes it their start.
         for (face, &cube) in self.cube_of_face.iter().enumerate().rev() {
             let place = &mut self.starts[cube as usize + 1];
             *place -= 1;
@@ -95,8 +96,8 @@ impl Method for UniformGrid {
     }
 
     fn find(&mut self, state: &mut State) -> usize {
-        let mut asked = core::mem::take(&mut self.asked);
-        asked.clear();
+        let mut queries = core::mem::take(&mut self.queries);
+        queries.clear();
         for &ball in &self.near {
             let sphere = &state.balls[ball as usize];
             let reach = self.margin + sphere.apart;
@@ -106,21 +107,21 @@ impl Method for UniformGrid {
                     let [start, end] = [low.x, high.x + 1].map(|x| self.number(UVec3::new(x, y, z)) + 1);
                     let row = self.starts[start] as usize..self.starts[end] as usize;
                     for &face in &self.sorted[row] {
-                        asked.ask(state, ball, sphere, face);
+                        queries.query(state, ball, sphere, face);
                     }
                 }
             }
         }
-        self.asked = asked;
-        self.asked.queries
+        self.queries = queries;
+        self.queries.count
     }
 
     fn pairs(&self, _: &State) -> Vec<Pair> {
-        self.asked.contacts.iter().map(|contact: &Contact| contact.pair).collect()
+        self.queries.contacts.iter().map(|contact: &Contact| contact.pair).collect()
     }
 }
 
-/// Of the first face: all are alike at rest.
+/// The longest side of the first face, as all are alike at rest.
 fn longest_side(state: &State) -> f32 {
     let [a, b, c] = state.corners(0);
     a.distance(b).max(b.distance(c)).max(c.distance(a))

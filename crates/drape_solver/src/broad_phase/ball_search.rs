@@ -1,24 +1,25 @@
-//! Which faces a ball is near: the search before the contacts of balls with cloth.
+//! The search for faces near a ball, for the contacts of balls with cloth.
 //!
-//! A step lists all faces that a ball can meet within it; of these a substep's ball is near to a few. On a grid whose
-//! rows are rows of cells (`layout.rs`) they are found without looking at faces one by one. The squares between two rows
-//! are taken lane by lane: first the box around all squares of a lane in that row, then, where the ball touches it, the
-//! box of each square.
+//! Each step lists all faces that a ball can touch within it; in a substep the ball is near a few of these. On a grid
+//! whose rows are rows of cells (`layout.rs`) the search need not test faces one by one. It takes the squares between
+//! two rows lane by lane: first the box around all squares of a lane in that row, then, if the ball touches it, the box
+//! of each square.
 //!
 //! ```text
 //!   row r      0 1 2 3 | 4 5 6 7 | 8 ...      one box a lane: columns 0..=4, 4..=8, ...
 //!   row r + 1  o-o-o-o-|-o-o-o-o-|-o          then one box a square: 0..=1, 1..=2, ...
 //! ```
 //!
-//! What is left is measured sixteen faces at a time, by the distance of their nearest points. On other bodies this is done
-//! with all that are listed.
+//! The remaining faces are measured sixteen at a time, by the distance of their nearest points. On other bodies all
+//! listed faces are measured.
 //!
-//! A face can also matter that the ball is not near to, because its centre has passed through it in this substep. It
-//! cannot be farther away then than it and the ball have gone, so that the search is widened to that where things are
-//! fast.
+//! A face far from the ball matters too if the ball's centre has passed through it in this substep. It cannot be
+//! farther away than face and ball have moved, so the search is widened by that distance.
 //!
-//! Nothing is left out that a look at every face would find: bounds are exact but for rounding, which is allowed for, and
-//! a look is taken anew as soon as what has been pushed since could have moved a face into reach.
+//! The search misses nothing that a test of every face would find: bounds are exact but for rounding, which is allowed
+//! for, and the search is repeated as soon as pushes could have moved a face into reach.
+//!
+//! Design: `docs/design/ball_cloth.md`.
 
 use core::ops::Range;
 
@@ -33,10 +34,10 @@ use crate::state::body::Body;
 use crate::state::layout::{Grid, Layout};
 use crate::state::topology::Topology;
 
-/// The faces that balls can meet in a step, and how to find those that they are near to.
+/// The faces that balls can touch in a step, and the search for those near a ball.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BallSearch {
-    /// Kept when they are no longer in use, for their memory.
+    /// The first `used` groups are in use; the others keep their memory.
     groups: Vec<CandidateGroup>,
     used: usize,
     /// For each cell of a body the lanes whose particles a ball can reach.
@@ -48,14 +49,14 @@ pub(crate) struct BallSearch {
 #[derive(Clone, Debug, Default)]
 struct CandidateGroup {
     pair: BallAndBody,
-    /// Where they are in the list of the step.
+    /// Their range in the list of the step.
     candidates: Range<usize>,
     squares: Option<Squares>,
     /// For each square, row by row, in the order of slots: its first candidate and their number, packed.
     candidates_of: Vec<u32>,
-    /// Corners of the candidates, by slots; a segment has its second end twice. Empty where they are not known.
+    /// Slots of the candidates' corners; a segment repeats its second end. Empty if they are not known.
     corners: Vec<[u32; 3]>,
-    /// The cells that they lie in, and others between.
+    /// A range of cells that holds all of these corners.
     cells: Range<usize>,
 }
 
@@ -66,7 +67,7 @@ pub(crate) struct BallAndBody {
     pub body: usize,
 }
 
-/// What is listed, by the slots of its corners.
+/// A listed face or segment, by the slots of its corners.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Corners {
     Face([u32; 3]),
@@ -85,17 +86,17 @@ pub(crate) struct Squares {
 /// Bits of a packed entry that hold the number of candidates.
 const COUNT_BITS: u32 = 2;
 
-/// What a look at a group has shown, and how far it has been gone through.
+/// The result of the search of a group, and the progress of the round through it.
 #[derive(Clone, Debug, Default)]
 struct Near {
     group: usize,
-    /// Candidates of the group that a contact may be found with, as bits.
+    /// One bit for each candidate of the group, set if it may touch the ball.
     bits: Vec<u64>,
-    /// Candidates of squares that the ball is near to.
+    /// Candidates of squares near the ball.
     around: Vec<u32>,
     /// The next candidate, by its number in the group.
     next: usize,
-    /// By how much the look was wider than needed, less what has been pushed since, in metres; none before a look.
+    /// Metres by which the search was wider than needed, less the pushes since; none before a search.
     margin: Option<f32>,
     /// For each cell of squares, the lanes that are near.
     masks: Vec<u16>,
@@ -108,8 +109,7 @@ impl BallSearch {
     }
 
     /// Lists the faces and segments of a body that have a corner within `reach` (metres) of `centre`, by the slots of
-    /// their corners, in order; `list` is given those of a face or the ends of a segment, and `listed` is the number
-    /// of candidates before.
+    /// their corners, in order. `list` is called with each of them; `listed` is the number of candidates before.
     pub fn detect(
         &mut self,
         pair: BallAndBody,
@@ -164,7 +164,7 @@ impl BallSearch {
         group.candidates = listed..listed + count;
     }
 
-    /// Some candidates have been taken out of the list of the step, and `listed` are left: all of them are to be looked at.
+    /// Tests all candidates from now on: some were taken out of the list of the step, and `listed` are left.
     pub fn forget(&mut self, listed: usize) {
         self.groups.truncate(1);
         self.used = self.groups.len();
@@ -174,20 +174,20 @@ impl BallSearch {
         }
     }
 
-    /// Starts to go through the candidates that balls are near to.
+    /// Starts a round through the candidates near balls.
     pub fn begin_round(&mut self) {
         self.near.group = 0;
         self.near.next = 0;
         self.near.margin = None;
     }
 
-    /// The next candidate that a contact may be found with as all lies now, by its index in the list of the step; none
-    /// at the end of the round.
+    /// The next candidate that may touch its ball now, by its index in the list of the step; none at the end of the
+    /// round.
     pub fn next(&mut self, balls: &[Ball], bodies: &[Body], isa: Isa) -> Option<usize> {
         let Self { groups, used, near, .. } = self;
         while let Some(group) = groups[..*used].get(near.group) {
             if near.margin.is_none_or(|margin| margin < 0.0) {
-                near.look(group, &balls[group.pair.ball], &bodies[group.pair.body], isa);
+                near.search(group, &balls[group.pair.ball], &bodies[group.pair.body], isa);
             }
             if let Some(candidate) = near.take(group) {
                 return Some(group.candidates.start + candidate);
@@ -199,18 +199,17 @@ impl BallSearch {
         None
     }
 
-    /// Notes that a ball and particles have been moved, together by no more than `distance` (metres) seen from each
-    /// other.
+    /// Records that a ball and particles have moved relative to each other by no more than `distance` metres.
     pub fn note_push(&mut self, distance: f32) {
         self.near.margin = self.near.margin.map(|margin| margin - distance);
     }
 }
 
 impl Near {
-    /// Looks at a group.
-    fn look(&mut self, group: &CandidateGroup, ball: &Ball, body: &Body, isa: Isa) {
+    /// Searches a group.
+    fn search(&mut self, group: &CandidateGroup, ball: &Ball, body: &Body, isa: Isa) {
         let radius = ball.material.radius;
-        // Mostly nothing is pushed at all.
+        // The first search has no margin, as mostly nothing is pushed at all.
         let margin = if self.margin.is_none() { 0.0 } else { SEARCH_MARGIN * radius };
         self.margin = Some(margin);
         let count = group.candidates.len();
@@ -231,10 +230,10 @@ impl Near {
             [&particles.position, &particles.displacement, &context.integrated]
                 .map(|columns| &columns.cells[group.cells.clone()]);
         let way = isa.run(LongestTravel { position, displacement, integrated }) + ball.travel().length();
-        // A push moves a face, and makes its way longer.
-        let passed = PASSING_SLACK * radius + way + 2.0 * margin;
+        // A push moves a face and also lengthens its way, so the margin counts twice.
+        let reach_of_passage = PASSING_SLACK * radius + way + 2.0 * margin;
         let rounding = 1e-5 * (radius + centre.abs().max_element());
-        let touch = passed.max(radius + settings.thickness + margin) + rounding;
+        let touch = reach_of_passage.max(radius + settings.thickness + margin) + rounding;
         let cells = &particles.position.cells;
         if let Some(squares) = group.squares {
             isa.run(SquareTest { cells, squares, centre, touch, masks: &mut self.masks });
@@ -246,7 +245,7 @@ impl Near {
         isa.run(Sift { cells, corners: &group.corners, centre, touch, around, bits });
     }
 
-    /// From lanes to candidates.
+    /// Collects the candidates of the squares that are near.
     fn collect(&mut self, group: &CandidateGroup, squares: Squares) {
         let width = squares.grid.width;
         for (row, masks) in self.masks.chunks(width).enumerate() {
@@ -263,7 +262,7 @@ impl Near {
         }
     }
 
-    /// The next of the group that is near.
+    /// The next candidate of the group that is near.
     fn take(&mut self, group: &CandidateGroup) -> Option<usize> {
         while self.next < group.candidates.len() {
             let word = self.next / 64;
@@ -280,7 +279,7 @@ impl Near {
     }
 }
 
-/// Notes a candidate.
+/// Sets the bit of a candidate.
 #[inline(always)]
 pub(crate) fn set(bits: &mut [u64], candidate: u32) {
     bits[candidate as usize / 64] |= 1 << (candidate % 64);
@@ -354,7 +353,7 @@ fn list_squares(
     Squares { grid, first: rows.start, count: rows.len() }
 }
 
-/// Whether the faces are those of a grid's squares, two of each, row by row.
+/// True if the faces are those of a grid's squares, two for each, row by row.
 pub(crate) fn are_by_square(faces: &[[u32; 3]], layout: &Layout) -> bool {
     let Layout::Grid(grid) = layout else { return false };
     let across = grid.columns - 1;

@@ -1,4 +1,6 @@
 //! The search for faces near a ball, cell by cell: its kernels.
+//!
+//! Design: `docs/design/ball_cloth.md`.
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
@@ -165,13 +167,13 @@ impl Kernel for SquareTest<'_> {
 /// Picks the candidates that the ball touches.
 pub(crate) struct Sift<'a> {
     pub cells: &'a [Cell],
-    /// Of all candidates, by slots.
+    /// Slots of the corners of all candidates.
     pub corners: &'a [[u32; 3]],
     pub centre: Vec3,
     /// Distance in metres at which a face is touched.
     pub touch: f32,
     pub around: &'a [u32],
-    /// Where those that are touched are noted.
+    /// One bit for each candidate, set if the ball touches it.
     pub bits: &'a mut [u64],
 }
 
@@ -208,8 +210,8 @@ impl Kernel for Sift<'_> {
     }
 }
 
-/// Whether triangles are certainly farther, by squares, than `touch` from the origin: nearest is an edge, or the plane
-/// where the origin lies over the triangle.
+/// True for triangles that are certainly farther from the origin than a distance whose square is `touch`. The nearest
+/// point lies on an edge, or in the plane if the origin is over the triangle.
 #[inline(always)]
 fn is_beyond<S: Simd>(simd: S, [a, b, c]: [Lanes3<S>; 3], touch: f32x16<S>) -> mask32x16<S> {
     let (ab, bc, ca) = (b.minus(a), c.minus(b), a.minus(c));
@@ -224,7 +226,7 @@ fn is_beyond<S: Simd>(simd: S, [a, b, c]: [Lanes3<S>; 3], touch: f32x16<S>) -> m
     let edges = edge_distance_squared(simd, a, ab)
         .min(edge_distance_squared(simd, b, bc))
         .min(edge_distance_squared(simd, c, ca));
-    // The normal of a sliver is made of rounding errors.
+    // The normal of a sliver is mostly rounding error.
     let has_normal = size.simd_gt(ab.dot(ab) * bc.dot(bc) * 1e-4);
     has_normal & ((is_over & over_plane) | (!is_over & edges.simd_gt(touch)))
 }

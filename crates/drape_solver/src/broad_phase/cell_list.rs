@@ -1,8 +1,8 @@
-//! Which points are near each other: a uniform grid, by counting sort.
+//! Pairs of points near each other: a uniform grid, filled by counting sort.
 //!
-//! Space is cut into cubes as wide as the search reaches, so that what is near a point lies in its cube or in one of the
-//! 26 around. Points are counted into the cubes and put in order of them, in two passes; nothing is hashed, and nothing
-//! is allocated once warm.
+//! Space is cut into cubes as wide as the reach of the search, so that all points near a point lie in its cube or in
+//! the 26 around it. Two passes count the points of each cube and sort them by cube; nothing is hashed, and nothing is
+//! allocated once warm.
 //!
 //! ```text
 //!   +---+---+---+     the cubes of a wide axis are numbered round and round (0 1 2 .. 0 1 2 ..), so that there are
@@ -11,6 +11,8 @@
 //! ```
 //!
 //! Green 2008, "CUDA Particles", sorts points in this way.
+//!
+//! Design: `docs/design/broad_phase.md`.
 
 use glam::Vec3;
 
@@ -18,7 +20,7 @@ use glam::Vec3;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellList {
     axes: [Axis; 3],
-    /// For each cube the place in `order` of its first point; one more at the end.
+    /// For each cube the index in `order` of its first point; one more at the end.
     first: Vec<u32>,
     /// The points by number. Those of a cube keep the order in which they were given.
     order: Vec<u32>,
@@ -30,7 +32,7 @@ pub(crate) struct CellList {
 #[derive(Clone, Copy, Debug, Default)]
 struct Axis {
     count: u32,
-    /// Whether they are numbered round and round.
+    /// True if the cubes are numbered round and round.
     is_wrapped: bool,
 }
 
@@ -47,7 +49,7 @@ impl Axis {
     }
 }
 
-/// Half of the 26 cubes around: each pair of neighbours is met from one side only.
+/// Half of the 26 cubes around: each pair of neighbours is visited from one side only.
 const HALF_OF_NEIGHBOURS: [[i32; 3]; 13] = [
     [1, 0, 0],
     [-1, 1, 0],
@@ -67,7 +69,7 @@ const HALF_OF_NEIGHBOURS: [[i32; 3]; 13] = [
 /// Longer axes are wrapped in any case.
 const MOST_OF_AXIS: i64 = 1 << 20;
 
-/// A wrapped axis keeps this many cubes, so that those before and behind one are two.
+/// A wrapped axis has at least this many cubes, so that the cubes before and behind a cube differ.
 const LEAST_WRAPPED: u32 = 4;
 
 impl CellList {
@@ -99,8 +101,8 @@ impl CellList {
         for cube in 1..self.first.len() {
             self.first[cube] += self.first[cube - 1];
         }
-        // So far these are the ends of the cubes. The points are put in front of them, the last first: that leaves the
-        // beginnings.
+        // These are the ends of the cubes so far. Each point goes in front of its cube's end, the last point first,
+        // which leaves the beginnings.
         self.order.clear();
         self.order.resize(count, 0);
         for (point, &cube) in self.cube.iter().enumerate().rev() {
@@ -110,7 +112,7 @@ impl CellList {
         }
     }
 
-    /// As many cubes along each axis as there is room for the points; at most some four for each point.
+    /// Sets the number of cubes along each axis, some four for each point at most.
     fn set_axes(&mut self, steps: [i64; 3], points: usize) {
         self.axes = steps.map(|steps| {
             let count = steps.clamp(0, MOST_OF_AXIS) + 1;
@@ -134,19 +136,19 @@ impl CellList {
         &self.order
     }
 
-    /// Calls `meet` with the places in [`order`](Self::order) of any two points that lie in the same cube or in two that
-    /// touch, the lower first or not: each two once.
-    pub fn for_each_pair(&self, mut meet: impl FnMut(usize, usize)) {
+    /// Calls `visit` once for any two points that lie in one cube or in two cubes that touch, with their indices in
+    /// [`order`](Self::order), in either order.
+    pub fn for_each_pair(&self, mut visit: impl FnMut(usize, usize)) {
         for (place, &point) in self.order.iter().enumerate() {
             let cube = self.cube[point as usize];
             let own_end = self.first[number(&self.axes, cube) + 1] as usize;
-            (place + 1..own_end).for_each(|other| meet(place, other));
+            (place + 1..own_end).for_each(|other| visit(place, other));
             for steps in HALF_OF_NEIGHBOURS {
                 let [x, y, z] = core::array::from_fn(|axis| self.axes[axis].step(cube[axis], steps[axis]));
                 if let (Some(x), Some(y), Some(z)) = (x, y, z) {
                     let neighbour = number(&self.axes, [x, y, z]);
                     let points = self.first[neighbour] as usize..self.first[neighbour + 1] as usize;
-                    points.for_each(|other| meet(place, other));
+                    points.for_each(|other| visit(place, other));
                 }
             }
         }
@@ -163,7 +165,7 @@ mod tests {
     use super::*;
     use crate::simd::miri::unless_miri;
 
-    /// A number from 0 to 1 for each `n`, without order.
+    /// A pseudo-random number from 0 to 1 for each `n`.
     fn scattered(n: u32) -> f32 {
         (n.wrapping_mul(0x9e37_79b9) >> 8) as f32 / (1 << 24) as f32
     }

@@ -1,4 +1,6 @@
 //! The search for the particles that could touch obstacles, once a step.
+//!
+//! Design: `docs/design/broad_phase.md`.
 
 use core::ops::Range;
 
@@ -25,10 +27,10 @@ pub(crate) struct CandidateLists<'a> {
 /// The step that is searched.
 #[derive(Clone, Copy)]
 pub(crate) struct SearchStep {
-    /// Seconds.
+    /// Length of the step in seconds.
     pub dt: f32,
     pub substeps: u32,
-    /// How far anything may move, in metres, on top of the obstacles' own travel.
+    /// Metres that anything may move in the step, on top of the obstacles' own travel.
     pub reach: f32,
 }
 
@@ -38,26 +40,37 @@ pub(crate) struct Candidate {
     pub cell: u32,
     pub group: u16,
     pub lanes: u16,
-    /// Whether any of them has been pushed in this substep.
+    /// True if any of them has been pushed in this substep.
     pub is_touching: bool,
-    /// The surface near each particle as a plane, by its place in the list, where asking the shape each time would be
-    /// slow or wrong.
+    /// Index of the planes next to these particles. None if each substep queries the shape itself.
     pub planes: Option<u32>,
+}
+
+impl Candidate {
+    /// The lanes of the particles that may touch.
+    pub fn each_lane(self) -> impl Iterator<Item = usize> {
+        (0..LANES).filter(move |lane| self.lanes >> lane & 1 != 0)
+    }
+
+    /// The slot of the particle in a lane.
+    pub fn slot(self, lane: usize) -> usize {
+        self.cell as usize * LANES + lane
+    }
 }
 
 fn candidate(cell: usize, group: u16, lanes: u16, planes: Option<u32>) -> Candidate {
     Candidate { cell: cell as u32, group, lanes, is_touching: false, planes }
 }
 
-/// How particles fly through the step if nothing stops them.
+/// The free flight of particles through the step.
 #[derive(Clone, Copy)]
 pub(crate) struct FreePath {
     pub substeps: f32,
-    /// What acceleration and the frame add to the way of all, in metres.
+    /// The way in metres that acceleration and the moving frame add for all particles.
     pub fall: Vec3,
 }
 
-/// The same as an obstacle sees it, which may move itself.
+/// The same in the coordinates of an obstacle, which may move itself.
 #[derive(Clone, Copy)]
 pub(crate) struct RelativePath {
     flight: FreePath,
@@ -76,14 +89,14 @@ impl RelativePath {
         self.way_of(particles.position.get(slot), particles.displacement.get(slot), local)
     }
 
-    /// The same of a point in `place` that has moved by `moved` in the last substep.
+    /// The same for a point in `place` that has moved by `moved` in the last substep.
     pub fn way_of(self, place: Vec3, moved: Vec3, local: Vec3) -> Vec3 {
         let FreePath { substeps, fall } = self.flight;
         self.end.to_local(place + (moved * substeps + fall)) - local
     }
 }
 
-/// The search that asks a shape about every particle in its reach, one by one.
+/// The search that queries a shape for every particle in its reach, one by one.
 #[derive(Clone, Copy)]
 pub(crate) struct Query<'a> {
     pub particles: &'a Particles,
@@ -95,7 +108,7 @@ pub(crate) struct Query<'a> {
 }
 
 impl Query<'_> {
-    /// Looks for the nearest point of a shape without a formula; where the particle is on its way to another, for that.
+    /// Keeps the plane at the nearest point of a shape without a formula, or the plane that the particle will run into.
     pub fn run(self, found: &mut CandidateLists, thickness: f32) {
         self.list(found, |local, way| {
             let surface = self.shape.surface(local);
@@ -109,8 +122,8 @@ impl Query<'_> {
         });
     }
 
-    /// Looks for what a particle will run into, on top of what its formula tells in each substep: for those that may be
-    /// through and out on the other side by then.
+    /// Keeps the planes that particles will run into, in addition to the shape's formula: for particles that may pass
+    /// through the shape within a substep.
     pub fn run_ahead(self, found: &mut CandidateLists) {
         self.list(found, |local, way| {
             let is_outside = self.shape.surface(local).distance > 0.0;
@@ -124,7 +137,7 @@ impl Query<'_> {
         Some(Plane { normal, offset: normal.dot(local + way * fraction) })
     }
 
-    fn list(self, found: &mut CandidateLists, look: impl Fn(Vec3, Vec3) -> Option<Plane>) {
+    fn list(self, found: &mut CandidateLists, plane_of: impl Fn(Vec3, Vec3) -> Option<Plane>) {
         let Self { particles, shape, pose, reach, group, path } = self;
         let (low, high) = shape.local_bounds();
         for (cell, positions) in particles.position.cells.iter().enumerate() {
@@ -137,7 +150,7 @@ impl Query<'_> {
                 if !is_near || particles.inverse_mass[slot] == 0.0 {
                     continue;
                 }
-                if let Some(plane) = look(local, path.way(particles, slot, local)) {
+                if let Some(plane) = plane_of(local, path.way(particles, slot, local)) {
                     lanes |= 1 << lane;
                     planes.normal.set(lane, plane.normal);
                     planes.offset[lane] = plane.offset;
@@ -164,7 +177,7 @@ pub(crate) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Adds what it finds to `candidates`. Where there is help, the second half of the cells is searched by the helper.
+    /// Adds the candidates that it finds. If another thread is free, it searches the second half of the cells.
     pub fn run(
         self,
         candidates: &mut Vec<Candidate>,

@@ -1,11 +1,14 @@
-//! How far particles may have moved against each other: what is known of a distance, and for how long.
+//! Bounds on the relative motion of particles: for how long a known distance keeps two of them apart.
 //!
-//! Two particles that were a distance apart cannot have met before their paths have used it up. So one number, the
-//! greatest path of all, tells for each pair when it has to be looked at again, and pairs that are far from each other
-//! cost a comparison. What all do together brings no two nearer, and is taken off: falling cloth stands still.
+//! Two particles cannot touch before their paths have used up the distance between them. So one number, the greatest
+//! path of all particles, says for each pair when it must be tested again, and a pair that is far apart costs one
+//! comparison. The mean motion of all particles brings no two nearer and is subtracted: falling cloth counts as
+//! standing still.
 //!
-//! A substep has two legs: what projections and friction did at the end of the one before, and the free flight. Both
-//! are counted in full.
+//! A substep has two legs: projections and friction at the end of the substep before, and free flight. Both count in
+//! full.
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use std::sync::{Arc, Weak};
 
@@ -21,16 +24,16 @@ use crate::state::topology::Topology;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RelativeMotion {
     known: Vec<Known>,
-    /// Since lists were made that live on from step to step.
+    /// Motion since the lists were made that live on from step to step.
     pub of_lists: Motion,
-    /// Since the first flight of the step.
+    /// Motion since the first free flight of the step.
     pub of_step: Motion,
 }
 
-/// Bound on how much any two particles have come nearer since some beginning, in metres.
+/// Upper bound in metres on the approach of any two particles since some beginning.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Motion {
-    /// When the substep began.
+    /// The bound when the substep began.
     pub at_start: f32,
     pub now: f32,
 }
@@ -42,10 +45,10 @@ impl Motion {
     }
 }
 
-/// A body as it was looked at last.
+/// A body at the last call.
 #[derive(Clone, Debug, Default)]
 struct Known {
-    /// Its place in the island, by which lists name it.
+    /// Its index in the island, by which lists name it.
     place: usize,
     topology: Weak<Topology>,
     level: SelfContact,
@@ -89,8 +92,8 @@ impl RelativeMotion {
         self.known.clear();
     }
 
-    /// Adds the way since the last call, once all have flown for this substep. False if the bodies are not those of the
-    /// last call, or the way has become too long to be added to: then there is a new beginning.
+    /// Adds the motion since the last call; it comes after the free flight of a substep. Returns false if the bodies
+    /// are not those of the last call, or if the sum has become too long to be added to: the bounds then begin anew.
     pub fn follow(&mut self, bodies: &[Body], isa: Isa, is_first: bool) -> bool {
         let on = || bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact());
         let are_known = on().count() == self.known.len()
@@ -114,7 +117,7 @@ impl RelativeMotion {
         }
         self.known.resize_with(on().count(), Known::default);
         on().zip(&mut self.known).for_each(|((place, body), known)| known.note(place, body));
-        // Not a number counts as too long.
+        // NaN counts as too long.
         let is_good = are_known && self.of_lists.now < LONGEST_WAY;
         if !is_good {
             self.of_lists = Motion::default();
@@ -136,13 +139,13 @@ struct Legs {
     flight: Vec3,
 }
 
-/// What the ways of a body's particles are worked out from.
+/// The data from which the ways of a body's particles are computed.
 struct Ways<'a> {
     position: &'a [Cell],
     displacement: &'a [Cell],
     before: &'a [Cell],
     real: &'a [[f32; LANES]],
-    /// By which its origin has moved.
+    /// The way of the body's origin.
     shift: Vec3,
 }
 
@@ -157,7 +160,7 @@ impl<'a> Ways<'a> {
         }
     }
 
-    /// The legs of a cell's particles along one axis, less `mean`; zero for ghosts.
+    /// The legs of a cell's particles along one axis, less `mean`; zero for lanes without a particle.
     #[inline(always)]
     fn legs(&self, cell: usize, axis: usize, mean: Legs) -> [[f32; LANES]; 2] {
         let (position, displacement) = (&self.position[cell], &self.displacement[cell]);

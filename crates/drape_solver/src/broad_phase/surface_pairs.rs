@@ -5,20 +5,22 @@
 //!           /    \           normals. A patch in one piece whose normals all lean one way lies flat: it cannot meet
 //!        patch   patch       itself (Volino and Magnenat-Thalmann 1994), and is passed over whole.
 //! ```
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
 use crate::constants::LEAST_FLAT_COSINE;
 use crate::state::surface_tree::{Bounds, SurfaceElement, SurfaceTree};
 
-/// Where the patches of a body are now.
+/// Boxes around the elements and patches of a body.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PlacedTree {
     elements: Vec<Bounds>,
     nodes: Vec<(Bounds, Bounds)>,
 }
 
-/// A body's tree and where its patches are.
+/// A body's tree and the boxes of its patches.
 #[derive(Clone, Copy)]
 pub(crate) struct PlacedSurface<'a> {
     pub tree: &'a SurfaceTree,
@@ -26,8 +28,8 @@ pub(crate) struct PlacedSurface<'a> {
 }
 
 impl SurfaceTree {
-    /// Puts boxes around the patches. `corners` gives the places that an element's corners take, now and at the start
-    /// of the substep.
+    /// Puts boxes around the patches. `corners` returns the places of an element's corners, now and at the start of the
+    /// substep.
     pub fn place(&self, at: &mut PlacedTree, corners: impl Fn(&SurfaceElement) -> [[Vec3; 3]; 2]) {
         at.elements.clear();
         at.nodes.clear();
@@ -59,7 +61,7 @@ fn lean(element: &SurfaceElement, [a, b, c]: [Vec3; 3]) -> Vec3 {
     way.normalize_or_zero()
 }
 
-/// Whether all directions in the box lean to the same side.
+/// True if all directions in the box lean to the same side.
 fn is_flat(lean: &Bounds) -> bool {
     let way = lean.low + lean.high;
     let least = (way * lean.low).min(way * lean.high);
@@ -67,14 +69,15 @@ fn is_flat(lean: &Bounds) -> bool {
 }
 
 impl PlacedSurface<'_> {
-    /// Calls `meet` with any two elements of the body whose boxes, wider by `margin`, meet. Not those of flat patches.
-    pub fn own_pairs(&self, margin: f32, meet: &mut impl FnMut(usize, usize)) {
+    /// Calls `visit` for any two elements of the body whose boxes, wider by `margin`, overlap, but not within flat
+    /// patches.
+    pub fn own_pairs(&self, margin: f32, visit: &mut impl FnMut(usize, usize)) {
         if !self.tree.nodes.is_empty() {
-            self.pairs_within(0, margin, meet);
+            self.pairs_within(0, margin, visit);
         }
     }
 
-    fn pairs_within(&self, place: usize, margin: f32, meet: &mut impl FnMut(usize, usize)) {
+    fn pairs_within(&self, place: usize, margin: f32, visit: &mut impl FnMut(usize, usize)) {
         let node = &self.tree.nodes[place];
         if node.is_connected && is_flat(&self.at.nodes[place].1) {
             return;
@@ -82,21 +85,21 @@ impl PlacedSurface<'_> {
         if node.right == 0 {
             for a in node.first..node.first + node.count {
                 for b in a + 1..node.first + node.count {
-                    meet(a as usize, b as usize);
+                    visit(a as usize, b as usize);
                 }
             }
             return;
         }
         let right = node.right as usize;
-        self.pairs_within(place + 1, margin, meet);
-        self.pairs_within(right, margin, meet);
-        self.pairs_between(place + 1, self, right, margin, meet);
+        self.pairs_within(place + 1, margin, visit);
+        self.pairs_within(right, margin, visit);
+        self.pairs_between(place + 1, self, right, margin, visit);
     }
 
-    /// Calls `meet` with any element of this body and any of another whose boxes, wider by `margin`, meet.
-    pub fn pairs_with(&self, other: &PlacedSurface, margin: f32, meet: &mut impl FnMut(usize, usize)) {
+    /// Calls `visit` for any element of this body and any of another whose boxes, wider by `margin`, overlap.
+    pub fn pairs_with(&self, other: &PlacedSurface, margin: f32, visit: &mut impl FnMut(usize, usize)) {
         if !self.tree.nodes.is_empty() && !other.tree.nodes.is_empty() {
-            self.pairs_between(0, other, 0, margin, meet);
+            self.pairs_between(0, other, 0, margin, visit);
         }
     }
 
@@ -106,7 +109,7 @@ impl PlacedSurface<'_> {
         other: &PlacedSurface,
         there: usize,
         margin: f32,
-        meet: &mut impl FnMut(usize, usize),
+        visit: &mut impl FnMut(usize, usize),
     ) {
         if !self.at.nodes[here].0.grown(margin).meets(&other.at.nodes[there].0) {
             return;
@@ -117,16 +120,16 @@ impl PlacedSurface<'_> {
                 let own = self.at.elements[p as usize].grown(margin);
                 for q in b.first..b.first + b.count {
                     if own.meets(&other.at.elements[q as usize]) {
-                        meet(p as usize, q as usize);
+                        visit(p as usize, q as usize);
                     }
                 }
             }
         } else if b.right == 0 || (a.right != 0 && a.count >= b.count) {
-            self.pairs_between(here + 1, other, there, margin, meet);
-            self.pairs_between(a.right as usize, other, there, margin, meet);
+            self.pairs_between(here + 1, other, there, margin, visit);
+            self.pairs_between(a.right as usize, other, there, margin, visit);
         } else {
-            self.pairs_between(here, other, there + 1, margin, meet);
-            self.pairs_between(here, other, b.right as usize, margin, meet);
+            self.pairs_between(here, other, there + 1, margin, visit);
+            self.pairs_between(here, other, b.right as usize, margin, visit);
         }
     }
 }

@@ -1,4 +1,6 @@
-//! What a body is woven of: its faces, or a rope's links, and which of them meet at each particle.
+//! The faces of a body, or the links of a rope, around each particle.
+//!
+//! Design: docs/design/tears_and_cuts.md.
 
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_3};
 
@@ -6,15 +8,16 @@ use glam::Vec3;
 
 use crate::state::topology::Topology;
 
-/// The faces of a body, or where it has none its links, by the particles at their corners.
-pub(crate) struct Fabric<'a> {
+/// The elements of a body: its faces, or its links if it has no faces. Looks them up by the particles at their corners.
+pub(crate) struct Adjacency<'a> {
     topology: &'a Topology,
-    /// Place of each particle's first piece of fabric in `around`; one more at the end.
+    /// Index into `around` of each particle's first element; one entry more at the end.
     first: Vec<u32>,
+    /// Elements, particle by particle.
     around: Vec<u32>,
 }
 
-impl<'a> Fabric<'a> {
+impl<'a> Adjacency<'a> {
     pub fn new(topology: &'a Topology) -> Self {
         let empty = Self { topology, first: Vec::new(), around: Vec::new() };
         let corners =
@@ -37,7 +40,7 @@ impl<'a> Fabric<'a> {
         self.topology
     }
 
-    /// Whether it is of faces; else it is of links.
+    /// True if the elements are faces, false if they are links.
     pub fn has_faces(&self) -> bool {
         !self.topology.faces.is_empty()
     }
@@ -70,12 +73,12 @@ impl<'a> Fabric<'a> {
         }
     }
 
-    /// The faces around a particle one after another, if they make one fan.
+    /// The faces around a particle in order, if they make one fan.
     pub fn fan(&self, particle: u32) -> Option<Fan> {
         if !self.has_faces() {
             return None;
         }
-        // Each face turned so that the particle comes first.
+        // The side opposite to the particle in each face, in the face's sense.
         let sides: Vec<[u32; 2]> = self
             .around(particle)
             .filter_map(|face| match *self.corners(face) {
@@ -110,16 +113,16 @@ fn angle_between(p: Vec3, q: Vec3) -> f32 {
     libm::atan2f(p.cross(q).length(), p.dot(q))
 }
 
-/// The faces around a particle, laid out flat as they are at rest.
+/// The faces around a particle at rest, laid out flat.
 ///
 /// ```text
 ///      s2   s1        spokes lead from the particle to the other corners; the fan is closed
-///        \  /         where the last of them is the first again, and open at the rim of
-///   s3 ---o--- s0     the cloth, and at the end of a tear
+///        \  /         if its last spoke is the first again, and open at the rim of the
+///   s3 ---o--- s0     cloth and at the end of a tear
 /// ```
 pub(crate) struct Fan {
     spokes: Vec<u32>,
-    /// Of each spoke, from the first, in radians.
+    /// The angle from the first spoke to each spoke in radians.
     angles: Vec<f32>,
 }
 
@@ -128,21 +131,21 @@ impl Fan {
         self.spokes.first() == self.spokes.last()
     }
 
-    /// The spokes along which the fan parts when it is pulled at spoke `pulled`: those most nearly at right angles to it.
-    /// One of an open fan, two of a closed one; none where nothing parts.
+    /// The spokes along which the fan splits under a pull at spoke `pulled`: those most nearly at right angles to the pull.
+    /// One spoke of an open fan, two of a closed one; none if the fan cannot split.
     pub fn cracks(&self, pulled: u32) -> Option<Vec<u32>> {
         let last = self.spokes.len() - 1;
         let pulled = self.spokes.iter().position(|&spoke| spoke == pulled)?;
         let inner = if self.is_closed() { 0..last } else { 1..last };
         let total = self.angles[last];
-        // How far each spoke is from `target`, the shorter way round.
+        // The spoke nearest to the angle `target` the shorter way round, and its distance in radians.
         let nearest = |target: f32| {
-            let miss = |&spoke: &usize| {
-                let miss = (self.angles[spoke] - target).abs();
-                if self.is_closed() { miss.min((total - miss).abs()) } else { miss }
+            let distance = |&spoke: &usize| {
+                let distance = (self.angles[spoke] - target).abs();
+                if self.is_closed() { distance.min((total - distance).abs()) } else { distance }
             };
             let others = inner.clone().filter(|&spoke| spoke != pulled);
-            others.map(|spoke| (miss(&spoke), spoke)).min_by(|p, q| p.0.total_cmp(&q.0))
+            others.map(|spoke| (distance(&spoke), spoke)).min_by(|p, q| p.0.total_cmp(&q.0))
         };
         let angle = self.angles[pulled];
         if self.is_closed() {
@@ -151,10 +154,10 @@ impl Fan {
                 [nearest((angle + quarter) % total)?, nearest((angle + 3.0 * quarter) % total)?];
             return (left != right).then(|| vec![self.spokes[left], self.spokes[right]]);
         }
-        let (miss, spoke) = [angle + FRAC_PI_2, angle - FRAC_PI_2]
+        let (distance, spoke) = [angle + FRAC_PI_2, angle - FRAC_PI_2]
             .into_iter()
             .filter_map(nearest)
             .min_by(|p, q| p.0.total_cmp(&q.0))?;
-        (miss < FRAC_PI_3).then(|| vec![self.spokes[spoke]])
+        (distance < FRAC_PI_3).then(|| vec![self.spokes[spoke]])
     }
 }

@@ -1,4 +1,6 @@
 //! The builder of rectangular cloths.
+//!
+//! Design: docs/design/relaxation.md.
 
 use std::sync::Arc;
 
@@ -11,7 +13,7 @@ use crate::state::particles::Particles;
 use crate::state::settings::SolverSettings;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
-/// The most particles that one cloth may have.
+/// The greatest number of particles that one cloth may have.
 pub const MAX_PARTICLES: u64 = 1 << 26;
 
 /// An edge of a rectangular cloth; `Top` is row 0, `Left` column 0.
@@ -27,25 +29,31 @@ pub enum Edge {
     Right,
 }
 
-/// Stiffness (0..=1) and damping (1/s) of a cloth's three kinds of sticks.
+/// Mass of a cloth, and stiffness and damping of its three kinds of sticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClothMaterial {
     /// Mass per area in kg/m^2.
     pub areal_density: f32,
-    /// Stiffness of structural sticks.
-    pub structural: f32,
-    /// Stiffness of shear sticks.
-    pub shear: f32,
-    /// Stiffness of bend sticks.
-    pub bend: f32,
+    /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching.
+    pub stretch_stiffness: f32,
+    /// Stiffness of shear sticks, 0 to 1: resists skewing.
+    pub shear_stiffness: f32,
+    /// Stiffness of bend sticks, 0 to 1: resists folding.
+    pub bend_stiffness: f32,
     /// Damping along all sticks in 1/s.
     pub damping: f32,
 }
 
 impl Default for ClothMaterial {
-    /// A cotton of 0.25 kg/m^2 that does not stretch and folds easily.
+    /// A cotton of 0.25 kg/m^2 that does not stretch, and folds easily.
     fn default() -> Self {
-        Self { areal_density: 0.25, structural: 1.0, shear: 0.7, bend: 0.1, damping: 0.0 }
+        Self {
+            areal_density: 0.25,
+            stretch_stiffness: 1.0,
+            shear_stiffness: 0.7,
+            bend_stiffness: 0.1,
+            damping: 0.0,
+        }
     }
 }
 
@@ -59,8 +67,8 @@ impl Default for ClothMaterial {
 ///        o---------------o   row rows - 1     along `down`
 /// ```
 ///
-/// Particle `row * columns + column` lies at `origin + right * (column * dx) + down * (row * dy)`. Each has the
-/// mass of the area nearest to it, so that edges are half as heavy as the inside and corners a quarter.
+/// Particle `row * columns + column` lies at `origin + right * (column * dx) + down * (row * dy)`. Each has the mass of
+/// the area nearest to it: a particle on an edge weighs half as much as one inside, a corner a quarter.
 #[derive(Clone, Debug)]
 pub struct ClothBuilder {
     size: [f32; 2],
@@ -74,8 +82,8 @@ pub struct ClothBuilder {
 }
 
 impl ClothBuilder {
-    /// A cloth of `width` x `height` metres with its upper left corner at the world's origin, hanging down in
-    /// the XY plane and facing +Z, in `columns` x `rows` particles.
+    /// A cloth of `width` x `height` metres and `columns` x `rows` particles. It hangs down in the XY plane and faces +Z,
+    /// with its upper left corner at the world's origin.
     pub fn new(width: f32, height: f32, columns: u32, rows: u32) -> Self {
         Self {
             size: [width, height],
@@ -89,14 +97,14 @@ impl ClothBuilder {
         }
     }
 
-    /// Puts particle 0 at `origin` (metres), rows running along `right` and columns along `down` (unit length,
-    /// at right angles).
+    /// Puts particle 0 at `origin` (metres). Rows run along `right` and columns along `down`, which have unit length and are
+    /// at right angles.
     pub fn placed(mut self, origin: Vec3, right: Vec3, down: Vec3) -> Self {
         (self.origin, self.right, self.down) = (origin, right, down);
         self
     }
 
-    /// Sets density and stiffness.
+    /// Sets density, stiffness and damping.
     pub fn material(mut self, material: ClothMaterial) -> Self {
         self.material = material;
         self
@@ -119,7 +127,7 @@ impl ClothBuilder {
         })
     }
 
-    /// Pins all particles for which `predicate(column, row, position)` holds.
+    /// Pins all particles for which `predicate(column, row, position)` is true.
     pub fn pin_where(mut self, predicate: impl Fn(u32, u32, Vec3) -> bool) -> Self {
         if self.particle_count() <= MAX_PARTICLES {
             for row in 0..self.rows {
@@ -136,7 +144,7 @@ impl ClothBuilder {
     /// Builds the particles and the topology.
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be built.
+    /// [`BuildError`] that names the invalid value.
     pub fn build_parts(mut self) -> Result<(Particles, Topology), BuildError> {
         self.validate()?;
         self.pins.sort_unstable();
@@ -160,7 +168,7 @@ impl ClothBuilder {
     /// Builds a body with these settings.
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be built.
+    /// [`BuildError`] that names the invalid value.
     pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let (particles, topology) = self.build_parts()?;
@@ -188,7 +196,7 @@ impl ClothBuilder {
         right_angled(self.right, self.down)
     }
 
-    /// Sticks family by family: the order in which relaxation does not gain energy.
+    /// Adds the sticks family by family: in this order relaxation does not gain energy.
     fn topology(&self, positions: &[Vec3]) -> Result<Topology, BuildError> {
         let (c, r) = (self.columns, self.rows);
         let material = |kind, stiffness| StickMaterial {
@@ -196,9 +204,9 @@ impl ClothBuilder {
             damping: self.material.damping,
             ..StickMaterial::rigid(kind)
         };
-        let structural = material(StickKind::Structural, self.material.structural);
-        let shear = material(StickKind::Shear, self.material.shear);
-        let bend = material(StickKind::Bend, self.material.bend);
+        let structural = material(StickKind::Structural, self.material.stretch_stiffness);
+        let shear = material(StickKind::Shear, self.material.shear_stiffness);
+        let bend = material(StickKind::Bend, self.material.bend_stiffness);
         let mut builder = TopologyBuilder::grid(positions, c, r)?;
         builder
             .grid_family(structural, [1, 0])?
@@ -212,8 +220,8 @@ impl ClothBuilder {
         builder.build()
     }
 
-    /// Two triangles a square, counter-clockwise seen from the front (`right` x `-down`); the diagonal
-    /// alternates, so that the cloth folds alike both ways.
+    /// Two triangles for each square, counter-clockwise seen from the front (`right` x `-down`). Diagonals alternate, so that
+    /// the cloth folds alike along both.
     fn faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.cells(self.columns - 1, self.rows - 1).flat_map(|(column, row)| {
             let a = self.index(column, row);

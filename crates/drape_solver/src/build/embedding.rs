@@ -1,10 +1,12 @@
-//! How the points of a detailed mesh follow the particles of a body.
+//! The points of a detailed mesh follow the particles of a body.
 //!
 //! ```text
-//!             .--*--.           a point on faces follows the curve that the normals of the
-//!      n \ .-'       '-. / n     corners tell (Phong tessellation, Boubekeur and Alexa 2008):
-//!         o-----------o         a coarse cloth that is bent looks round, not like a polyhedron
+//!             .--*--.           a point on faces follows a curved surface through the normals of
+//!      n \ .-'       '-. / n    the corners (Phong tessellation, Boubekeur and Alexa 2008): a
+//!         o-----------o         coarse cloth that is bent looks round, not like a polyhedron
 //! ```
+//!
+//! Design: docs/design/cloth_from_meshes.md and docs/design/soft_bodies.md.
 
 use glam::{DVec3, Vec3};
 use parry3d::query::PointQueryWithLocation;
@@ -14,17 +16,18 @@ use crate::build::mesh::check::{WELD_FRACTION, bounds, usable, welded};
 use crate::build::mesh::error::MeshError;
 use crate::state::topology::Topology;
 
-/// How points follow the particles of a body: the vertices of a mesh inside a soft solid, or those of a detailed mesh on
-/// a coarse cloth.
+/// Weights by which points follow the particles of a body: the vertices of a mesh around a soft solid, or those of a
+/// detailed mesh on a coarse cloth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Embedding {
-    /// Of these two one is empty.
+    /// One of these two lists is empty.
     in_cells: Vec<CellWeights>,
     on_faces: Vec<FaceWeights>,
+    /// For each point the first point in the same place.
     firsts: Vec<u32>,
 }
 
-/// The corners of a point's cell, and what each counts: they sum to 1, and may be negative outside the cell.
+/// The corners of a point's cell, and their weights, which sum to 1. Outside the cell some are negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CellWeights {
     pub particles: [u32; 8],
@@ -38,26 +41,26 @@ impl CellWeights {
     }
 }
 
-/// How much of the way from its triangle to the planes of the corners' normals a point bulges.
+/// The part of the way from the triangle to the planes of the corners' normals by which the surface bulges.
 const BULGE: f32 = 0.75;
 
-/// Triangles whose normal differs more from that of a corner, by this cosine, count as flat.
+/// The least cosine between the normals of a triangle and of its corners; below it the triangle counts as flat.
 const LEAST_CURVED_COSINE: f64 = 0.3;
 
-/// The corners of a point's triangle, what each counts, and how far the point is off the curve over the triangle.
+/// The corners of a point's triangle, their weights, and the offset of the point from the curved surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FaceWeights {
     particles: [u32; 3],
-    /// They sum to 1, and may be negative beside the triangle.
+    /// They sum to 1. Beside the triangle some are negative.
     weights: [f32; 3],
-    /// In parts of the two sides at the first corner, and in metres along the normal.
+    /// The offset in parts of the two sides at the first corner, and in metres along the normal.
     offset: Vec3,
-    /// Whether the triangle is at an edge so sharp that it counts as flat.
+    /// True if the triangle is at an edge so sharp that it counts as flat.
     is_sharp: bool,
 }
 
 impl FaceWeights {
-    /// Of a point by a triangle at rest, whose corners have these normals.
+    /// Weights of `point` on a triangle at rest with these `corners` and `normals`.
     fn new(particles: [u32; 3], corners: [Vec3; 3], normals: [Vec3; 3], point: Vec3) -> Self {
         let [p, q, r] = corners;
         let [a, b, off] = [q - p, r - p, point - p].map(Vec3::as_dvec3);
@@ -71,7 +74,7 @@ impl FaceWeights {
         let unit = across.normalize();
         let is_sharp = normals.iter().any(|normal| normal.as_dvec3().dot(unit) < LEAST_CURVED_COSINE);
         let (curved, normal) = curve(corners, if is_sharp { [unit.as_vec3(); 3] } else { normals }, weights);
-        // What is left, by the two sides and the normal, which turn with the triangle.
+        // Expresses the rest by the two sides and the normal, which turn with the triangle.
         let (left, normal) = ((point - curved).as_dvec3(), normal.as_dvec3());
         let volume = across.dot(normal);
         let offset = DVec3::new(left.cross(b).dot(normal), a.cross(left).dot(normal), across.dot(left));
@@ -91,10 +94,10 @@ impl FaceWeights {
     }
 }
 
-/// The point over a triangle with these weights, and the normal there.
+/// The point of the curved surface over a triangle with these weights, and the normal there.
 fn curve([p, q, r]: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> (Vec3, Vec3) {
     let flat = p + (q - p) * weights[1] + (r - p) * weights[2];
-    // Beside the triangle it goes on as at its side.
+    // Beside the triangle the surface continues the bulge of its side.
     let inside = Vec3::from(weights).max(Vec3::ZERO);
     let inside = inside / inside.element_sum();
     let mut bulge = Vec3::ZERO;
@@ -106,11 +109,12 @@ fn curve([p, q, r]: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> (Vec3, 
 }
 
 impl Embedding {
-    /// How `points` follow the faces of a body: each hangs on the nearest triangle at rest, by its barycentric coordinates, and
-    /// as far off as it was, along the normal. Triangles count as round as the normals of their corners tell. Points and [rest](Topology::rest_position) in the same coordinates, in metres.
+    /// Embeds `points` on the faces of a body. Each point gets the barycentric coordinates of the nearest point on the nearest
+    /// triangle at rest, and keeps its offset along the normal. The normals of the corners make triangles round. Points and
+    /// [rest positions](Topology::rest_position) have the same coordinates, in metres.
     ///
     /// # Errors
-    /// [`MeshError`] naming a point that is nowhere, or a body without faces.
+    /// [`MeshError`] if a point is not finite, or the body has no faces.
     pub fn on_faces(points: &[Vec3], topology: &Topology) -> Result<Self, MeshError> {
         let rest: Vec<Vec3> = (0..topology.particle_count()).map(|i| topology.rest_position(i)).collect();
         let mut normals = Vec::new();
@@ -127,12 +131,13 @@ impl Embedding {
         Ok(Self { in_cells: Vec::new(), on_faces, firsts })
     }
 
-    /// Of points in cells, as [`of_points`](Self::of_points) gives them.
+    /// An embedding into cells, from the result of [`of_points`](Self::of_points).
     pub(crate) fn in_cells((in_cells, firsts): (Vec<CellWeights>, Vec<u32>)) -> Self {
         Self { in_cells, on_faces: Vec::new(), firsts }
     }
 
-    /// What `embed` makes of each point, and for each the first in the same place, of which both have the same.
+    /// Calls `embed` for each point. Returns the results, and for each point the first point in the same place; points in the
+    /// same place share one result.
     pub(crate) fn of_points<T: Copy>(
         points: &[Vec3],
         embed: impl Fn(Vec3) -> T,
@@ -159,23 +164,23 @@ impl Embedding {
         self.firsts.len()
     }
 
-    /// Whether there are none.
+    /// True if there are no points.
     pub fn is_empty(&self) -> bool {
         self.firsts.is_empty()
     }
 
-    /// For each point the first that was in the same place: they go together, to the bit.
+    /// For each point the first point in the same place. Both move to the same bits.
     pub fn firsts(&self) -> &[u32] {
         &self.firsts
     }
 
-    /// The corners of the cell that a point goes with, by the index of their particles; none if it is on a face.
+    /// The particles at the corners of a point's cell; none if the point is on a face.
     pub(crate) fn cell(&self, point: usize) -> Option<[u32; 8]> {
         self.in_cells.get(point).map(|cell| cell.particles)
     }
 
-    /// Writes what [`places`](Self::places) needs to know of a body whose particle `i` is at `position(i)`: the normals of its particles,
-    /// where points hang on faces.
+    /// Writes the normals of the particles for [`places`](Self::places); none if the points are in cells. Particle `i` is at
+    /// `position(i)`.
     pub fn write_normals(
         &self,
         topology: &Topology,
@@ -188,9 +193,10 @@ impl Embedding {
         }
     }
 
-    /// Where the points are, in order, when particle `i` is at `position(i)`, with these [normals](Self::write_normals).
+    /// The places of the points in order. Particle `i` is at `position(i)`; `normals` come from
+    /// [`write_normals`](Self::write_normals).
     pub fn places(&self, position: impl Fn(usize) -> Vec3, normals: &[Vec3]) -> impl Iterator<Item = Vec3> {
-        // One of them is empty.
+        // One of the two lists is empty.
         let (in_cells, on_faces) = (&self.in_cells, &self.on_faces);
         (0..self.len()).map(move |i| match (in_cells.get(i), on_faces.get(i)) {
             (Some(cell), _) => cell.place(&position),
@@ -200,7 +206,7 @@ impl Embedding {
     }
 }
 
-/// Writes the normals of particles: those of the faces around each, by area.
+/// Writes the normals of particles: the mean of those of the faces around each, weighted by area.
 fn write_normals(topology: &Topology, position: impl Fn(usize) -> Vec3, normals: &mut Vec<Vec3>) {
     normals.clear();
     normals.resize(topology.particle_count(), Vec3::ZERO);
@@ -209,7 +215,7 @@ fn write_normals(topology: &Topology, position: impl Fn(usize) -> Vec3, normals:
         let normal = (q - p).cross(r - p);
         face.iter().for_each(|&corner| normals[corner as usize] += normal);
     }
-    // By its own size first, as the square of a tiny area underflows.
+    // Scales by the largest component first, as the square of a tiny area underflows.
     let unit =
         |normal: Vec3| (normal / normal.abs().max_element().max(f32::MIN_POSITIVE)).normalize_or_zero();
     normals.iter_mut().for_each(|normal| *normal = unit(*normal));

@@ -1,4 +1,4 @@
-//! Builders: from a cloth's size, a rope's length or a mesh to particles and a topology.
+//! Builders: they turn a cloth's size, a rope's length or a mesh into particles and a topology.
 //!
 //! Imports: `constraint` and below; no contact and no step. Callers: users, the plugin, and `tearing`.
 

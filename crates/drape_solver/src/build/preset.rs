@@ -1,39 +1,46 @@
-//! Materials that are known by name: what they weigh, and how they stretch, fold, slide and fall.
+//! Materials that are known by name: their mass, stiffness, friction and drag.
 //!
 //! Masses are those of the trade. Silk is sold by the momme, 4.34 g/m^2, and denim by the ounce per square yard, 33.9 g/m^2
-//! (Wikipedia, "Units of textile measurement"); where only a thickness is known, mass is density times thickness.
-//! Stiffness, friction and drag are chosen to look right, and measured: `drape_bench presets` prints the drape coefficient of
-//! each and its stretch under its own weight.
+//! (Wikipedia, "Units of textile measurement"). If only a thickness is known, mass is density times thickness.
+//! Stiffness, friction and drag are chosen to look right. `drape_bench presets` measures the result: the drape coefficient
+//! of each material and its stretch under its own weight.
+//!
+//! Design: docs/design/presets.md.
+
+#[cfg(feature = "bevy")]
+use bevy_reflect::std_traits::ReflectDefault;
 
 use crate::build::cloth::ClothMaterial;
 use crate::state::settings::SolverSettings;
 
-/// A material of cloth. Stiffness is that for some 20 particles to the metre: of finer cloth each stick carries more
-/// particles, and gives way by more.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// A material of cloth. Its stiffness is tuned for about 20 particles per metre: in finer cloth each stick carries more
+/// particles, and stretches more.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum Preset {
     /// Crepe de chine of 16 momme: 0.07 kg/m^2. Flows, and falls slowly.
     Silk,
     /// Shirting: 0.12 kg/m^2.
+    #[default]
     Cotton,
-    /// Of 14 ounces per square yard: 0.475 kg/m^2. Stands in stiff folds.
+    /// Denim of 14 ounces per square yard: 0.475 kg/m^2. Stands in stiff folds.
     Denim,
     /// Cowhide of 1.2 mm at 860 kg/m^3: 1.03 kg/m^2. Hardly folds.
     Leather,
     /// A sheet of natural rubber of 1 mm at 930 kg/m^3: 0.93 kg/m^2. Stretches, and has no tethers.
     Rubber,
-    /// Twine of 5 g/m in meshes of 10 cm: 0.1 kg/m^2. Skews as it likes, and lets the air through.
+    /// Twine of 5 g/m in meshes of 10 cm: 0.1 kg/m^2. Skews without resistance, and lets the air through.
     Net,
     /// Mail of 8 mm rings of 1.6 mm steel wire, half a gram each, 18,000 to the square metre: 8.5 kg/m^2.
     Chain,
 }
 
 impl Preset {
-    /// All of them.
+    /// All presets.
     pub const ALL: [Self; 7] =
         [Self::Silk, Self::Cotton, Self::Denim, Self::Leather, Self::Rubber, Self::Net, Self::Chain];
 
-    /// Its name, in lower case.
+    /// The name of the preset, in lower case.
     pub fn name(self) -> &'static str {
         match self {
             Self::Silk => "silk",
@@ -46,9 +53,9 @@ impl Preset {
         }
     }
 
-    /// Mass and sticks.
+    /// Areal density, stiffness and damping.
     pub fn material(self) -> ClothMaterial {
-        let (areal_density, structural, shear, bend, damping) = match self {
+        let (areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping) = match self {
             Self::Silk => (0.07, 1.0, 0.3, 0.02, 0.1),
             Self::Cotton => (0.12, 1.0, 0.6, 0.3, 0.3),
             Self::Denim => (0.475, 1.0, 0.9, 0.85, 0.5),
@@ -57,10 +64,10 @@ impl Preset {
             Self::Net => (0.1, 1.0, 0.0, 0.0, 0.3),
             Self::Chain => (8.5, 1.0, 0.02, 0.0, 0.5),
         };
-        ClothMaterial { areal_density, structural, shear, bend, damping }
+        ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping }
     }
 
-    /// These settings with its surface, its air and its tethers; how well it is solved stays.
+    /// Returns `settings` with the preset's friction, drag, thickness and tethers. Substeps, iterations and the like stay.
     pub fn settings(self, settings: SolverSettings) -> SolverSettings {
         let (friction, drag, thickness) = match self {
             Self::Silk => (0.2, 2.0, 0.003),
@@ -71,8 +78,22 @@ impl Preset {
             Self::Net => (0.4, 0.4, 0.004),
             Self::Chain => (0.3, 0.1, 0.008),
         };
-        // Tethers would keep it from stretching.
+        // Tethers would keep rubber from stretching.
         let tethers = settings.tethers && self != Self::Rubber;
         SolverSettings { friction, drag, thickness, tethers, ..settings }
+    }
+}
+
+impl From<Preset> for SolverSettings {
+    fn from(preset: Preset) -> Self {
+        Self::default().with_preset(preset)
+    }
+}
+
+impl SolverSettings {
+    /// Returns these settings with the friction, drag, thickness and tethers of a preset. Substeps, iterations and the like stay.
+    #[must_use]
+    pub fn with_preset(self, preset: Preset) -> Self {
+        preset.settings(self)
     }
 }

@@ -1,18 +1,20 @@
-//! The builder of ragdolls: eleven limbs, joined by the particles that they share.
+//! The builder of ragdolls: eleven limbs that are joined by shared particles.
 //!
 //! ```text
 //!            o           head: turns about the line through the shoulders
 //!     o-----o-o-----o    shoulders: pins; elbows: hinges of two particles
-//!            |/          chest and pelvis: rigid bodies of four particles and six sticks,
-//!            o           which have the waist in common, a pin
+//!            |/          chest and pelvis: rigid bodies of four particles and six sticks
+//!            o           that share the waist, a pin
 //!           /|\
 //!          o o o         hips: pins; knees: hinges of two particles
 //!          o   o
 //!          o   o         feet
 //! ```
 //!
-//! Sticks with a bound limit the angles (Jakobsen 2001, section 6): an elbow that can neither be quite straight nor quite
-//! folded stays on its side.
+//! Sticks with a bound limit the angles (Jakobsen 2001, section 6): an elbow that can become neither quite straight nor
+//! quite folded cannot bend backwards.
+//!
+//! Design: docs/design/rigs.md.
 
 use std::sync::Arc;
 
@@ -26,7 +28,7 @@ use crate::state::particles::Particles;
 use crate::state::settings::SolverSettings;
 use crate::state::topology::{StickBound, StickKind, StickMaterial};
 
-/// A human figure that stands upright and looks along +Z.
+/// A human figure that stands upright and faces +Z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RagdollBuilder {
     height: f32,
@@ -37,18 +39,18 @@ pub struct RagdollBuilder {
 /// A stick of a ragdoll.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RagdollStick {
-    /// Its particles.
+    /// Indices of its two particles.
     pub ends: [u32; 2],
-    /// Metres.
+    /// Rest length in metres.
     pub length: f32,
-    /// Rods make limbs, the others limit joints.
+    /// Exact sticks make limbs; the others limit joints.
     pub bound: StickBound,
 }
 
-/// Height in metres of the figure that the tables below describe.
+/// Height in metres of the figure in the tables below.
 const TABLE_HEIGHT: f32 = 1.75;
 
-/// A particle of the figure: where it is, in metres from the ground between the feet, and its part of the mass.
+/// A particle of the figure: its place in metres from the ground between the feet, and its part of the mass.
 struct Joint {
     at: Vec3,
     weight: f32,
@@ -64,7 +66,7 @@ const STERNUM: u32 = 3;
 const WAIST: u32 = 4;
 const HIPS: [u32; 2] = [5, 6];
 const SACRUM: u32 = 7;
-/// Of each side the outer and the inner end of the axis.
+/// For each side the outer and the inner end of the axis.
 const ELBOWS: [[u32; 2]; 2] = [[8, 9], [10, 11]];
 const HANDS: [u32; 2] = [12, 13];
 const KNEES: [[u32; 2]; 2] = [[14, 15], [16, 17]];
@@ -93,7 +95,8 @@ const JOINTS: [Joint; 20] = [
     joint(-0.12, 0.09, -0.02, 0.035),
 ];
 
-/// Most of its full length that a leg or an arm may have from end to end: less than all, so that it cannot bend backwards.
+/// The greatest distance from end to end of a leg or an arm, as a part of its full length. Less than 1, so that it cannot
+/// bend backwards.
 const STRAIGHT: f32 = 0.985;
 
 impl RagdollBuilder {
@@ -102,16 +105,16 @@ impl RagdollBuilder {
         Self { height, mass, placement: Placement::default() }
     }
 
-    /// Where the ground between its feet is, and how it is turned.
+    /// Sets the place of the ground between the feet, and the rotation of the figure.
     pub fn placed(mut self, placement: Placement) -> Self {
         self.placement = placement;
         self
     }
 
-    /// Places of the particles in the world, in metres, and their masses in kilograms.
+    /// Positions of the particles in the world (metres), and their masses (kilograms).
     ///
     /// # Errors
-    /// [`BuildError`] if height, mass or placement cannot be used.
+    /// [`BuildError`] if height, mass or placement are invalid.
     pub fn particles(&self) -> Result<Vec<(Vec3, f32)>, BuildError> {
         positive("height", self.height)?;
         positive("mass", self.mass)?;
@@ -126,7 +129,7 @@ impl RagdollBuilder {
         Ok(JOINTS.iter().map(particle).collect())
     }
 
-    /// The sticks, those that make limbs first.
+    /// The sticks: first those that make limbs, then those that limit joints.
     pub fn sticks(&self) -> Vec<RagdollStick> {
         let scale = self.height / TABLE_HEIGHT;
         let apart = |a: u32, b: u32| JOINTS[a as usize].at.distance(JOINTS[b as usize].at);
@@ -136,7 +139,7 @@ impl RagdollBuilder {
                 for &b in &limb[i + 1..] {
                     let stick =
                         RagdollStick { ends: [a, b], length: apart(a, b) * scale, bound: StickBound::Exact };
-                    // Limbs that are hinged have an axis in common.
+                    // Two limbs at a hinge share its axis, and so one stick.
                     if !sticks.contains(&stick) {
                         sticks.push(stick);
                     }
@@ -182,7 +185,7 @@ impl RagdollBuilder {
         sticks
     }
 
-    /// Builds the body, at rest. Of the settings, the thickness is the radius of its limbs: 5 cm suit a grown-up.
+    /// Builds the body, at rest. The thickness in `settings` is the radius of its limbs: 5 cm suit an adult.
     ///
     /// # Errors
     /// [`BuildError`] as [`particles`](Self::particles).
@@ -194,7 +197,7 @@ impl RagdollBuilder {
         let sticks = self.sticks();
         let mut builder = TopologyBuilder::new(&places);
         for bound in [StickBound::Exact, StickBound::AtLeast, StickBound::AtMost] {
-            // Limits are no part of what carries load.
+            // Limits carry no load, so they come last, with the bend sticks.
             let kind = if bound == StickBound::Exact { StickKind::Structural } else { StickKind::Bend };
             let of_bound = sticks.iter().filter(|stick| stick.bound == bound);
             let material = StickMaterial { bound, ..StickMaterial::rigid(kind) };

@@ -1,13 +1,15 @@
 //! The builder of rigid bodies from four particles and six sticks (Jakobsen 2001, section 5).
 //!
 //! ```text
-//!      +-----------o          The particles, of a quarter of the mass each, lie in every other corner of a box of half
-//!     /|    o     /|          sides s, where M s^2 is the second moment of the mass along that axis: so mass, centre of
-//!    o-----------+ |          mass and inertia are the body's. The corners of its collision mesh are carried by them.
+//!      +-----------o          The particles have a quarter of the mass M each, and lie in every other corner of a box of
+//!     /|    o     /|          half sides s. M s^2 is the second moment of the mass along that axis, so mass, centre of
+//!    o-----------+ |          mass and inertia are those of the body. They carry the corners of its collision mesh.
 //!    | +---------|-+
 //!    |/          |/
 //!    +-----------o
 //! ```
+//!
+//! Design: docs/design/rigs.md.
 
 use std::sync::Arc;
 
@@ -21,7 +23,7 @@ use crate::state::particles::Particles;
 use crate::state::settings::SolverSettings;
 use crate::state::topology::{EmbeddedPoint, StickKind, StickMaterial};
 
-/// A rigid body as a tetrahedron of particles, which carries the corners of a convex collision mesh.
+/// A rigid body as a tetrahedron of particles that carries the corners of a convex collision mesh.
 #[derive(Clone, Debug)]
 pub struct RigidTetrahedronBuilder {
     mass: f32,
@@ -44,8 +46,8 @@ const CORNERS: [Vec3; 4] = [
 const STICKS: [[u32; 2]; 6] = [[0, 1], [2, 3], [0, 2], [1, 3], [0, 3], [1, 2]];
 
 impl RigidTetrahedronBuilder {
-    /// A body of `mass` kilograms with these principal moments of inertia (kg m^2) about its centre of mass, along the axes
-    /// of its placement. It has no corners yet.
+    /// A body of `mass` kilograms, with principal moments of inertia (kg m^2) about its centre of mass along the axes of its
+    /// placement. It has no corners yet.
     pub fn new(mass: f32, moments: Vec3) -> Self {
         Self {
             mass,
@@ -57,7 +59,7 @@ impl RigidTetrahedronBuilder {
         }
     }
 
-    /// A solid box of even density with its eight corners.
+    /// A solid box of even density, with eight corners. Half extents in metres.
     pub fn cuboid(mass: f32, half_extents: Vec3) -> Self {
         let squares = half_extents * half_extents;
         let moments = Vec3::new(squares.y + squares.z, squares.z + squares.x, squares.x + squares.y);
@@ -66,7 +68,7 @@ impl RigidTetrahedronBuilder {
         Self { corners: (0..8).map(corner).collect(), ..Self::new(mass, moments * (mass / 3.0)) }
     }
 
-    /// The corners of its collision mesh, from its centre of mass and along its axes, in metres. They touch obstacles; its
+    /// Sets the corners of its collision mesh, in metres from its centre of mass along its axes. Corners touch obstacles;
     /// edges and sides do not.
     pub fn corners(mut self, corners: impl IntoIterator<Item = Vec3>) -> Self {
         self.corners = corners.into_iter().collect();
@@ -78,27 +80,27 @@ impl RigidTetrahedronBuilder {
         self.moments
     }
 
-    /// The corners of its collision mesh, from its centre of mass, in metres.
+    /// The corners of its collision mesh, in metres from its centre of mass.
     pub fn collision_mesh(&self) -> &[Vec3] {
         &self.corners
     }
 
-    /// Where its centre of mass is in the world, and how it is turned.
+    /// Sets the place of its centre of mass in the world, and its rotation.
     pub fn placed(mut self, placement: Placement) -> Self {
         self.placement = placement;
         self
     }
 
-    /// Velocity of its centre of mass in m/s, and angular velocity in rad/s, in world axes.
+    /// Sets the velocity of its centre of mass (m/s) and its angular velocity (rad/s), in world axes.
     pub fn moving(mut self, velocity: Vec3, angular_velocity: Vec3) -> Self {
         (self.velocity, self.angular_velocity) = (velocity, angular_velocity);
         self
     }
 
-    /// Where the four particles are, from the centre of mass and along the axes, in metres.
+    /// The places of the four particles, in metres from the centre of mass along the axes.
     ///
     /// # Errors
-    /// [`BuildError`] if mass or inertia are those of no body: each moment must be less than the sum of the others.
+    /// [`BuildError`] if no body can have this mass and inertia: each moment must be less than the sum of the others.
     pub fn particles(&self) -> Result<[Vec3; 4], BuildError> {
         positive("mass", self.mass)?;
         finite_vector("inertia", self.moments)?;
@@ -112,7 +114,7 @@ impl RigidTetrahedronBuilder {
     /// Builds the body: particles of equal mass, joined by rigid sticks.
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be built.
+    /// [`BuildError`] that names the invalid value.
     pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let local = self.particles()?;
@@ -129,7 +131,7 @@ impl RigidTetrahedronBuilder {
             let arm = pose.direction_to_world(place);
             particles.set_velocity(i, self.velocity + self.angular_velocity.cross(arm));
         }
-        // About the centre, where places are exact.
+        // Rest places are relative to the centre of mass, where rounding is least.
         let mut builder = TopologyBuilder::new(&local);
         builder.family(StickMaterial::rigid(StickKind::Structural), STICKS)?;
         let mut points = Vec::with_capacity(self.corners.len());
@@ -143,9 +145,9 @@ impl RigidTetrahedronBuilder {
     }
 }
 
-/// Where a rigid body is whose four particles were in `rest`, in its own coordinates, and are in `now`: the rotation nearest
-/// to what has become of it (the polar decomposition, after Higham 1986), about the middle of the four. None where they lie
-/// in a plane. Rounding may depend on the machine: for what is shown, not for what is simulated.
+/// The placement of a rigid body from the places of its four particles: `rest` in its own coordinates, `now` in the world.
+/// Takes the nearest rotation (the polar decomposition after Higham 1986) about the middle of the four. None if they lie
+/// in a plane. Rounding may depend on the machine: use it to draw a body, not to simulate it.
 pub fn placement_of(rest: [Vec3; 4], now: [Vec3; 4]) -> Option<Placement> {
     let middle = |places: [Vec3; 4]| places.into_iter().map(Vec3::as_dvec3).sum::<glam::DVec3>() * 0.25;
     let edges = |places: [Vec3; 4]| {
@@ -162,5 +164,5 @@ pub fn placement_of(rest: [Vec3; 4], now: [Vec3; 4]) -> Option<Placement> {
         .then_some(Placement { translation, rotation })
 }
 
-/// Each squares what is left to do; four particles at nearly their distances are near to begin with.
+/// The number of iterations. Each squares the error, and particles of a rigid body start with a small one.
 const POLAR_ROUNDS: u32 = 5;

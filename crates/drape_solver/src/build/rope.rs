@@ -1,4 +1,6 @@
 //! The builder of ropes.
+//!
+//! Design: docs/design/ropes.md.
 
 use std::sync::Arc;
 
@@ -19,8 +21,8 @@ pub struct RopeBuilder {
     particles: u32,
     linear_density: f32,
     end_mass: f32,
-    stretch: f32,
-    bend: f32,
+    stretch_stiffness: f32,
+    bend_stiffness: f32,
     damping: f32,
     pins: Vec<u32>,
 }
@@ -34,8 +36,8 @@ impl RopeBuilder {
             particles,
             linear_density: 0.1,
             end_mass: 0.0,
-            stretch: 1.0,
-            bend: 0.0,
+            stretch_stiffness: 1.0,
+            bend_stiffness: 0.0,
             damping: 0.0,
             pins: Vec::new(),
         }
@@ -47,15 +49,21 @@ impl RopeBuilder {
         self
     }
 
-    /// Mass in kg that its last particle carries besides its own, 0 or more: a bucket, a wrecking ball. None by default.
+    /// Mass in kg that the last particle carries besides its own, 0 (the default) or more: a bucket, a wrecking ball.
     pub fn end_mass(mut self, end_mass: f32) -> Self {
         self.end_mass = end_mass;
         self
     }
 
-    /// Stiffness (0..=1) of the links against stretching, and of the skip-one sticks against bending.
-    pub fn stiffness(mut self, stretch: f32, bend: f32) -> Self {
-        (self.stretch, self.bend) = (stretch, bend);
+    /// Stiffness of the links, 0 (slack) to 1 (rigid): resists stretching. 1 by default.
+    pub fn stretch_stiffness(mut self, stiffness: f32) -> Self {
+        self.stretch_stiffness = stiffness;
+        self
+    }
+
+    /// Stiffness of the sticks that skip a particle, 0 to 1: resists bending. 0 by default.
+    pub fn bend_stiffness(mut self, stiffness: f32) -> Self {
+        self.bend_stiffness = stiffness;
         self
     }
 
@@ -85,7 +93,7 @@ impl RopeBuilder {
     /// Builds the particles and the topology.
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be built.
+    /// [`BuildError`] that names the invalid value.
     pub fn build_parts(self) -> Result<(Particles, Topology), BuildError> {
         let count = self.particles;
         if count < 2 {
@@ -121,11 +129,11 @@ impl RopeBuilder {
             damping: self.damping,
             ..StickMaterial::rigid(kind)
         };
-        let structural = material(StickKind::Structural, self.stretch);
+        let structural = material(StickKind::Structural, self.stretch_stiffness);
         let mut builder = TopologyBuilder::grid(&positions, count, 1)?;
         builder
             .grid_family(structural, [1, 0])?
-            .grid_family(material(StickKind::Bend, self.bend), [2, 0])?
+            .grid_family(material(StickKind::Bend, self.bend_stiffness), [2, 0])?
             .segments((0..links).map(|i| [i, i + 1]))?
             .straight_tethers(&self.pins)?;
         let particles = Particles::new(self.start, &positions, &inverse_masses)?;
@@ -135,7 +143,7 @@ impl RopeBuilder {
     /// Builds a body with these settings.
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be built.
+    /// [`BuildError`] that names the invalid value.
     pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let (particles, topology) = self.build_parts()?;
@@ -176,7 +184,7 @@ mod tests {
             RopeBuilder::new(a, Vec3::NAN, 4),
             RopeBuilder::new(a, b, 4).linear_density(0.0),
             RopeBuilder::new(a, b, 4).pin(4),
-            RopeBuilder::new(a, b, 4).stiffness(1.5, 0.0),
+            RopeBuilder::new(a, b, 4).stretch_stiffness(1.5),
             RopeBuilder::new(a, b, u32::MAX),
         ] {
             assert!(rope.build_parts().is_err());

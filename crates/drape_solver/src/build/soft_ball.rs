@@ -7,6 +7,8 @@
 //!      o  o-o-o   o         bend sticks that skip one along a ring, and across the inmost
 //!        ' - o - '
 //! ```
+//!
+//! Design: docs/design/soft_bodies.md.
 
 use core::f32::consts::TAU;
 use std::sync::Arc;
@@ -20,7 +22,7 @@ use crate::state::particles::Particles;
 use crate::state::settings::SolverSettings;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
-/// Particles of the inmost ring; each further ring has so many more.
+/// The number of particles of the inmost ring. Each further ring has this many more than the one inside it.
 const INMOST: u32 = 10;
 
 /// A soft ball in a plane, as rings of particles around its centre.
@@ -37,15 +39,15 @@ pub struct SoftBallBuilder {
 }
 
 impl SoftBallBuilder {
-    /// A ball of `radius` (metres) around `centre` in `rings` rings, in the XY plane: 10 kg/m^2, quite stiff, free.
+    /// A ball of `radius` (metres) around `centre`, of `rings` rings in the XY plane: 10 kg/m^2, quite stiff, free.
     pub fn new(centre: Vec3, radius: f32, rings: u32) -> Self {
         let (areal_density, stiffness, damping) = (10.0, 0.999, 1.0);
         let axes = [Vec3::X, Vec3::Y];
         Self { centre, axes, radius, rings, areal_density, stiffness, damping, is_rim_pinned: false }
     }
 
-    /// Puts it into the plane of these two directions (unit length, at right angles), the first particle of each ring along
-    /// the first.
+    /// Puts the ball into the plane of two directions of unit length at right angles. The first particle of each ring lies
+    /// along `right`.
     pub fn axes(mut self, right: Vec3, up: Vec3) -> Self {
         self.axes = [right, up];
         self
@@ -69,18 +71,18 @@ impl SoftBallBuilder {
         self
     }
 
-    /// Pins the outmost ring.
+    /// Pins the outermost ring.
     pub fn pin_rim(mut self) -> Self {
         self.is_rim_pinned = true;
         self
     }
 
-    /// Number of particles of ring `ring`, and the index of its first.
+    /// The number of particles of ring `ring`, and the index of its first.
     fn ring(ring: u32) -> (u32, u32) {
         (INMOST * (ring + 1), INMOST * ring * (ring + 1) / 2)
     }
 
-    /// Particle `i` of ring `ring`, counted round and round.
+    /// Index of particle `i` of ring `ring`; `i` wraps around.
     fn at(ring: u32, i: u32) -> u32 {
         let (count, first) = Self::ring(ring);
         first + i % count
@@ -89,7 +91,7 @@ impl SoftBallBuilder {
     /// Builds the particles and the topology.
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be built.
+    /// [`BuildError`] that names the invalid value.
     pub fn build_parts(self) -> Result<(Particles, Topology), BuildError> {
         positive("radius", self.radius)?;
         let [right, up] = self.axes;
@@ -104,8 +106,8 @@ impl SoftBallBuilder {
         let width = self.radius / self.rings as f32;
         for ring in 0..self.rings {
             let (count, radius) = (Self::ring(ring).0, width * (ring + 1) as f32);
-            // The area that is nearest to the ring: from half a width inside it, or the centre, to half a width outside,
-            // or the rim.
+            // The area nearest to the ring: from half a width inside it (or the centre) to half a width outside it (or the
+            // rim).
             let inner = if ring == 0 { 0.0 } else { radius - 0.5 * width };
             let outer = if ring + 1 == self.rings { radius } else { radius + 0.5 * width };
             let area = 0.5 * TAU * (outer * outer - inner * inner);
@@ -125,7 +127,7 @@ impl SoftBallBuilder {
     /// Builds a body with these settings.
     ///
     /// # Errors
-    /// [`BuildError`] naming what cannot be built.
+    /// [`BuildError`] that names the invalid value.
     pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let (particles, topology) = self.build_parts()?;
@@ -143,7 +145,7 @@ impl SoftBallBuilder {
         for ring in 1..self.rings {
             self.join_rings(ring, &mut structural, &mut shear, &mut faces);
         }
-        // Nothing is inside the inmost ring but itself: each particle is held by the one across, and the next.
+        // The inmost ring has no particles inside it: sticks to the particle across and to its neighbour hold each.
         let half = INMOST / 2;
         bend.extend((0..half).map(|i| [Self::at(0, i), Self::at(0, i + half)]));
         bend.extend((0..INMOST).map(|i| [Self::at(0, i), Self::at(0, i + half - 1)]));
@@ -162,8 +164,8 @@ impl SoftBallBuilder {
         builder.build()
     }
 
-    /// Joins `ring` to the one inside it, which has ten particles fewer: the two are walked round together, always on to
-    /// where the next particle is nearer.
+    /// Joins `ring` to the one inside it, which has ten particles fewer. Walks around both rings together, and always
+    /// advances on the ring whose next particle comes first.
     fn join_rings(
         &self,
         ring: u32,
@@ -176,7 +178,7 @@ impl SoftBallBuilder {
         structural.push([Self::at(ring - 1, 0), Self::at(ring, 0)]);
         while i < outer || j < inner {
             let [a, b] = [Self::at(ring, i), Self::at(ring - 1, j)];
-            // The angle of the next on either ring, in parts of a turn, as whole numbers.
+            // Compares the angles of the next particles, `(i + 1) / outer` and `(j + 1) / inner` of a turn, in whole numbers.
             let is_outer_next = (i + 1) * inner <= (j + 1) * outer;
             if i < outer && (is_outer_next || j == inner) {
                 faces.push([b, a, Self::at(ring, i + 1)]);

@@ -1,12 +1,14 @@
-//! The builder of soft solids: a lattice inside a closed mesh, which it carries.
+//! The builder of soft solids: a lattice of cells inside a closed mesh carries the mesh.
 //!
 //! ```text
-//!     .--''--.        the mesh, and the cells of the lattice whose middle is inside it;
+//!     .--''--.        the mesh, and the cells of the lattice with their middle inside it;
 //!    /|_|_|_|_\       sticks along their edges and diagonals, particles at their corners;
 //!   | |_|_|_|_|       a vertex of the mesh follows the corners of its cell
 //!    \|_|_|_|_/
 //!     '--..--'
 //! ```
+//!
+//! Design: docs/design/soft_bodies.md.
 
 use std::sync::Arc;
 
@@ -27,8 +29,8 @@ use crate::state::topology::{StickKind, StickMaterial, Topology};
 
 /// A soft solid in the form of a closed mesh.
 ///
-/// The box around the mesh is divided into cells, all alike; those with their middle inside the mesh are the solid. Vertices in the same
-/// place are one, so that seams of texture coordinates and normals are no holes; parts of the mesh may overlap.
+/// Divides the box around the mesh into equal cells; those with their middle inside the mesh make the solid. Welds vertices
+/// in the same place, so that seams of texture coordinates and normals are not holes. Parts of the mesh may overlap.
 #[derive(Clone, Debug)]
 pub struct SoftBodyBuilder {
     vertices: Vec<Vec3>,
@@ -41,27 +43,27 @@ pub struct SoftBodyBuilder {
     pins: Vec<u32>,
 }
 
-/// What a closed mesh has become.
+/// The soft solid of a closed mesh.
 #[derive(Clone, Debug)]
 pub struct SoftSolid {
     /// The corners of the cells.
     pub particles: Particles,
-    /// How they are joined.
+    /// The sticks and faces of the particles.
     pub topology: Topology,
     /// The cells.
     pub lattice: SoftLattice,
-    /// How the vertices of the mesh follow the particles.
+    /// Moves the vertices of the mesh with the particles.
     pub embedding: Embedding,
 }
 
-/// Most cells of a lattice along an axis.
+/// The greatest number of cells of a lattice along an axis.
 const MOST_CELLS: u32 = 128;
-/// What a cell may be wider than was asked for, in parts: what is rounded makes no further cell.
+/// A mesh may exceed a whole number of cells by this part of a cell: rounding then adds no further cell.
 const SLACK: f32 = 1e-3;
 
 impl SoftBodyBuilder {
-    /// The solid inside a closed mesh of `vertices` (metres) and `faces`, whichever way these turn, as a lattice of cells of at most
-    /// `spacing` metres: 100 kg/m^3, quite stiff.
+    /// The solid inside a closed mesh of `vertices` (metres) and `faces`, which may be clockwise or counter-clockwise. Cells
+    /// are at most `spacing` metres wide. 100 kg/m^3, quite stiff.
     pub fn new(vertices: &[Vec3], faces: &[[u32; 3]], spacing: f32) -> Self {
         Self {
             vertices: vertices.to_vec(),
@@ -75,8 +77,8 @@ impl SoftBodyBuilder {
         }
     }
 
-    /// What takes the vertices to their places in the world; without this they are there. The lattice lies along the axes of the
-    /// mesh, however it is turned.
+    /// Sets the transform from the mesh's coordinates to the world; the identity by default. The lattice lies along the axes
+    /// of the mesh under any rotation.
     pub fn transform(mut self, to_world: Affine3A) -> Self {
         self.to_world = to_world;
         self
@@ -100,16 +102,16 @@ impl SoftBodyBuilder {
         self
     }
 
-    /// Pins the corners of the cell that a vertex is in.
+    /// Pins the corners of the cell around a vertex.
     pub fn pin(mut self, vertex: u32) -> Self {
         self.pins.push(vertex);
         self
     }
 
-    /// Builds the body, with a pressure that keeps its volume, and the way in which the mesh follows it.
+    /// Builds the body, with a pressure that keeps its volume, and the embedding that moves the mesh with it.
     ///
     /// # Errors
-    /// [`MeshError`] naming what cannot be built: a mesh that is not closed, or cells too small or too large for it.
+    /// [`MeshError`] that names the fault, such as a mesh that is not closed, or cells too small or too large for it.
     pub fn build(self, settings: SolverSettings) -> Result<(Body, Embedding), MeshError> {
         settings.validate()?;
         let SoftSolid { particles, topology, embedding, .. } = self.build_parts()?;
@@ -117,13 +119,13 @@ impl SoftBodyBuilder {
         Ok((body, embedding))
     }
 
-    /// Builds particles and topology, the cells, and the way in which the mesh follows them.
+    /// Builds particles and topology, the cells, and the embedding that moves the mesh with them.
     ///
     /// # Errors
     /// As [`build`](Self::build).
     pub fn build_parts(self) -> Result<SoftSolid, MeshError> {
         let used = self.validate()?;
-        // As long along each axis as the mesh is in the world.
+        // Gives the mesh its lengths in the world, without its rotation.
         let [x, y, z] = self.to_world.matrix3.to_cols_array_2d().map(|axis| Vec3::from(axis).length());
         let scale = Vec3::new(x, y, z);
         let positions: Vec<Vec3> = self.vertices.iter().map(|&vertex| vertex * scale).collect();
@@ -138,7 +140,7 @@ impl SoftBodyBuilder {
         if edges > 0 {
             return Err(MeshError::NotClosed { edges });
         }
-        // Those without an area too, as lines may pass through what they fill.
+        // Triangles without an area count too: they close gaps between others.
         let faces = [surface.faces, surface.lines].concat();
         let bounds = bounds(&positions, &used);
         let counts = self.counts(bounds.1 - bounds.0)?;
@@ -147,7 +149,7 @@ impl SoftBodyBuilder {
         if lattice.cell_count() == 0 {
             return Err(MeshError::NoCells { spacing: self.spacing });
         }
-        // Where parts overlap, or turn different ways, the sum over triangles is not what is inside.
+        // If parts overlap, or differ in their sense, the sum over triangles is not the volume.
         let (of_mesh, of_cells) = (volume(&positions, &faces), lattice.volume());
         let is_plain = (0.5 * of_cells..2.0 * of_cells).contains(&of_mesh);
         let volume = if is_plain { of_mesh } else { of_cells };
@@ -164,7 +166,7 @@ impl SoftBodyBuilder {
         })
     }
 
-    /// Checks all that was given. Returns the vertices that are corners of triangles.
+    /// Checks all values. Returns the vertices that are corners of triangles.
     fn validate(&self) -> Result<Vec<u32>, MeshError> {
         positive("spacing", self.spacing)?;
         positive("density", self.density)?;
@@ -192,7 +194,8 @@ impl SoftBodyBuilder {
         Ok(counts.as_ivec3())
     }
 
-    /// Of particles that together weigh what the mesh does, each by the cells that it is a corner of.
+    /// Inverse masses in 1/kg. The particles together weigh as much as the mesh, and each cell gives an eighth of its mass to
+    /// each corner.
     fn inverse_masses(&self, lattice: &SoftLattice, embedding: &Embedding, volume: f64) -> Vec<f32> {
         let mass = f64::from(self.density) * volume;
         let part = mass / (8 * lattice.cell_count()) as f64;
@@ -208,7 +211,7 @@ impl SoftBodyBuilder {
     }
 
     fn topology(&self, lattice: &SoftLattice, positions: &[Vec3]) -> Result<Topology, BuildError> {
-        // By kind: edges, diagonals of faces, diagonals of cells.
+        // Edges, diagonals of faces, and diagonals of cells.
         let mut families: [Vec<[u32; 2]>; 3] = Default::default();
         for &cell in lattice.cells() {
             let corners = corners_of(cell);
@@ -234,7 +237,7 @@ impl SoftBodyBuilder {
         }
         let mut faces = lattice.surface();
         if self.to_world.matrix3.determinant() < 0.0 {
-            // In a mirror they turn the other way.
+            // A mirrored mesh has its faces the other way round.
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
         builder.faces(faces)?;
@@ -242,7 +245,7 @@ impl SoftBodyBuilder {
     }
 }
 
-/// The volume inside triangles that are closed, in cubic metres, whichever way they turn.
+/// The volume inside a closed surface of triangles in cubic metres, whether clockwise or counter-clockwise.
 fn volume(positions: &[Vec3], faces: &[[u32; 3]]) -> f64 {
     let about = faces.first().map_or(Vec3::ZERO, |face| positions[face[0] as usize]);
     let of_face = |face: &[u32; 3]| {

@@ -1,11 +1,13 @@
-//! The cells of a soft solid: which boxes of a lattice are inside a mesh, and which points go with which of them.
+//! The cells of a soft solid: finds the boxes of a lattice inside a mesh, and the cell of each point.
 //!
 //! ```text
-//!     columns of cells along X; where one enters and leaves the mesh is worked out
-//!     triangle by triangle, so that the middles in between are known to be inside
+//!     a line along X through the middles of cells crosses the triangles of the mesh;
+//!     the middles between two crossings are inside
 //!
 //!      o   o---x-- * -- * -- *---x--o      * inside   o outside   x crossing
 //! ```
+//!
+//! Design: docs/design/soft_bodies.md.
 
 use std::collections::BTreeMap;
 
@@ -14,10 +16,10 @@ use glam::{Affine3A, DVec3, IVec3, Vec3};
 use crate::build::embedding::{CellWeights, Embedding};
 use crate::build::mesh::error::MeshError;
 
-/// The lattice of a soft solid, in which points of a mesh have their places.
+/// The lattice of a soft solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoftLattice {
-    /// What takes the mesh's own coordinates to those of the lattice, axis by axis: there, lengths are those in the world.
+    /// Factors from the mesh's coordinates to those of the lattice, which have the lengths of the world.
     scale: Vec3,
     corner: Vec3,
     spacing: Vec3,
@@ -25,18 +27,18 @@ pub struct SoftLattice {
     particles_at: BTreeMap<[i32; 3], u32>,
 }
 
-/// A mesh as the lattice sees it.
+/// A mesh in the coordinates of a lattice.
 pub(crate) struct LatticeMesh<'a> {
-    /// In the lattice's coordinates.
+    /// Vertices in metres.
     pub positions: &'a [Vec3],
-    /// All turned outwards, or all inwards.
+    /// Triangles, counter-clockwise either from outside or from inside.
     pub faces: &'a [[u32; 3]],
     /// Least and greatest corner of its box.
     pub bounds: (Vec3, Vec3),
 }
 
 impl SoftLattice {
-    /// The cells whose middle is inside a mesh, `counts` along its box.
+    /// The cells with their middle inside a mesh, of `counts` cells along its box.
     pub(crate) fn inside(mesh: &LatticeMesh, counts: IVec3, scale: Vec3) -> Self {
         let (low, high) = mesh.bounds;
         let spacing = (high - low) / counts.as_vec3();
@@ -52,12 +54,12 @@ impl SoftLattice {
         lattice
     }
 
-    /// By the number of times that the mesh winds around their middles, so that parts may overlap.
+    /// The cells around whose middle the mesh winds. By the winding number, parts of the mesh may overlap.
     fn cells_inside(&self, mesh: &LatticeMesh, counts: IVec3) -> Vec<IVec3> {
         let [nx, ny, nz] = counts.to_array().map(|count| count as usize);
         let (low, spacing) = (self.corner.as_dvec3(), self.spacing.as_dvec3());
         let middle = |axis: usize, i: usize| low[axis] + (i as f64 + 0.5) * spacing[axis];
-        // What the winding number changes by from the cell before.
+        // The change of the winding number from the cell before.
         let mut changes = vec![0_i32; nx * ny * nz];
         for face in mesh.faces {
             let corners = face.map(|corner| mesh.positions[corner as usize].as_dvec3());
@@ -65,17 +67,17 @@ impl SoftLattice {
                 .iter()
                 .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
             let columns = |axis: usize, count: usize| {
-                // Casts of what is below zero give zero.
+                // Casts of negative numbers give zero.
                 let first = ((least[axis] - low[axis]) / spacing[axis] - 1.0) as usize;
                 let end = ((most[axis] - low[axis]) / spacing[axis] + 1.0) as usize;
                 first..end.min(count)
             };
             for z in columns(2, nz) {
                 for y in columns(1, ny) {
-                    let Some((x, way)) = crossing(corners, middle(1, y), middle(2, z)) else { continue };
+                    let Some((x, sign)) = crossing(corners, middle(1, y), middle(2, z)) else { continue };
                     let first = (0..nx).position(|i| middle(0, i) > x);
                     if let Some(first) = first {
-                        changes[(z * ny + y) * nx + first] += way;
+                        changes[(z * ny + y) * nx + first] += sign;
                     }
                 }
             }
@@ -93,7 +95,7 @@ impl SoftLattice {
         cells
     }
 
-    /// The cells, by their place along the three axes, in order.
+    /// The cells in order, by their indices along the three axes.
     pub(crate) fn cells(&self) -> &[IVec3] {
         &self.cells
     }
@@ -113,7 +115,7 @@ impl SoftLattice {
         self.spacing.as_dvec3().element_product() * self.cells.len() as f64
     }
 
-    /// The particles' places in the world, in order, where `to_world` is the way from the mesh's own coordinates.
+    /// The particles' positions in the world (metres), in order. `to_world` takes the mesh's coordinates to the world.
     pub(crate) fn positions(&self, to_world: &Affine3A) -> Vec<Vec3> {
         let place = |place: IVec3| (self.corner + place.as_vec3() * self.spacing) / self.scale;
         self.particles_at.keys().map(|&at| to_world.transform_point3(place(at.into()))).collect()
@@ -127,15 +129,15 @@ impl SoftLattice {
         self.cells.binary_search_by_key(&cell_order(cell), |&other| cell_order(other)).is_ok()
     }
 
-    /// Two triangles for each side of a cell that no other cell is at, counter-clockwise seen from outside.
+    /// Two triangles for each side of a cell without a neighbour, counter-clockwise seen from outside.
     pub(crate) fn surface(&self) -> Vec<[u32; 3]> {
         let mut faces = Vec::new();
         for &cell in &self.cells {
             for axis in 0..3 {
                 for (side, outwards) in [(0, -1), (1, 1)] {
-                    let mut way = IVec3::ZERO;
-                    way[axis] = outwards;
-                    if self.has(cell + way) {
+                    let mut offset = IVec3::ZERO;
+                    offset[axis] = outwards;
+                    if self.has(cell + offset) {
                         continue;
                     }
                     let (mut first, mut second, mut origin) = (IVec3::ZERO, IVec3::ZERO, cell);
@@ -153,16 +155,16 @@ impl SoftLattice {
         faces
     }
 
-    /// How `points`, in the mesh's own coordinates, follow the lattice: those outside go on as their nearest cell does. Points in
-    /// the same place do so to the bit.
+    /// Embeds `points` (in the mesh's coordinates) into the lattice. Points outside follow their nearest cell. Points in the
+    /// same place follow to the same bits.
     ///
     /// # Errors
-    /// [`MeshError`] naming a point that is nowhere.
+    /// [`MeshError`] that names a point that is not finite.
     pub fn embed(&self, points: &[Vec3]) -> Result<Embedding, MeshError> {
         Embedding::of_points(points, |point| self.weights(point * self.scale)).map(Embedding::in_cells)
     }
 
-    /// The corners of a point's cell, and what each counts.
+    /// The corners of a point's cell, and their weights.
     fn weights(&self, point: Vec3) -> CellWeights {
         let place = (point - self.corner) / self.spacing;
         let cell = self.nearest(place);
@@ -175,20 +177,20 @@ impl SoftLattice {
         CellWeights { particles: corners.map(|place| self.particle(place)), weights: corners.map(weight) }
     }
 
-    /// The cell that a place is in, or that with the nearest middle.
+    /// The cell at a place, or the one with the nearest middle.
     fn nearest(&self, place: Vec3) -> IVec3 {
         let around = place.floor().as_ivec3();
         let off = |cell: &IVec3| (cell.as_vec3() + 0.5).distance_squared(place);
         let by_distance = |p: &IVec3, q: &IVec3| off(p).total_cmp(&off(q));
         for reach in 0..=MOST_AROUND {
-            let ways = -reach..=reach;
-            let ways = ways.clone().flat_map(|z| {
-                let ways = ways.clone();
-                ways.clone().flat_map(move |y| ways.clone().map(move |x| IVec3::new(x, y, z)))
+            let offsets = -reach..=reach;
+            let offsets = offsets.clone().flat_map(|z| {
+                let offsets = offsets.clone();
+                offsets.clone().flat_map(move |y| offsets.clone().map(move |x| IVec3::new(x, y, z)))
             });
-            let near = ways.map(|way| around.saturating_add(way)).filter(|&cell| self.has(cell));
+            let near = offsets.map(|offset| around.saturating_add(offset)).filter(|&cell| self.has(cell));
             if let Some(nearest) = near.min_by(by_distance) {
-                // Those beyond are farther than this.
+                // Cells beyond `reach` are farther away than this.
                 let beyond = reach as f32 + 0.5;
                 if reach == 0 || off(&nearest) <= beyond * beyond {
                     return nearest;
@@ -199,7 +201,7 @@ impl SoftLattice {
     }
 }
 
-/// How far around a point its nearest cell is looked for before all are.
+/// The distance in cells within which the search for the nearest cell looks first; then it tries all cells.
 const MOST_AROUND: i32 = 3;
 
 /// The eight corners of a cell.
@@ -207,19 +209,20 @@ pub(crate) fn corners_of(cell: IVec3) -> [IVec3; 8] {
     core::array::from_fn(|i| cell + IVec3::new(i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2 & 1))
 }
 
-/// The order in which cells are listed.
+/// The sort key of cells.
 fn cell_order(cell: IVec3) -> [i32; 3] {
     [cell.z, cell.y, cell.x]
 }
 
-/// Where the line along X through (y, z) crosses a triangle, and whether the triangle looks along it (-1) or against it (1).
+/// The X at which the line along X through (y, z) crosses a triangle, and the change of the winding number there: -1 if the
+/// triangle's normal points along the line, 1 if against it.
 ///
-/// Lines through edges and corners count as a little beside them, always to the same side, so that each triangle around
-/// such a place agrees with its neighbours.
+/// A line through an edge or a corner counts as a little beside it, always to the same side, so that all triangles around
+/// such a place agree.
 fn crossing([a, b, c]: [DVec3; 3], y: f64, z: f64) -> Option<(f64, i32)> {
     let signs = [side(b, c, y, z), side(c, a, y, z), side(a, b, y, z)];
-    let way = signs[0].1;
-    if way == 0 || signs.iter().any(|&(_, other)| other != way) {
+    let sign = signs[0].1;
+    if sign == 0 || signs.iter().any(|&(_, other)| other != sign) {
         return None;
     }
     let sum: f64 = signs.iter().map(|(weight, _)| weight).sum();
@@ -228,13 +231,13 @@ fn crossing([a, b, c]: [DVec3; 3], y: f64, z: f64) -> Option<(f64, i32)> {
     } else {
         (a.x * signs[0].0 + b.x * signs[1].0 + c.x * signs[2].0) / sum
     };
-    Some((x, -way))
+    Some((x, -sign))
 }
 
-/// Twice the area of the triangle of an edge and (y, z), seen along X, and the side of the edge that this is on; 0 if the edge is a
-/// point.
+/// Twice the signed area of the triangle of an edge and (y, z) seen along X, and the side of the edge on which (y, z) lies;
+/// 0 if the edge is a point.
 fn side(from: DVec3, to: DVec3, y: f64, z: f64) -> (f64, i32) {
-    // Worked out from the same end for both triangles of an edge, so that it comes out the same.
+    // Both triangles at an edge compute with the same end first, so that they get the same bits.
     let is_turned = (from.y, from.z) > (to.y, to.z);
     let (a, b) = if is_turned { (to, from) } else { (from, to) };
     let (across, up) = (b.y - a.y, b.z - a.z);
@@ -248,7 +251,7 @@ fn side(from: DVec3, to: DVec3, y: f64, z: f64) -> (f64, i32) {
 mod tests {
     use super::*;
 
-    /// A cube of two metres around the origin, as triangles that look outwards.
+    /// A cube of two metres around the origin, as triangles that face outwards.
     fn cube(shift: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let corners = (0..8_u8).map(|i| {
             Vec3::new(f32::from(i & 1), f32::from(i >> 1 & 1), f32::from(i >> 2)) * 2.0 - 1.0 + shift
@@ -268,7 +271,7 @@ mod tests {
     #[test]
     fn lines_through_edges_and_corners_are_counted_once() {
         let (positions, faces) = cube(Vec3::ZERO);
-        // The middles of three cells lie on the diagonals of the cube's sides, those of one in its middle.
+        // Lines through the middles of cells pass through the diagonals of the cube's sides.
         for n in 1..6 {
             assert_eq!(count(&positions, &faces, IVec3::splat(n)), (n * n * n) as usize);
         }

@@ -1,4 +1,6 @@
-//! How a topology is put together.
+//! Builds a topology from families of sticks, faces and tethers.
+//!
+//! Design: docs/design/memory_layout.md.
 
 use std::sync::Arc;
 
@@ -18,23 +20,23 @@ use crate::state::topology::{
 };
 use crate::union_find::Groups;
 
-/// Puts a [`Topology`] together, one family of sticks after another.
+/// Builds a [`Topology`], one family of sticks after another.
 ///
-/// The order of the families is the order of relaxation, which decides stability: all horizontals, all
-/// verticals, the diagonals, the bends does not gain energy; row by row with all families interleaved does.
+/// Sticks are relaxed in the order of their families, and this order decides stability. All horizontals, all verticals,
+/// the diagonals, then the bends gain no energy; row by row, with all families interleaved, they do.
 #[derive(Clone, Debug)]
 pub struct TopologyBuilder {
     rest: Vec<Vec3>,
     topology: Topology,
-    /// The ends of the listed sticks, lower index first, and their bounds.
+    /// Ends of the listed sticks, lower index first, and their bounds.
     joined: Vec<(u32, u32, StickBound)>,
     tethers: Tethers,
-    /// Columns and rows, where the particles form a grid.
+    /// The numbers of columns and rows; one row if the particles form no grid.
     size: [u32; 2],
 }
 
 impl TopologyBuilder {
-    /// Starts with particles at `rest` positions (metres), which give the rest lengths.
+    /// Starts with particles at `rest` positions (metres). Rest lengths follow from them.
     pub fn new(rest: &[Vec3]) -> Self {
         Self {
             rest: rest.to_vec(),
@@ -48,7 +50,7 @@ impl TopologyBuilder {
     /// Starts with a grid of `columns` x `rows` particles, row after row, at `rest` positions (metres).
     ///
     /// # Errors
-    /// [`BuildError::NoSuchParticle`] if `rest` does not have so many.
+    /// [`BuildError::NoSuchParticle`] if `rest` has another number of particles.
     pub fn grid(rest: &[Vec3], columns: u32, rows: u32) -> Result<Self, BuildError> {
         let (columns, rows) = (columns as usize, rows as usize);
         if columns.checked_mul(rows) != Some(rest.len()) {
@@ -62,9 +64,9 @@ impl TopologyBuilder {
         Ok(builder)
     }
 
-    /// Adds a family of equal sticks of a [grid](Self::grid): from every particle to the one `right` columns to the
-    /// right (to the left, if negative) and `down` rows down, all as long as the first of them is at rest. At most
-    /// one column to the side if `down` is not 0.
+    /// Adds a family of equal sticks of a [grid](Self::grid): from every particle to the one `right` columns to the right (to
+    /// the left if negative) and `down` rows down. All get the rest length of the first. If `down` is not 0, `right` is at
+    /// most one column.
     ///
     /// # Errors
     /// As [`family`](Self::family).
@@ -100,12 +102,12 @@ impl TopologyBuilder {
         Ok(self)
     }
 
-    /// Adds a family of sticks of one material, at the length that the rest positions give. The family is
-    /// split into batches that share no particle.
+    /// Adds a family of sticks of one material, as long as their ends are apart at rest. Splits the family into batches in
+    /// which no two sticks share a particle.
     ///
     /// # Errors
-    /// [`BuildError`] if an end does not exist, both ends are the same, the ends coincide, or the material is
-    /// out of range. Two sticks between the same particles are found by [`build`](Self::build).
+    /// [`BuildError`] if an end does not exist, both ends are the same, the ends coincide, or the material is out of range.
+    /// [`build`](Self::build) rejects two sticks between the same particles.
     pub fn family(
         &mut self,
         material: StickMaterial,
@@ -187,7 +189,7 @@ impl TopologyBuilder {
         Ok(self)
     }
 
-    /// Adds the segments that a body without faces touches others with.
+    /// Adds segments: a body without faces touches others with them.
     ///
     /// # Errors
     /// [`BuildError::NoSuchParticle`] if an end does not exist.
@@ -206,7 +208,7 @@ impl TopologyBuilder {
         Ok(self)
     }
 
-    /// Adds points that four particles each carry, to touch obstacles with.
+    /// Adds points that touch obstacles. Four particles carry each.
     ///
     /// # Errors
     /// [`BuildError::NoSuchParticle`] if a carrier does not exist, [`BuildError::OutOfRange`] if weights do not sum to 1.
@@ -235,7 +237,7 @@ impl TopologyBuilder {
     /// Adds the tethers.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchParticle`] if they were made for another number of particles.
+    /// [`BuildError::NoSuchParticle`] if a tether names a particle that does not exist.
     pub fn tethers(&mut self, tethers: Tethers) -> Result<&mut Self, BuildError> {
         if let Some(index) = tethers.highest_index() {
             self.check_index("a tether", index)?;
@@ -244,8 +246,8 @@ impl TopologyBuilder {
         Ok(self)
     }
 
-    /// Tethers every particle to the nearest of the `pins`, and where sticks do not join them to each other, to the
-    /// nearest of each group, at their distance at rest: for bodies that are flat and convex.
+    /// Tethers every particle to the nearest of the `pins` of each group, at their distance at rest. Pins that sticks join to
+    /// each other form a group. For bodies that are flat and convex.
     ///
     /// # Errors
     /// As [`tethers`](Self::tethers).
@@ -266,7 +268,8 @@ impl TopologyBuilder {
         self.tethers(tethers)
     }
 
-    /// The sticks so far that hold their ends together, with their lengths: what geodesic tethers run along.
+    /// The sticks so far that limit the distance of their ends, with their rest lengths in metres. Geodesic tethers run along
+    /// them.
     pub fn edges(&self) -> impl Iterator<Item = (u32, u32, f32)> + '_ {
         let t = &self.topology;
         let batches = t.batches.iter().filter(|batch| batch.material.bound != StickBound::AtLeast);
@@ -279,10 +282,10 @@ impl TopologyBuilder {
     /// Finishes the topology.
     ///
     /// # Errors
-    /// [`BuildError::DuplicateStick`] if two sticks join the same two particles; a least and a greatest length may.
+    /// [`BuildError::DuplicateStick`] if two sticks of the same bound join the same two particles.
     pub fn build(mut self) -> Result<Topology, BuildError> {
         if !self.topology.segments.is_empty() {
-            // Sticks that were given their length may be longer at rest than their ends are apart now.
+            // A stick with a given rest length may be longer than its ends are apart now.
             let lengths = (0..self.topology.stick_count()).map(|i| self.topology.rest_length(i));
             self.note_edge(lengths.fold(0.0, f32::max));
         }
@@ -299,7 +302,7 @@ impl TopologyBuilder {
         Ok(self.topology)
     }
 
-    /// The sticks that join neighbours, or all if there are no such: bend sticks skip a particle.
+    /// The structural sticks, which join neighbours; all sticks if there are none. (Bend sticks skip a particle.)
     fn nearest_neighbours(&self) -> Vec<(u32, u32)> {
         let t = &self.topology;
         let structural = t.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural);
@@ -308,7 +311,7 @@ impl TopologyBuilder {
         if sticks.is_empty() { self.joined.iter().map(|&(a, b, _)| (a, b)).collect() } else { sticks }
     }
 
-    /// Settles which particle is in which slot, and brings the listed sticks into the order of slots.
+    /// Assigns a slot to each particle, and sorts the listed sticks by slots.
     fn arrange(&mut self) {
         let sticks = self.nearest_neighbours();
         let Topology { layout, batches, listed, .. } = &mut self.topology;

@@ -1,4 +1,4 @@
-//! Cloth that is not alike everywhere, or not alike in all directions.
+//! Cloth whose stiffness differs from place to place or from direction to direction.
 //!
 //! ```text
 //!   V  warp          A cloth of threads is stiff along them and soft at 45 degrees. At an angle a from the warp
@@ -8,6 +8,8 @@
 //!   +------- U       with c = (1 - s) / s of a stiffness s.
 //!      weft
 //! ```
+//!
+//! Design: docs/design/cloth_from_meshes.md.
 
 use std::collections::BTreeMap;
 
@@ -15,37 +17,37 @@ use glam::{Vec2, Vec3};
 
 use crate::error::{BuildError, in_range};
 
-/// Stiffness by direction, as threads give it.
+/// Stiffness by direction, as in woven cloth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weave {
-    /// Texture coordinates of each vertex of the mesh. The warp, which has the cloth's structural stiffness, runs along V, the weft
-    /// along U.
+    /// Texture coordinates of each vertex of the mesh. The warp runs along V and has the cloth's stretch stiffness; the weft
+    /// runs along U.
     pub coordinates: Vec<Vec2>,
     /// Stiffness of edges along the weft, 0 (slack) to 1 (rigid).
-    pub weft: f32,
+    pub weft_stiffness: f32,
     /// Stiffness of edges at 45 degrees, 0 to 1.
-    pub bias: f32,
+    pub bias_stiffness: f32,
 }
 
-/// Angles that edges are sorted by, from the warp to the weft: steps of 7.5 degrees.
+/// The number of steps of 7.5 degrees from the warp to the weft. Edges are sorted by them.
 const DIRECTIONS: u8 = 12;
-/// Values of paint that are told apart.
+/// The greatest shade; the least is 0.
 const SHADES: f32 = 15.0;
 
-/// Compliance of what is as good as slack.
+/// The greatest compliance, as good as slack.
 const SLACK: f64 = 1e12;
 
-/// What edges are stiff alike by.
+/// Edges of one class have the same stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Class {
-    /// Of paint, 0 for black.
+    /// Shade of paint: 0 is black, [`SHADES`] white.
     shade: u8,
-    /// 0 for along the warp.
+    /// Steps from the warp: 0 is along the warp, [`DIRECTIONS`] along the weft.
     direction: u8,
 }
 
 impl Class {
-    /// The stiffness of what has this class, in a cloth that is `stiffness` along the warp.
+    /// The stiffness of edges of this class, in a cloth that has `stiffness` along the warp.
     pub fn stiffness(self, stiffness: f32, weave: Option<&Weave>) -> f32 {
         if weave.is_none() && f32::from(self.shade) == SHADES {
             return stiffness;
@@ -54,20 +56,21 @@ impl Class {
         let dark = 1.0 - f64::from(self.shade) / f64::from(SHADES);
         let (along, added) = (compliance(stiffness), dark * dark * dark);
         let woven = weave.map_or(along, |weave| {
-            let [warp, weft, bias] = [along, compliance(weave.weft), compliance(weave.bias)];
+            let [warp, weft, bias] =
+                [along, compliance(weave.weft_stiffness), compliance(weave.bias_stiffness)];
             let angle = f64::from(self.direction) / f64::from(DIRECTIONS) * core::f64::consts::FRAC_PI_2;
             let (sin, cos) = (libm::sin(angle) * libm::sin(angle), libm::cos(angle) * libm::cos(angle));
             warp * cos * cos + weft * sin * sin + (4.0 * bias - warp - weft) * sin * cos
         });
-        // A bias that is stiffer than the threads makes the law negative in between.
+        // If the bias is stiffer than the threads, the law is negative in between.
         (1.0 / (1.0 + woven.max(0.0) + added)) as f32
     }
 }
 
 impl Weave {
     pub(crate) fn validate(&self, vertices: usize) -> Result<(), BuildError> {
-        in_range("weft stiffness", self.weft, f32::MIN_POSITIVE, 1.0)?;
-        in_range("bias stiffness", self.bias, f32::MIN_POSITIVE, 1.0)?;
+        in_range("weft stiffness", self.weft_stiffness, f32::MIN_POSITIVE, 1.0)?;
+        in_range("bias stiffness", self.bias_stiffness, f32::MIN_POSITIVE, 1.0)?;
         if self.coordinates.len() != vertices || !self.coordinates.iter().all(|uv| uv.is_finite()) {
             return Err(BuildError::BadShape {
                 reason: "a weave needs finite texture coordinates at every vertex",
@@ -76,7 +79,7 @@ impl Weave {
         Ok(())
     }
 
-    /// The direction of each edge of a face, from corner `k` to the next; none where the texture coordinates have no area.
+    /// The direction of each edge of a face, from corner `k` to the next. None if the texture coordinates have no area.
     fn directions(&self, face: [u32; 3], positions: [Vec3; 3]) -> Option<[u8; 3]> {
         let uvs = face.map(|vertex| self.coordinates[vertex as usize]);
         let [right, up] = [uvs[1] - uvs[0], uvs[2] - uvs[0]];
@@ -85,17 +88,18 @@ impl Weave {
             return None;
         }
         let [p, q] = [positions[1] - positions[0], positions[2] - positions[0]];
-        // How far in the world a whole U and a whole V reach.
+        // The lengths in the world of a whole U and a whole V.
         let weft = ((p * up.y - q * right.y) / area).length();
         let warp = ((q * right.x - p * up.x) / area).length();
         Some([0, 1, 2].map(|k| {
-            let way = uvs[(k + 1) % 3] - uvs[k];
-            let angle = libm::atan2(f64::from(way.x.abs() * weft), f64::from(way.y.abs() * warp));
+            let edge = uvs[(k + 1) % 3] - uvs[k];
+            let angle = libm::atan2(f64::from(edge.x.abs() * weft), f64::from(edge.y.abs() * warp));
             (angle / core::f64::consts::FRAC_PI_2 * f64::from(DIRECTIONS)).round() as u8
         }))
     }
 
-    /// The direction of each edge between particles, the lesser first. An edge at a seam has that of the face that comes first.
+    /// The direction of each edge between particles, the lower index first. An edge at a seam has the direction that the
+    /// first of its faces gives.
     pub fn of_edges(
         &self,
         faces: &[[u32; 3]],
@@ -119,7 +123,7 @@ impl Weave {
     }
 }
 
-/// Sticks by what they are stiff alike by.
+/// Sorts sticks by their class.
 pub(crate) fn by_class(
     sticks: &[[u32; 2]],
     paint: &[f32],
@@ -140,7 +144,7 @@ mod tests {
     use super::*;
 
     fn weave() -> Weave {
-        Weave { coordinates: vec![], weft: 0.99, bias: 0.9 }
+        Weave { coordinates: vec![], weft_stiffness: 0.99, bias_stiffness: 0.9 }
     }
 
     #[test]
@@ -165,7 +169,7 @@ mod tests {
 
     #[test]
     fn edges_are_measured_in_the_world_and_not_in_the_picture() {
-        // Twice as wide as high, with a picture that is square: the diagonal is nearer to the weft.
+        // Twice as wide as high, with a square texture: the diagonal is nearer to the weft.
         let weave = Weave { coordinates: vec![Vec2::ZERO, Vec2::X, Vec2::ONE], ..weave() };
         let directions = weave.directions([0, 1, 2], [Vec3::ZERO, Vec3::X * 2.0, Vec3::new(2.0, 1.0, 0.0)]);
         // 63.4 degrees from the warp.

@@ -1,18 +1,21 @@
-//! What sticks and pressure take and give of a body's angular momentum, which they cannot.
+//! The angular momentum that sticks and pressure must not change: removes the error of their projections.
 //!
-//! A projection pushes two particles apart along the line between them, and so turns nothing about where they are *then*. The
-//! velocities of a substep are from where they were at its start: with several projections, one after the other, the
-//! pushes of a skin against its pressure add up to a small turn, each time the same way. A balloon that is blown up
-//! beyond what its skin holds would spin up in free flight, and drive itself over the ground.
+//! A projection pushes two particles along the line between them, which gives them no angular momentum at their
+//! positions *then*. The velocities of a substep refer to the positions at its start, however: with several
+//! projections, one after the other, the pushes of a skin against its pressure add up to a small turn, each time in the
+//! same direction. A balloon that is inflated beyond what its skin holds would spin up in free flight, and roll over
+//! the ground by itself.
 //!
-//! With `p` where a particle was and `d` what the projections moved it by, what they have given is the sum of `m p x d`. A
-//! small turn of the body about its centre of mass takes it back.
+//! With `p` the start position of a particle and `d` its displacement by the projections, they have added the sum of `m
+//! p x d`. A small turn of the body about its centre of mass removes it.
+//!
+//! Design: `docs/design/soft_bodies.md`.
 
 use glam::{DMat3, DVec3};
 
 use crate::state::body::Body;
 
-/// Takes back the angular momentum that the projections of this substep have given to a free body under pressure.
+/// Removes the angular momentum that the projections of this substep have given to a free body under pressure.
 pub(crate) fn restore(body: &mut Body) {
     let Body { particles, context, pressure, .. } = body;
     if *pressure <= 0.0 || particles.masses.has_pins {
@@ -32,12 +35,12 @@ pub(crate) fn restore(body: &mut Body) {
         let from = start(slot) - start_centre;
         let moved = place(slot) - context.integrated.get(slot).as_dvec3();
         given += from.cross(moved) * mass(slot);
-        // What a turn `t`, which moves the particle by `t x arm`, gives: `from x (t x arm) = t (from . arm) - arm (from . t)`.
+        // A turn `t` moves the particle by `t x arm`, which adds `from x (t x arm) = t (from . arm) - arm (from . t)`.
         let outer = DMat3::from_cols(arm * from.x, arm * from.y, arm * from.z);
         inertia += (DMat3::from_diagonal(DVec3::splat(from.dot(arm))) - outer) * mass(slot);
     }
     let turn = -(inertia.inverse() * given);
-    // All in one line, it has no inertia about it; and a great turn is no small error.
+    // Particles on one line have no inertia about it; and a great turn is no small error.
     if turn.is_finite() && turn.length() < MOST_TURN {
         for slot in particles.layout.slots() {
             let arm = particles.position.get(slot).as_dvec3() - centre;
@@ -46,5 +49,5 @@ pub(crate) fn restore(body: &mut Body) {
     }
 }
 
-/// The greatest turn in a substep that is taken back, in radians.
+/// The greatest turn in a substep that is removed, in radians.
 const MOST_TURN: f64 = 0.1;

@@ -1,29 +1,31 @@
 //! The relaxation of [listed sticks](crate::state::stick_list): those of irregular meshes and rigs.
 //!
 //! The batches of a body are relaxed in one sweep through its memory. A batch has its sticks in the order of slots, cut
-//! into the blocks of particles where they begin, and works on a block as soon as the batch before is done with all
-//! blocks that its sticks reach. Each particle so sees its sticks in the order of the batches, as if each batch went
+//! into the blocks of particles where they begin. It works on a block as soon as the previous batch is done with all
+//! blocks that its sticks reach. Each particle thus sees its sticks in the order of the batches, as if each batch went
 //! through the whole body; but only a [window](crate::simd::rows) of the body is in use at a time.
+//!
+//! Design: `docs/design/listed_sticks.md`.
 
 use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 use glam::Vec3;
 
-use crate::constraint::stick::{OneSided, Projection};
+use crate::constraint::projection::{OneSided, Projection};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::rows::{Rows, Window, block_count, columns_of_eight, rows_of_eight};
 use crate::state::stick_list::{GROUP, ListedBatch, ListedSticks, StickGroup};
 use crate::state::topology::StickBound;
 
-/// A batch on its way down a body.
+/// A batch with its stiffness and bound in this iteration.
 #[derive(Clone, Copy)]
 pub(crate) struct RelaxedBatch<'a> {
     pub batch: &'a ListedBatch,
-    /// The part of the error that goes in one iteration.
+    /// The part of the error that one iteration removes.
     pub stiffness: f32,
     pub bound: StickBound,
 }
 
-/// The way of all batches down a body: the columns and lists that it reads and writes.
+/// One sweep of all batches through a body: the columns and lists that it reads and writes.
 pub(crate) struct Descent<'a> {
     pub rows: &'a mut Rows,
     pub position: &'a mut [Cell],
@@ -64,7 +66,7 @@ impl Descent<'_> {
     }
 }
 
-/// [`Rows::take`] as a function of its own: one function of all kernels would take the compiler minutes.
+/// [`Rows::take`] as a function of its own, because the compiler would take minutes for one function of all kernels.
 fn take<S: Simd>(simd: S, rows: &mut Rows, block: usize, position: &[Cell], inverse_mass: &[[f32; LANES]]) {
     simd.vectorize(
         #[inline(always)]
@@ -112,8 +114,8 @@ fn relax_block<S: Simd>(
     );
 }
 
-/// One stick between `ends` with these inverse masses: the documentation of all kernels. Gives the places to which its
-/// ends move.
+/// One stick between `ends` with these inverse masses: the reference for all kernels. Returns the new places of its
+/// ends.
 #[inline(always)]
 pub(crate) fn project(
     [p, q]: [Vec3; 2],
@@ -153,10 +155,10 @@ fn project_row<S: Simd>(
     window.set(b, f32x4::load_array(simd, [q.x, q.y, q.z, wq]));
 }
 
-/// The kernel: eight sticks that share no particle. Differences and moves are worked out in rows, errors in lanes.
+/// The kernel: eight sticks that share no particle. Differences and moves are computed in rows, errors in lanes.
 ///
-/// Where the two masses of each stick are equal, each end moves half the way. That is what the general formula gives,
-/// to the last bit, without its divisions.
+/// If the two masses of each stick are equal, each end moves by half the error. That is the result of the general
+/// formula, to the last bit, without its divisions.
 #[inline(always)]
 fn project_group<S: Simd>(
     simd: S,
@@ -179,7 +181,7 @@ fn project_group<S: Simd>(
         let error = error * (stiffness * 0.5);
         let errors = rows_of_eight([error; 4]);
         for i in 0..4 {
-            // The fourth number, the inverse mass, moves by nothing.
+            // The fourth number, the inverse mass, stays.
             let both = delta[i] * errors[i];
             set_pair(window, a, i, p[i] + both);
             set_pair(window, b, i, q[i] - both);
@@ -191,7 +193,7 @@ fn project_group<S: Simd>(
         w.simd_lt(f32x8::splat(simd, f32::INFINITY)).select(w, zero)
     };
     let (wp, wq) = (mass(p), mass(q));
-    // Where both are pinned, nothing is divided by zero.
+    // Avoids a division by zero if both ends are pinned.
     let weight = (wp + wq).max(f32x8::splat(simd, f32::MIN_POSITIVE));
     let errors_p = rows_of_eight([error * (wp / weight * stiffness); 4]);
     let errors_q = rows_of_eight([error * (wq / weight * stiffness); 4]);
@@ -213,7 +215,7 @@ fn set_pair<S: Simd>(window: &mut Window, places: [usize; GROUP], i: usize, rows
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constraint::stick::{Exact, SquareRootFree};
+    use crate::constraint::projection::{Exact, SquareRootFree};
     use crate::simd::isa::{Isa, Kernel};
     use crate::simd::rows::BLOCK;
 

@@ -6,6 +6,7 @@ pub(crate) mod angular_momentum;
 pub mod direct;
 pub(crate) mod listed_stick;
 pub mod motion_limit;
+pub(crate) mod projection;
 pub mod stick;
 pub(crate) mod strain;
 pub mod tether;

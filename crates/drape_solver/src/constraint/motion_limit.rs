@@ -1,13 +1,15 @@
-//! Limits on motion: how far a particle may be from a place that an animation gives it.
+//! Limits on motion: each particle stays within a distance of its animated place.
 //!
 //! ```text
 //!        . - .
-//!      .   c---x    c  where the animation has the particle
-//!        . - .      x  where it is: at most its distance away, put back onto the ball where it is farther
+//!      .   c---x    c  the animated place of the particle
+//!        . - .      x  the particle: put back onto the ball if it is farther away
 //! ```
 //!
-//! The last word of each substep, after contacts and friction. Velocities follow, so that what is held back does not swing on. Between
-//! two steps a centre travels evenly over the substeps, as a pin does.
+//! Limits act last in each substep, after contacts and friction. They also change velocities, so that a particle that
+//! is held back does not swing on. Between two steps a centre travels evenly over the substeps, as a pin does.
+//!
+//! Design: `docs/design/characters.md`.
 
 use core::ops::Range;
 
@@ -19,8 +21,8 @@ use crate::simd::lanes::{Lanes3, load};
 use crate::state::motion_limits::MotionLimits;
 
 impl MotionLimits {
-    /// Puts the free particles of `cells`, which are at `places` in the columns that move, back into their limits, as they are at
-    /// this fraction of the step.
+    /// Puts the free particles of `cells`, at `places` in the moving columns, back within their limits at this
+    /// `fraction` of the step.
     #[inline(always)]
     pub fn enforce<S: Simd>(
         &self,

@@ -8,11 +8,14 @@
 //! The exact form takes a square root (Liu 2019, section 3); the square-root-free form is one Newton step about
 //! the rest length (Jakobsen 2001, section 5). Printed copies of the latter have a sign reversed; the one here
 //! takes a stick of length `e` rest lengths to `1 - (e - 1)^2 / (1 + e^2)`.
+//!
+//! Design: `docs/design/relaxation.md`.
 
-use fearless_simd::{Simd, f32x8, f32x16, mask32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 use crate::constants::REFERENCE_STEP;
 use crate::constraint::listed_stick::project;
+use crate::constraint::projection::Projection;
 use crate::motion::body_columns::BodyColumns;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
@@ -41,10 +44,10 @@ pub fn iteration_stiffness(stiffness: f32, substep: f32, iterations: u32) -> f32
     -libm::expm1(libm::log1p(-per_substep) / f64::from(iterations)) as f32
 }
 
-/// How near to its bound, in parts of its rest length, a stick is damped.
+/// Distance from its bound within which a stick is damped, in parts of its rest length.
 const AT_BOUND: f64 = 1e-3;
 
-/// The part of the speed along a stick that a substep of `substep` seconds takes, at `damping` (1/s).
+/// The part of the speed along a stick that damping (1/s) removes in a substep of `substep` seconds.
 pub(crate) fn substep_damping(material: &StickMaterial, substep: f32) -> f32 {
     -libm::expm1(-f64::from(material.damping) * f64::from(substep)) as f32
 }
@@ -69,7 +72,7 @@ pub(crate) struct Joined<'a> {
 }
 
 impl<'a> Joined<'a> {
-    /// Those cells whose positions these are, of a body's, from `first_cell` on.
+    /// The cells of a body from `first_cell` on, of which `position` are the positions.
     #[inline(always)]
     pub fn new(position: &'a mut [Cell], rest: &BodyColumns<'a>, first_cell: usize) -> Self {
         let (inverse_mass, common_mass) = (&rest.inverse_mass[first_cell..], &rest.common_mass[first_cell..]);
@@ -77,118 +80,17 @@ impl<'a> Joined<'a> {
     }
 }
 
-/// Which formula gives the relative error `(|delta| - rest) / |delta|`, for one stick and for a cell of them.
-pub(crate) trait Projection: Copy {
-    /// From the squared length and the rest length.
-    fn error(self, length_squared: f32, rest: f32) -> f32;
-    /// The same in lanes.
-    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S>;
-    /// The same for eight sticks.
-    fn errors_of_eight<S: Simd>(self, simd: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S>;
-}
-
-/// With a square root. A stick of zero length has no direction to push in: it is left alone.
-#[derive(Clone, Copy)]
-pub(crate) struct Exact;
-
-impl Projection for Exact {
-    #[inline(always)]
-    fn error(self, length_squared: f32, rest: f32) -> f32 {
-        let length = length_squared.sqrt();
-        if length > 0.0 { (length - rest) / length } else { 0.0 }
-    }
-
-    #[inline(always)]
-    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S> {
-        let zero = f32x16::splat(simd, 0.0);
-        let length = length_squared.sqrt();
-        length.simd_gt(zero).select((length - rest) / length, zero)
-    }
-
-    #[inline(always)]
-    fn errors_of_eight<S: Simd>(self, simd: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
-        let zero = f32x8::splat(simd, 0.0);
-        let length = length_squared.sqrt();
-        length.simd_gt(zero).select((length - rest) / length, zero)
-    }
-}
-
-/// The same to second order in the strain, without.
-#[derive(Clone, Copy)]
-pub(crate) struct SquareRootFree;
-
-impl Projection for SquareRootFree {
-    #[inline(always)]
-    fn error(self, length_squared: f32, rest: f32) -> f32 {
-        let rest_squared = rest * rest;
-        (length_squared - rest_squared) / (length_squared + rest_squared)
-    }
-
-    #[inline(always)]
-    fn errors<S: Simd>(self, _: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S> {
-        let rest_squared = rest * rest;
-        (length_squared - rest_squared) / (length_squared + rest_squared)
-    }
-
-    #[inline(always)]
-    fn errors_of_eight<S: Simd>(self, _: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
-        let rest_squared = rest * rest;
-        (length_squared - rest_squared) / (length_squared + rest_squared)
-    }
-}
-
-/// Any of them, for sticks that act to one side of their rest length only: errors of the other side are none.
-#[derive(Clone, Copy)]
-pub(crate) struct OneSided<P> {
-    projection: P,
-    /// 1 where sticks that are too long count, -1 for those that are too short.
-    side: f32,
-}
-
-impl<P> OneSided<P> {
-    /// For sticks of this bound, if it has sides.
-    pub fn of(bound: StickBound, projection: P) -> Option<Self> {
-        match bound {
-            StickBound::Exact => None,
-            StickBound::AtLeast => Some(Self { projection, side: -1.0 }),
-            StickBound::AtMost => Some(Self { projection, side: 1.0 }),
-        }
-    }
-}
-
-impl<P: Projection> Projection for OneSided<P> {
-    #[inline(always)]
-    fn error(self, length_squared: f32, rest: f32) -> f32 {
-        let error = self.projection.error(length_squared, rest);
-        if error * self.side > 0.0 { error } else { 0.0 }
-    }
-
-    #[inline(always)]
-    fn errors<S: Simd>(self, simd: S, length_squared: f32x16<S>, rest: f32x16<S>) -> f32x16<S> {
-        let error = self.projection.errors(simd, length_squared, rest);
-        let zero = f32x16::splat(simd, 0.0);
-        (error * self.side).simd_gt(zero).select(error, zero)
-    }
-
-    #[inline(always)]
-    fn errors_of_eight<S: Simd>(self, simd: S, length_squared: f32x8<S>, rest: f32x8<S>) -> f32x8<S> {
-        let error = self.projection.errors_of_eight(simd, length_squared, rest);
-        let zero = f32x8::splat(simd, 0.0);
-        (error * self.side).simd_gt(zero).select(error, zero)
-    }
-}
-
-/// What the sticks of a batch have in common.
+/// Rest length, stiffness and formula that the sticks of a batch share.
 #[derive(Clone, Copy)]
 pub(crate) struct Alike<P> {
     /// Metres.
     pub rest_length: f32,
-    /// The part of the error that goes in one iteration.
+    /// The part of the error that one iteration removes.
     pub stiffness: f32,
     pub projection: P,
 }
 
-/// The sticks of some strips that begin at `first_cells`, a cell at a time.
+/// Relaxes the sticks of the strips that begin at `first_cells`, a cell at a time.
 #[inline(always)]
 pub(crate) fn project_runs<S: Simd>(
     simd: S,
@@ -210,7 +112,7 @@ pub(crate) fn project_runs<S: Simd>(
     }
 }
 
-/// [`project_lanes`] as a function of its own: one function of all kernels would take the compiler minutes.
+/// [`project_lanes`] as a function of its own, because the compiler would take minutes for one function of all kernels.
 #[inline(always)]
 fn project_run<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
     simd: S,
@@ -227,8 +129,8 @@ fn project_run<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
 
 /// The kernel: lane `l` of cell `a` against lane `l + SHIFT` of cell `b`, in the lanes that have a stick.
 ///
-/// Where all particles weigh the same, each end moves half the way. That is what the general formula gives, to the
-/// last bit, without its divisions.
+/// If all particles have the same mass, each end moves by half the error. That is the result of the general formula, to
+/// the last bit, without its divisions.
 #[inline(always)]
 fn project_lanes<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
     simd: S,
@@ -263,7 +165,7 @@ fn project_lanes<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
                 if SHIFT > 0 {
                     wb = wb.slide::<SHIFT>(wb);
                 }
-                // Where both are pinned, nothing is divided by zero.
+                // Avoids a division by zero if both ends are pinned.
                 let weight = (wa + wb).max(f32x16::splat(simd, f32::MIN_POSITIVE));
                 (
                     delta.times(error * (wa / weight * stiffness)),
@@ -278,7 +180,7 @@ fn project_lanes<S: Simd, const SHIFT: usize, const ALL_LANES: bool>(
     }
 }
 
-/// Sticks that belong to no run, one by one: all of a body's, which so is not cut.
+/// Relaxes sticks that belong to no run, one by one. Their ends may be anywhere, so `joined` holds the whole body.
 #[inline(always)]
 pub(crate) fn project_loose(
     joined: &mut Joined,
@@ -303,7 +205,7 @@ fn shifted<S: Simd, const SHIFT: usize>(v: Lanes3<S>) -> Lanes3<S> {
     if SHIFT == 0 { v } else { v.shifted::<SHIFT>() }
 }
 
-/// The way back. A lane that was shifted round the end has no stick, and its move is zero.
+/// The inverse of [`shifted`]. A lane that was shifted round the end has no stick, and its move is zero.
 #[inline(always)]
 fn unshifted<S: Simd, const SHIFT: usize>(v: Lanes3<S>) -> Lanes3<S> {
     match SHIFT {
@@ -315,8 +217,7 @@ fn unshifted<S: Simd, const SHIFT: usize>(v: Lanes3<S>) -> Lanes3<S> {
     }
 }
 
-/// Takes the part `damping[batch]` of the speed at which the ends of each stick part or close. Only velocities
-/// change; momentum is kept.
+/// Removes the part `damping[batch]` of the relative speed along each stick. Only velocities change; momentum stays.
 pub(crate) fn damp(particles: &mut Particles, topology: &Topology, damping: &[f32]) {
     for (batch, &damping) in topology.batches.iter().zip(damping) {
         if damping == 0.0 {
@@ -354,6 +255,7 @@ mod tests {
     use glam::Vec3;
 
     use crate::build::topology_builder::TopologyBuilder;
+    use crate::constraint::projection::{Exact, SquareRootFree};
     use crate::simd::isa::{Isa, Kernel};
     use crate::state::body::Body;
     use crate::state::settings::{SolverSettings, StickProjection};
@@ -386,11 +288,11 @@ mod tests {
         }
     }
 
-    /// S10: the identity that tells the right sign from the misprinted one, over e in 0.1..10.
+    /// S10: the identity that distinguishes the right sign from the misprinted one, for e from 0.1 to 10.
     #[test]
     fn square_root_free_projection_lands_where_the_identity_says() {
         for step in 0..=400 {
-            // Not `powf`, which takes roots in assembly, that Miri does not run.
+            // Not `powf`: it takes roots in assembly, which Miri does not run.
             let e = 0.1 * libm::expf(step as f32 / 400.0 * libm::logf(100.0));
             let ends = [Vec3::ZERO, Vec3::X * e];
             let [a, b] = project_once(ends, [1.0, 1.0], StickProjection::SquareRootFree);

@@ -1,4 +1,6 @@
-//! How far structural sticks are from their rest length: what tells when relaxation may stop.
+//! The greatest strain of structural sticks, which decides when relaxation may stop.
+//!
+//! Design: `docs/design/relaxation.md`.
 
 use crate::simd::columns::{Cell, LANES};
 use crate::state::body::Body;
@@ -18,7 +20,7 @@ impl Lengths {
         self.greatest = self.greatest.max(squared);
     }
 
-    /// That of a stick which may have a bound: it counts where it acts.
+    /// Adds the squared length of a stick that may have a bound: it counts only where the bound acts.
     fn take_bounded(&mut self, squared: f32, bound: StickBound) {
         match bound {
             StickBound::Exact => self.take(squared),
@@ -36,13 +38,13 @@ impl Lengths {
     }
 }
 
-/// The greatest strain `|length / rest length - 1|` of the structural sticks that are relaxed; of those with a bound, where
-/// they act.
+/// The greatest strain `|length / rest length - 1|` of the structural sticks that are relaxed; sticks with a bound count
+/// only where it acts.
 pub(crate) fn greatest_strain(body: &Body) -> f32 {
     lengths(body).strain()
 }
 
-/// By how much, in parts of its rest length, the most stretched of these sticks is longer than at rest.
+/// The greatest stretch of these sticks beyond their rest length, in parts of it.
 pub(crate) fn greatest_stretch(body: &Body) -> f32 {
     lengths(body).stretch()
 }
@@ -86,7 +88,7 @@ fn lengths(body: &Body) -> Lengths {
     lengths
 }
 
-/// The sticks of a run, lane by lane; lanes without a stick measure a stick at rest.
+/// Measures the sticks of a run, lane by lane; lanes without a stick count as a stick at rest.
 fn measure_run(cells: &[Cell], run: &GridRun, scale: f32, lengths: &mut Lengths) {
     let shift = usize::from(run.shift);
     let has_stick: [bool; LANES] = core::array::from_fn(|lane| run.lanes & (1 << lane) != 0);

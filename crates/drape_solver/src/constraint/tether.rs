@@ -1,4 +1,4 @@
-//! Tethers: no particle farther from a pin than the cloth between them is long.
+//! Tethers: no particle gets farther from a pin than the cloth between them is long.
 //!
 //! Kim, Chentanez and Müller-Fischer 2012, "Long Range Attachments". A tether is a one-sided stick from a
 //! particle to a pin at the geodesic distance in the rest pose. Relaxation carries a pull only a few particles
@@ -9,21 +9,24 @@
 //!        \    L          x   ... and a particle outside comes back to it
 //!         '-------------'
 //! ```
+//!
+//! Design: `docs/design/tethers.md`.
 
 use core::ops::Range;
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
-use crate::constraint::stick::{Joined, Projection};
+use crate::constraint::projection::Projection;
+use crate::constraint::stick::Joined;
 use crate::simd::columns::{Cell, Columns, LANES};
 use crate::simd::lanes::{Lanes3, load};
 use crate::state::particles::Particles;
 use crate::state::tethers::TetherPlan;
 
 impl TetherPlan {
-    /// Where the pins are: to be noted whenever they have moved. One that has been freed is nowhere: its place is not a
-    /// number, and no tether is longer than its length from there.
+    /// Writes the positions of the pins to `places`; call it whenever they have moved. A freed pin gets NaN for a
+    /// position, at which no tether acts.
     pub fn note_anchors(&self, particles: &Particles, places: &mut Columns) {
         places.reset(self.anchors.len());
         for (cell, anchor) in places.cells.iter_mut().zip(&self.anchors) {
@@ -35,8 +38,8 @@ impl TetherPlan {
         }
     }
 
-    /// Brings every particle of `cells` back to within its tethers' lengths, but by no more than `most` (metres) at once:
-    /// sticks that only pull. The cells are at `places` in the columns; `anchors` are the places of the pins.
+    /// Pulls every particle of `cells` back to within its tethers' lengths, but by no more than `most` (metres) at
+    /// once. The cells are at `places` in the columns; `anchors` are the positions of the pins.
     #[inline(always)]
     pub fn project<S: Simd>(
         &self,

@@ -1,4 +1,6 @@
 //! Balls against balls.
+//!
+//! Design: `docs/design/contacts.md`.
 
 use glam::Vec3;
 
@@ -16,7 +18,7 @@ pub(crate) struct BallPair {
     depth: f32,
     overlap: InitialOverlap,
     impact: Impact,
-    /// From `b` to `a`.
+    /// Unit vector from `b` to `a`.
     normal: Vec3,
 }
 
@@ -100,7 +102,7 @@ pub(crate) fn project(
     }
 }
 
-/// Parts the balls that have met in this substep, as fast as their restitution has it.
+/// Moves balls that met in this substep apart again, as fast as their restitution says.
 pub(crate) fn rebound(pairs: &mut [BallPair], balls: &mut [Ball], touches: &mut [Touch], substep: Substep) {
     for pair in pairs {
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
@@ -113,7 +115,7 @@ pub(crate) fn rebound(pairs: &mut [BallPair], balls: &mut [Ball], touches: &mut 
         let weight = a.inverse_mass + b.inverse_mass;
         let change = rebound.displacement - (a.displacement - b.displacement).dot(pair.normal);
         if change <= 0.0 {
-            // Other contacts have parted them already, and faster: none pulls.
+            // Other contacts have already moved them apart faster than this, and no contact pulls.
             continue;
         }
         pair.depth += change;

@@ -13,24 +13,23 @@
 //! ```
 //!
 //! Contact with vertices alone would let a ball slip between them when R < spacing / sqrt(2).
+//!
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::Vec3;
 
 use crate::broad_phase::ball_search::{BallAndBody, BallSearch, Corners};
-use crate::constants::{
-    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS, PASSING_SLACK,
-    TETHERLESS_REACH,
-};
+use crate::constants::{PASSING_SLACK, TETHERLESS_REACH};
 use crate::contact::ball_cloth_query::BallClothContact;
 use crate::contact::ccd::Passage;
 use crate::contact::depenetration::{InitialOverlap, PushOutRate};
 use crate::contact::event::{BallProjection, Other, Touch, add_impulse, begin, is_known};
+use crate::contact::hit_substeps::is_near_bounds;
 use crate::contact::impact_zone::BallAndFace;
 use crate::geometry::nearest_triangle::{on_segment, on_triangle, weighted};
 use crate::simd::isa::Isa;
-use crate::state::ball::{Ball, BallMaterial};
+use crate::state::ball::Ball;
 use crate::state::body::Body;
-use crate::state::particle_stats::MassStats;
 use crate::state::particles::Particles;
 use crate::state::substep::Substep;
 
@@ -39,7 +38,7 @@ use crate::state::substep::Substep;
 pub(crate) struct BallClothContacts {
     pub pairs: Vec<BallCloth>,
     search: BallSearch,
-    /// Places of the particles that a ball touches, while tethers are projected.
+    /// Positions of the particles that a ball touches, kept while tethers are projected.
     touched: Vec<(usize, Vec3)>,
 }
 
@@ -50,7 +49,7 @@ impl BallClothContacts {
         self.forget_search();
     }
 
-    /// Makes the next round look at every pair.
+    /// Makes the next round test every pair.
     pub fn forget_search(&mut self) {
         self.search.forget(self.pairs.len());
     }
@@ -62,7 +61,7 @@ pub(crate) struct BallCloth {
     pub ball: usize,
     pub body: usize,
     pub element: FaceOrLink,
-    /// Where both were at the start of the substep.
+    /// Ball and element at the start of the substep.
     pub start: BallAndFace,
     depth: f32,
     overlap: InitialOverlap,
@@ -71,8 +70,8 @@ pub(crate) struct BallCloth {
 }
 
 impl BallCloth {
-    /// If it was pushed in the last substep: the slots of the element's corners (a segment has its last one twice), the
-    /// weights of the contact's point, and how deep it was in metres.
+    /// If the last substep pushed it: the slots of the element's corners (a segment repeats its last one), the weights
+    /// of the contact point, and the penetration depth in metres.
     pub(crate) fn pushed(&self) -> Option<([usize; 3], [f32; 3], f32)> {
         (self.depth > 0.0).then(|| (self.element.corners(), self.weights, self.depth))
     }
@@ -86,7 +85,7 @@ pub(crate) enum FaceOrLink {
 }
 
 impl FaceOrLink {
-    /// Its corners; a segment has its last one twice, with a weight of zero.
+    /// Slots of the corners; a segment repeats its last one, with a weight of zero.
     pub fn corners(self) -> [usize; 3] {
         match self {
             Self::Face(corners) => corners.map(|i| i as usize),
@@ -94,7 +93,7 @@ impl FaceOrLink {
         }
     }
 
-    /// Weights of its middle.
+    /// Weights of the midpoint.
     pub fn middle(self) -> [f32; 3] {
         match self {
             Self::Face(_) => [1.0 / 3.0; 3],
@@ -111,45 +110,6 @@ impl FaceOrLink {
     }
 }
 
-/// How many substeps a ball needs that may meet a cloth on its `path` (metres) in a step; 0 if it meets none.
-///
-/// In a substep `h` a projection gives the ball the momentum `m s / h` where sticks have pulled the patch of cloth in
-/// front of it, of mass `m`, back by `s`. N iterations make N + 1 projections: a spring of stiffness `(N + 1) m / h^2`.
-/// A ball of mass `M` and speed `v` stretches it by `v h sqrt(M / ((N + 1) m))` before it stops. More than a part of
-/// its radius, and the sticks pull the cloth past its middle, and the ball goes through.
-///
-/// The ball is slowed by the hit, and the number would fall while the cloth is still stretched: it is let go only
-/// slowly. It must not grow then, either: that would stiffen a stretched spring, and make energy.
-pub(crate) fn hit_substeps(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
-    let BallMaterial { radius, mass, .. } = ball.material;
-    let mut wanted = 0.0_f32;
-    for body in bodies.iter().filter(|body| body.layers.interact(ball.layers)) {
-        let (low, high) = body.particles.bounds();
-        let reach = radius + 2.0 * path + CONTACT_MARGIN;
-        if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
-            continue;
-        }
-        let MassStats { free_count, free_mass, .. } = &body.particles.masses;
-        if *free_count == 0 {
-            continue;
-        }
-        // The longest side of a face is the diagonal of its cell; a link of a rope has the ball's width.
-        let side = body.topology.longest_edge.max(f32::MIN_POSITIVE);
-        let covered = if body.topology.faces.is_empty() {
-            2.0 * radius / side
-        } else {
-            // A sweep carries a pull to the next particles only: of a large patch, its rim alone pulls.
-            let across = core::f32::consts::SQRT_2 * radius / side;
-            core::f32::consts::PI * (across * across).min(2.0 * across)
-        };
-        let patch = covered.max(1.0) * (free_mass / *free_count as f64) as f32;
-        let ratio = mass / (patch * (body.settings.iterations + 1) as f32);
-        wanted = wanted.max(path / (radius * BALL_TRAVEL_PER_SUBSTEP) * ratio.sqrt());
-        wanted = wanted.max(ball.hit_substeps * HIT_SUBSTEPS_KEPT);
-    }
-    wanted.min(MAX_HIT_SUBSTEPS)
-}
-
 /// Lists the faces and segments that each ball can meet within `dt` seconds, if no particle moves faster
 /// than `speed` (m/s).
 pub(crate) fn detect(
@@ -164,13 +124,14 @@ pub(crate) fn detect(
     search.clear();
     for (body_index, body) in bodies.iter().enumerate() {
         let topology = &body.topology;
-        let (low, high) = body.particles.bounds();
+        let bounds = body.particles.bounds();
         let layers = body.layers;
         for (ball_index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.layers.interact(layers)) {
-            // The ball's own reach, the cloth's, and from any point of a face to its nearest corner.
+            // The reach of the ball, that of the cloth, and the distance from any point of a face to its nearest
+            // corner.
             let reach =
                 ball.reach(dt, gravity) + speed * dt + body.settings.thickness + topology.longest_edge;
-            if !(ball.position - reach).cmple(high).all() || !(ball.position + reach).cmpge(low).all() {
+            if !is_near_bounds(ball, reach, bounds) {
                 continue;
             }
             let centre = ball.position - body.particles.origin;
@@ -203,11 +164,11 @@ pub(crate) fn begin_substep(contacts: &mut BallClothContacts) {
     }
 }
 
-/// A ball and an element that overlap: how they lie now, and how they lay at the start of the substep.
+/// A ball and an element that overlap, now and at the start of the substep.
 struct Overlapping {
     weights: [f32; 3],
     normal: Vec3,
-    /// Negative.
+    /// Metres between the surfaces; negative.
     gap: f32,
     gap_change: f32,
     point: Vec3,
@@ -255,7 +216,7 @@ impl Overlapping {
         Some(Self { weights, normal, gap: distance - apart, gap_change, point, start, apart })
     }
 
-    /// InitialOverlap at the start of the substep, negative if there was none.
+    /// Overlap at the start of the substep in metres, negative if there was none.
     fn at_start(&self, element: FaceOrLink) -> f32 {
         let BallAndFace { centre, corners } = self.start;
         self.apart - centre.distance(weighted(element.nearest(corners, centre), corners))
@@ -275,8 +236,8 @@ impl Overlapping {
     }
 }
 
-/// Looks for overlaps right after integration without moving anything: what the first projection of a substep finds.
-/// Gives the number of faces and segments that were looked at.
+/// Finds overlaps right after integration and moves nothing: the same overlaps that the first projection of a substep
+/// finds. Returns the number of faces and segments that were tested.
 pub(crate) fn find_all(
     contacts: &mut BallClothContacts,
     bodies: &[Body],
@@ -310,7 +271,7 @@ fn passed_side(start: &BallAndFace, now: &BallAndFace, slack: f32) -> Option<f32
         |placed: &BallAndFace| [placed.centre, placed.corners[0], placed.corners[1], placed.corners[2]];
     let passage = Passage { start: corners(start), now: corners(now) };
     let ([centre, a, b, c], side) = passage.at_sign_change(height(start), height(now))?;
-    // It may have passed within the triangle, or beside it.
+    // The way of the ball may lead through the triangle, or beside it.
     let nearest = weighted(on_triangle([a, b, c], centre), [a, b, c]);
     (nearest.distance_squared(centre) <= slack * slack).then_some(side)
 }
@@ -334,7 +295,7 @@ pub(crate) fn project(
             continue;
         };
         if !is_known(touches, ball_index, Other::Body(body_index)) {
-            // Nothing was pushed yet: of all elements, the one that was met first tells when and where.
+            // This is the first contact of the pair: the element that the ball reached first gives its time and place.
             let of_pair = |c: &&BallCloth| c.ball == ball_index && c.body == body_index;
             let all = pairs.iter().filter(of_pair).filter_map(|c| {
                 Overlapping::find(c, ball, body).map(|found| found.projection(c, ball, body))
@@ -360,27 +321,28 @@ pub(crate) fn project(
         contact.weights = weights;
         // Friction measures the normal push in terms of both sides' motion.
         contact.depth += push.with_velocity;
-        let (fresh, old) = (normal * (push.with_velocity / total), normal * (push.position_only / total));
-        ball.project(fresh * ball.inverse_mass, old * ball.inverse_mass);
+        let (contact_push, position_push) =
+            (normal * (push.with_velocity / total), normal * (push.position_only / total));
+        ball.project(contact_push * ball.inverse_mass, position_push * ball.inverse_mass);
         let heaviest_share =
             corners.into_iter().zip(weights).map(|(i, w)| w * body.particles.inverse_mass[i]);
         let nearer = ball.inverse_mass + heaviest_share.fold(0.0, f32::max);
         search.note_push((push.with_velocity + push.position_only) / total * nearer);
         for (corner, weight) in corners.into_iter().zip(weights) {
             let share = -weight * body.particles.inverse_mass[corner];
-            // Straight into the displacement, which is finer than the position: what the ball loses in momentum
-            // the cloth must gain.
-            body.particles.displacement.add(corner, fresh * share);
-            body.particles.position.add(corner, (fresh + old) * share);
-            body.context.integrated.add(corner, (fresh + old) * share);
+            // The displacement resolves finer steps than the position, so the push is added to both: the cloth must
+            // gain the momentum that the ball loses.
+            body.particles.displacement.add(corner, contact_push * share);
+            body.particles.position.add(corner, (contact_push + position_push) * share);
+            body.context.integrated.add(corner, (contact_push + position_push) * share);
         }
     }
 }
 
-/// Notes where the particles are that a ball touches in this substep.
+/// Keeps the positions of the particles that a ball touches in this substep.
 ///
-/// Tethers are not to move them: they bring a particle all the way home at once, which may be through the middle of
-/// the ball. The particles around are tethered, and sticks hold on to those.
+/// Tethers must not move them: a tether takes a particle back in one projection, perhaps through the middle of the
+/// ball. The particles around keep their tethers, and sticks hold these particles to them.
 pub(crate) fn note_touched(
     contacts: &mut BallClothContacts,
     balls: &[Ball],
@@ -399,7 +361,7 @@ pub(crate) fn note_touched(
     }
 }
 
-/// Undoes what has happened to the noted particles since.
+/// Puts these particles back.
 pub(crate) fn put_back(contacts: &BallClothContacts, particles: &mut Particles) {
     for &(i, position) in &contacts.touched {
         particles.position.set(i, position);
@@ -423,13 +385,13 @@ pub(crate) fn apply_friction(contacts: &BallClothContacts, bodies: &mut [Body], 
         }
         let (body, ball) = (&mut bodies[contact.body], &mut balls[contact.ball]);
         let corners = contact.element.corners();
-        // To the middle of the cloth: there the two pushes act on one point, and keep the angular momentum.
+        // The arm ends in the middle of the cloth: both pushes act on one point there, which keeps angular momentum.
         let arm = contact.normal * -(ball.material.radius + body.settings.thickness);
         let cloth_travel = weighted(contact.weights, corners.map(|i| body.particles.displacement.get(i)));
         let slip = ball.surface_travel(arm) - cloth_travel;
         let inverse_mass_of_point = inverse_mass_of_point(contact.weights, corners, body);
-        // Along the normal the pair has the inverse mass w + inverse_mass_of_point, along the surface about 3.5 w + inverse_mass_of_point: Coulomb's
-        // limit on the push, mu * depth / (w + inverse_mass_of_point), is turned into one on the slip.
+        // With w_p for the point of the cloth, the pair's inverse mass is w + w_p along the normal and about 3.5 w +
+        // w_p along the surface. Coulomb's limit on the push, mu * depth / (w + w_p), becomes a limit on the slip.
         let across = ball.surface_inverse_mass(arm) + inverse_mass_of_point;
         let along = ball.inverse_mass + inverse_mass_of_point;
         let friction = ball.material.surface_friction().with(body.settings.surface_friction());

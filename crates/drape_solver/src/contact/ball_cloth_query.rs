@@ -1,4 +1,6 @@
-//! Balls against cloth, as a question: what overlaps now?
+//! A query: the overlaps of balls with cloth in the middle of a step.
+//!
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::Vec3;
 
@@ -11,18 +13,18 @@ pub struct BallClothContact {
     pub ball: usize,
     /// The body, by index in the island.
     pub body: usize,
-    /// Where its corners are kept.
+    /// Slots of the corners.
     pub(crate) slots: [u32; 3],
-    /// Weights of its corners in the point that is nearest to the ball's centre; 0 to 1, their sum is 1.
+    /// Weights of the corners at the point nearest to the ball's centre: 0 to 1, with a sum of 1.
     pub weights: [f32; 3],
-    /// Unit vector along which the ball has to go to get free, from the face to the ball.
+    /// Unit vector from the face to the ball, along which the ball leaves the face.
     pub normal: Vec3,
-    /// How far it has to go, in metres: radius and thickness less the distance of the ball's centre.
+    /// Penetration depth in metres: radius and thickness less the distance of the ball's centre.
     pub depth: f32,
 }
 
 impl BallClothContact {
-    /// The particles at its corners, by index in `body`; a link of a rope has its second end twice.
+    /// The particles at its corners, by index in `body`; a link of a rope repeats its second end.
     ///
     /// # Panics
     /// If `body` is not the one that the contact was found with.
@@ -42,7 +44,7 @@ mod tests {
     use crate::state::settings::SolverSettings;
     use crate::step;
 
-    /// What is found with a look at all candidates.
+    /// The overlaps that are found by testing all candidates.
     fn by_all(island: &Island) -> Vec<BallClothContact> {
         let mut island = island.clone();
         island.context.contacts.ball_cloth.forget_search();
@@ -51,11 +53,11 @@ mod tests {
         found
     }
 
-    /// A ball through a free cloth that is heavily deformed: the search leaves nothing out, nor what the ball's centre
-    /// has passed through. On grids in rows, in square patches, and too small to be cut.
+    /// Balls pass through a free, heavily deformed cloth. The search misses nothing, not even a face that a ball's
+    /// centre has passed. The grids lie in rows, in square patches, or are too small to be cut.
     #[test]
     #[cfg_attr(miri, ignore = "fast balls take hundreds of substeps")]
-    fn the_search_finds_what_a_look_at_all_candidates_finds() {
+    fn the_search_finds_the_same_as_a_test_of_all_candidates() {
         for (columns, rows) in [(40, 30), (17, 13), (6, 5)] {
             let body = ClothBuilder::new(2.0, 1.5, columns, rows)
                 .placed(Vec3::new(-1.0, 0.75, 0.0), Vec3::X, Vec3::NEG_Y)

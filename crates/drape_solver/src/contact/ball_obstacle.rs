@@ -1,4 +1,6 @@
 //! Balls against obstacles: projection, friction with spin, rolling resistance.
+//!
+//! Design: `docs/design/contacts.md`.
 
 use glam::Vec3;
 
@@ -18,9 +20,9 @@ use crate::state::substep::Substep;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BallObstacleContacts {
     pub pairs: Vec<BallObstacle>,
-    /// Pairs of a ball and an obstacle that is near and does not stop it: it may be a sensor.
+    /// Pairs of a ball and a near obstacle that does not stop it, such as a sensor.
     pub passable: Vec<(usize, usize)>,
-    /// Obstacles near the ball that the search looks at.
+    /// Obstacles near the ball that is searched.
     near: Vec<u32>,
 }
 
@@ -30,7 +32,7 @@ impl BallObstacleContacts {
         self.pairs.iter().map(|pair| pair.obstacle)
     }
 
-    /// The momentum that obstacles gave in the last substep.
+    /// The pushes of obstacles on balls in the last substep.
     pub fn given<'a>(&'a self, balls: &'a [Ball]) -> impl Iterator<Item = ObstaclePush> + 'a {
         self.pairs.iter().filter_map(|pair| pair.given(balls))
     }
@@ -42,7 +44,7 @@ pub(crate) struct BallObstacle {
     ball: usize,
     obstacle: usize,
     plane: Option<Plane>,
-    /// The surface that the ball runs into in this substep, where it might be through and out on the other side.
+    /// The surface that the ball runs into in this substep, if it could otherwise pass through the obstacle.
     ahead: Option<Plane>,
     depth: f32,
     overlap: InitialOverlap,
@@ -53,7 +55,7 @@ pub(crate) struct BallObstacle {
     now: Pose,
 }
 
-/// What an obstacle has given to a ball in a substep.
+/// The push of an obstacle on a ball in one substep.
 #[derive(Clone, Copy, Debug, Default)]
 struct BallPush {
     /// Mass times displacement, in kilogram metres.
@@ -63,29 +65,38 @@ struct BallPush {
 }
 
 impl BallObstacle {
-    /// What the obstacle has given to the ball in the last substep, if anything.
+    /// The push of the obstacle on the ball in the last substep, if there was one.
     fn given(&self, balls: &[Ball]) -> Option<ObstaclePush> {
         let BallPush { push, moment } = self.given;
-        (self.depth > 0.0).then(|| self.gives(&balls[self.ball], push, moment))
+        (self.depth > 0.0).then(|| self.obstacle_push(&balls[self.ball], push, moment))
     }
 
-    /// The obstacle, if it is moved by what hits it; the pair's poses then follow it.
+    /// The mover, if the obstacle is one; the pair takes its poses.
     fn follow<'a>(&mut self, movers: &'a mut [Mover]) -> Option<&'a mut Mover> {
         let mover = mover_mut(movers, self.obstacle)?;
         [self.before, self.now] = mover.poses(Vec3::ZERO);
         Some(mover)
     }
 
-    /// What it tells the obstacle, of a push (kg m) and a change of spin (kg m^2) that it gives to the ball.
-    fn gives(&self, ball: &Ball, push: Vec3, moment: Vec3) -> ObstaclePush {
-        // A push adds to the whole way of the substep, and so acts where that began.
+    /// A push (kg m) of the obstacle on the ball, with the change of spin (kg m^2) that it gives.
+    fn obstacle_push(&self, ball: &Ball, push: Vec3, moment: Vec3) -> ObstaclePush {
+        // A push changes the displacement of the whole substep, so it acts where the displacement began.
         let point = (ball.position - ball.travel()).as_dvec3();
         ObstaclePush { obstacle: self.obstacle, point, push, moment }
     }
 
-    /// The plane that a ball meets on its way through the obstacle's coordinates, if that way is so long that the ball may
-    /// have the obstacle behind it at the end of the substep.
-    fn look_ahead(&self, ball: &Ball, shape: &Shape) -> Option<Plane> {
+    /// Adds up the push that moves the ball by `distance` (metres) along the normal, and pushes the mover back.
+    fn give(&mut self, ball: &Ball, distance: f32, mover: Option<&mut Mover>, substep: f32) {
+        let given = self.normal * (distance * ball.material.mass);
+        self.given.push += given;
+        if let Some(mover) = mover {
+            mover.receive(self.obstacle_push(ball, given, Vec3::ZERO), substep);
+        }
+    }
+
+    /// The plane that the ball runs into on its way through the obstacle's coordinates. None unless the way is so long
+    /// that the ball could pass the obstacle within the substep.
+    fn plane_ahead(&self, ball: &Ball, shape: &Shape) -> Option<Plane> {
         let start = self.before.to_local(ball.position - ball.displacement);
         let way = self.now.to_local(ball.position) - start;
         let radius = ball.material.radius;
@@ -143,7 +154,7 @@ pub(crate) fn detect(
     }
 }
 
-/// Brings the obstacles to the end of the current substep and forgets the last one's depths.
+/// Moves the obstacles to the end of this substep and forgets the depths of the last one.
 pub(crate) fn begin_substep(
     contacts: &mut BallObstacleContacts,
     balls: &[Ball],
@@ -161,7 +172,7 @@ pub(crate) fn begin_substep(
         pair.overlap = InitialOverlap::default();
         pair.given = BallPush::default();
         pair.impact = Impact::default();
-        pair.ahead = pair.look_ahead(&balls[pair.ball], obstacles[pair.obstacle].shape());
+        pair.ahead = pair.plane_ahead(&balls[pair.ball], obstacles[pair.obstacle].shape());
     }
 }
 
@@ -179,10 +190,7 @@ pub(crate) fn project(
         let mover = pair.follow(movers);
         let local = pair.now.to_local(ball.position);
         let (plane, shape) = (pair.plane.or(pair.ahead), obstacles[pair.obstacle].shape());
-        let surface_at = |local: Vec3| match plane {
-            Some(plane) => plane.surface(local),
-            None => shape.surface(local),
-        };
+        let surface_at = |local: Vec3| shape.surface_or(plane, local);
         let surface = surface_at(local);
         let depth = ball.material.radius - surface.distance;
         if depth > 0.0 {
@@ -194,8 +202,8 @@ pub(crate) fn project(
             let at_start = || ball.material.radius - surface_at(start).distance;
             let push = pair.overlap.split(depth, gap_change, at_start, rate);
             let point = ball.position - pair.normal * surface.distance;
-            let fresh = push.with_velocity * own_share(ball, mover.as_deref(), point, pair.normal);
-            pair.depth += fresh;
+            let distance = push.with_velocity * own_share(ball, mover.as_deref(), point, pair.normal);
+            pair.depth += distance;
             let projection = BallProjection {
                 ball: pair.ball,
                 other: Other::Obstacle(pair.obstacle),
@@ -206,20 +214,16 @@ pub(crate) fn project(
                 point,
                 normal: pair.normal,
             };
-            let impulse = fresh * ball.material.mass / substep.duration;
+            let impulse = distance * ball.material.mass / substep.duration;
             record(touches, &projection, impulse, substep.index, substep.duration);
             pair.impact.note(gap_change, projection.fraction());
-            let given = pair.normal * (fresh * ball.material.mass);
-            pair.given.push += given;
-            if let Some(mover) = mover {
-                mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
-            }
-            ball.project(pair.normal * fresh, pair.normal * push.position_only);
+            pair.give(ball, distance, mover, substep.duration);
+            ball.project(pair.normal * distance, pair.normal * push.position_only);
         }
     }
 }
 
-/// Throws back the balls that have met an obstacle in this substep, as fast as restitution has it.
+/// Moves balls that met an obstacle in this substep away from it, as fast as their restitution says.
 pub(crate) fn rebound(
     contacts: &mut BallObstacleContacts,
     balls: &mut [Ball],
@@ -239,17 +243,13 @@ pub(crate) fn rebound(
         let share = own_share(ball, mover.as_deref(), point, pair.normal);
         let change = share * (rebound.displacement - (ball.displacement - carried).dot(pair.normal));
         if change <= 0.0 {
-            // Another contact has thrown it back already, and faster: none pulls.
+            // Another contact has already moved the ball away faster than this, and no contact pulls.
             continue;
         }
         pair.depth += change;
         let impulse = change * ball.material.mass / substep.duration;
         add_impulse(touches, pair.ball, Other::Obstacle(pair.obstacle), impulse);
-        let given = pair.normal * (change * ball.material.mass);
-        pair.given.push += given;
-        if let Some(mover) = mover {
-            mover.receive(pair.gives(ball, given, Vec3::ZERO), substep.duration);
-        }
+        pair.give(ball, change, mover, substep.duration);
         ball.displacement += pair.normal * change;
         ball.position += pair.normal * (share * rebound.position);
     }
@@ -273,8 +273,8 @@ pub(crate) fn apply_friction(
         let arm = pair.normal * -ball.material.radius;
         let point = ball.position + arm;
         let carried = point - pair.before.point_to_world(pair.now.to_local(point));
-        // The whole slip of a sphere's surface takes a push of slip / (3.5 w); Coulomb's limit is in terms of
-        // the push on a mass point, mu * depth / w. In units of slip that limit is 3.5 times as long.
+        // A push of slip / (3.5 w) stops the slip of a sphere's surface. Coulomb's limit holds for the push on a mass
+        // point, mu * depth / w; as a slip it is 3.5 times as long.
         let slip = ball.surface_travel(arm) - carried;
         let (friction, inverse_mass) =
             (friction.scaled(SURFACE_INVERSE_MASS), SURFACE_INVERSE_MASS * ball.inverse_mass);
@@ -289,19 +289,20 @@ pub(crate) fn apply_friction(
         pair.given.push += push;
         pair.given.moment += moment;
         if let Some(mover) = mover {
-            mover.receive(pair.gives(ball, push, moment), substep.duration);
+            mover.receive(pair.obstacle_push(ball, push, moment), substep.duration);
         }
     }
 }
 
-/// The part of a push along `normal` (a unit vector) that the ball takes; the rest is the obstacle's, if it gives way.
+/// The fraction of a push along the unit vector `normal` that moves the ball; the rest moves the obstacle, if it is a
+/// mover.
 fn own_share(ball: &Ball, mover: Option<&Mover>, point: Vec3, normal: Vec3) -> f32 {
     mover.map_or(1.0, |mover| ball.inverse_mass / (ball.inverse_mass + mover.inverse_mass_at(point, normal)))
 }
 
-/// The ground's reaction acts ahead of the centre by `rolling_resistance` radii and so brakes the spin by the
-/// moment `resistance r N`, with `N h^2 = m depth`; it never reverses it. Spin about the normal is braked
-/// alike: a ball must not stand and whirl for ever.
+/// The ground's reaction acts ahead of the centre by `rolling_resistance` radii and so brakes the spin by the moment
+/// `resistance r N`, with `N h^2 = m depth`; it never reverses the spin. Spin about the normal is braked as well, so
+/// that no ball whirls on the spot for ever.
 fn resist_rolling(ball: &mut Ball, depth: f32) {
     let spin = ball.spin.length();
     let BallMaterial { radius, rolling_resistance, .. } = ball.material;

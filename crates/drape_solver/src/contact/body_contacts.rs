@@ -1,18 +1,23 @@
 //! The contacts of one body with obstacles: by particles, by faces, and by the points of a collision mesh.
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 
-use crate::broad_phase::obstacle_search::{FreePath, Query, Search, SearchStep};
+use crate::broad_phase::obstacle_search::{FreePath, Query, RelativePath, Search, SearchStep};
 use crate::constants::FACE_MARGIN;
 use crate::contact::embedded_obstacle::EmbeddedContacts;
 use crate::contact::face_obstacle::{FaceContacts, SearchedObstacle};
 use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup};
+use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Shape, container_walls};
 use crate::geometry::surface_lanes::{LanePlanes, Solid};
 use crate::parallel::workers::Workers;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
+use crate::state::friction::Friction;
+use crate::state::obstacle::Obstacle;
 use crate::state::obstacles::Obstacles;
 
 /// The contacts of one body with obstacles.
@@ -30,7 +35,7 @@ impl BodyContacts {
     }
 }
 
-/// Lists the particles that could touch each obstacle in the step.
+/// Lists the particles, faces and embedded points that could touch each obstacle in the step.
 pub(crate) fn detect(
     all: &mut BodyContacts,
     body: &Body,
@@ -39,40 +44,67 @@ pub(crate) fn detect(
     isa: Isa,
     workers: &Workers,
 ) {
-    let reach = search_step.reach;
-    let (low, high) = body.particles.bounds();
-    let Body { particles, topology, settings, layers, context, .. } = body;
+    let search = BodySearch::new(body, search_step, isa, workers);
     let BodyContacts { obstacles: contacts, faces, embedded } = all;
-    let carried = particles.frame.map_or(Vec3::ZERO, |motion| motion.translation);
-    let fall = context.uniform_acceleration * (search_step.dt * search_step.dt) + carried;
-    let flight = FreePath { substeps: search_step.substeps as f32, fall };
-    let fastest = particles.greatest_speed() * search_step.dt + flight.fall.length();
-    let embedding = topology.embedding_reach;
     faces.clear();
     embedded.clear();
-    contacts.layout = particles.layout.clone();
-    contacts.groups.clear();
-    contacts.candidates.clear();
-    contacts.planes.clear();
-    contacts.near.clear();
-    let reach = reach + settings.thickness;
-    let around = reach + embedding.overhang + (embedding.spread - 1.0) * fastest;
-    obstacles.near(low - around, high + around, &mut contacts.near);
+    contacts.clear(&body.particles.layout);
+    let (low, high) = search.bounds();
+    obstacles.near(low, high, &mut contacts.near);
     for place in 0..contacts.near.len() {
         let index = contacts.near[place] as usize;
         let obstacle = &obstacles[index];
-        if !obstacle.stops(*layers) {
+        if !obstacle.stops(body.layers) {
             continue;
         }
-        let pose = obstacle.pose_at(0.0, particles.origin);
-        let friction = settings.surface_friction().with(obstacle.surface_friction());
+        let near = NearObstacle::new(&search, index, obstacle);
         let first = contacts.candidates.len();
+        search.particles(&near, contacts);
+        search.faces(&near, faces);
+        search.embedded_points(&near, embedded);
+        if contacts.candidates.len() > first {
+            contacts.groups.push(near.group());
+        }
+    }
+    contacts.sort();
+}
+
+/// The search for the contacts of one body.
+struct BodySearch<'a> {
+    body: &'a Body,
+    isa: Isa,
+    workers: &'a Workers,
+    flight: FreePath,
+    /// Metres that the fastest particle flies in the step.
+    fastest: f32,
+    /// Metres from an obstacle at rest within which a particle is a candidate.
+    reach: f32,
+}
+
+impl<'a> BodySearch<'a> {
+    fn new(body: &'a Body, search_step: SearchStep, isa: Isa, workers: &'a Workers) -> Self {
+        let Body { particles, settings, context, .. } = body;
+        let carried = particles.frame.map_or(Vec3::ZERO, |motion| motion.translation);
+        let fall = context.uniform_acceleration * (search_step.dt * search_step.dt) + carried;
+        let flight = FreePath { substeps: search_step.substeps as f32, fall };
+        let fastest = particles.greatest_speed() * search_step.dt + flight.fall.length();
+        Self { body, isa, workers, flight, fastest, reach: search_step.reach + settings.thickness }
+    }
+
+    /// The box that holds every obstacle which the body may touch.
+    fn bounds(&self) -> (Vec3, Vec3) {
+        let (low, high) = self.body.particles.bounds();
+        let embedding = self.body.topology.embedding_reach;
+        let around = self.reach + embedding.overhang + (embedding.spread - 1.0) * self.fastest;
+        (low - around, high + around)
+    }
+
+    /// Lists the particles that may touch the obstacle.
+    fn particles(&self, near: &NearObstacle, contacts: &mut ObstacleContacts) {
+        let Body { particles, settings, .. } = self.body;
         let group = contacts.groups.len() as u16;
-        let reach = reach + obstacle.travel();
-        let path = flight.towards(obstacle, particles);
-        // Whether one may be through the other and out again within a substep.
-        let thinnest = obstacle.shape().least_half_extent() + settings.thickness;
-        let is_fast = (fastest + obstacle.travel()) / flight.substeps > thinnest;
+        let &NearObstacle { obstacle, pose, path, .. } = near;
+        let reach = self.reach + obstacle.travel();
         match obstacle.shape() {
             Shape::Container { half_extents } => {
                 for wall in container_walls(*half_extents) {
@@ -83,7 +115,8 @@ pub(crate) fn detect(
                     let solid = Solid::Planes(&contacts.planes[plane]);
                     let planes = Some(plane as u32);
                     let search = Search { particles, solid, pose, reach, group, planes };
-                    search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, workers);
+                    let ObstacleContacts { candidates, found_by_helper, .. } = contacts;
+                    search.run(candidates, found_by_helper, self.isa, self.workers);
                 }
             }
             shape if !shape.has_formula() => {
@@ -91,51 +124,86 @@ pub(crate) fn detect(
                 search.run(&mut contacts.lists(), settings.thickness);
             }
             shape => {
-                if is_fast {
+                if near.is_fast {
                     let search = Query { particles, shape, pose, reach, group, path };
                     search.run_ahead(&mut contacts.lists());
                 }
                 let solid = Solid::Formula(shape);
                 let search = Search { particles, solid, pose, reach, group, planes: None };
-                search.run(&mut contacts.candidates, &mut contacts.found_by_helper, isa, workers);
+                let ObstacleContacts { candidates, found_by_helper, .. } = contacts;
+                search.run(candidates, found_by_helper, self.isa, self.workers);
             }
         }
-        faces.search(
-            particles,
-            topology,
-            settings,
-            SearchedObstacle {
-                shape: obstacle.shape(),
-                obstacle: index,
-                friction,
-                pose,
-                reach: settings.thickness + fastest + obstacle.travel() + FACE_MARGIN,
-                // Particles look ahead for themselves; faces do where an obstacle is small enough to slip between them.
-                is_fast: is_fast && obstacle.shape().middle_half_extent() < topology.longest_edge,
-            },
-        );
-        if !topology.embedded.is_empty() {
-            let searched = SearchedObstacle {
-                shape: obstacle.shape(),
-                obstacle: index,
-                friction,
-                pose,
-                reach: obstacle.travel() + FACE_MARGIN,
-                is_fast: (embedding.spread * fastest + obstacle.travel()) / flight.substeps > thinnest,
-            };
-            let way = |place, moved, local| path.way_of(place, moved, local);
-            embedded.search(particles, topology, settings.thickness, searched, way);
+    }
+
+    /// Lists the faces and segments that may touch the obstacle.
+    fn faces(&self, near: &NearObstacle, faces: &mut FaceContacts) {
+        let Body { particles, topology, settings, .. } = self.body;
+        let obstacle = near.obstacle;
+        let reach = settings.thickness + self.fastest + obstacle.travel() + FACE_MARGIN;
+        // Particles are swept by themselves; faces are swept where an obstacle is small enough to slip between
+        // particles.
+        let is_fast = near.is_fast && obstacle.shape().middle_half_extent() < topology.longest_edge;
+        faces.search(particles, topology, settings, near.searched(reach, is_fast));
+    }
+
+    /// Lists the points of a collision mesh that may touch the obstacle.
+    fn embedded_points(&self, near: &NearObstacle, embedded: &mut EmbeddedContacts) {
+        let Body { particles, topology, settings, .. } = self.body;
+        if topology.embedded.is_empty() {
+            return;
         }
-        if contacts.candidates.len() > first {
-            contacts.groups.push(ObstacleGroup {
-                obstacle: index,
-                friction,
-                is_moving: obstacle.is_moving(),
-                is_dynamic: obstacle.rigid_body().is_some(),
-                is_asking: false,
-                pose,
-            });
+        let travel = near.obstacle.travel();
+        let spread = topology.embedding_reach.spread;
+        let is_fast = (spread * self.fastest + travel) / self.flight.substeps > near.thinnest;
+        let searched = near.searched(travel + FACE_MARGIN, is_fast);
+        let way = |place, moved, local| near.path.way_of(place, moved, local);
+        embedded.search(particles, topology, settings.thickness, searched, way);
+    }
+}
+
+/// An obstacle near a body.
+struct NearObstacle<'a> {
+    index: usize,
+    obstacle: &'a Obstacle,
+    /// At the start of the step, in the body's coordinates.
+    pose: Pose,
+    friction: Friction,
+    path: RelativePath,
+    /// Half the obstacle's least extent with the body's thickness, in metres.
+    thinnest: f32,
+    /// True if a particle may be through the obstacle and out again within a substep.
+    is_fast: bool,
+}
+
+impl<'a> NearObstacle<'a> {
+    fn new(search: &BodySearch, index: usize, obstacle: &'a Obstacle) -> Self {
+        let Body { particles, settings, .. } = search.body;
+        let thinnest = obstacle.shape().least_half_extent() + settings.thickness;
+        Self {
+            index,
+            obstacle,
+            pose: obstacle.pose_at(0.0, particles.origin),
+            friction: settings.surface_friction().with(obstacle.surface_friction()),
+            path: search.flight.towards(obstacle, particles),
+            thinnest,
+            is_fast: (search.fastest + obstacle.travel()) / search.flight.substeps > thinnest,
         }
     }
-    contacts.sort();
+
+    fn searched(&self, reach: f32, is_fast: bool) -> SearchedObstacle<'a> {
+        let &Self { index, obstacle, pose, friction, .. } = self;
+        SearchedObstacle { shape: obstacle.shape(), obstacle: index, friction, pose, reach, is_fast }
+    }
+
+    fn group(&self) -> ObstacleGroup {
+        ObstacleGroup {
+            obstacle: self.index,
+            friction: self.friction,
+            is_moving: self.obstacle.is_moving(),
+            is_dynamic: self.obstacle.rigid_body().is_some(),
+            is_asking: false,
+            pose: self.pose,
+        }
+    }
 }

@@ -5,13 +5,16 @@
 //!         \     |n    /          if C < 0:  x_i -= b_i w_i C n / sum(b_i^2 w_i)
 //!   ============q==========      q, n: the nearest point of the surface, and its normal
 //! ```
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 
 use crate::contact::depenetration::{InitialOverlap, PushOutRate};
 use crate::contact::effective_mass::effective_inverse_mass;
-use crate::contact::mover::Mover;
+use crate::contact::mover::{Mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::Surface;
 use crate::state::body::Body;
@@ -22,9 +25,9 @@ use crate::state::substep::Substep;
 /// A point of a body that may touch an obstacle in this step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CarriedPoint<const N: usize> {
-    /// By slot.
+    /// Slots of the carriers.
     pub carriers: [usize; N],
-    /// Their sum is 1.
+    /// Weights of the carriers; their sum is 1.
     pub weights: [f32; N],
     /// By index in the environment.
     pub obstacle: usize,
@@ -32,9 +35,9 @@ pub(crate) struct CarriedPoint<const N: usize> {
     /// Penetration depth that motion made, summed over the projections of the substep, in metres.
     pub depth: f32,
     overlap: InitialOverlap,
-    /// In the world, of the last projection.
+    /// Unit normal of the last projection, in the world.
     pub normal: Vec3,
-    /// How far the point was moved in this substep where that counts as velocity, times its mass: in kilogram metres.
+    /// The point's mass times the distance that the obstacle moved it with velocity in this substep, in kg m.
     pub given: Vec3,
 }
 
@@ -56,36 +59,52 @@ impl Poses {
         Self { obstacle, before, now }
     }
 
-    /// Where the obstacle has carried a point of its surface from within the substep.
+    /// The way that the obstacle has carried a point of its surface within the substep.
     fn carried(&self, point: Vec3) -> Vec3 {
         point - self.before.point_to_world(self.now.to_local(point))
     }
 }
 
-/// The poses of an obstacle, worked out anew where it is another, or one that has moved since.
-pub(crate) fn kept<'a>(
-    poses: &'a mut Option<Poses>,
-    obstacle: usize,
-    mover: Option<&Mover>,
-    substep: Substep,
-    origin: Vec3,
-) -> &'a Poses {
-    if let Some(mover) = mover {
-        return poses.insert(Poses::of_mover(obstacle, mover, origin));
-    }
-    if poses.as_ref().is_none_or(|known| known.obstacle != obstacle) {
-        *poses = None;
-    }
-    poses.get_or_insert_with(|| Poses::of(obstacle, substep, origin))
+/// The poses of the last obstacle that was asked for: contacts are in the order of their obstacles.
+#[derive(Default)]
+pub(crate) struct PoseCache {
+    last: Option<Poses>,
 }
 
-/// The surface next to a point: how deep the point is below it, and what it was at the start of the substep.
+impl PoseCache {
+    /// The poses of an obstacle, in coordinates relative to `origin`. A mover's are worked out anew in each call, as any
+    /// contact may have moved it.
+    pub fn of(&mut self, obstacle: usize, mover: Option<&Mover>, substep: Substep, origin: Vec3) -> &Poses {
+        if let Some(mover) = mover {
+            return self.last.insert(Poses::of_mover(obstacle, mover, origin));
+        }
+        if self.last.as_ref().is_none_or(|known| known.obstacle != obstacle) {
+            self.last = None;
+        }
+        self.last.get_or_insert_with(|| Poses::of(obstacle, substep, origin))
+    }
+
+    /// The mover that the obstacle is, if it is one, and the obstacle's poses.
+    pub fn with_mover<'m>(
+        &mut self,
+        obstacle: usize,
+        movers: &'m mut [Mover],
+        substep: Substep,
+        origin: Vec3,
+    ) -> (Option<&'m mut Mover>, &Poses) {
+        let mover = mover_mut(movers, obstacle);
+        let poses = self.of(obstacle, mover.as_deref(), substep, origin);
+        (mover, poses)
+    }
+}
+
+/// The surface above a point that lies below it.
 pub(crate) struct SurfaceBelow<F> {
     /// In the obstacle's coordinates.
     pub surface: Surface,
-    /// Metres between the point and the surface at rest.
+    /// Metres that the point keeps from the surface.
     pub thickness: f32,
-    /// The surface next to a place in the obstacle's coordinates.
+    /// Returns the surface next to a place in the obstacle's coordinates.
     pub surface_at: F,
 }
 
@@ -103,14 +122,14 @@ impl<const N: usize> CarriedPoint<N> {
         }
     }
 
-    /// Forgets what has happened in the last substep.
+    /// Forgets the last substep.
     pub fn begin_substep(&mut self) {
         *self = Self::new(self.carriers, self.weights, self.obstacle, self.friction);
     }
 
-    /// The mean of some vectors of the carriers.
+    /// The weighted mean of one vector of each carrier.
     pub fn mean(&self, of: impl Fn(usize) -> Vec3) -> Vec3 {
-        mean(self.weights, self.carriers.map(of))
+        weighted(self.weights, self.carriers.map(of))
     }
 
     /// Inverse mass of the point in 1/kg.
@@ -118,8 +137,9 @@ impl<const N: usize> CarriedPoint<N> {
         effective_inverse_mass(self.weights, self.carriers.map(|slot| particles.inverse_mass[slot]))
     }
 
-    /// Moves the point out to the surface that it is below; an obstacle that gives way takes its share, as `answer` has it:
-    /// for a push on the point, whose way in this substep began at a place in the world.
+    /// Moves the point out to the surface. A mover takes its share of the push: `reaction` returns the obstacle's push,
+    /// given the place in the world where the point's displacement of this substep began and the push on the point in
+    /// kg m.
     pub fn project(
         &mut self,
         body: &mut Body,
@@ -127,7 +147,7 @@ impl<const N: usize> CarriedPoint<N> {
         poses: &Poses,
         mover: Option<&mut Mover>,
         rate: PushOutRate,
-        answer: impl Fn(&Self, &Particles, Vec3, Vec3) -> ObstaclePush,
+        reaction: impl Fn(&Self, &Particles, Vec3, Vec3) -> ObstaclePush,
     ) {
         let SurfaceBelow { surface, thickness, surface_at } = found;
         let inverse_mass = self.inverse_mass(&body.particles);
@@ -145,24 +165,24 @@ impl<const N: usize> CarriedPoint<N> {
             let contact = body.particles.origin + point;
             push.with_velocity *= inverse_mass / (inverse_mass + mover.inverse_mass_at(contact, normal));
             let given = normal * (push.with_velocity / inverse_mass);
-            mover.receive(answer(self, &body.particles, contact - travel, given), rate.substep());
+            mover.receive(reaction(self, &body.particles, contact - travel, given), rate.substep());
         }
         self.depth += push.with_velocity;
         self.normal = normal;
         self.given += normal * (push.with_velocity / inverse_mass);
         for (slot, weight) in self.carriers.into_iter().zip(self.weights) {
             let share = weight * body.particles.inverse_mass[slot] / inverse_mass;
-            let (fresh, all) = (
+            let (with_velocity, all) = (
                 normal * (push.with_velocity * share),
                 normal * ((push.with_velocity + push.position_only) * share),
             );
-            body.particles.displacement.add(slot, fresh);
+            body.particles.displacement.add(slot, with_velocity);
             body.particles.position.add(slot, all);
             body.context.integrated.add(slot, all);
         }
     }
 
-    /// Friction on the way that the point has slipped in this substep, for a summed penetration `depth` in metres.
+    /// Friction against the slip of the point in this substep, for a summed penetration `depth` in metres.
     pub fn apply_friction(
         &mut self,
         particles: &mut Particles,
@@ -170,7 +190,7 @@ impl<const N: usize> CarriedPoint<N> {
         poses: &Poses,
         mover: Option<&mut Mover>,
         substep: Substep,
-        answer: impl Fn(&Self, &Particles, Vec3, Vec3) -> ObstaclePush,
+        reaction: impl Fn(&Self, &Particles, Vec3, Vec3) -> ObstaclePush,
     ) {
         let point = self.mean(|slot| particles.position.get(slot));
         let moved = self.mean(|slot| particles.displacement.get(slot));
@@ -181,7 +201,7 @@ impl<const N: usize> CarriedPoint<N> {
                 let place = particles.origin + point;
                 let (taken, push) =
                     mover.slip_taken(self.friction, inverse_mass, slip, self.normal, depth, place);
-                mover.receive(answer(self, particles, place - moved, push), substep.duration);
+                mover.receive(reaction(self, particles, place - moved, push), substep.duration);
                 taken
             }
             None => self.friction.slip_taken(slip, self.normal, depth),
@@ -193,11 +213,4 @@ impl<const N: usize> CarriedPoint<N> {
             particles.displacement.add(slot, shift);
         }
     }
-}
-
-/// The sum of `vectors`, each times its weight, from the first to the last.
-pub(crate) fn mean<const N: usize>(weights: [f32; N], vectors: [Vec3; N]) -> Vec3 {
-    let mut terms = vectors.into_iter().zip(weights).map(|(vector, weight)| vector * weight);
-    let first = terms.next().unwrap_or_default();
-    terms.fold(first, |sum, term| sum + term)
 }

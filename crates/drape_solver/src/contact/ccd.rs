@@ -1,15 +1,18 @@
-//! What has passed through what within a substep.
+//! Continuous collision detection: corners that pass faces, and edges that pass edges, within a substep.
 //!
-//! A corner and a face, or two edges, pass where the four corners lie in a plane on the way. All are taken to move
-//! straight and at an even rate, and the signed height of one above the other to change evenly:
+//! A corner passes a face, or an edge an edge, at the moment when the four corners lie in one plane. All corners are
+//! taken to move along straight lines at constant speed, and the signed height of one part above the other to change
+//! linearly:
 //!
 //! ```text
-//!   o start   height above zero          the normal is that of the place of passing, and leads back
+//!   o start   height above zero          the normal is taken at the place of passing, and points
 //!    \                                   to the side of the start
 //!   --x------ face, at the fraction h / (h - h') of the way
 //!      \
 //!       o now   height h' below zero
 //! ```
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
@@ -27,8 +30,8 @@ impl Passage {
         core::array::from_fn(|k| self.start[k] + (self.now[k] - self.start[k]) * fraction)
     }
 
-    /// The corners at the passing, and the sign of the height before it, if the sign changes. The height is that along a
-    /// `normal` of any length, of the first corner above that at `foot`.
+    /// The corners at the moment of passing and the sign of the height before, if the sign changes. The height leads
+    /// from the corner at `foot` to the first corner, along a `normal` of any length.
     #[inline]
     fn passing(&self, normal: impl Fn(&[Vec3; 4]) -> Vec3, foot: usize) -> Option<([Vec3; 4], f32)> {
         let normals = [normal(&self.start), normal(&self.now)];
@@ -40,15 +43,15 @@ impl Passage {
         self.at_sign_change(before / normals[0].length(), after / normals[1].length())
     }
 
-    /// The corners where a height changes its sign between the start and now, and its sign before.
+    /// The corners at the moment when a height changes its sign between the start and now, and its sign before.
     #[inline]
     pub fn at_sign_change(&self, before: f32, after: f32) -> Option<([Vec3; 4], f32)> {
         (before * after < 0.0).then(|| (self.at(before / (before - after)), before.signum()))
     }
 }
 
-/// Weights and normal of the place where the first corner has passed through the face of the others, or by at most
-/// `slack` (metres) beside it.
+/// Weights and unit normal of the place at which the first corner has passed through the face of the others, or beside
+/// it by at most `slack` metres.
 pub(crate) fn face_passed(passage: &Passage, slack: f32) -> Option<([f32; 4], Vec3)> {
     let normal = |p: &[Vec3; 4]| (p[2] - p[1]).cross(p[3] - p[1]);
     let (p, sign) = passage.passing(normal, 1)?;
@@ -58,11 +61,11 @@ pub(crate) fn face_passed(passage: &Passage, slack: f32) -> Option<([f32; 4], Ve
         .then(|| ([1.0, -u, -v, -w], normal(&p).normalize_or_zero() * sign))
 }
 
-/// The same for two edges, of the first two corners and of the last two.
+/// The same for two edges: that of the first two corners and that of the last two.
 pub(crate) fn edges_passed(passage: &Passage, slack: f32) -> Option<([f32; 4], Vec3)> {
     let normal = |p: &[Vec3; 4]| (p[1] - p[0]).cross(p[3] - p[2]);
     let (p, sign) = passage.passing(normal, 2)?;
-    // Edges that turn past each other's direction change the sign, but do not pass.
+    // Edges that only turn past each other's direction change the sign without passing.
     if normal(&passage.start).dot(normal(&passage.now)) <= 0.0 {
         return None;
     }

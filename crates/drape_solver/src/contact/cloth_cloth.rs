@@ -1,22 +1,22 @@
 //! Cloth and ropes against themselves and against each other.
 //!
-//! Where both of two bodies are asked for [triangles](SelfContact::Triangles) they touch by faces and edges
-//! (`contact_triangle_triangle`), else particle by particle (`contact_particle_particle`). Both keep lists of pairs that
-//! are near each other, with a skin, so that a list holds until something has moved through it (Verlet 1967, "Computer
-//! experiments on classical fluids"); and in a list each pair tells by how much motion it sleeps on
-//! (`relative_motion`). Which pairs touch, and in which order they are projected, follows from where the particles are
-//! and not from when the list was made: lists live on from step to step and leave no trace in the bits.
+//! Two bodies that both ask for [triangles](crate::SelfContact::Triangles) touch by faces and edges
+//! (`triangle_triangle.rs`), all others by particles (`particle_particle.rs`). Both keep lists of pairs near each
+//! other. A list has a skin, and holds until something has moved through the skin (Verlet 1967, "Computer experiments
+//! on classical fluids"). Within a list each pair sleeps until enough motion has added up (`relative_motion.rs`). The
+//! places of the particles alone decide which pairs touch and in which order they are projected, so the age of a list
+//! never changes the bits.
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
 use crate::broad_phase::relative_motion::RelativeMotion;
-use crate::contact::depenetration::{InitialOverlap, PushOutRate};
-use crate::contact::effective_mass::effective_inverse_mass;
+use crate::contact::cloth_contact::ClothContact;
+use crate::contact::depenetration::PushOutRate;
 use crate::contact::particle_particle::ParticlePairs;
 use crate::contact::triangle_triangle::TrianglePairs;
-pub(crate) use crate::contact::triangle_triangle::hit_substeps;
 use crate::state::body::Body;
-use crate::state::settings::SelfContact;
 use crate::state::substep::Substep;
 
 /// The contacts of an island's cloths and ropes with themselves and each other.
@@ -27,17 +27,12 @@ pub(crate) struct SelfContacts {
     triangles: TrianglePairs,
 }
 
-/// Whether a rope, or what else has no faces, is among those that touch themselves and others.
+/// True if a body without faces, such as a rope, has self-contact.
 pub(crate) fn is_on_ropes(bodies: &[Body]) -> bool {
     bodies.iter().any(|body| body.has_self_contact() && body.topology.faces().is_empty())
 }
 
-/// Whether it does so by its triangles, where the other does too.
-pub(crate) fn has_triangles(body: &Body) -> bool {
-    body.has_self_contact() && body.settings.self_contact == SelfContact::Triangles
-}
-
-/// Forgets the last substep's contacts, and finds those of this one, once all have flown.
+/// Forgets the contacts of the last substep and finds those of this one. It comes after free flight.
 pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
     let rate = PushOutRate::of(substep);
     let SelfContacts { motion, particles, triangles } = contacts;
@@ -55,7 +50,7 @@ pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], su
     triangles.begin_substep(bodies, motion, rate);
 }
 
-/// Moves apart what overlaps.
+/// Moves overlapping parts apart.
 pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
     let rate = PushOutRate::of(substep);
     let SelfContacts { particles, triangles, .. } = contacts;
@@ -63,27 +58,27 @@ pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep:
     triangles.project(bodies, rate);
 }
 
-/// Friction between all that touched, on what it has slipped past each other in this substep.
+/// Friction between all parts that touched, against their slip in this substep.
 pub(crate) fn apply_friction(contacts: &SelfContacts, bodies: &mut [Body]) {
     contacts.particles.apply_friction(bodies);
     contacts.triangles.apply_friction(bodies);
 }
 
 impl SelfContacts {
-    /// Forgets the contacts of a body that is no more; the next substep lists anew.
+    /// Forgets the contacts of a body that was taken out; the next substep makes new lists.
     pub fn forget(&mut self, body: usize) {
         self.particles.forget(body);
         self.triangles.forget(body);
     }
 
-    /// Whether anything may touch in this substep.
+    /// True if anything may touch in this substep.
     pub fn is_near(&self) -> bool {
         self.particles.is_near() || self.triangles.is_near()
     }
 
-    /// Particles of different bodies that were pushed apart in the last substep: each as its body and slot, the unit normal
-    /// from the second to the first, and the depth in metres, summed over the projections of the substep. Of edges and
-    /// faces, their nearest particles.
+    /// Particles of different bodies that were pushed apart in the last substep: each as its body and slot, the unit
+    /// normal from the second to the first, and the depth in metres, summed over the projections of the substep. Edges
+    /// and faces count as their nearest particles.
     pub fn pushed_bodies(&self) -> impl Iterator<Item = ([(usize, usize); 2], Vec3, f32)> + '_ {
         let particles = self.particles.near().iter().filter_map(ClothContact::pushed_bodies);
         particles.chain(self.triangles.near().iter().filter_map(ClothContact::pushed_bodies))
@@ -92,138 +87,5 @@ impl SelfContacts {
     /// The number of pairs that are watched.
     pub fn pair_count(&self) -> usize {
         self.particles.pair_count() + self.triangles.pair_count()
-    }
-}
-
-/// A particle of an island: its body, and its slot there.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Corner {
-    pub body: u32,
-    pub slot: u32,
-}
-
-impl Corner {
-    /// Where it is, relative to `origin`.
-    #[inline]
-    pub fn position(self, bodies: &[Body], origin: Vec3) -> Vec3 {
-        let particles = &bodies[self.body as usize].particles;
-        particles.position.get(self.slot as usize) + (particles.origin - origin)
-    }
-
-    /// Where it was when the substep began.
-    #[inline]
-    pub fn start(self, bodies: &[Body], origin: Vec3) -> Vec3 {
-        let (body, slot) = (&bodies[self.body as usize], self.slot as usize);
-        let start = body.context.integrated.get(slot) - body.particles.displacement.get(slot);
-        start + (body.particles.origin - origin)
-    }
-
-    #[inline]
-    pub fn inverse_mass(self, bodies: &[Body]) -> f32 {
-        bodies[self.body as usize].particles.inverse_mass[self.slot as usize]
-    }
-
-    /// Moves it in position only.
-    #[inline]
-    pub fn shift(self, bodies: &mut [Body], way: Vec3) {
-        let (body, slot) = (&mut bodies[self.body as usize], self.slot as usize);
-        body.particles.position.add(slot, way);
-        body.context.integrated.add(slot, way);
-    }
-}
-
-/// A contact of `N` particles: the normal points from those of negative weight to those of positive.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ClothContact<const N: usize> {
-    pub corners: [Corner; N],
-    /// Weights of the two nearest points, those of the second negative: they sum to zero.
-    weights: [f32; N],
-    /// Sum of the two thicknesses, in metres.
-    pub apart: f32,
-    normal: Vec3,
-    /// Depth that motion made, summed over the projections, in metres.
-    depth: f32,
-    overlap: InitialOverlap,
-}
-
-/// How two things lie that are nearer than they may be.
-pub(crate) struct Penetration<const N: usize> {
-    pub weights: [f32; N],
-    pub normal: Vec3,
-    /// Above zero, in metres.
-    pub depth: f32,
-    /// How far the two have moved apart along the normal in this substep so far, in metres.
-    pub outward: f32,
-    /// The overlap at the start of the substep, negative if there was none.
-    pub at_start: f32,
-}
-
-impl<const N: usize> ClothContact<N> {
-    pub fn new(corners: [Corner; N], apart: f32) -> Self {
-        Self {
-            corners,
-            weights: [0.0; N],
-            apart,
-            normal: Vec3::ZERO,
-            depth: 0.0,
-            overlap: InitialOverlap::default(),
-        }
-    }
-
-    /// The two bodies, if there are two and they were pushed apart: see [`SelfContacts::pushed_bodies`].
-    fn pushed_bodies(&self) -> Option<([(usize, usize); 2], Vec3, f32)> {
-        let by_weight = |a: &usize, b: &usize| self.weights[*a].total_cmp(&self.weights[*b]);
-        let ends = [(0..N).max_by(by_weight)?, (0..N).min_by(by_weight)?];
-        let [first, second] = ends.map(|k| (self.corners[k].body as usize, self.corners[k].slot as usize));
-        (self.depth > 0.0 && first.0 != second.0).then_some(([first, second], self.normal, self.depth))
-    }
-
-    /// Forgets what has happened in the last substep.
-    pub fn begin_substep(&mut self) {
-        *self = Self::new(self.corners, self.apart);
-    }
-
-    /// Moves the corners apart: each by its weight and inverse mass, so that momentum is kept.
-    pub fn push(&mut self, bodies: &mut [Body], rate: PushOutRate, found: Penetration<N>) {
-        let Penetration { weights, normal, depth, outward, at_start } = found;
-        let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
-        let total = effective_inverse_mass(weights, masses);
-        if total == 0.0 {
-            return;
-        }
-        let push = self.overlap.split(depth, outward, || at_start, rate);
-        (self.weights, self.normal) = (weights, normal);
-        self.depth += push.with_velocity;
-        let [fresh, old] = [push.with_velocity, push.position_only].map(|way| normal * (way / total));
-        for ((corner, weight), mass) in self.corners.into_iter().zip(weights).zip(masses) {
-            let share = weight * mass;
-            // Straight into the displacement, which is finer than the position: momentum is kept.
-            let (body, slot) = (&mut bodies[corner.body as usize], corner.slot as usize);
-            body.particles.displacement.add(slot, fresh * share);
-            corner.shift(bodies, (fresh + old) * share);
-        }
-    }
-
-    /// Takes from the slip what friction takes.
-    pub fn apply_friction(&self, bodies: &mut [Body]) {
-        if self.depth == 0.0 {
-            return;
-        }
-        let rough = |corner: Corner| bodies[corner.body as usize].settings.surface_friction();
-        let friction = rough(self.corners[0]).with(rough(self.corners[N - 1]));
-        let mut slip = Vec3::ZERO;
-        for (corner, weight) in self.corners.into_iter().zip(self.weights) {
-            let particles = &bodies[corner.body as usize].particles;
-            slip += particles.displacement.get(corner.slot as usize) * weight;
-        }
-        let masses = self.corners.map(|corner| corner.inverse_mass(bodies));
-        let push =
-            friction.slip_taken(slip, self.normal, self.depth) / effective_inverse_mass(self.weights, masses);
-        for (corner, weight) in self.corners.into_iter().zip(self.weights) {
-            let particles = &mut bodies[corner.body as usize].particles;
-            let share = -weight * particles.inverse_mass[corner.slot as usize];
-            particles.displacement.add(corner.slot as usize, push * share);
-            particles.position.add(corner.slot as usize, push * share);
-        }
     }
 }

@@ -1,8 +1,11 @@
-//! Obstacles that are moved by what hits them, within the step.
+//! Obstacles that contacts push around within the step.
 //!
-//! An obstacle with a [`RigidBody`](crate::RigidBody) flies freely from substep to substep. Whatever touches it shares out the contact with it
-//! by their inverse masses at the point of contact, as two balls do, and the next contact meets it where that has brought
-//! it. So no contact gains energy, however light it is.
+//! An obstacle with a [`RigidBody`](crate::RigidBody) flies freely from substep to substep. Each contact splits its
+//! push between the obstacle and the particle or ball by their inverse masses at the contact point, as between two
+//! balls. The next contact sees the obstacle in its new pose. So no contact gains energy, however light the obstacle
+//! is.
+//!
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use crate::contact::body_contacts::BodyContacts;
 use crate::contact::island_contacts::IslandContacts;
@@ -22,12 +25,12 @@ pub(crate) fn detect(contacts: &mut IslandContacts, obstacles: &[Obstacle]) {
     }
 }
 
-/// Brings the movers to the end of the coming substep of so many seconds, if nothing touches them.
+/// Flies the movers freely to the end of the coming substep, `substep` seconds long.
 pub(crate) fn begin_substep(movers: &mut [Mover], substep: f32) {
     movers.iter_mut().for_each(|mover| mover.begin_substep(substep));
 }
 
-/// Gives the places and motions of the movers at the end of the step.
+/// Writes the places and motions of the movers at the end of the step.
 pub(crate) fn finish(movers: &[Mover], moved: &mut Vec<MovedObstacle>) {
     moved.clear();
     moved.extend(movers.iter().map(|mover| MovedObstacle {

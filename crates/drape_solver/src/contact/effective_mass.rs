@@ -1,14 +1,17 @@
-//! How heavy a point is that lies between particles.
+//! The effective mass of a point between particles.
 //!
 //! ```text
-//!        push                   Where two of three corners are pinned and the push comes beside the line
-//!         |                     between them, the third has a long way for a short one of the point:
-//!   pin --v-------- o           1 / a for a weight of a.
+//!        push                   If two of three corners are pinned and the push acts close to the line
+//!         |                     between them, the third corner moves 1 / a times as far as the point,
+//!   pin --v-------- o           where a is its weight.
 //!      a = 0.02
 //! ```
+//!
+//! Design: `docs/design/contacts.md`.
 
-/// Inverse mass in 1/kg of a point that is the mean of corners with these weights, or of the distance of two such points, whose
-/// weights have other signs. But so much that no corner moves by more than twice what the point is to move.
+/// Effective inverse mass in 1/kg of a point that is the weighted mean of corners, or of the distance between two such
+/// points, whose weights have opposite signs. A lower bound keeps every corner from moving more than twice as far as
+/// the point.
 pub(crate) fn effective_inverse_mass<const N: usize>(weights: [f32; N], inverse_masses: [f32; N]) -> f32 {
     let (mut sum, mut most) = (0.0, 0.0_f32);
     for (weight, inverse_mass) in weights.into_iter().zip(inverse_masses) {

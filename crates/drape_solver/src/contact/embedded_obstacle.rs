@@ -1,4 +1,4 @@
-//! Points that particles carry against obstacles: the corners of a rigid body's collision mesh.
+//! Points that particles carry, against obstacles: the corners of a rigid body's collision mesh.
 //!
 //! ```text
 //!          o x1            p = sum c_i x_i, where the sum of c_i is 1; outside the four, some c_i are negative
@@ -11,14 +11,17 @@
 //!
 //! Of all moves that take `p` out, this one costs the least kinetic energy, `sum |dx_i|^2 / w_i`: the push acts at `p`, so that
 //! momentum and angular momentum are those that it gives. With equal masses it is Jakobsen's formula (2001, section 5).
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::{DVec3, Vec3};
 
-use crate::contact::carried_point::{CarriedPoint, Poses, SurfaceBelow, kept, mean};
+use crate::contact::carried_point::{CarriedPoint, PoseCache, Poses, SurfaceBelow};
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::face_obstacle::SearchedObstacle;
-use crate::contact::mover::{Mover, mover_mut};
+use crate::contact::mover::Mover;
 use crate::contact::obstacle_push::ObstaclePush;
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::shape::Plane;
 use crate::state::body::Body;
 use crate::state::obstacle::Obstacle;
@@ -35,8 +38,8 @@ pub(crate) struct EmbeddedContacts {
 #[derive(Clone, Copy, Debug)]
 struct EmbeddedContact {
     point: CarriedPoint<4>,
-    /// What the point will run into, or the surface near it, in the obstacle's coordinates, where asking the shape each
-    /// time would be wrong or slow.
+    /// The plane that the point will run into, or the surface near it, in the obstacle's coordinates. None if each
+    /// substep queries the shape itself.
     plane: Option<Plane>,
 }
 
@@ -54,14 +57,14 @@ impl EmbeddedContacts {
         self.contacts.clear();
     }
 
-    /// What obstacles have given in the last substep.
+    /// The pushes of obstacles in the last substep.
     pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = ObstaclePush> + 'a {
         let given = self.contacts.iter().filter(|contact| contact.point.given != Vec3::ZERO);
         given.map(|contact| shared(&contact.point, particles, contact.point.given))
     }
 
-    /// Lists the points that may touch an obstacle. `way` tells where a point that is here and moves so in a substep gets in
-    /// the step, in the obstacle's coordinates.
+    /// Lists the points that may touch an obstacle. `way` takes a point's position, its displacement in a substep and
+    /// its place in the obstacle's coordinates, and returns its way through the step in these coordinates.
     pub fn search(
         &mut self,
         particles: &Particles,
@@ -70,13 +73,13 @@ impl EmbeddedContacts {
         searched: SearchedObstacle,
         way: impl Fn(Vec3, Vec3, Vec3) -> Vec3,
     ) {
-        // As much as one obstacle can ask for, at once.
+        // Reserves for all points at once, so that points that come near one by one do not allocate one by one.
         self.contacts.reserve(topology.embedded.len());
         let (low, high) = searched.shape.local_bounds();
         for &EmbeddedPoint { particles: carriers, weights } in &topology.embedded {
             let carriers = carriers.map(|i| particles.layout.slot(i as usize));
-            let place = mean(weights, carriers.map(|slot| particles.position.get(slot)));
-            let moved = mean(weights, carriers.map(|slot| particles.displacement.get(slot)));
+            let place = weighted(weights, carriers.map(|slot| particles.position.get(slot)));
+            let moved = weighted(weights, carriers.map(|slot| particles.displacement.get(slot)));
             let local = searched.pose.to_local(place);
             let way = way(place, moved, local);
             let path = way.length();
@@ -118,11 +121,9 @@ pub(crate) fn project(
     movers: &mut [Mover],
 ) {
     let rate = PushOutRate::of(substep);
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for contact in &mut contacts.contacts {
-        let mover = mover_mut(movers, contact.point.obstacle);
-        let poses =
-            kept(&mut poses, contact.point.obstacle, mover.as_deref(), substep, body.particles.origin);
+        let (mover, poses) = poses.with_mover(contact.point.obstacle, movers, substep, body.particles.origin);
         contact.project(body, substep.obstacles, poses, mover, rate);
     }
 }
@@ -137,10 +138,8 @@ impl EmbeddedContact {
         rate: PushOutRate,
     ) {
         let shape = obstacles[self.point.obstacle].shape();
-        let surface_at = |local: Vec3| match self.plane {
-            Some(plane) => plane.surface(local),
-            None => shape.surface(local),
-        };
+        let plane = self.plane;
+        let surface_at = |local: Vec3| shape.surface_or(plane, local);
         let thickness = body.settings.thickness;
         let point = self.point.mean(|slot| body.particles.position.get(slot));
         let surface = surface_at(poses.now.to_local(point));
@@ -151,17 +150,17 @@ impl EmbeddedContact {
                 poses,
                 mover,
                 rate,
-                answer,
+                reaction,
             );
         }
     }
 }
 
-fn answer(point: &CarriedPoint<4>, particles: &Particles, _: Vec3, push: Vec3) -> ObstaclePush {
+fn reaction(point: &CarriedPoint<4>, particles: &Particles, _: Vec3, push: Vec3) -> ObstaclePush {
     shared(point, particles, push)
 }
 
-/// A push (kg m) on the point, as it comes to the carriers that are not held.
+/// The share of a push (kg m) on the point that moves its unpinned carriers.
 fn shared(point: &CarriedPoint<4>, particles: &Particles, push: Vec3) -> ObstaclePush {
     let (mut free, mut moment) = (0.0, DVec3::ZERO);
     for (slot, weight) in point.carriers.into_iter().zip(point.weights) {
@@ -175,7 +174,7 @@ fn shared(point: &CarriedPoint<4>, particles: &Particles, push: Vec3) -> Obstacl
     ObstaclePush { obstacle: point.obstacle, point: place, push: push * free, moment: Vec3::ZERO }
 }
 
-/// Friction at the points, on what they have slipped in this substep.
+/// Friction at the points, against their slip in this substep.
 pub(crate) fn apply_friction(
     contacts: &mut EmbeddedContacts,
     body: &mut Body,
@@ -183,12 +182,11 @@ pub(crate) fn apply_friction(
     movers: &mut [Mover],
 ) {
     let particles = &mut body.particles;
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for EmbeddedContact { point, .. } in
         contacts.contacts.iter_mut().filter(|contact| contact.point.depth > 0.0)
     {
-        let mover = mover_mut(movers, point.obstacle);
-        let poses = kept(&mut poses, point.obstacle, mover.as_deref(), substep, particles.origin);
-        point.apply_friction(particles, point.depth, poses, mover, substep, answer);
+        let (mover, poses) = poses.with_mover(point.obstacle, movers, substep, particles.origin);
+        point.apply_friction(particles, point.depth, poses, mover, substep, reaction);
     }
 }

@@ -1,4 +1,6 @@
-//! What touched what in a step, for events and reports.
+//! The contacts of a step, for events and reports.
+//!
+//! Design: `docs/design/contact_reports.md`.
 
 use glam::Vec3;
 
@@ -22,7 +24,7 @@ pub enum Party {
     Ball(usize),
 }
 
-/// What of a body touched, by index.
+/// The part of a body that touched something, by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Feature {
     /// A particle.
@@ -31,24 +33,25 @@ pub enum Feature {
     Face(usize),
 }
 
-/// What happened between two over one step, for those that [ask](crate::Body::reports_contacts) for it.
+/// The contact of two over one step, if one of them [asks](crate::Body::reports_contacts) for reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The body or ball that touched something; of a body and a ball, the ball; of two bodies or two balls, the first.
     pub party: Party,
-    /// What it touched.
+    /// The other side of the contact.
     pub other: Other,
-    /// When in the step they first touched, in seconds from its start. Interpolated within the substep for balls; the
+    /// Time of first contact in seconds from the start of the step: interpolated within the substep for balls; the
     /// start of the substep for particles and sensors.
     pub time: f32,
-    /// Point of the other's surface, in the world: of a body, where it was pushed the hardest; of a ball, where they first
-    /// touched; in a sensor, where the first particle or the ball's centre was found.
+    /// Point on the other's surface, in the world: for a body, the place of the hardest push; for a ball, the place of
+    /// first contact; for a sensor, the place of the first particle or of the ball's centre inside it.
     pub point: Vec3,
     /// Unit normal there, from the other towards the party. In a sensor, from its middle to the point.
     pub normal: Vec3,
     /// Sum of the sizes of all normal impulses over the step, in newton seconds; 0 for a sensor.
     pub impulse: f32,
-    /// The part of the body at that point: of two bodies, of the party. None between a ball and another or an obstacle.
+    /// The part of the body at that point; with two bodies, the part of the party. None between a ball and another or
+    /// an obstacle.
     pub feature: Option<Feature>,
 }
 
@@ -64,15 +67,15 @@ impl Contact {
 pub struct Touch {
     /// The ball, by index in the island.
     pub ball: usize,
-    /// What it touched.
+    /// The other side of the contact.
     pub other: Other,
-    /// When in the step they first touched, in seconds from its start: interpolated within the substep.
+    /// Time of first contact in seconds from the start of the step, interpolated within the substep.
     pub time: f32,
-    /// Where the ball's centre was at that time, in the world.
+    /// Position of the ball's centre at that time, in the world.
     pub ball_position: Vec3,
     /// The ball's velocity before the contact acted, in m/s.
     pub ball_velocity: Vec3,
-    /// Point of the other's surface, in the world.
+    /// Point on the other's surface, in the world.
     pub point: Vec3,
     /// Unit normal, from the other towards the ball.
     pub normal: Vec3,
@@ -80,13 +83,13 @@ pub struct Touch {
     pub impulse: f32,
 }
 
-/// What is left of an index once `gone` was taken out of the list, with those behind it moving up. None if it is the one.
+/// The index after the element `gone` was taken out of the list; none for that element.
 fn moved_up(index: usize, gone: usize) -> Option<usize> {
     (index != gone).then(|| index - usize::from(index > gone))
 }
 
 impl Other {
-    /// The same thing once `gone` was taken out of the island; none if it is that.
+    /// The same thing after `gone` was taken out of the island; none for `gone` itself.
     fn without(self, gone: Self) -> Option<Self> {
         match (self, gone) {
             (Self::Body(i), Self::Body(gone)) => moved_up(i, gone).map(Self::Body),
@@ -108,19 +111,19 @@ impl Party {
     }
 }
 
-/// The two sides of a contact once `gone` was taken out of the island; none if it was one of them.
+/// The two sides of a contact after `gone` was taken out of the island; none if it was one of them.
 pub(crate) fn pair_without((party, other): (Party, Other), gone: Other) -> Option<(Party, Other)> {
     Some((party.without(gone)?, other.without(gone)?))
 }
 
-/// One projection of a ball against something: what [`record`] makes touches of.
+/// One projection of a ball out of something. [`record`] turns it into a touch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BallProjection {
     pub ball: usize,
     pub other: Other,
     /// Gap between the surfaces before the projection, negative, in metres.
     pub gap: f32,
-    /// How much the gap changed in this substep so far by the motion of both, in metres.
+    /// Metres by which the motion of both has changed the gap in this substep so far.
     pub gap_change: f32,
     pub ball_position: Vec3,
     pub ball_travel: Vec3,
@@ -142,7 +145,7 @@ impl BallProjection {
     }
 }
 
-/// Whether the two have touched in this step already.
+/// True if the two have already touched in this step.
 pub(crate) fn is_known(touches: &[Touch], ball: usize, other: Other) -> bool {
     touches.iter().any(|touch| touch.ball == ball && touch.other == other)
 }

@@ -1,4 +1,4 @@
-//! Faces and segments against obstacles: what particles alone let through.
+//! Faces and segments against obstacles that would slip between particles.
 //!
 //! A pole that is thinner than the spacing slides between particles; the edge of a box pokes through a coarse cloth whose
 //! particles lie on either side of it. There the point of the face that is deepest in the obstacle is a contact of its
@@ -11,18 +11,20 @@
 //!              |     |  obstacle
 //! ```
 //!
-//! At the start of a step parry tells which point of the face is nearest to the shape; where the two overlap, a descent
-//! along the surface normal finds the deepest (after Macklin et al. 2020, "Local optimization for robust signed distance
-//! field collision"). Substeps follow it by projections to and fro. Faces of which all particles see about the same plane
-//! need none of this and are left to their particles.
+//! At the start of a step parry finds the point of the face that is nearest to the shape. If the two overlap, a descent
+//! along the surface normal finds the deepest point (after Macklin et al. 2020, "Local optimization for robust signed
+//! distance field collision"). Substeps follow it by alternating projections onto face and shape. A face whose corners
+//! all lie next to about the same plane needs none of this and is left to its particles.
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::{DVec3, Vec3};
 
 use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, POKING, VERTEX_WEIGHT};
 use crate::contact::ball_cloth::FaceOrLink;
-use crate::contact::carried_point::{CarriedPoint, Poses, SurfaceBelow, kept};
+use crate::contact::carried_point::{CarriedPoint, PoseCache, Poses, SurfaceBelow};
 use crate::contact::depenetration::PushOutRate;
-use crate::contact::mover::{Mover, mover, mover_mut};
+use crate::contact::mover::{Mover, mover};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::nearest::{FaceOrEdge, Nearest};
 use crate::geometry::nearest_triangle::weighted;
@@ -40,40 +42,40 @@ use crate::state::topology::Topology;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaceContacts {
     contacts: Vec<FaceContact>,
-    /// For each slot, the surface of the obstacle that is looked at, in its own coordinates.
-    seen: Vec<Surface>,
+    /// For each slot, the nearest surface of the obstacle that is searched, in the obstacle's coordinates.
+    surfaces: Vec<Surface>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct FaceContact {
     element: FaceOrLink,
-    /// Place of the element among the body's faces, then segments.
+    /// Index of the element among the body's faces, then segments.
     place: usize,
-    /// The deepest point when last looked for.
+    /// The deepest point that the last search found.
     point: CarriedPoint<3>,
-    /// The surface there, in the obstacle's coordinates, where asking the shape each time would be slow.
+    /// The surface there, in the obstacle's coordinates, for shapes that are slow to query.
     plane: Option<Plane>,
-    /// Whether one may be through the other within a substep.
+    /// True if one may pass through the other within a substep.
     is_fast: bool,
-    /// The surface that the element runs into in this substep, where it might be through and out on the other side.
+    /// The surface that the element runs into in this substep, if it could otherwise pass through the obstacle.
     ahead: Option<Plane>,
 }
 
 /// A face or segment that an obstacle has pushed.
 pub(crate) struct PushedElement {
     pub element: FaceOrLink,
-    /// Place of the element among the body's faces, then segments.
+    /// Index of the element among the body's faces, then segments.
     pub place: usize,
     pub obstacle: usize,
-    /// Of the point that was pushed.
+    /// Weights of the point that was pushed.
     pub weights: [f32; 3],
-    /// In the world.
+    /// Unit normal, in the world.
     pub normal: Vec3,
-    /// Metres, summed over the projections of the substep.
+    /// Penetration depth in metres, summed over the projections of the substep.
     pub depth: f32,
 }
 
-/// An obstacle as a body meets it in a step: all in its own coordinates, at the start of the step.
+/// An obstacle that is searched, in its own coordinates at the start of the step.
 #[derive(Clone, Copy)]
 pub(crate) struct SearchedObstacle<'a> {
     pub shape: &'a Shape,
@@ -81,14 +83,14 @@ pub(crate) struct SearchedObstacle<'a> {
     pub obstacle: usize,
     pub friction: Friction,
     pub pose: Pose,
-    /// How far apart they may be to touch within the step, in metres.
+    /// Metres between body and obstacle up to which they may touch within the step.
     pub reach: f32,
-    /// Whether one may be through the other within a substep.
+    /// True if one may pass through the other within a substep.
     pub is_fast: bool,
 }
 
-/// How deep a shape can reach between the corners of a face with sides of `side` metres that all see the same distance, if
-/// that is told without a look: `None` where it depends on the place.
+/// The depth in metres to which a shape can reach between the corners of a face with sides of `side` metres, all of
+/// them equally far from it. `None` if the depth depends on the place.
 fn poke(shape: &Shape, side: f32) -> Option<f32> {
     match shape {
         Shape::HalfSpace { .. } | Shape::Container { .. } => Some(0.0),
@@ -110,7 +112,7 @@ impl FaceContacts {
         self.contacts.iter().map(|contact| contact.point.obstacle)
     }
 
-    /// What was pushed in the last substep.
+    /// The elements that were pushed in the last substep.
     pub fn pushed(&self) -> impl Iterator<Item = PushedElement> + '_ {
         self.contacts.iter().filter(|contact| contact.point.depth > 0.0).map(|contact| {
             let &FaceContact { element, place, point, .. } = contact;
@@ -119,7 +121,7 @@ impl FaceContacts {
         })
     }
 
-    /// What obstacles have given in the last substep: to the corners that are not held, by their weights.
+    /// The pushes of obstacles in the last substep on the corners that are not pinned, by their weights.
     pub fn given<'a>(&'a self, particles: &'a Particles) -> impl Iterator<Item = ObstaclePush> + 'a {
         self.contacts.iter().filter(|contact| contact.point.given != Vec3::ZERO).map(|contact| {
             let (mut free, mut moment) = (0.0, DVec3::ZERO);
@@ -157,12 +159,12 @@ impl FaceContacts {
         if most == 0.0 || side == 0.0 || is_fine() {
             return;
         }
-        // Where an obstacle has appeared around particles, those are to find their way out first.
-        let nearest = self.look(particles, searched, searched.reach + side);
+        // If an obstacle has appeared around particles, the particles leave it first.
+        let nearest = self.find_surfaces(particles, searched, searched.reach + side);
         if nearest >= searched.reach + side || nearest < -INTRUSION * side {
             return;
         }
-        // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
+        // Reserves for all elements at once, so that elements that come near one by one do not allocate one by one.
         self.contacts.reserve(topology.faces.len() + topology.segments.len());
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
         let faces = topology.faces.iter().map(|face| FaceOrLink::Face(face.map(slot)));
@@ -172,20 +174,20 @@ impl FaceContacts {
         }
     }
 
-    /// Asks the shape for the surface next to every particle within `reach`, and tells the least distance.
-    fn look(&mut self, particles: &Particles, searched: SearchedObstacle, reach: f32) -> f32 {
+    /// Finds the surface next to every particle within `reach`, and returns the least distance in metres.
+    fn find_surfaces(&mut self, particles: &Particles, searched: SearchedObstacle, reach: f32) -> f32 {
         let (low, high) = searched.shape.local_bounds();
         let (low, high) = (low - reach, high + reach);
         let away = Surface { distance: f32::INFINITY, normal: Vec3::ZERO };
-        self.seen.clear();
-        self.seen.resize(particles.inverse_mass.len(), away);
+        self.surfaces.clear();
+        self.surfaces.resize(particles.inverse_mass.len(), away);
         let mut nearest = f32::INFINITY;
         for slot in particles.layout.slots() {
             let local = searched.pose.to_local(particles.position.get(slot));
             if local.cmpge(low).all() && local.cmple(high).all() {
                 let surface = searched.shape.surface(local);
                 nearest = nearest.min(surface.distance);
-                self.seen[slot] = surface;
+                self.surfaces[slot] = surface;
             }
         }
         nearest
@@ -201,19 +203,19 @@ impl FaceContacts {
         most: f32,
     ) {
         let corners = element.corners();
-        let seen = corners.map(|slot| self.seen[slot]);
-        let nearest = seen.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
+        let surfaces = corners.map(|slot| self.surfaces[slot]);
+        let nearest = surfaces.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
         let is_held = corners.iter().all(|&slot| particles.inverse_mass[slot] == 0.0);
-        // Where a particle is inside already, that comes first.
+        // A particle that is already inside leaves first.
         if nearest < 0.0
             || nearest >= searched.reach + side
             || is_held
-            || !searched.is_fast && !may_poke(seen.map(|s| s.normal), side, most)
+            || !searched.is_fast && !may_poke(surfaces.map(|s| s.normal), side, most)
         {
             return;
         }
         let local = corners.map(|slot| searched.pose.to_local(particles.position.get(slot)));
-        if searched.shape.is_convex() && least_distance(seen, local) >= searched.reach {
+        if searched.shape.is_convex() && least_distance(surfaces, local) >= searched.reach {
             return;
         }
         let (weights, surface) = match searched.shape.nearest_on(element.piece(local), searched.reach) {
@@ -250,11 +252,11 @@ impl FaceOrLink {
     }
 }
 
-/// Whether a surface with these normals next to the corners may rise between them by more than `most` metres. Two planes
-/// that meet at an angle `a` rise by `side / 2 tan(a / 2)`, and any rounder surface by less.
+/// True if a surface with these normals next to the corners may rise between them by more than `most` metres. Two
+/// planes that meet at an angle `a` rise by `side / 2 tan(a / 2)`, and any rounder surface by less.
 fn may_poke([a, b, c]: [Vec3; 3], side: f32, most: f32) -> bool {
     if a == Vec3::ZERO || b == Vec3::ZERO || c == Vec3::ZERO {
-        // One is too far away to see anything.
+        // One corner is out of reach.
         return true;
     }
     let cosine = a.dot(b).min(b.dot(c)).min(c.dot(a));
@@ -262,8 +264,8 @@ fn may_poke([a, b, c]: [Vec3; 3], side: f32, most: f32) -> bool {
     0.25 * side * side * (1.0 - cosine) > most * most * (1.0 + cosine)
 }
 
-/// A bound on how near an element can be to a convex shape, from the `surfaces` next to its corners: the shape lies behind
-/// the tangent plane of each.
+/// A lower bound in metres on the distance between an element and a convex shape, from the `surfaces` next to its
+/// corners: the shape lies behind the tangent plane of each.
 fn least_distance(surfaces: [Surface; 3], corners: [Vec3; 3]) -> f32 {
     let bounds = [0, 1, 2].map(|k| {
         let Surface { distance, normal } = surfaces[k];
@@ -273,8 +275,8 @@ fn least_distance(surfaces: [Surface; 3], corners: [Vec3; 3]) -> f32 {
     bounds[0].max(bounds[1]).max(bounds[2])
 }
 
-/// Weights of the point of an element that is deepest in a shape, and the surface next to it. `corners` are in the shape's
-/// coordinates; `stride` (metres) is how far the first round goes.
+/// Weights of the point of an element that is deepest in a shape, and the surface next to it. `corners` are in the
+/// shape's coordinates; `stride` is the length of the first round's step in metres.
 fn deepest(
     shape: &Shape,
     element: FaceOrLink,
@@ -289,7 +291,7 @@ fn deepest(
     }
     let mut best = shape.surface(weighted(weights, corners));
     for round in 0..rounds {
-        // First down the slope; then, as for the nearest points of two convex bodies, to and fro between the two.
+        // First gradient descent; then alternating projections, as for the nearest points of two convex bodies.
         let is_late = 2 * round >= rounds || stride == 0.0;
         let way = if is_late { best.distance.abs() } else { stride };
         let inwards = weighted(weights, corners) - best.normal * way;
@@ -307,11 +309,11 @@ fn deepest(
 /// Forgets the last substep's depths, and follows the deepest points.
 pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: Substep, movers: &[Mover]) {
     let particles = &body.particles;
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for contact in &mut contacts.contacts {
         let obstacle = contact.point.obstacle;
-        let poses = kept(&mut poses, obstacle, mover(movers, obstacle), substep, particles.origin);
-        contact.look(particles, substep.obstacles[obstacle].shape(), poses);
+        let poses = poses.of(obstacle, mover(movers, obstacle), substep, particles.origin);
+        contact.follow(particles, substep.obstacles[obstacle].shape(), poses);
         contact.point.begin_substep();
     }
 }
@@ -319,20 +321,18 @@ pub(crate) fn begin_substep(contacts: &mut FaceContacts, body: &Body, substep: S
 /// Moves the faces that an obstacle pokes into out to its surface.
 pub(crate) fn project(contacts: &mut FaceContacts, body: &mut Body, substep: Substep, movers: &mut [Mover]) {
     let rate = PushOutRate::gentle(substep.duration);
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for contact in &mut contacts.contacts {
-        let mover = mover_mut(movers, contact.point.obstacle);
-        let poses =
-            kept(&mut poses, contact.point.obstacle, mover.as_deref(), substep, body.particles.origin);
+        let (mover, poses) = poses.with_mover(contact.point.obstacle, movers, substep, body.particles.origin);
         contact.project(body, substep.obstacles, poses, mover, rate);
     }
 }
 
 impl FaceContact {
     /// Follows the deepest point, and keeps the surface there as a plane.
-    fn look(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) {
+    fn follow(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) {
         self.ahead = None;
-        if self.is_fast && self.look_ahead(particles, shape, poses) {
+        if self.is_fast && self.sweep(particles, shape, poses) {
             return;
         }
         let corners = self.element.corners().map(|slot| poses.now.to_local(particles.position.get(slot)));
@@ -343,9 +343,10 @@ impl FaceContact {
         }
     }
 
-    /// Looks for what the element runs into on its way through the obstacle's coordinates: all of it as its middle does.
-    /// Where it lay on the obstacle at the start of the substep, it is held by the surface there.
-    fn look_ahead(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) -> bool {
+    /// Sweeps the element through the obstacle's coordinates, all of it by the way of its middle, and keeps the plane
+    /// that it runs into. An element that touched the obstacle at the start of the substep is held by the surface
+    /// there. Returns false if there is no plane to keep.
+    fn sweep(&mut self, particles: &Particles, shape: &Shape, poses: &Poses) -> bool {
         let was_touching = self.point.depth > 0.0;
         let corners = self.element.corners();
         let end = corners.map(|slot| poses.now.to_local(particles.position.get(slot)));
@@ -362,7 +363,7 @@ impl FaceContact {
         let way = weighted(middle, end) - weighted(middle, start);
         let is_outside = || shape.surface(weighted(middle, start)).distance > 0.0;
         let piece = self.element.piece(start);
-        // What is through the shape already has no side to be swept from, and makes parry allocate.
+        // An element that already intersects the shape has no side to be swept from, and makes parry allocate.
         let is_before = matches!(shape.nearest_on(piece, way.length()), Nearest::At(..));
         let searched = if is_before { shape.sweep_piece(piece, way) } else { None };
         let (weights, plane) = match searched {
@@ -394,29 +395,34 @@ impl FaceContact {
         let local = self.point.mean(|slot| poses.now.to_local(body.particles.position.get(slot)));
         let shape = obstacles[self.point.obstacle].shape();
         let plane = self.ahead.or(self.plane);
-        let surface_at = |local: Vec3| match plane {
-            Some(plane) => plane.surface(local),
-            None => shape.surface(local),
-        };
+        let surface_at = |local: Vec3| shape.surface_or(plane, local);
         let surface = surface_at(local);
         let depth = thickness - surface.distance;
-        // A corner is searched as a particle; and what is so deep lies across an obstacle that has appeared in the cloth.
+        // Particles have contacts of their own at corners. An element that is deeper than this lies across an obstacle
+        // that has appeared in the cloth.
         let most = INTRUSION * body.topology.longest_edge;
         let is_corner = || self.point.weights.iter().any(|&weight| weight > VERTEX_WEIGHT);
         if depth <= 0.0 || self.ahead.is_none() && (depth > most + thickness || is_corner()) {
             return;
         }
-        self.point.project(body, SurfaceBelow { surface, thickness, surface_at }, poses, mover, rate, answer);
+        self.point.project(
+            body,
+            SurfaceBelow { surface, thickness, surface_at },
+            poses,
+            mover,
+            rate,
+            reaction,
+        );
     }
 }
 
-/// A push on the deepest point acts where its way in the substep began.
-fn answer(point: &CarriedPoint<3>, _: &Particles, begun: Vec3, push: Vec3) -> ObstaclePush {
+/// A push on the deepest point acts where the point's displacement of the substep began.
+fn reaction(point: &CarriedPoint<3>, _: &Particles, begun: Vec3, push: Vec3) -> ObstaclePush {
     ObstaclePush::at(begun.as_dvec3(), point.obstacle, push)
 }
 
-/// Friction at the deepest points, on what they have slipped in this substep. Corners that go with the point may lie around
-/// an edge: by more than a thickness it moves none.
+/// Friction at the deepest points, against their slip in this substep. The corners that move along may lie around an
+/// edge, so the depth counts up to one thickness only.
 pub(crate) fn apply_friction(
     contacts: &mut FaceContacts,
     body: &mut Body,
@@ -424,12 +430,11 @@ pub(crate) fn apply_friction(
     movers: &mut [Mover],
 ) {
     let Body { particles, settings, .. } = body;
-    let mut poses = None;
+    let mut poses = PoseCache::default();
     for FaceContact { point, .. } in contacts.contacts.iter_mut().filter(|contact| contact.point.depth > 0.0)
     {
-        let mover = mover_mut(movers, point.obstacle);
-        let poses = kept(&mut poses, point.obstacle, mover.as_deref(), substep, particles.origin);
+        let (mover, poses) = poses.with_mover(point.obstacle, movers, substep, particles.origin);
         let depth = point.depth.min(settings.thickness);
-        point.apply_friction(particles, depth, poses, mover, substep, answer);
+        point.apply_friction(particles, depth, poses, mover, substep, reaction);
     }
 }

@@ -1,11 +1,10 @@
-//! Impact zones: the last word on balls and cloth, after which no ball's centre is on the other side.
+//! Impact zones: the last stage for balls and cloth, after which no ball's centre has passed through a face.
 //!
-//! Contacts push and sticks pull, and where a substep asks too much of both, sticks can have pulled a cloth past the
-//! middle of a ball at its end. The ball and the corners of each face that its centre has passed through then move as
-//! one rigid piece instead, from where they were at the start of the substep, with the momentum that they have together
-//! (Provot 1997, "Collision and self-collision handling in cloth model dedicated to design garments"; without the
-//! turning, which the next substep brings). Within that piece nothing can pass through anything. If it passes through
-//! another face, that joins it.
+//! In a substep that asks too much of contacts and sticks, sticks can pull a cloth past the middle of a ball. The ball
+//! and the corners of each face that its centre has passed through then move as one rigid piece instead, from their
+//! places at the start of the substep, with their common momentum (Provot 1997, "Collision and self-collision handling
+//! in cloth model dedicated to design garments"; without rotation, which the next substep brings). Nothing can pass
+//! through anything within a piece. If the piece passes through another face, that face joins it.
 //!
 //! ```text
 //!     start      contacts and sticks      zone: all by V = sum(m_i d_i) / sum(m_i)
@@ -15,7 +14,9 @@
 //!    /     \           o                       /     \
 //! ```
 //!
-//! Momentum is kept, and what kinetic energy is lost is that of a perfectly inelastic impact.
+//! Momentum is kept; the loss of kinetic energy is that of a perfectly inelastic impact.
+//!
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::{DVec3, Vec3};
 
@@ -43,7 +44,7 @@ impl BallAndFace {
         }
     }
 
-    /// From the nearest point of the face to the centre.
+    /// The vector from the nearest point of the face to the centre.
     fn offset(&self) -> Vec3 {
         self.centre - weighted(on_triangle(self.corners, self.centre), self.corners)
     }
@@ -54,10 +55,11 @@ impl BallAndFace {
     }
 }
 
-/// Whether the centre may pass through the face on its way from `start` to `end`, if all move evenly.
+/// True if the centre may pass through the face on its way from `start` to `end`, with all points in straight and even
+/// motion.
 ///
-/// It does not where a plane through it keeps the face's corners on one side throughout. Where no plane is found,
-/// each half of the way is looked at; what cannot be told after so many `halvings` is a passage.
+/// It does not pass if a plane through the centre keeps the face's corners on one side all the way. If no such plane is
+/// found, each half of the way is tested; a way that is still undecided after this many `halvings` counts as a passage.
 fn may_pass(start: &BallAndFace, end: &BallAndFace, clearance: f32, halvings: u32) -> bool {
     let middle = start.middle(end);
     let offset = middle.offset();
@@ -77,12 +79,12 @@ fn may_pass(start: &BallAndFace, end: &BallAndFace, clearance: f32, halvings: u3
 }
 
 impl BallCloth {
-    /// Whether the ball's centre has passed through the face since the substep began.
+    /// True if the ball's centre has passed through the face since the substep began.
     fn has_passed(&self, ball: &Ball, body: &Body) -> bool {
         let FaceOrLink::Face(_) = self.element else { return false };
         let (start, end) = (&self.start, &BallAndFace::of(self, ball, body));
-        // Far from the face at the end, and the way is shorter: stretched or not, a face lies within its longest side
-        // of its first corner.
+        // A centre that is farther from the face than its own way has not passed: stretched or not, a face lies within
+        // its longest side of its first corner.
         let ways = [0, 1, 2].map(|k| (end.centre - end.corners[k]) - (start.centre - start.corners[k]));
         let way = ways.map(Vec3::length_squared).into_iter().fold(0.0, f32::max).sqrt();
         let [a, b, c] = end.corners;
@@ -90,18 +92,18 @@ impl BallCloth {
         if a.distance_squared(end.centre) > far * far {
             return false;
         }
-        // What was nearer than the clearance already may go away.
+        // A centre that starts nearer than the clearance may still move away.
         let clearance = CLEARANCE.min(0.5 * start.offset().length());
         may_pass(start, end, clearance, PASSAGE_HALVINGS)
     }
 }
 
-/// What moves as one in a substep: nothing but in the rare one that needs it.
+/// The rigid pieces of a substep: none, but in the rare substep that needs one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ImpactZones {
-    /// Where the balls were at the start of the substep, in the world.
+    /// Positions of the balls at the start of the substep, in the world.
     ball_starts: Vec<Vec3>,
-    /// The zone that each ball is in, if it is in one. A zone is named by one of its balls.
+    /// The zone of each ball, if it is in one. The index of one of its balls names a zone.
     zone_of_ball: Vec<Option<usize>>,
     members: Vec<Member>,
 }
@@ -149,7 +151,7 @@ impl ImpactZones {
         self.members.iter().filter(move |member| member.zone == zone)
     }
 
-    /// The displacement that all of a zone have together: that of its pin, if it holds one.
+    /// The common displacement of a zone: that of its pin, if it holds one.
     fn displacement(&self, zone: usize, bodies: &[Body], balls: &[Ball]) -> Vec3 {
         let (mut momentum, mut mass) = (DVec3::ZERO, 0.0);
         for ball in self.balls(zone).map(|ball| &balls[ball]) {
@@ -170,7 +172,7 @@ impl ImpactZones {
         (momentum / mass).as_vec3()
     }
 
-    /// Moves all zones as one piece each, from where they were at the start of the substep.
+    /// Moves each zone as one piece, from its place at the start of the substep.
     fn carry(&self, bodies: &mut [Body], balls: &mut [Ball], touches: &mut [Touch], substep: f32) {
         for zone in (0..balls.len()).filter(|&zone| self.balls(zone).next().is_some()) {
             let together = self.displacement(zone, bodies, balls);
@@ -194,7 +196,7 @@ impl ImpactZones {
     }
 }
 
-/// Notes where all is that may touch, at the start of the step.
+/// Records the places of balls and faces that may touch, at the start of the step.
 pub(crate) fn begin_step(
     zones: &mut ImpactZones,
     contacts: &mut [BallCloth],
@@ -206,7 +208,7 @@ pub(crate) fn begin_step(
     zones.zone_of_ball.resize(balls.len(), None);
 }
 
-/// Ends the substep: where a ball's centre has passed through a face, both go on as one.
+/// Ends the substep: a ball and a face that its centre has passed through move on as one.
 pub(crate) fn enforce(
     zones: &mut ImpactZones,
     contacts: &mut [BallCloth],
@@ -222,7 +224,7 @@ pub(crate) fn enforce(
                 has_grown |= zones.join(contact);
             }
         }
-        // All that is left has moved as one piece, and rounding makes it look otherwise.
+        // All that is left has moved as one piece; rounding alone makes it look like a passage.
         if !has_grown {
             break;
         }
@@ -265,28 +267,28 @@ mod tests {
     }
 
     #[test]
-    fn a_passage_is_told_from_a_way_past() {
+    fn a_way_through_the_face_is_a_passage_and_a_way_beside_it_is_not() {
         let behind = BallAndFace { centre: Vec3::new(0.3, 0.1, -0.5), ..FRONT };
         assert!(passes(FRONT, behind) && passes(behind, FRONT));
         assert!(!passes(FRONT, FRONT));
         let beside = BallAndFace { centre: Vec3::new(1.5, 1.5, -0.5), ..FRONT };
         assert!(!passes(FRONT, beside), "past the longest side");
-        // The face flees faster than the centre follows, or the centre before the face.
+        // The face moves away faster than the centre follows, or the centre before the face.
         let by = |z: f32| FRONT.corners.map(|corner| corner + Vec3::Z * z);
         assert!(!passes(FRONT, BallAndFace { corners: by(-2.0), ..behind }));
         assert!(passes(FRONT, BallAndFace { corners: by(2.0), ..FRONT }));
         assert!(!passes(FRONT, BallAndFace { centre: Vec3::new(0.2, 0.2, 3.0), corners: by(2.0) }));
     }
 
-    /// To the face and back within one substep, with both ends in front, is no passage; nor is it one to graze it.
+    /// A way that comes close to the face within one substep, with both ends in front, is not a passage.
     #[test]
-    fn what_comes_near_and_goes_is_let_go() {
+    fn a_centre_that_comes_near_and_goes_has_not_passed() {
         let near = BallAndFace { centre: Vec3::new(0.2, 0.2, 1e-6), ..FRONT };
         let clearance = 0.5 * near.offset().length();
         assert!(!may_pass(&near, &FRONT, clearance, PASSAGE_HALVINGS));
     }
 
-    /// Sticks have pulled the middle of a sheet through a ball: both go back and on together.
+    /// Sticks have pulled the middle of a sheet through a ball: both go back, and then move on together.
     #[test]
     fn ball_and_sheet_go_on_together_with_the_momentum_that_they_have() {
         let settings = SolverSettings { drag: 0.0, ..SolverSettings::default() };

@@ -8,16 +8,17 @@ use crate::contact::cloth_cloth::SelfContacts;
 use crate::contact::impact_zone::ImpactZones;
 use crate::contact::mover::Mover;
 
-/// The contacts that an island may have in a step. Each kind owns its lists and is handed what it works on.
+/// The contacts that an island may have in a step. Each kind owns its lists, and is handed the bodies and balls that it
+/// works on.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct IslandContacts {
-    /// Of each body with obstacles, by the body's index.
+    /// Contacts of bodies with obstacles, by the body's index.
     pub bodies: Vec<BodyContacts>,
     pub cloth_cloth: SelfContacts,
     pub ball_cloth: BallClothContacts,
     pub ball_ball: Vec<BallPair>,
     pub ball_obstacle: BallObstacleContacts,
-    /// Obstacles that are moved by what hits them.
+    /// Obstacles that contacts move.
     pub movers: Vec<Mover>,
     pub impact_zones: ImpactZones,
 }

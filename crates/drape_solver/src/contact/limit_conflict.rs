@@ -1,8 +1,9 @@
 //! Particles that a limit on motion keeps in an obstacle.
+//!
+//! Design: `docs/design/characters.md`.
 
 use crate::constants::{AT_LIMIT, LIMIT_CONFLICT_DEPTH};
 use crate::contact::particle_obstacle::ObstacleContacts;
-use crate::simd::columns::LANES;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
 
@@ -16,8 +17,7 @@ pub(crate) fn count_conflicts(contacts: &ObstacleContacts, body: &mut Body, subs
     }
     for candidate in &contacts.candidates {
         let obstacle = &substep.obstacles[contacts.groups[usize::from(candidate.group)].obstacle];
-        let lanes = (0..LANES).filter(|lane| candidate.lanes & (1 << lane) != 0);
-        for slot in lanes.map(|lane| candidate.cell as usize * LANES + lane) {
+        for slot in candidate.each_lane().map(|lane| candidate.slot(lane)) {
             let Some((_, centre, reach)) = particles.limits.get(slot) else { continue };
             let position = particles.position.get(slot);
             if particles.inverse_mass[slot] == 0.0 || position.distance(centre) < reach - AT_LIMIT {

@@ -1,4 +1,6 @@
 //! Movers: obstacles with a [`RigidBody`], on their way through a step.
+//!
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::{DVec3, Vec3};
 
@@ -12,16 +14,16 @@ use crate::state::rigid_body::RigidBody;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mover {
     pub obstacle: usize,
-    /// At the start of the substep.
+    /// Placement at the start of the substep.
     from: Placement,
-    /// At its end, if nothing touches it.
+    /// Placement and motion at the end of the substep, without contacts.
     free: (Placement, RigidBody),
-    /// At its end, by all that is known so far.
+    /// Placement at the end of the substep, with the contacts so far.
     pub to: Placement,
     pub end: RigidBody,
-    /// What was done to it in this substep, in newton seconds.
+    /// Impulse on it in this substep, in newton seconds.
     impulse: DVec3,
-    /// The same about its centre, in newton metre seconds.
+    /// Angular impulse about its centre, in newton metre seconds.
     angular_impulse: DVec3,
 }
 
@@ -54,8 +56,9 @@ impl Mover {
         self.end.inverse_mass_at(self.to, point - self.to.translation, direction)
     }
 
-    /// Friction between it and a point of inverse mass `inverse_mass` (1/kg) in the world, which has slipped by `slip` and sunk in
-    /// by `depth`, its own part (metres): how far the point is to go back, and the push on it (kg m).
+    /// Friction between the mover and a point of inverse mass `inverse_mass` (1/kg) in the world, which has slipped by
+    /// `slip` and sunk in by `depth`, its own share (metres). Returns the slip that friction takes from the point in
+    /// metres, and the push on the point in kg m.
     pub fn slip_taken(
         &self,
         friction: Friction,
@@ -66,17 +69,17 @@ impl Mover {
         point: Vec3,
     ) -> (Vec3, Vec3) {
         let along = (slip - normal * slip.dot(normal)).normalize_or_zero();
-        // What gives way itself takes a longer push for the same slip.
+        // The mover gives way too, so the same push takes a longer slip.
         let both = inverse_mass + self.inverse_mass_at(point, along);
         let push = friction.scaled(both / inverse_mass).slip_taken(slip, normal, depth) / both;
         (push * inverse_mass, -push)
     }
 
-    /// Feels the opposite of what it has given in this substep of so many seconds.
+    /// Receives the opposite of a push that it has given in this substep of so many seconds.
     pub fn receive(&mut self, given: ObstaclePush, substep: f32) {
         let [push, moment] = [given.push, given.moment].map(|sum| sum.as_dvec3() / f64::from(substep));
         let angular = (given.point - self.from.translation.as_dvec3()).cross(push) + moment;
-        // What is lost in a body that has to be left out is lost with it.
+        // A body that is no longer finite is removed, and its momentum with it.
         if !(push.is_finite() && angular.is_finite()) {
             return;
         }

@@ -1,4 +1,6 @@
-//! A push that an obstacle has given to a body or ball, for the account of its reaction.
+//! A push of an obstacle on a body or ball, whose opposite is the reaction on the obstacle.
+//!
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::{DVec3, Vec3};
 
@@ -8,7 +10,7 @@ use crate::simd::columns::Cell;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ObstaclePush {
     pub obstacle: usize,
-    /// In the world.
+    /// Point of action, in the world.
     pub point: DVec3,
     /// Mass times displacement, in kilogram metres.
     pub push: Vec3,
@@ -17,13 +19,13 @@ pub(crate) struct ObstaclePush {
 }
 
 impl ObstaclePush {
-    /// A push in the middle of a point: no moment comes with it.
+    /// A push at a point, without a moment.
     pub fn at(point: DVec3, obstacle: usize, push: Vec3) -> Self {
         Self { obstacle, point, push, moment: Vec3::ZERO }
     }
 }
 
-/// Adds to a lane-wise sum what has been given to those lanes.
+/// Adds the change from `before` to `after` to `sum`, lane by lane.
 #[inline(always)]
 pub(crate) fn add_to(sum: &mut Cell, before: &Cell, after: &Cell) {
     for (sum, (before, after)) in sum.axes_mut().into_iter().zip(before.axes().into_iter().zip(after.axes()))

@@ -1,21 +1,28 @@
-//! Particles against obstacles that are moved by what hits them: one by one, each push shared out by inverse masses.
+//! Particles against movers, one by one: inverse masses split each push between particle and obstacle.
 //!
-//! As [`contact_particle_obstacle`](crate::contact::particle_obstacle) has it, but for the normal push: the particle, of
-//! inverse mass `w`, takes the part `w / (w + W)` of the depth, where `W` is the obstacle's inverse mass at the point of
-//! contact, and the obstacle the rest. The next particle meets the obstacle where that has brought it. Where many push at
-//! once, the first have pushed too much: later projections take that back, down to no push at all (projected Gauss-Seidel).
+//! This differs from [`particle_obstacle`](crate::contact::particle_obstacle) in the normal push: the particle, of
+//! inverse mass `w`, takes the part `w / (w + W)` of the depth and the obstacle the rest, where `W` is the obstacle's
+//! inverse mass at the contact point. The next particle sees the obstacle in its new pose. If many particles push, the
+//! first push too much; later projections take that back, down to no push at all (projected Gauss-Seidel).
+//!
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::Vec3;
 
 use crate::contact::depenetration::{Correction, InitialOverlap, PushOutRate};
 use crate::contact::mover::{Mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
-use crate::contact::particle_obstacle::{ObstacleContacts, Pushes};
+use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup, Pushes};
 use crate::simd::columns::{Cell, LANES};
 use crate::state::body::Body;
 use crate::state::substep::Substep;
 
-/// Moves particles out of the obstacles that they are in, and those back.
+/// The mover that a group's obstacle is, if it is one.
+fn mover_of<'a>(group: &ObstacleGroup, movers: &'a mut [Mover]) -> Option<&'a mut Mover> {
+    if group.is_dynamic { mover_mut(movers, group.obstacle) } else { None }
+}
+
+/// Moves particles out of movers, and the movers back.
 pub(crate) fn project(
     contacts: &mut ObstacleContacts,
     body: &mut Body,
@@ -32,23 +39,19 @@ pub(crate) fn project(
     let ObstacleContacts { groups, candidates, pushes, given, planes, .. } = contacts;
     for ((candidate, pushes), given) in candidates.iter_mut().zip(pushes).zip(given) {
         let group = &groups[usize::from(candidate.group)];
-        let Some(mover) = group.is_dynamic.then(|| mover_mut(movers, group.obstacle)).flatten() else {
-            continue;
-        };
+        let Some(mover) = mover_of(group, movers) else { continue };
         if is_first {
             candidate.is_touching = false;
             *given = Cell::default();
         }
         let shape = substep.obstacles[group.obstacle].shape();
         let mut poses = mover.poses(origin);
-        for lane in (0..LANES).filter(|lane| candidate.lanes >> lane & 1 != 0) {
-            let slot = candidate.cell as usize * LANES + lane;
+        for lane in candidate.each_lane() {
+            let slot = candidate.slot(lane);
             let [before, now] = poses;
             let position = particles.position.get(slot);
-            let surface_at = |local: Vec3| match candidate.planes {
-                Some(place) => planes[place as usize].get(lane).surface(local),
-                None => shape.surface(local),
-            };
+            let plane = candidate.planes.map(|place| planes[place as usize].get(lane));
+            let surface_at = |local: Vec3| shape.surface_or(plane, local);
             let local = now.to_local(position);
             let surface = surface_at(local);
             let depth = thickness - surface.distance;
@@ -76,17 +79,17 @@ pub(crate) fn project(
             let inverse_mass = particles.inverse_mass[slot];
             let place = origin + position;
             let share = inverse_mass / (inverse_mass + mover.inverse_mass_at(place, normal));
-            // Others have pushed the obstacle away since: what was too much is taken back.
-            let fresh = (push.with_velocity * share).max(-pushed);
-            let moved = normal * fresh;
-            pushes.depth[lane] += fresh;
+            // Other particles may have pushed the obstacle away since: the excess of earlier pushes is taken back.
+            let distance = (push.with_velocity * share).max(-pushed);
+            let moved = normal * distance;
+            pushes.depth[lane] += distance;
             pushes.normal.set(lane, normal);
             given.set(lane, given.get(lane) + moved);
             particles.displacement.add(slot, moved);
-            let out = normal * (fresh + push.position_only);
+            let out = normal * (distance + push.position_only);
             particles.position.add(slot, out);
             context.integrated.add(slot, out);
-            // A push adds to the whole way of the substep, and so acts where that began.
+            // A push changes the displacement of the whole substep, so it acts where the displacement began.
             let begun = (place - travel).as_dvec3();
             mover.receive(ObstaclePush::at(begun, group.obstacle, moved / inverse_mass), substep.duration);
             poses = mover.poses(origin);
@@ -94,7 +97,7 @@ pub(crate) fn project(
     }
 }
 
-/// Friction on what particles have slipped on such obstacles in this substep.
+/// Friction against the slip of particles on movers in this substep.
 pub(crate) fn apply_friction(
     contacts: &mut ObstacleContacts,
     body: &mut Body,
@@ -111,11 +114,9 @@ pub(crate) fn apply_friction(
         candidates.iter().zip(pushes).zip(given).filter(|((candidate, _), _)| candidate.is_touching);
     for ((candidate, pushes), given) in touching {
         let group = &groups[usize::from(candidate.group)];
-        let Some(mover) = group.is_dynamic.then(|| mover_mut(movers, group.obstacle)).flatten() else {
-            continue;
-        };
+        let Some(mover) = mover_of(group, movers) else { continue };
         for lane in (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0) {
-            let slot = candidate.cell as usize * LANES + lane;
+            let slot = candidate.slot(lane);
             let [before, now] = mover.poses(origin);
             let (position, displacement) = (particles.position.get(slot), particles.displacement.get(slot));
             let slip = displacement - (position - before.point_to_world(now.to_local(position)));

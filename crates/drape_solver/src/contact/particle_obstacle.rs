@@ -1,6 +1,6 @@
 //! Particles against obstacles.
 //!
-//! Once a step the cells with particles that could reach an obstacle are listed; each projection moves those that lie
+//! Each step lists the cells with particles that could reach an obstacle. Each projection moves the particles that lie
 //! inside out along the normal, to the nearest point of the surface.
 //!
 //! ```text
@@ -9,6 +9,8 @@
 //!   ===|=========== surface     depth = thickness - distance; moved by depth along the normal
 //!      x
 //! ```
+//!
+//! Design: `docs/design/contacts.md`.
 
 use core::ops::Range;
 
@@ -37,14 +39,15 @@ pub(crate) struct ObstacleContacts {
     pub near: Vec<u32>,
     pub groups: Vec<ObstacleGroup>,
     pub candidates: Vec<Candidate>,
-    /// Room for what a helper finds.
+    /// Candidates that another thread finds.
     pub found_by_helper: Vec<Candidate>,
     /// One for each candidate.
     pub pushes: Vec<Pushes>,
-    /// What each candidate was given in this substep, in metres: for all, or for none where no obstacle asks.
+    /// Displacement in metres that each candidate got from its obstacle in this substep. Empty if no obstacle asks for
+    /// it.
     pub given: Vec<Cell>,
     pub planes: Vec<LanePlanes>,
-    /// Place of each strip's first candidate; one more at the end.
+    /// Index of each strip's first candidate; one more at the end.
     pub first_of_strip: Vec<u32>,
 }
 
@@ -54,21 +57,21 @@ pub(crate) struct ObstacleGroup {
     pub obstacle: usize,
     pub friction: Friction,
     pub is_moving: bool,
-    /// Whether what hits it moves it: see `contact_particle_dynamic.rs`.
+    /// True if contacts move it: see `particle_dynamic.rs`.
     pub is_dynamic: bool,
-    /// Whether it asks for what it gives to particles.
+    /// True if it asks for the reactions to its pushes.
     pub is_asking: bool,
-    /// Its pose at the start of the step, in the body's own coordinates.
+    /// Its pose at the start of the step, in the body's coordinates.
     pub pose: Pose,
 }
 
-/// How far the particles of a candidate were pushed in this substep.
+/// The pushes on the particles of a candidate in this substep.
 #[derive(Clone, Debug)]
 pub(crate) struct Pushes {
     /// Depth that motion made, summed over the projections of the substep, in metres.
     pub depth: [f32; LANES],
-    /// What may be left of an old overlap at the end of the substep, in metres: see [`crate::contact::depenetration`]. Negative until
-    /// the first projection.
+    /// Metres of an initial overlap that may be left at the end of the substep: see
+    /// [`depenetration`](crate::contact::depenetration). Negative until the first projection.
     pub left: [f32; LANES],
     /// World normals of the last projection.
     pub normal: Cell,
@@ -83,6 +86,15 @@ impl Pushes {
 }
 
 impl ObstacleContacts {
+    /// Forgets the last step's candidates; the body's particles now have this layout.
+    pub fn clear(&mut self, layout: &Layout) {
+        self.layout = layout.clone();
+        self.groups.clear();
+        self.candidates.clear();
+        self.planes.clear();
+        self.near.clear();
+    }
+
     /// The lists for a search to fill.
     pub fn lists(&mut self) -> CandidateLists<'_> {
         CandidateLists { candidates: &mut self.candidates, planes: &mut self.planes }
@@ -99,7 +111,7 @@ impl ObstacleContacts {
         self.groups.iter().map(|group| group.obstacle)
     }
 
-    /// Particles that were pushed in the last substep: by which obstacle, the particle's slot, the unit normal of the
+    /// Particles that were pushed in the last substep: the obstacle, the particle's slot, the unit normal of the
     /// surface in the world, and the depth in metres, summed over the projections of the substep.
     pub fn pushed(&self) -> impl Iterator<Item = (usize, usize, Vec3, f32)> + '_ {
         let candidates = self.candidates.iter().zip(&self.pushes);
@@ -107,14 +119,14 @@ impl ObstacleContacts {
             let obstacle = self.groups[usize::from(candidate.group)].obstacle;
             let touching = (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0);
             touching.map(move |lane| {
-                let slot = candidate.cell as usize * LANES + lane;
-                (obstacle, slot, pushes.normal.get(lane), pushes.depth[lane])
+                (obstacle, candidate.slot(lane), pushes.normal.get(lane), pushes.depth[lane])
             })
         })
     }
 
-    /// Keeps account of what is given by the obstacles that ask; tells whether there are any. Comes after the search.
-    pub fn keep_given(&mut self, asks: impl Fn(usize) -> bool) -> bool {
+    /// Marks the obstacles that ask for their reactions, and makes room for the sums. Returns true if there are any. It
+    /// comes after the search.
+    pub fn mark_asking(&mut self, asks: impl Fn(usize) -> bool) -> bool {
         for group in &mut self.groups {
             group.is_asking = asks(group.obstacle);
         }
@@ -126,7 +138,7 @@ impl ObstacleContacts {
         is_any
     }
 
-    /// What obstacles that ask have given to particles in the last substep: the obstacle, the particle's slot, and the
+    /// The pushes of obstacles that ask on particles in the last substep: the obstacle, the particle's slot, and the
     /// change of its displacement in metres.
     pub fn given(&self) -> impl Iterator<Item = (usize, usize, Vec3)> + '_ {
         let asking = self.candidates.iter().zip(&self.given).filter_map(|(candidate, given)| {
@@ -136,17 +148,17 @@ impl ObstacleContacts {
         asking.flat_map(|(candidate, obstacle, given)| {
             let pushed =
                 (0..LANES).map(|lane| (lane, given.get(lane))).filter(|(_, given)| *given != Vec3::ZERO);
-            pushed.map(move |(lane, given)| (obstacle, candidate.cell as usize * LANES + lane, given))
+            pushed.map(move |(lane, given)| (obstacle, candidate.slot(lane), given))
         })
     }
 
-    /// Puts the candidates in the order in which a sweep takes them, and notes where each strip's begin.
+    /// Sorts the candidates into the order in which a sweep takes them, and records the first one of each strip.
     pub fn sort(&mut self) {
         let Self { layout, candidates, first_of_strip, pushes, .. } = self;
         first_of_strip.clear();
         let (cells_of_strip, strips) = layout.strips();
         if !candidates.is_empty() {
-            // As much as one obstacle can ask for, at once: what comes near bit by bit does not allocate bit by bit.
+            // Reserves for all cells at once, so that cells that come near one by one do not allocate one by one.
             let cells = layout.cells();
             candidates.reserve(cells.saturating_sub(candidates.len()));
             pushes.reserve(cells.saturating_sub(pushes.len()));
@@ -171,34 +183,34 @@ impl ObstacleContacts {
     }
 }
 
-/// Some strips of a body, and what of them may touch obstacles.
+/// The contacts of some strips of a body with obstacles.
 pub(crate) struct ObstacleRows<'a> {
     groups: &'a [ObstacleGroup],
     planes: &'a [LanePlanes],
-    /// Of the whole body, as are the cells of candidates.
+    /// Indices of the whole body, as are the cells of candidates.
     first_of_strip: &'a [u32],
-    /// Candidates of the strips above.
+    /// The number of candidates in the strips above.
     before: usize,
     candidates: &'a mut [Candidate],
     pushes: &'a mut [Pushes],
-    /// Empty where no obstacle asks.
+    /// Empty if no obstacle asks.
     given: &'a mut [Cell],
 }
 
-/// What of some strips one obstacle may touch.
+/// The contacts of some strips with one obstacle.
 struct GroupRows<'a> {
     candidates: &'a mut [Candidate],
     pushes: &'a mut [Pushes],
     given: &'a mut [Cell],
 }
 
-/// Cuts an account in two, if it is kept.
+/// Splits the sums of pushes in two; an empty list gives two empty ones.
 #[inline(always)]
-fn split_if_kept(given: &mut [Cell], middle: usize) -> (&mut [Cell], &mut [Cell]) {
+fn split_given(given: &mut [Cell], middle: usize) -> (&mut [Cell], &mut [Cell]) {
     given.split_at_mut(middle.min(given.len()))
 }
 
-/// What the contacts of one projection have in common.
+/// The data that all contacts of one projection share.
 pub(crate) struct ObstacleProjection<'a> {
     obstacles: &'a [Obstacle],
     origin: Vec3,
@@ -207,7 +219,7 @@ pub(crate) struct ObstacleProjection<'a> {
     substeps: u32,
     thickness: f32,
     rate: PushOutRate,
-    /// Whether it is the first projection of the substep.
+    /// True if it is the first projection of the substep.
     is_first: bool,
 }
 
@@ -230,23 +242,23 @@ impl<'a> ObstacleProjection<'a> {
 }
 
 impl ObstacleRows<'_> {
-    /// Whether no particle can touch an obstacle in this step.
+    /// True if no particle can touch an obstacle in this step.
     pub fn is_empty(&self) -> bool {
         self.candidates.is_empty()
     }
 
-    /// Candidates of the body above `strip`.
+    /// The number of candidates of the body above `strip`.
     pub fn candidates_above(&self, strip: usize) -> usize {
         self.first_of_strip.get(strip).map_or(0, |&first| first as usize)
     }
 
-    /// Cuts them in two above `strip`.
+    /// Splits the contacts in two above `strip`.
     pub fn split_at(&mut self, strip: usize) -> (ObstacleRows<'_>, ObstacleRows<'_>) {
         let &mut Self { groups, planes, first_of_strip, before, .. } = self;
         let middle = first_of_strip.get(strip).map_or(before, |&first| first as usize);
         let (candidates, others) = self.candidates.split_at_mut(middle - before);
         let (pushes, other_pushes) = self.pushes.split_at_mut(middle - before);
-        let (given, other_given) = split_if_kept(self.given, middle - before);
+        let (given, other_given) = split_given(self.given, middle - before);
         (
             ObstacleRows { groups, planes, first_of_strip, before, candidates, pushes, given },
             ObstacleRows {
@@ -267,11 +279,11 @@ impl ObstacleRows<'_> {
         let place = |strip: usize| self.first_of_strip[strip] as usize - self.before;
         let range = place(strips.start)..place(strips.end);
         let mut pushes = &mut self.pushes[range.clone()];
-        let (_, mut given) = split_if_kept(self.given, range.start);
+        let (_, mut given) = split_given(self.given, range.start);
         self.candidates[range].chunk_by_mut(|a, b| a.group == b.group).map(move |candidates| {
             let (own, others) = core::mem::take(&mut pushes).split_at_mut(candidates.len());
             pushes = others;
-            let (own_given, others) = split_if_kept(core::mem::take(&mut given), candidates.len());
+            let (own_given, others) = split_given(core::mem::take(&mut given), candidates.len());
             given = others;
             GroupRows { candidates, pushes: own, given: own_given }
         })
@@ -317,8 +329,8 @@ impl ObstacleRows<'_> {
         }
     }
 
-    /// Takes tangential displacement from every particle of these strips that was projected. Comes last in the substep,
-    /// after displacements were brought up to date.
+    /// Friction: takes tangential displacement from every particle of these strips that was projected. It comes last in
+    /// the substep, after displacements have followed positions.
     #[inline(always)]
     pub fn apply_friction<S: Simd>(
         &mut self,
@@ -344,11 +356,11 @@ impl ObstacleRows<'_> {
                 let displacement = Lanes3::load(simd, &moving.displacement[cell]);
                 let mut slip = displacement;
                 if group.is_moving {
-                    // The surface point under the particle came from where the same local point was before.
+                    // The way of the surface under the particle is that of the same local point.
                     slip = slip.minus(position.minus(before.point_to_world(now.to_local(position))));
                 }
                 let normal = Lanes3::load(simd, &pushes.normal);
-                // Coulomb: at most the coefficient times the depth, and never more than there is. See `friction.rs`.
+                // Coulomb: at most the coefficient times the depth, and never more than the slip. See `friction.rs`.
                 let tangential = slip.minus(normal.times(slip.dot(normal)));
                 let length = tangential.dot(tangential).sqrt();
                 let is_slipping = length.simd_gt(depth * group.friction.sticking);
@@ -367,7 +379,7 @@ impl ObstacleRows<'_> {
     }
 }
 
-/// One obstacle, as the particles of a cell meet it in one projection.
+/// One obstacle against the particles of a cell in one projection.
 struct CellContact<'a, S: Simd> {
     solid: Solid<'a>,
     before: LanePose<S>,
@@ -415,28 +427,28 @@ impl<S: Simd> CellContact<'_, S> {
             let local = self.now.to_local(position);
             outward = outward.minus(position.minus(self.before.point_to_world(local)));
         }
-        // The tangent plane rules out an overlap at the start of the substep, or the shape is asked for it.
-        let may_be_old = (depth + outward.dot(normal)).simd_gt(LEAST_OVERLAP) & is_inside;
-        let (mut fresh, mut out) = (depth, depth);
-        if may_be_old.any_true() {
+        // Unless the tangent plane rules out an overlap at the start of the substep, the shape is queried there.
+        let may_overlap = (depth + outward.dot(normal)).simd_gt(LEAST_OVERLAP) & is_inside;
+        let (mut with_velocity, mut out) = (depth, depth);
+        if may_overlap.any_true() {
             let (distance, _) = self.solid.surface_at(simd, position.minus(travel), self.before);
             let overlap = f32x16::splat(simd, thickness) - distance;
             let overlap = overlap.simd_gt(zero).select(overlap, zero);
-            let old = may_be_old.select(overlap.simd_lt(depth).select(overlap, depth), zero);
+            let initial = may_overlap.select(overlap.simd_lt(depth).select(overlap, depth), zero);
             let known = load(simd, &pushes.left);
-            let left = known.simd_lt(zero).select(rate.left_in_lanes(simd, old), known);
-            let taken = old - left;
-            fresh = depth - old;
-            out = fresh + taken.simd_gt(zero).select(taken, zero);
-            pushes.left = may_be_old.select(left, known).to_array();
+            let left = known.simd_lt(zero).select(rate.left_in_lanes(simd, initial), known);
+            let taken = initial - left;
+            with_velocity = depth - initial;
+            out = with_velocity + taken.simd_gt(zero).select(taken, zero);
+            pushes.left = may_overlap.select(left, known).to_array();
         }
         let out = normal.times(out);
-        let with_velocity = displacement.plus(normal.times(fresh));
-        with_velocity.or(is_inside, displacement).store(&mut moving.displacement[cell]);
+        let moved = displacement.plus(normal.times(with_velocity));
+        moved.or(is_inside, displacement).store(&mut moving.displacement[cell]);
         position.plus(out).or(is_inside, position).store(&mut moving.position[cell]);
         integrated.plus(out).or(is_inside, integrated).store(&mut moving.integrated[cell]);
         let summed = load(simd, &pushes.depth);
-        pushes.depth = is_inside.select(summed + fresh, summed).to_array();
+        pushes.depth = is_inside.select(summed + with_velocity, summed).to_array();
         normal.or(is_inside, Lanes3::load(simd, &pushes.normal)).store(&mut pushes.normal);
     }
 }

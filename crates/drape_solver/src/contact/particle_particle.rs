@@ -7,14 +7,16 @@
 //!             overlap           if C < 0:  x_a -= w_a C n / (w_a + w_b),  x_b += w_b C n / (w_a + w_b)
 //! ```
 //!
-//! Particles that are as near to each other at rest are let be: sticks hold them.
+//! Particles that are this near to each other at rest are left out: sticks hold them.
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
 use crate::broad_phase::cell_list::CellList;
 use crate::broad_phase::relative_motion::Motion;
 use crate::constants::{CONTACT_SLACK, NEIGHBOURS_AT_REST, SKIN};
-use crate::contact::cloth_cloth::{ClothContact, Corner, Penetration, has_triangles};
+use crate::contact::cloth_contact::{ClothContact, Corner, Penetration, has_triangles};
 use crate::contact::depenetration::PushOutRate;
 use crate::state::body::Body;
 
@@ -22,19 +24,19 @@ use crate::state::body::Body;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ParticlePairs {
     cells: CellList,
-    /// Particles of bodies with self-contact, body by body, and where they were when the pairs were listed.
+    /// Particles of bodies with self-contact, body by body, with their places when the pairs were listed.
     holders: Vec<Holder>,
-    /// Pairs of places in `holders`, the lower in the upper half, in order.
+    /// Pairs of indices into `holders`, sorted; the lower index is in the upper 32 bits.
     pairs: Vec<u64>,
-    /// For each pair the relative motion from which on it has to be looked at again.
+    /// For each pair the relative motion in metres at which it must be tested again.
     wake_at: Vec<f32>,
-    /// Relative motion up to which the list holds; none if there is no list.
+    /// Relative motion in metres up to which the list holds; none if there is no list.
     holds_until: Option<f32>,
-    /// Those that may touch in this substep.
+    /// Contacts that may touch in this substep.
     near: Vec<ClothContact<2>>,
 }
 
-/// A particle where it was when the pairs were listed.
+/// A particle with its place when the pairs were listed.
 #[derive(Clone, Copy, Debug)]
 struct Holder {
     corner: Corner,
@@ -57,12 +59,12 @@ impl ParticlePairs {
         self.near.retain(|contact| contact.corners.iter().all(|corner| corner.body as usize != body));
     }
 
-    /// Whether anything may touch in this substep.
+    /// True if anything may touch in this substep.
     pub fn is_near(&self) -> bool {
         !self.near.is_empty()
     }
 
-    /// Those that may touch in this substep.
+    /// Contacts that may touch in this substep.
     pub fn near(&self) -> &[ClothContact<2>] {
         &self.near
     }
@@ -130,14 +132,14 @@ impl ParticlePairs {
                 pairs.push((u64::from(a) << 32) | u64::from(b));
             }
         });
-        // So that the order in which they are projected does not tell when they were listed.
+        // Sorted, so that the order of projections does not depend on when the pairs were listed.
         pairs.sort_unstable();
         wake_at.resize(pairs.len(), f32::NEG_INFINITY);
-        // As long as this may get: then no step allocates for what first touches in it.
+        // Reserves for all pairs, so that no later step allocates when pairs first touch.
         self.near.reserve(pairs.len());
     }
 
-    /// Moves particles apart that overlap.
+    /// Moves overlapping particles apart.
     pub fn project(&mut self, bodies: &mut [Body], rate: PushOutRate) {
         let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
         for contact in &mut self.near {
@@ -161,14 +163,14 @@ impl ParticlePairs {
         }
     }
 
-    /// Friction between those that touched.
+    /// Friction between particles that touched.
     pub fn apply_friction(&self, bodies: &mut [Body]) {
         self.near.iter().for_each(|contact| contact.apply_friction(bodies));
     }
 }
 
-/// Whether two may touch at all: two bodies not if they meet by triangles, and of one body those that are no neighbours
-/// at rest.
+/// True if two particles may touch at all: not if both bodies touch by triangles, and not if they are neighbours at
+/// rest in one body.
 fn may_touch(a: &Holder, b: &Holder, bodies: &[Body]) -> bool {
     let [p, q] = [a, b].map(|holder| &bodies[holder.corner.body as usize]);
     let is_one = a.corner.body == b.corner.body;

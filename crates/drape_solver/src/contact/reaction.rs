@@ -1,8 +1,10 @@
-//! What bodies and balls do to obstacles: the exact opposite of every push that contacts and friction gave them.
+//! Reactions on obstacles: the exact opposite of every push that contacts and friction gave to bodies and balls.
 //!
 //! A push changes a displacement by `d`, and so the momentum by `m d / h` with the substep `h`. For obstacles that ask,
-//! contacts sum up these `m d` as they push; after each substep the sums are added up here in double precision, with the
-//! moments of their points. Overlaps that are taken out in position only change no momentum and do not count.
+//! contacts sum up these `m d` as they push; after each substep the sums are added up here in double precision, with
+//! the moments of their points. Overlaps that are taken out in position only change no momentum, so they do not count.
+//!
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::DVec3;
 
@@ -18,21 +20,21 @@ use crate::state::substep::Substep;
 /// The sums of one step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reactions {
-    /// Whether anything near an obstacle that asks may be pushed in this step.
+    /// True if an obstacle that asks for its reactions may push anything in this step.
     is_on: bool,
-    /// In order of the obstacles.
+    /// One for each obstacle, in order of the obstacles.
     sums: Vec<ReactionSum>,
 }
 
-/// What was given to bodies and balls by one obstacle.
+/// The sum of the pushes of one obstacle on bodies and balls.
 #[derive(Clone, Copy, Debug)]
 struct ReactionSum {
     obstacle: usize,
     /// In newton seconds.
     impulse: DVec3,
-    /// About the world's origin.
+    /// In newton metre seconds, about the world's origin.
     angular_impulse: DVec3,
-    /// Where the obstacle is at the end of the step, if nothing moves it.
+    /// Place of the obstacle at the end of the step, if nothing moves it.
     end: DVec3,
 }
 
@@ -42,7 +44,7 @@ impl Reactions {
         self.sums.clear();
     }
 
-    /// Whether the step has to be taken substep by substep.
+    /// True if the step must go substep by substep.
     pub fn is_on(&self) -> bool {
         self.is_on
     }
@@ -51,7 +53,7 @@ impl Reactions {
         let ObstaclePush { obstacle, point, push, moment } = given;
         let [impulse, couple] = [push, moment].map(|sum| sum.as_dvec3() / f64::from(substep));
         let angular_impulse = point.cross(impulse) + couple;
-        // What is lost in a body that has to be left out is lost with it.
+        // A body that is no longer finite is removed, and its momentum with it.
         if !(impulse.is_finite() && angular_impulse.is_finite()) {
             return;
         }
@@ -68,18 +70,18 @@ impl Reactions {
     }
 }
 
-/// Finds out whether anything may touch an obstacle that asks.
+/// Finds the obstacles near bodies and balls that ask for their reactions.
 pub(crate) fn detect(reactions: &mut Reactions, contacts: &mut IslandContacts, obstacles: &[Obstacle]) {
     let asks = |index: usize| obstacles[index].keeps_account();
     for contacts in &mut contacts.bodies {
-        reactions.is_on |= contacts.obstacles.keep_given(asks);
+        reactions.is_on |= contacts.obstacles.mark_asking(asks);
         reactions.is_on |= contacts.faces.obstacles().any(asks);
         reactions.is_on |= contacts.embedded.obstacles().any(asks);
     }
     reactions.is_on |= contacts.ball_obstacle.obstacles().any(asks);
 }
 
-/// Adds what was given in the substep that has just been taken.
+/// Adds the pushes of the substep that has just ended.
 pub(crate) fn gather(
     reactions: &mut Reactions,
     contacts: &IslandContacts,
@@ -108,7 +110,7 @@ pub(crate) fn gather(
     contacts.ball_obstacle.given(balls).for_each(add);
 }
 
-/// Gives the reactions of the step, in order of the obstacles.
+/// Writes the reactions of the step, in order of the obstacles.
 pub(crate) fn finish(sums: &Reactions, movers: &[Mover], reactions: &mut Vec<Reaction>) {
     reactions.clear();
     reactions.extend(sums.sums.iter().map(|sum| {

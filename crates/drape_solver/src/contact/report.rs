@@ -1,7 +1,9 @@
-//! What bodies and balls touched over a step, pair by pair: kept for those that ask for it.
+//! Contact reports: the contacts of bodies and balls over a step, pair by pair, for those that ask for reports.
 //!
-//! Contacts themselves know the last substep only. After each substep what was pushed in it is added up here; what asks
-//! for no report costs nothing. Sensors, which push nothing, are looked for here alone.
+//! Contacts keep the last substep only. After each substep its pushes are added up here; bodies and balls that ask for
+//! no report cost nothing. Sensors, which push nothing, are tested here alone.
+//!
+//! Design: `docs/design/contact_reports.md`.
 
 use glam::Vec3;
 
@@ -19,14 +21,14 @@ use crate::state::body::Body;
 use crate::state::obstacle::Obstacle;
 use crate::state::substep::Substep;
 
-/// The account of one step.
+/// The report of one step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactReport {
-    /// Whether there is something to look for after each substep.
+    /// True if there is something to gather after each substep.
     is_on: bool,
-    /// In order of the pairs.
+    /// One for each pair, in order of the pairs.
     accounts: Vec<Account>,
-    /// Who may touch which sensor.
+    /// Bodies and balls that may touch sensors.
     watches: Vec<Watch>,
     /// The cells of bodies that may touch sensors.
     watched_cells: Vec<u32>,
@@ -34,23 +36,23 @@ pub(crate) struct ContactReport {
     reporting: Vec<usize>,
 }
 
-/// What has happened to a pair since the step began.
+/// The contact of one pair since the step began.
 #[derive(Clone, Copy, Debug)]
 struct Account {
     pair: (Party, Other),
     contact: Contact,
     /// Corners of the face that the contact is on.
     face: Option<[u32; 3]>,
-    /// The hardest push on one particle or face so far: its place is the contact's.
+    /// The hardest push on one particle or face so far, in newton seconds: its place is that of the contact.
     hardest: f32,
 }
 
-/// Somebody who may touch a sensor in this step.
+/// A body or ball that may touch a sensor in this step.
 #[derive(Clone, Copy, Debug)]
 struct Watch {
     party: Party,
     sensor: usize,
-    /// The first of a body's cells in the list, and the one after the last.
+    /// The range of a body's cells in the list: the first, and one past the last.
     cells: [usize; 2],
 }
 
@@ -59,14 +61,14 @@ struct ReportedPush {
     pair: (Party, Other),
     point: Vec3,
     normal: Vec3,
-    /// In newton seconds.
+    /// Impulse in newton seconds.
     impulse: f32,
     feature: Option<Feature>,
     face: Option<[u32; 3]>,
 }
 
 impl ContactReport {
-    /// Begins the account of a step.
+    /// Clears the report for a new step.
     pub fn clear(&mut self) {
         self.is_on = false;
         self.accounts.clear();
@@ -75,12 +77,12 @@ impl ContactReport {
         self.reporting.clear();
     }
 
-    /// Whether the step has to be taken substep by substep.
+    /// True if the step must go substep by substep.
     pub fn is_on(&self) -> bool {
         self.is_on
     }
 
-    /// Leaves out a body or ball that was taken out of the island.
+    /// Drops a body or ball that was taken out of the island.
     pub fn forget(&mut self, gone: Other) {
         self.watches.clear();
         self.accounts.retain_mut(|account| {
@@ -93,7 +95,7 @@ impl ContactReport {
         });
     }
 
-    /// Leaves out a body that is empty from now on.
+    /// Drops a body that is empty from now on.
     pub fn vacate(&mut self, body: usize) {
         let is_it = |party: Party| party == Party::Body(body);
         self.watches.retain(|watch| !is_it(watch.party));
@@ -125,7 +127,7 @@ impl ContactReport {
     }
 }
 
-/// Finds out what is to be accounted for in this step, in which no particle moves more than `reach` metres.
+/// Finds the pairs to be reported in this step, in which no particle moves more than `reach` metres.
 pub(crate) fn detect(
     report: &mut ContactReport,
     contacts: &IslandContacts,
@@ -136,8 +138,8 @@ pub(crate) fn detect(
 ) {
     for (index, (body, of_body)) in bodies.iter().zip(&contacts.bodies).enumerate() {
         let is_reported = |obstacle: &Obstacle| body.reports_contacts || obstacle.reports_contacts();
-        let mut met = of_body.obstacles.obstacles().chain(of_body.faces.obstacles());
-        let is_touched = met.any(|index| is_reported(&obstacles[index]));
+        let mut near = of_body.obstacles.obstacles().chain(of_body.faces.obstacles());
+        let is_touched = near.any(|index| is_reported(&obstacles[index]));
         report.is_on |= is_touched || (body.reports_contacts && !balls.is_empty());
         let reach = reach + body.settings.thickness;
         for sensor in of_body.obstacles.near.iter().map(|&index| index as usize) {
@@ -174,7 +176,7 @@ pub(crate) fn detect(
     report.is_on |= !report.watches.is_empty() || balls.iter().any(|ball| ball.reports_contacts);
 }
 
-/// Adds what was pushed in the substep that has just been taken.
+/// Adds the pushes of the substep that has just ended.
 pub(crate) fn gather(
     report: &mut ContactReport,
     contacts: &IslandContacts,
@@ -191,7 +193,7 @@ pub(crate) fn gather(
     sense(report, bodies, balls, substep);
 }
 
-/// Particles and faces that obstacles have pushed.
+/// Adds particles and faces that obstacles have pushed.
 fn gather_particles(
     report: &mut ContactReport,
     contacts: &[BodyContacts],
@@ -209,7 +211,7 @@ fn gather_particles(
                 pair: (Party::Body(index), Other::Obstacle(obstacle)),
                 point: surface + particles.origin,
                 normal,
-                // What was pushed out in one substep was that fast, and weighed this much.
+                // Mass times the velocity that the push has changed.
                 impulse: depth / (particles.inverse_mass[slot] * substep.duration),
                 feature: particles.layout.index(slot).map(Feature::Particle),
                 face: None,
@@ -244,7 +246,7 @@ fn gather_particles(
     }
 }
 
-/// Particles of bodies that have pushed each other.
+/// Adds particles of bodies that have pushed each other.
 fn gather_bodies(report: &mut ContactReport, contacts: &SelfContacts, bodies: &[Body], substep: Substep) {
     for (ends, normal, depth) in contacts.pushed_bodies() {
         if !ends.iter().any(|&(body, _)| bodies[body].reports_contacts) {
@@ -269,7 +271,7 @@ fn gather_bodies(report: &mut ContactReport, contacts: &SelfContacts, bodies: &[
     }
 }
 
-/// Faces and segments that balls have pushed. The ball's [touch](Touch) has all else about the pair.
+/// Adds faces and segments that balls have pushed. The ball's [touch](Touch) has the rest of the contact.
 fn gather_faces(report: &mut ContactReport, contacts: &[BallCloth], bodies: &[Body], balls: &[Ball]) {
     for contact in contacts {
         let (ball, body) = (contact.ball, contact.body);
@@ -295,7 +297,7 @@ fn gather_faces(report: &mut ContactReport, contacts: &[BallCloth], bodies: &[Bo
     }
 }
 
-/// Looks for whoever is within a sensor.
+/// Adds bodies and balls that are within a sensor.
 fn sense(report: &mut ContactReport, bodies: &[Body], balls: &[Ball], substep: Substep) {
     let fraction = (substep.index + 1) as f32 / substep.count as f32;
     for place in 0..report.watches.len() {
@@ -338,10 +340,10 @@ fn sense(report: &mut ContactReport, bodies: &[Body], balls: &[Ball], substep: S
     }
 }
 
-/// Whether a point, in the shape's coordinates, is inside it or nearer to it than `distance` metres.
+/// True if a point, in the shape's coordinates, is inside it or nearer to it than `distance` metres.
 fn is_within(shape: &Shape, point: Vec3, distance: f32) -> bool {
     match shape {
-        // Its nearest point of the surface costs memory where the point is inside.
+        // Parry's projection onto the surface allocates for points inside.
         Shape::Parry(shape) => shape.distance_to_local_point(point, true) < distance,
         shape => shape.surface(point).distance < distance,
     }
@@ -361,7 +363,7 @@ pub(crate) fn finish(
         Other::Ball(i) => balls[i].reports_contacts,
         Other::Obstacle(i) => report.reporting.binary_search(&i).is_ok(),
     };
-    for touch in touches.iter() {
+    for touch in touches {
         let Touch { ball, other, time, point, normal, impulse, .. } = *touch;
         // Two balls have a touch each.
         let is_second = matches!(other, Other::Ball(second) if second < ball);
@@ -372,7 +374,7 @@ pub(crate) fn finish(
         contacts.push(Contact { party, other, time, point, normal, impulse, feature: None });
     }
     contacts.sort_unstable_by_key(Contact::pair);
-    // Of a ball and a cloth the account has the place only: the touch has all else.
+    // Of a ball and a cloth the report has the feature only: the touch has the rest.
     for account in &report.accounts {
         match (account.pair, contacts.binary_search_by_key(&account.pair, Contact::pair)) {
             ((Party::Ball(_), Other::Body(body)), Ok(place)) => {

@@ -1,7 +1,7 @@
-//! Restitution: how fast two part again after they have met.
+//! Restitution: the speed at which two move apart after an impact.
 //!
-//! A projection leaves two surfaces touching at the end of the substep in which they met. What bounces has moved away
-//! again by then, for the part of the substep that was left:
+//! A projection leaves two surfaces touching at the end of the substep in which they met. A body that bounces has
+//! already moved away again by then, for the rest of the substep:
 //!
 //! ```text
 //!   gap  \           .             approach   a : displacement towards each other in a substep
@@ -11,11 +11,13 @@
 //! ```
 //!
 //! so that neither loses the rest of its step. Restitution is Newton's: the ratio of the normal speeds after and before.
+//!
+//! Design: `docs/design/contacts.md`.
 
 use crate::constants::RESTITUTION_SPEED;
 use crate::state::friction::combined;
 
-/// How two met in a substep.
+/// The impact of two in a substep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Impact {
     /// Displacement towards each other in the substep, metres; 0 if they have not met.
@@ -24,25 +26,26 @@ pub(crate) struct Impact {
     fraction: f32,
 }
 
-/// What a rebound adds, in metres along the normal.
+/// The displacements of a rebound, in metres along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rebound {
-    /// Displacement apart, per substep, that they are to have.
+    /// Displacement apart per substep after the rebound.
     pub displacement: f32,
-    /// How far apart they are by the end of this substep.
+    /// Distance apart at the end of this substep.
     pub position: f32,
 }
 
 impl Impact {
-    /// Notes the first projection of a substep: `gap_change` (metres) is what the gap has changed by in it so far, and
-    /// `fraction` the part of it after which the surfaces met.
+    /// Records the first projection of a substep. `gap_change` (metres) is the change of the gap in the substep so far,
+    /// `fraction` the part of the substep after which the surfaces met.
     pub fn note(&mut self, gap_change: f32, fraction: f32) {
         if self.approach == 0.0 {
             *self = Self { approach: (-gap_change).max(0.0), fraction };
         }
     }
 
-    /// How they part, if they do: surfaces with these coefficients (the mean counts), in a `substep` of so many seconds.
+    /// The rebound of surfaces with these coefficients (the mean counts), in a `substep` of so many seconds; none if
+    /// they do not bounce.
     pub fn rebound(self, [first, second]: [f32; 2], substep: f32) -> Option<Rebound> {
         let restitution = combined(first, second);
         let displacement = restitution * self.approach;

@@ -10,86 +10,67 @@
 //!     /--+--\                 o
 //! ```
 //!
-//! What has passed through within the substep is led back to the side that it came from: then the normal is that of the
-//! place and time of passing. Layers that cross when a substep begins have no such side. There contacts would hold the
-//! tangle fast, so those whose corners all lie at a crossing are let be, and the crossing is led apart instead, in
-//! position only (`crossing`).
+//! Parts that have passed through within the substep are moved back to their own side: the normal is then that of the
+//! place and time of passing. Layers that cross when a substep begins have no such side, and contacts would hold them
+//! tangled. So contacts whose corners all lie at a crossing are skipped, and the crossing is moved apart instead, in
+//! position only (`untangle.rs`).
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
 use crate::broad_phase::relative_motion::{Motion, RelativeMotion};
 use crate::broad_phase::surface_pairs::{PlacedSurface, PlacedTree};
-use crate::constants::{
-    CONTACT_SLACK, NEIGHBOURS_AT_REST, SKIN, SKIN_OF_EDGE, SLACK_OF_SUBSTEPS, UNTANGLING_SPEED,
-};
-use crate::contact::ccd::{Passage, edges_passed, face_passed};
-use crate::contact::cloth_cloth::{ClothContact, Corner, Penetration, has_triangles};
+use crate::constants::{CONTACT_SLACK, SKIN, SKIN_OF_EDGE, SLACK_OF_SUBSTEPS, UNTANGLING_SPEED};
+use crate::contact::ccd::Passage;
+use crate::contact::cloth_contact::{ClothContact, Corner, has_triangles};
 use crate::contact::depenetration::PushOutRate;
+use crate::contact::triangle_pair::{Kind, MAY_CROSS, Pair, all_parts, own_parts};
 use crate::contact::untangle::{CrossedFaces, crossings};
-use crate::geometry::nearest_segments::between_segments;
-use crate::geometry::nearest_triangle::on_triangle;
+use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::separation::separation;
 use crate::state::body::Body;
-use crate::state::surface_tree::SurfaceElement;
 
 /// The triangles of an island that may touch each other.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TrianglePairs {
-    /// Of each body, where the patches and the particles are, the latter by slot.
+    /// For each body, the boxes of its patches.
     trees: Vec<PlacedTree>,
+    /// For each body, the places of its particles, by slot.
     places: Vec<Vec<CornerPlaces>>,
     pairs: Vec<Pair>,
-    /// For each pair the relative motion from which on it has to be looked at again.
+    /// For each pair the relative motion in metres at which it must be tested again.
     wake_at: Vec<f32>,
-    /// Relative motion up to which the list holds; none if there is no list.
+    /// Relative motion in metres up to which the list holds; none if there is no list.
     holds_until: Option<f32>,
-    /// Relative motion up to which those found near are all that may touch.
+    /// Relative motion in metres up to which `near` holds all that may touch.
     found_until: f32,
-    /// Pairs that are near enough to be looked at.
+    /// Pairs that are near enough to be tested.
     awake: Vec<Awake>,
     /// Edges through faces, when the substep began.
     crossings: Vec<CrossedFaces>,
-    /// For each body its slots at a crossing, and a list of those.
+    /// For each body and slot, true at a crossing; and a list of these slots.
     is_crossing: Vec<Vec<bool>>,
     crossing_slots: Vec<Corner>,
-    /// What may touch in this substep.
+    /// Contacts that may touch in this substep.
     near: Vec<ClothContact<4>>,
     kinds: Vec<Kind>,
-    /// How often the projections may still be repeated in this step.
+    /// The number of repeated projections that are left in this step.
     repeats_left: u32,
 }
 
-/// Where a particle was when the substep began, and is after its flight.
+/// The place of a particle when the substep began, and after free flight.
 #[derive(Clone, Copy, Debug)]
 struct CornerPlaces {
     start: Vec3,
     now: Vec3,
 }
 
-/// Two elements and what of them is looked at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Pair {
-    bodies: [u32; 2],
-    elements: [u32; 2],
-    /// Bits of corners of the first on the second's face (0 to 2) and the other way round (3 to 5), of edge `j` on edge
-    /// `k` (6 + 3 j + k), and of whether they may cross (15).
-    parts: u16,
-}
-
-const MAY_CROSS: u16 = 1 << 15;
-
 #[derive(Clone, Copy, Debug)]
 struct Awake {
     pair: Pair,
-    /// How far the two could come nearer in the flight of this substep, in metres.
+    /// Greatest approach of the two in this substep's free flight, in metres.
     flight: f32,
-}
-
-/// What touches: the first corner the face of the others, or the first two the last two.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    CornerFace,
-    EdgeEdge,
 }
 
 impl TrianglePairs {
@@ -112,12 +93,12 @@ impl TrianglePairs {
         }
     }
 
-    /// Whether anything may touch in this substep.
+    /// True if anything may touch in this substep.
     pub fn is_near(&self) -> bool {
         !self.near.is_empty()
     }
 
-    /// Those that may touch in this substep.
+    /// Contacts that may touch in this substep.
     pub fn near(&self) -> &[ClothContact<4>] {
         &self.near
     }
@@ -127,13 +108,13 @@ impl TrianglePairs {
         self.pairs.len()
     }
 
-    /// Finds what may touch in this substep, and leads crossings apart.
+    /// Finds contacts that may touch in this substep, and moves crossings apart.
     pub fn begin_substep(&mut self, bodies: &mut [Body], motion: &RelativeMotion, rate: PushOutRate) {
         if !bodies.iter().any(has_triangles) {
             self.clear();
             return;
         }
-        // Anew in each step, so that no step knows of another.
+        // Each step makes new lists, so that no step depends on another.
         let now = motion.of_step.now;
         if rate.is_first() {
             self.repeats_left = MOST_REPEATS;
@@ -149,7 +130,7 @@ impl TrianglePairs {
             self.near.iter_mut().for_each(ClothContact::begin_substep);
         }
         let way = UNTANGLING_SPEED * rate.substep();
-        self.crossings.iter().for_each(|crossing| crossing.lead_apart(bodies, way));
+        self.crossings.iter().for_each(|crossing| crossing.move_apart(bodies, way));
     }
 
     fn note_places(&mut self, bodies: &[Body]) {
@@ -222,7 +203,7 @@ impl TrianglePairs {
                 });
             }
         }
-        // So that the order in which they are projected does not tell when they were listed.
+        // Sorted, so that the order of projections does not depend on when the pairs were listed.
         pairs.sort_unstable();
         wake_at.resize(pairs.len(), f32::NEG_INFINITY);
     }
@@ -265,7 +246,7 @@ impl TrianglePairs {
         }
     }
 
-    /// Picks the parts of those that may touch, before things have moved by the slack of substeps.
+    /// Picks the parts that may touch before anything has moved by the slack of substeps.
     fn find_near(&mut self, bodies: &[Body], motion: &Motion) {
         let Self { places, awake, is_crossing, near, kinds, .. } = self;
         near.clear();
@@ -293,8 +274,9 @@ impl TrianglePairs {
         }
     }
 
-    /// Moves apart what overlaps, and back what has passed: again and again while something has, as what leads one back
-    /// may push another through. A heap that no order of projections sorts out is left to the next steps.
+    /// Moves overlapping parts apart, and parts that have passed back. It repeats while anything has passed, because
+    /// moving one part back may push another through. A heap that no order of projections separates is left to the next
+    /// steps.
     pub fn project(&mut self, bodies: &mut [Body], rate: PushOutRate) {
         for _ in 1..MOST_PASSES {
             if !self.project_once(bodies, rate) || self.repeats_left == 0 {
@@ -312,7 +294,7 @@ impl TrianglePairs {
         for (contact, &kind) in self.near.iter_mut().zip(&self.kinds) {
             let now = contact.corners.map(|corner| corner.position(bodies, origin));
             let start = contact.corners.map(|corner| corner.start(bodies, origin));
-            if let Some(found) = kind.meet(Passage { start, now }, contact.apart) {
+            if let Some(found) = kind.penetration(Passage { start, now }, contact.apart) {
                 has_passed |= found.depth > contact.apart;
                 contact.push(bodies, rate, found);
             }
@@ -320,202 +302,20 @@ impl TrianglePairs {
         has_passed
     }
 
-    /// Friction between what touched.
+    /// Friction between parts that touched.
     pub fn apply_friction(&self, bodies: &mut [Body]) {
         self.near.iter().for_each(|contact| contact.apply_friction(bodies));
     }
 }
 
-impl Pair {
-    fn elements<'a>(&self, bodies: &'a [Body]) -> [&'a SurfaceElement; 2] {
-        [0, 1].map(|k| {
-            let tree = bodies[self.bodies[k] as usize].topology.surface_tree();
-            &tree.elements[self.elements[k] as usize]
-        })
-    }
-
-    fn corners(&self, bodies: &[Body]) -> [[Corner; 3]; 2] {
-        let [a, b] = self.elements(bodies);
-        [corners_of(a, self.bodies[0]), corners_of(b, self.bodies[1])]
-    }
-
-    /// The distance that the two keep, in metres.
-    fn apart(&self, bodies: &[Body]) -> f32 {
-        self.bodies.iter().map(|&body| bodies[body as usize].settings.thickness).sum()
-    }
-
-    fn for_each_part(&self, bodies: &[Body], mut look: impl FnMut(Kind, [Corner; 4])) {
-        let [a, b] = self.corners(bodies);
-        for k in 0..3 {
-            if self.parts & (1 << k) != 0 {
-                look(Kind::CornerFace, [a[k], b[0], b[1], b[2]]);
-            }
-            if self.parts & (8 << k) != 0 {
-                look(Kind::CornerFace, [b[k], a[0], a[1], a[2]]);
-            }
-        }
-        for (j, k) in (0..3).flat_map(|j| (0..3).map(move |k| (j, k))) {
-            if self.parts & edge_part(j, k) != 0 {
-                let ([p, q], [r, s]) = (SurfaceElement::edge(j), SurfaceElement::edge(k));
-                look(Kind::EdgeEdge, [a[p], a[q], b[r], b[s]]);
-            }
-        }
-    }
-}
-
-impl Kind {
-    /// Weights of the two nearest points.
-    fn nearest(self, [a, b, c, d]: [Vec3; 4]) -> [f32; 4] {
-        match self {
-            Self::CornerFace => {
-                let [u, v, w] = on_triangle([b, c, d], a);
-                [1.0, -u, -v, -w]
-            }
-            Self::EdgeEdge => {
-                let [s, t] = between_segments([a, b], [c, d]);
-                [1.0 - s, s, t - 1.0, -t]
-            }
-        }
-    }
-
-    /// How the two overlap, if they do.
-    fn meet(self, passage: Passage, apart: f32) -> Option<Penetration<4>> {
-        let slack = CRACK_SLACK * apart;
-        let passed = match self {
-            Self::CornerFace => face_passed(&passage, slack),
-            Self::EdgeEdge => edges_passed(&passage, slack),
-        };
-        let Passage { start, now } = passage;
-        let meeting = |weights, normal: Vec3, height: f32| Penetration {
-            weights,
-            normal,
-            depth: apart - height,
-            outward: height - weighted(weights, start).dot(normal),
-            at_start: apart - weighted(self.nearest(start), start).length(),
-        };
-        if let Some((weights, normal)) = passed {
-            let height = weighted(weights, now).dot(normal);
-            return (height < apart).then(|| meeting(weights, normal, height));
-        }
-        let weights = self.nearest(now);
-        let way = weighted(weights, now);
-        let distance_squared = way.length_squared();
-        // What touches without a distance has no direction: it is left to others around.
-        if distance_squared >= apart * apart || distance_squared == 0.0 {
-            return None;
-        }
-        let distance = distance_squared.sqrt();
-        Some(meeting(weights, way / distance, distance))
-    }
-}
-
-/// How many substeps two bodies need that fly at each other: what passes deep through sheds its velocity on many corners
-/// that have passed as well, and no order of projections sorts them out; shallow passages are led back.
-pub(crate) fn hit_substeps(bodies: &[Body], dt: f32) -> f32 {
-    let mut wanted = 0.0_f32;
-    for (place, a) in bodies.iter().enumerate().filter(|(_, body)| has_triangles(body)) {
-        for b in bodies[place + 1..].iter().filter(|body| has_triangles(body)) {
-            let [(low_a, high_a), (low_b, high_b)] = [a, b].map(|body| body.particles.bounds());
-            let apart = a.settings.thickness + b.settings.thickness;
-            let path = (a.particles.greatest_speed() + b.particles.greatest_speed()) * dt;
-            let reach = path + apart;
-            if !((low_a - reach).cmple(high_b) & (high_a + reach).cmpge(low_b)).all() {
-                continue;
-            }
-            let edge = a.topology.longest_edge.min(b.topology.longest_edge);
-            let most = apart.max(PATH_OF_SUBSTEP * edge);
-            // The exact speed is worth a look at all particles only where it may matter.
-            if path > most {
-                let way = a.particles.mean_velocity() - b.particles.mean_velocity();
-                wanted = wanted.max(way.length() * dt / most);
-            }
-        }
-    }
-    wanted
-}
-
-/// The part of an edge's length that two bodies may fly at each other in a substep.
-const PATH_OF_SUBSTEP: f32 = 0.25;
-
-/// Projections of a substep at most, where things pass each other.
+/// Greatest number of projections in a substep in which parts pass each other.
 const MOST_PASSES: u32 = 32;
 
-/// Repeated projections of a step at most, over all of its substeps.
+/// Greatest number of repeated projections in a step, over all of its substeps.
 const MOST_REPEATS: u32 = 256;
 
-/// How far beside a triangle or an edge the way may lead that still passes it, in distances that are kept: closes the
-/// cracks between them.
-const CRACK_SLACK: f32 = 0.1;
-
-fn weighted(weights: [f32; 4], points: [Vec3; 4]) -> Vec3 {
-    points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2] + points[3] * weights[3]
-}
-
-fn corners_of(element: &SurfaceElement, body: u32) -> [Corner; 3] {
-    element.slots.map(|slot| Corner { body, slot })
-}
-
-/// Bound on how far two elements whose corners move by these ways come nearer.
+/// Upper bound in metres on the approach of two elements whose corners move by these ways.
 fn greatest_approach([a, b]: [[Vec3; 3]; 2]) -> f32 {
     let between = a.iter().flat_map(|p| b.iter().map(move |q| p.distance_squared(*q)));
     between.fold(0.0, f32::max).sqrt()
-}
-
-fn edge_part(j: usize, k: usize) -> u16 {
-    1 << (6 + 3 * j + k)
-}
-
-/// What is looked at of two elements that have nothing to do with each other at rest.
-fn all_parts([a, b]: [&SurfaceElement; 2]) -> u16 {
-    let mut parts = 0;
-    if b.is_face() {
-        parts |= u16::from(a.corners);
-    }
-    if a.is_face() {
-        parts |= u16::from(b.corners) << 3;
-    }
-    for (j, k) in (0..3).flat_map(|j| (0..3).map(move |k| (j, k))) {
-        if a.edges & (1 << j) != 0 && b.edges & (1 << k) != 0 {
-            parts |= edge_part(j, k);
-        }
-    }
-    // Two links cannot cross.
-    if a.is_face() || b.is_face() { parts | MAY_CROSS } else { parts }
-}
-
-/// The same for two elements of one body: without what shares a corner, or is as near at rest.
-fn own_parts(body: &Body, elements: [usize; 2]) -> u16 {
-    let topology = &body.topology;
-    let [a, b] = elements.map(|place| &topology.surface_tree().elements[place]);
-    let mut parts = all_parts([a, b]);
-    let shares = |p: &[usize], q: &[usize]| p.iter().any(|&i| q.iter().any(|&j| a.slots[i] == b.slots[j]));
-    if shares(&[0, 1, 2], &[0, 1, 2]) {
-        parts &= !MAY_CROSS;
-    }
-    let near = 2.0 * body.settings.thickness * NEIGHBOURS_AT_REST;
-    let rest = |element: &SurfaceElement| {
-        element.indices.map(|index| topology.rest.get(index as usize).copied().unwrap_or_default())
-    };
-    let (p, q) = (rest(a), rest(b));
-    let is_near = |kind: Kind, corners: [Vec3; 4]| {
-        weighted(kind.nearest(corners), corners).length_squared() < near * near
-    };
-    for k in 0..3 {
-        let on_b = || shares(&[k], &[0, 1, 2]) || is_near(Kind::CornerFace, [p[k], q[0], q[1], q[2]]);
-        let on_a = || shares(&[0, 1, 2], &[k]) || is_near(Kind::CornerFace, [q[k], p[0], p[1], p[2]]);
-        if parts & (1 << k) != 0 && on_b() {
-            parts &= !(1 << k);
-        }
-        if parts & (8 << k) != 0 && on_a() {
-            parts &= !(8 << k);
-        }
-    }
-    for (j, k) in (0..3).flat_map(|j| (0..3).map(move |k| (j, k))) {
-        let (own, other) = (SurfaceElement::edge(j), SurfaceElement::edge(k));
-        let corners = [p[own[0]], p[own[1]], q[other[0]], q[other[1]]];
-        if parts & edge_part(j, k) != 0 && (shares(&own, &other) || is_near(Kind::EdgeEdge, corners)) {
-            parts &= !edge_part(j, k);
-        }
-    }
-    parts
 }

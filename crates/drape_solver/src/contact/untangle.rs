@@ -1,8 +1,9 @@
-//! Layers that cross: an edge goes through a face.
+//! Untangling of layers that cross, with an edge through a face.
 //!
-//! Nothing tells on which side of which such layers belong. But the line in which they cross is to become shorter until
-//! it is gone (Volino and Magnenat-Thalmann 2006, "Resolving surface collisions through intersection contour
-//! minimization"). It enters the triangle of the edge at the edge, along the direction `R`, which lies in both planes:
+//! The layers do not show on which side of each other they belong. But the line along which they cross must become
+//! shorter until it is gone (Volino and Magnenat-Thalmann 2006, "Resolving surface collisions through intersection
+//! contour minimization"). The line enters the triangle of the edge at the edge, along the direction `R`, which lies in
+//! both planes:
 //!
 //! ```text
 //!        \   |E           the edge (E) is moved against the face (unit normal N) along
@@ -11,12 +12,14 @@
 //!           \|
 //! ```
 //!
-//! An edge inside a cloth has two triangles, and what they ask for cancels where the cloth is flat: so it is the rim of
-//! the cloth, and the tips of what has poked through, that go back.
+//! An edge inside a cloth has two triangles, whose moves cancel where the cloth is flat. So the rim of the cloth goes
+//! back, and so do the tips of parts that have poked through.
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
-use crate::contact::cloth_cloth::Corner;
+use crate::contact::cloth_contact::Corner;
 use crate::contact::effective_mass::effective_inverse_mass;
 use crate::state::body::Body;
 use crate::state::surface_tree::SurfaceElement;
@@ -26,11 +29,11 @@ use crate::state::surface_tree::SurfaceElement;
 pub(crate) struct CrossedFaces {
     edge: [Corner; 2],
     face: [Corner; 3],
-    /// Where along the edge.
+    /// Place of the crossing along the edge, from 0 to 1.
     along: f32,
     /// Weights of the face's corners there.
     weights: [f32; 3],
-    /// How the edge is to be moved against the face, about as long as 1.
+    /// Direction in which the edge moves against the face, about as long as 1.
     way: Vec3,
 }
 
@@ -52,7 +55,7 @@ pub(crate) fn crossings(corners: [[Corner; 3]; 2], places: [[Vec3; 3]; 2], found
             let Some(weights) = inside(face, normal, point) else { continue };
             let third = places[own][3 - p - q] - places[own][p];
             let line = own_normal.cross(normal).normalize_or_zero();
-            // Into the triangle, from its edge.
+            // From the edge into its triangle.
             let inward = third - edge * (third.dot(edge) / edge.length_squared());
             let line = if line.dot(inward) < 0.0 { -line } else { line };
             let direction = edge.normalize_or_zero();
@@ -84,7 +87,7 @@ impl CrossedFaces {
     }
 
     /// Moves the edge by about `way` (metres) against the face, in position only.
-    pub fn lead_apart(&self, bodies: &mut [Body], way: f32) {
+    pub fn move_apart(&self, bodies: &mut [Body], way: f32) {
         let [u, v, w] = self.weights;
         let weights = [1.0 - self.along, self.along, -u, -v, -w];
         let corners = [self.edge[0], self.edge[1], self.face[0], self.face[1], self.face[2]];

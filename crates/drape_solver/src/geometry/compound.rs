@@ -1,4 +1,6 @@
 //! Several shapes as one obstacle.
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 use parry3d::shape::Compound;
@@ -68,7 +70,7 @@ impl CompoundShape {
         (self.low, self.high)
     }
 
-    /// That of the part which the point is deepest in or nearest to.
+    /// The surface of the part in which the point is deepest, or that is nearest to it.
     pub(crate) fn surface(&self, point: Vec3) -> Surface {
         let mut nearest = Surface { distance: f32::INFINITY, normal: Vec3::Y };
         for part in &self.parts {
@@ -104,37 +106,37 @@ impl CompoundShape {
         nearest
     }
 
-    /// Where a ball that flies from `start` by `way` first meets a part.
-    pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, way: Vec3) -> Option<SweepHit> {
+    /// First hit on a part of a ball that moves from `start` by `path`.
+    pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, path: Vec3) -> Option<SweepHit> {
         let sweep = |shape: &Shape, pose: &Pose| {
             let from = pose.to_local(start);
-            shape.sweep_ball(radius, from, pose.to_local(start + way) - from)
+            shape.sweep_ball(radius, from, pose.to_local(start + path) - from)
         };
-        self.first_met(sweep)
+        self.first_hit(sweep)
     }
 
-    /// Where a triangle or a segment that flies by `way` first meets a part.
-    pub(crate) fn sweep_piece(&self, piece: FaceOrEdge, way: Vec3) -> Option<SweepHit> {
+    /// First hit on a part of a triangle or segment that moves by `path`.
+    pub(crate) fn sweep_piece(&self, piece: FaceOrEdge, path: Vec3) -> Option<SweepHit> {
         let sweep = |shape: &Shape, pose: &Pose| {
-            let way = pose.to_local(way) - pose.to_local(Vec3::ZERO);
-            shape.sweep_piece(piece.map(|corner| pose.to_local(corner)), way)
+            let path = pose.to_local(path) - pose.to_local(Vec3::ZERO);
+            shape.sweep_piece(piece.map(|corner| pose.to_local(corner)), path)
         };
-        self.first_met(sweep)
+        self.first_hit(sweep)
     }
 
-    fn first_met(&self, sweep: impl Fn(&Shape, &Pose) -> Option<SweepHit>) -> Option<SweepHit> {
-        let meetings = self.parts.iter().filter_map(|Part { shape, pose, .. }| {
+    fn first_hit(&self, sweep: impl Fn(&Shape, &Pose) -> Option<SweepHit>) -> Option<SweepHit> {
+        let hits = self.parts.iter().filter_map(|Part { shape, pose, .. }| {
             let SweepHit { fraction, point, plane } = sweep(shape, pose)?;
             let (point, normal) = (pose.point_to_world(point), pose.direction_to_world(plane.normal));
             Some(SweepHit { fraction, point, plane: Plane { normal, offset: normal.dot(point) } })
         });
-        meetings.min_by(|a, b| a.fraction.total_cmp(&b.fraction))
+        hits.min_by(|a, b| a.fraction.total_cmp(&b.fraction))
     }
 
-    /// Where the way from `start` first enters a part: the part of the way, and the normal there.
-    pub(crate) fn cast(&self, start: Vec3, way: Vec3) -> Option<(f32, Vec3)> {
+    /// First entry into a part on the `path` from `start`: the fraction of the path, and the normal there.
+    pub(crate) fn cast(&self, start: Vec3, path: Vec3) -> Option<(f32, Vec3)> {
         let hits = self.parts.iter().filter_map(|part| {
-            let (from, to) = (part.pose.to_local(start), part.pose.to_local(start + way));
+            let (from, to) = (part.pose.to_local(start), part.pose.to_local(start + path));
             let (fraction, normal) = part.shape.cast(from, to - from)?;
             Some((fraction, part.pose.direction_to_world(normal)))
         });

@@ -1,11 +1,14 @@
 //! Triangle meshes, height fields and voxels as obstacles.
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 use parry3d::query::{PointQueryWithLocation, Ray, RayCast};
 use parry3d::shape::{ConvexPolyhedron, HeightField, TriMesh, TriMeshFlags, Voxels};
 
+use crate::constants::SURFACE_NOISE;
 use crate::error::BuildError;
-use crate::geometry::shape::{SURFACE_NOISE, Surface};
+use crate::geometry::shape::Surface;
 
 /// A surface of triangles. Made by [`Shape::from_parry`](crate::Shape::from_parry).
 #[derive(Clone)]
@@ -14,12 +17,12 @@ pub struct MeshShape {
     sides: Sides,
 }
 
-/// What lies behind the triangles.
+/// The side of the triangles on which the body is solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sides {
     /// The mesh is closed: its inside is solid.
     Solid,
-    /// The same, of a convex body.
+    /// The same, and the body is convex.
     Hull,
     /// The mesh is open: a thin sheet, with air on both sides.
     Both,
@@ -28,9 +31,9 @@ enum Sides {
 }
 
 impl MeshShape {
-    /// The inside of a closed mesh is solid, whichever way its triangles turn; an open one is a thin sheet.
+    /// The inside of a closed mesh is solid, however its triangles are wound; an open one is a thin sheet.
     ///
-    /// Vertices at one place are joined, triangles without an area are left out.
+    /// Vertices at one place are joined; triangles without an area are left out.
     pub(crate) fn of_mesh(mesh: &TriMesh) -> Result<Self, BuildError> {
         let sides = |mesh: &TriMesh| if is_closed(mesh.indices()) { Sides::Solid } else { Sides::Both };
         let mut shape = Self::new(mesh.vertices().to_vec(), mesh.indices().to_vec(), sides)?;
@@ -50,7 +53,7 @@ impl MeshShape {
         Self::new(vertices, indices, |_| Sides::Hull)
     }
 
-    /// Whether it is known to be convex.
+    /// True if it is known to be convex.
     pub(crate) fn is_convex(&self) -> bool {
         self.sides == Sides::Hull
     }
@@ -122,18 +125,18 @@ impl MeshShape {
         Surface { distance: sign * length, normal }
     }
 
-    /// Where the way from `start` first meets a triangle: the part of the way, and the normal towards its start.
-    pub(crate) fn cast(&self, start: Vec3, way: Vec3) -> Option<(f32, Vec3)> {
-        let hit = self.mesh.cast_local_ray_and_get_normal(&Ray::new(start, way), 1.0, false)?;
-        let normal = if hit.normal.dot(way) > 0.0 { -hit.normal } else { hit.normal };
+    /// First hit on a triangle on the `path` from `start`: the fraction of the path, and the normal towards its start.
+    pub(crate) fn cast(&self, start: Vec3, path: Vec3) -> Option<(f32, Vec3)> {
+        let hit = self.mesh.cast_local_ray_and_get_normal(&Ray::new(start, path), 1.0, false)?;
+        let normal = if hit.normal.dot(path) > 0.0 { -hit.normal } else { hit.normal };
         Some((hit.time_of_impact, normal))
     }
 }
 
-/// Triangles thinner than this have no direction: the sine of their least angle, about.
+/// Triangles whose least angle has about this sine, or less, have no reliable normal.
 const LEAST_SINE: f32 = 1e-5;
 
-/// Whether every edge has a triangle on either side.
+/// True if every edge has a triangle on either side.
 fn is_closed(triangles: &[[u32; 3]]) -> bool {
     let edges = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)]);
     let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(edges).collect();
@@ -174,7 +177,7 @@ mod tests {
         }
     }
 
-    /// Ten thousand random edits of a world found it: where cloth was put out of all numbers near a mesh, parry panicked.
+    /// Ten thousand random edits of a world found it: parry panicked on points whose coordinates cannot be squared.
     #[test]
     fn a_point_beyond_all_numbers_is_far_from_a_mesh() {
         let (vertices, indices) = cube();

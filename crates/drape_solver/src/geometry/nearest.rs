@@ -1,4 +1,6 @@
-//! Where a triangle or a segment is nearest to a shape: parry's query, for every shape.
+//! The nearest point of a triangle or a segment to a shape: parry's query, for every shape.
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 use parry3d::math::Pose as ParryPose;
@@ -10,14 +12,14 @@ use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::nearest_triangle::{on_segment, on_triangle};
 use crate::geometry::shape::Shape;
 
-/// How an element lies to a shape.
+/// Nearest point of an element to a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Nearest {
-    /// Farther apart than was asked for.
+    /// Farther apart than the reach of the query.
     Apart,
-    /// So far apart, in metres, and nearest at this point of the element.
+    /// Distance in metres, and the nearest point of the element.
     At(f32, Vec3),
-    /// They run through each other, or parry has no query for the two.
+    /// They intersect, or parry has no query for the two.
     Through,
 }
 
@@ -81,7 +83,7 @@ impl Shape {
     /// The point of `piece` that is nearest to the shape, if it is within `reach` metres.
     pub(crate) fn nearest_on(&self, piece: FaceOrEdge, reach: f32) -> Nearest {
         match self {
-            // They are met by particles alone.
+            // Only particles touch these shapes.
             Self::HalfSpace { .. } | Self::Container { .. } => Nearest::Through,
             Self::Sphere { radius } => {
                 let point = piece.nearest_to_origin();
@@ -92,7 +94,7 @@ impl Shape {
                     _ => Nearest::Through,
                 }
             }
-            // A capsule by its core, as GJK gets to the end only where there are corners.
+            // By the capsule's core: GJK converges only on shapes with corners.
             Self::Capsule { half_length, radius } => {
                 let core = Segment::new(Vec3::Y * *half_length, Vec3::NEG_Y * *half_length);
                 match piece.nearest_to_convex(&core, reach + radius) {

@@ -1,16 +1,18 @@
 //! The nearest points of two segments.
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
-/// How far along each of two segments, from 0 to 1, their nearest points lie (Ericson, "Real-Time Collision Detection",
-/// section 5.1.9). A segment may be a point.
+/// Parameters, from 0 to 1, of the nearest points of two segments (Ericson, "Real-Time Collision Detection", section
+/// 5.1.9). A segment may be a point.
 pub(crate) fn between_segments([a, b]: [Vec3; 2], [c, d]: [Vec3; 2]) -> [f32; 2] {
     let (u, v, w) = (b - a, d - c, a - c);
     let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
     let (uw, vw) = (u.dot(w), v.dot(w));
     let part = |along: f32, whole: f32| if whole > 0.0 { (along / whole).clamp(0.0, 1.0) } else { 0.0 };
     let area = uu * vv - uv * uv;
-    // Parallel segments have many nearest points: those by the middle of what they share would do best, the ends will.
+    // Parallel segments have many nearest points; an end of one is good enough.
     let s = if area > 1e-6 * uu * vv { ((uv * vw - uw * vv) / area).clamp(0.0, 1.0) } else { 0.0 };
     let t = if vv > 0.0 { (uv * s + vw) / vv } else { 0.0 };
     if t < 0.0 || vv == 0.0 {

@@ -1,4 +1,6 @@
 //! The nearest point of a segment or triangle, as weights of its corners.
+//!
+//! Design: `docs/design/ball_cloth.md`.
 
 use glam::Vec3;
 
@@ -64,9 +66,15 @@ pub(crate) fn on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     [1.0 - v - w, v, w]
 }
 
-/// The point of a triangle with these barycentric weights.
-pub(crate) fn weighted(weights: [f32; 3], vectors: [Vec3; 3]) -> Vec3 {
-    vectors[0] * weights[0] + vectors[1] * weights[1] + vectors[2] * weights[2]
+/// The sum of `vectors`, each times its weight, from the first to the last: the point of a triangle with these barycentric
+/// weights, for example.
+#[inline]
+pub(crate) fn weighted<const N: usize>(weights: [f32; N], vectors: [Vec3; N]) -> Vec3 {
+    let mut sum = vectors[0] * weights[0];
+    for k in 1..N {
+        sum += vectors[k] * weights[k];
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
-//! Where an obstacle is: a translation and a rotation, in scalar code.
+//! Poses of obstacles: translation and rotation, in scalar code.
 //!
-//! The rotation is worked out here and not by `Quat`, whose products depend on the instruction set that glam
-//! was compiled for: the step must give the same bits everywhere.
+//! The rotation is computed here and not by `Quat`, whose products depend on the instruction set that glam was compiled
+//! for: the step must give the same bits everywhere.
+//!
+//! Design: `docs/design/determinism.md`.
 
 use glam::{Mat3, Quat, Vec3};
 
@@ -74,7 +76,7 @@ impl Placement {
         Self { translation, ..Self::default() }
     }
 
-    /// Whether all components are finite and the rotation is not zero.
+    /// True if all components are finite and the rotation is not zero.
     pub fn is_valid(&self) -> bool {
         self.translation.is_finite() && self.rotation.is_finite() && self.rotation.to_array() != [0.0; 4]
     }

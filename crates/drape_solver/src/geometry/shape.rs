@@ -1,7 +1,9 @@
-//! Shapes of obstacles, and how far a point is from them.
+//! Shapes of obstacles, and their distance from points.
 //!
-//! The common shapes are worked out here, as they are asked for millions of times a second; every other
-//! parry shape answers through its point query.
+//! Common shapes have formulas here, as the solver queries them millions of times a second; other shapes use parry's
+//! point query.
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use std::sync::Arc;
 
@@ -11,6 +13,7 @@ use parry3d::math::Pose as ParryPose;
 use parry3d::query::{PointProjection, Ray, RayCast};
 use parry3d::shape::{Ball, Capsule, Cuboid, ShapeType, SharedShape};
 
+use crate::constants::SURFACE_NOISE;
 use crate::error::{BuildError, finite_vector, positive};
 use crate::geometry::compound::CompoundShape;
 use crate::geometry::mesh::MeshShape;
@@ -18,17 +21,13 @@ use crate::geometry::mesh::MeshShape;
 /// Corners around a round shape that an uneven scale turns into a convex hull.
 const SCALED_SUBDIVISIONS: u32 = 24;
 
-/// Nearer to a surface than this part of a point's coordinates, rounding turns the direction to the surface by
-/// more than a degree.
-pub(crate) const SURFACE_NOISE: f32 = 1.0e-5;
-
-/// How far beside a point that parry cannot project well another is tried, in metres: too small to be seen.
+/// Distance in metres at which parry is asked again beside a point that it cannot project well: too small to be seen.
 const BESIDE: f32 = 1.0e-3;
 
 /// The form of an obstacle, in its own coordinates.
 #[derive(Clone)]
 pub enum Shape {
-    /// All that lies below the plane through the origin with this outward normal (unit length).
+    /// Everything below the plane through the origin with this outward normal (unit length).
     HalfSpace {
         /// Points out of the solid.
         normal: Vec3,
@@ -50,7 +49,7 @@ pub enum Shape {
         /// Half the sides in metres.
         half_extents: Vec3,
     },
-    /// The inside of a box: everything is kept within it.
+    /// The inside of a box, which keeps everything within it.
     Container {
         /// Half the sides in metres.
         half_extents: Vec3,
@@ -87,17 +86,25 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    /// The surface as a plane, as `point` (the same as it was seen from) sees it.
+    /// The surface as a plane, at the same `point` for which it was found.
     pub fn plane_at(self, point: Vec3) -> Plane {
         Plane { normal: self.normal, offset: self.normal.dot(point) - self.distance }
     }
 }
 
 impl Shape {
-    /// A parry shape, as one of the shapes worked out here where there is one.
+    /// The surface next to a point: `plane` if one is given, else that of the shape.
+    pub(crate) fn surface_or(&self, plane: Option<Plane>, point: Vec3) -> Surface {
+        match plane {
+            Some(plane) => plane.surface(point),
+            None => self.surface(point),
+        }
+    }
+
+    /// Converts a parry shape; common ones become shapes with a formula.
     ///
-    /// The inside of a closed triangle mesh is solid, whichever way its triangles turn; an open one is a thin sheet. What is
-    /// below a height field is solid.
+    /// The inside of a closed triangle mesh is solid, however its triangles are wound; an open one is a thin sheet.
+    /// Everything below a height field is solid.
     ///
     /// # Errors
     /// [`BuildError`] if a size is not above zero or not finite, or if the shape has no surface.
@@ -127,8 +134,8 @@ impl Shape {
         Ok(own)
     }
 
-    /// The shape grown by `scale` along its axes, and checked as [`from_parry`](Self::from_parry) does. Where a
-    /// round shape would become an ellipsoid, it becomes a convex hull of one.
+    /// The shape scaled by `scale` along its axes, and checked as by [`from_parry`](Self::from_parry). A round shape
+    /// that would become an ellipsoid becomes a convex hull of one.
     ///
     /// # Errors
     /// [`BuildError`] if the result cannot be used.
@@ -140,7 +147,7 @@ impl Shape {
         let shape = match self {
             Self::Parry(shape) if scale == Vec3::ONE => return Self::from_parry(shape.clone()),
             _ if scale == Vec3::ONE => return Ok(self.clone()),
-            // A plane through the origin stays what it is but for its slope.
+            // A plane through the origin changes only its slope.
             Self::HalfSpace { normal } => {
                 let normal = (*normal / scale).try_normalize().unwrap_or(*normal);
                 return Ok(Self::HalfSpace { normal });
@@ -213,7 +220,7 @@ impl Shape {
         Ok(())
     }
 
-    /// How far `point`, in the shape's own coordinates, is from its surface, in metres; negative inside.
+    /// Distance in metres of `point`, in the shape's own coordinates, from its surface; negative inside.
     pub fn distance(&self, point: Vec3) -> f32 {
         self.surface(point).distance
     }
@@ -240,7 +247,7 @@ impl Shape {
         }
     }
 
-    /// Half of what a particle has to cross to get from one side to the other, at least, in metres.
+    /// Half the least thickness in metres that a particle must cross to pass through the shape.
     pub(crate) fn least_half_extent(&self) -> f32 {
         match self {
             Self::HalfSpace { .. } | Self::Container { .. } => f32::INFINITY,
@@ -250,14 +257,14 @@ impl Shape {
         }
     }
 
-    /// The middle one of the half sides of the box around it, in metres: small for a ball or a needle, not for a plate.
+    /// The middle one of the half sides of its bounding box, in metres: small for a ball or a needle, not for a plate.
     pub(crate) fn middle_half_extent(&self) -> f32 {
         let (low, high) = self.local_bounds();
         let half = (high - low) * 0.5;
         half.element_sum() - half.max_element() - half.min_element()
     }
 
-    /// Whether it is known to be convex.
+    /// True if it is known to be convex.
     pub(crate) fn is_convex(&self) -> bool {
         match self {
             Self::HalfSpace { .. } | Self::Sphere { .. } | Self::Capsule { .. } | Self::Cuboid { .. } => true,
@@ -267,15 +274,15 @@ impl Shape {
         }
     }
 
-    /// Whether the surface is worked out by a formula, cheaply enough to be asked for in every projection.
+    /// True if a formula gives the surface, cheaply enough for every projection.
     pub(crate) fn has_formula(&self) -> bool {
         !matches!(self, Self::Mesh(_) | Self::Compound(_) | Self::Parry(_))
     }
 
-    /// Where the way from `start` (outside) first meets the surface: the part of the way, 0 to 1, and the unit normal
-    /// there. Shapes without end have no other side to get to, and are met without this.
-    pub(crate) fn cast(&self, start: Vec3, way: Vec3) -> Option<(f32, Vec3)> {
-        let ray = Ray::new(start, way);
+    /// First hit on the surface on the `path` from `start` (outside): the fraction of the path, 0 to 1, and the unit
+    /// normal there. None for unbounded shapes, which have no other side to get to.
+    pub(crate) fn cast(&self, start: Vec3, path: Vec3) -> Option<(f32, Vec3)> {
+        let ray = Ray::new(start, path);
         let hit = match self {
             Self::HalfSpace { .. } | Self::Container { .. } => None,
             Self::Sphere { radius } => Ball::new(*radius).cast_local_ray_and_get_normal(&ray, 1.0, false),
@@ -285,15 +292,14 @@ impl Shape {
             Self::Cuboid { half_extents } => {
                 Cuboid::new(*half_extents).cast_local_ray_and_get_normal(&ray, 1.0, false)
             }
-            Self::Mesh(mesh) => return mesh.cast(start, way),
-            Self::Compound(compound) => return compound.cast(start, way),
+            Self::Mesh(mesh) => return mesh.cast(start, path),
+            Self::Compound(compound) => return compound.cast(start, path),
             Self::Parry(shape) => shape.cast_local_ray_and_get_normal(&ray, 1.0, false),
         };
-        hit.filter(|hit| hit.normal.dot(way) < 0.0).map(|hit| (hit.time_of_impact, hit.normal))
+        hit.filter(|hit| hit.normal.dot(path) < 0.0).map(|hit| (hit.time_of_impact, hit.normal))
     }
 
-    /// A box that holds the shape, as (least, greatest) corner in its own coordinates; infinite where it has
-    /// no end.
+    /// Bounding box of the shape, as (least, greatest) corner in its own coordinates; infinite for unbounded shapes.
     pub fn local_bounds(&self) -> (Vec3, Vec3) {
         match self {
             Self::HalfSpace { .. } | Self::Container { .. } => {
@@ -341,8 +347,8 @@ pub(crate) fn container_walls(half_extents: Vec3) -> [Plane; 6] {
     ]
 }
 
-/// The surface at `radius` from a core point, given the vector from that core. At the core itself every
-/// direction is as near as another: up is taken.
+/// The surface at `radius` from a core point, given the vector from that core. At the core itself every direction is as
+/// near, and up is taken.
 fn from_core(from_core: Vec3, radius: f32) -> Surface {
     let length = from_core.length();
     Surface { distance: length - radius, normal: if length > 0.0 { from_core / length } else { Vec3::Y } }
@@ -376,7 +382,7 @@ fn cuboid_surface(point: Vec3, half: Vec3) -> Surface {
 fn parry_surface(shape: &SharedShape, point: Vec3) -> Surface {
     let mut projection = parry_projection(shape, point);
     if !projection.point.is_finite() {
-        // At its centre a parry ball divides zero by zero. Any point beside it knows the way out.
+        // At its centre a parry ball divides zero by zero; any point beside it has a direction.
         projection = parry_projection(shape, point + Vec3::Y * BESIDE);
     }
     let out = if projection.is_inside { projection.point - point } else { point - projection.point };
@@ -389,7 +395,7 @@ fn parry_surface(shape: &SharedShape, point: Vec3) -> Surface {
 
 /// The normal at a `point` on the surface itself, where the direction to the surface is lost in rounding.
 fn normal_on_surface(shape: &SharedShape, point: Vec3) -> Vec3 {
-    // Seen from a little farther out there is a direction again.
+    // A point a little farther out has a direction again.
     let outwards = (point - shape.compute_local_aabb().center()).try_normalize().unwrap_or(Vec3::Y);
     let farther = point + outwards * BESIDE;
     let projection = parry_projection(shape, farther);
@@ -401,13 +407,13 @@ fn parry_projection(shape: &SharedShape, point: Vec3) -> PointProjection {
     shape.project_local_point(point, false)
 }
 
-/// Whether it is about its Y axis and its middle, as ours are.
+/// True if the capsule is on the Y axis, with its middle at the origin, like [`Shape::Capsule`].
 fn is_upright(capsule: &Capsule) -> bool {
     let (a, b) = (capsule.segment.a, capsule.segment.b);
     a == -b && a.x == 0.0 && a.z == 0.0 && a.y != 0.0
 }
 
-/// Whether the shape would be a mistake without a thickness.
+/// True if the shape must have a thickness.
 fn is_meant_to_be_solid(shape: &SharedShape) -> bool {
     use ShapeType as T;
     matches!(shape.shape_type(), T::Capsule | T::Cylinder | T::Cone | T::ConvexPolyhedron)

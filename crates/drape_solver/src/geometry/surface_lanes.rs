@@ -1,5 +1,7 @@
-//! The shapes worked out by hand, for the particles of a whole cell at once: the same formulas as
+//! The shapes with a formula, for the particles of a whole cell at once: the same formulas as
 //! [`Shape::surface`](crate::geometry::shape::Shape).
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
@@ -9,7 +11,7 @@ use crate::geometry::shape::{Plane, Shape};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
 
-/// What particles are measured against.
+/// The solid from which distances are measured.
 #[derive(Clone, Copy)]
 pub(crate) enum Solid<'a> {
     /// A shape with a formula of its own.
@@ -32,7 +34,8 @@ impl LanePlanes {
 }
 
 impl Solid<'_> {
-    /// Whether all `points` (world) are farther than `distance` (metres) from it at `pose`, where that is quickly told.
+    /// True if all `points` (world) are certainly farther than `distance` (metres) from the solid at `pose`; a quick
+    /// test, which may give false for some of them.
     #[inline(always)]
     pub fn is_beyond<S: Simd>(self, simd: S, points: Lanes3<S>, pose: LanePose<S>, distance: f32) -> bool {
         let Self::Formula(Shape::Sphere { radius }) = self else {
@@ -51,7 +54,7 @@ impl Solid<'_> {
         points: Lanes3<S>,
         pose: LanePose<S>,
     ) -> (f32x16<S>, Lanes3<S>) {
-        // However a sphere is turned, it looks the same.
+        // A rotation does not change a sphere.
         if let Self::Formula(Shape::Sphere { radius }) = self {
             return from_core(simd, points.minus(pose.translation), *radius);
         }
@@ -78,7 +81,7 @@ impl Solid<'_> {
                 from_core(simd, Lanes3 { y: point.y - below, ..point }, *radius)
             }
             Self::Formula(Shape::Cuboid { half_extents }) => cuboid(simd, point, *half_extents),
-            // Containers and other shapes are met as planes.
+            // Containers and other shapes come as planes.
             Self::Formula(
                 Shape::Container { .. } | Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_),
             ) => (f32x16::splat(simd, f32::INFINITY), Lanes3::splat(simd, Vec3::Y)),

@@ -1,4 +1,6 @@
-//! What a body that flies past a shape runs into first: parry's shape cast, for every shape.
+//! First hit of a moving ball, triangle or segment on a shape: parry's shape cast, for every shape.
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 use parry3d::math::Pose as ParryPose;
@@ -8,63 +10,63 @@ use parry3d::shape::{Ball, Capsule, Cuboid, Segment, Shape as ParryShape, Triang
 use crate::geometry::nearest::FaceOrEdge;
 use crate::geometry::shape::{Plane, Shape};
 
-/// Where two bodies meet.
+/// The first hit of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SweepHit {
-    /// The part of the way until then, above 0 and at most 1.
+    /// Fraction of the path before the hit, above 0 and at most 1.
     pub fraction: f32,
-    /// On the surface of the shape.
+    /// Point of the hit, on the surface of the shape.
     pub point: Vec3,
     /// The surface there.
     pub plane: Plane,
 }
 
 impl Shape {
-    /// Where a ball that flies from `start` by `way` first meets the shape. Not for a ball that is inside.
-    pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, way: Vec3) -> Option<SweepHit> {
+    /// First hit of a ball that moves from `start` by `path`. Not for a ball that is inside.
+    pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, path: Vec3) -> Option<SweepHit> {
         match self {
-            Self::Compound(compound) => compound.sweep_ball(radius, start, way),
-            _ => self.sweep(&Ball::new(radius), start, way),
+            Self::Compound(compound) => compound.sweep_ball(radius, start, path),
+            _ => self.sweep(&Ball::new(radius), start, path),
         }
     }
 
-    /// Where a triangle or a segment that flies by `way` first meets the shape.
-    pub(crate) fn sweep_piece(&self, piece: FaceOrEdge, way: Vec3) -> Option<SweepHit> {
+    /// First hit of a triangle or segment that moves by `path`.
+    pub(crate) fn sweep_piece(&self, piece: FaceOrEdge, path: Vec3) -> Option<SweepHit> {
         match (self, piece) {
-            (Self::Compound(compound), _) => compound.sweep_piece(piece, way),
+            (Self::Compound(compound), _) => compound.sweep_piece(piece, path),
             (_, FaceOrEdge::Triangle([a, b, c])) => {
-                self.sweep(&Triangle::new(Vec3::ZERO, b - a, c - a), a, way)
+                self.sweep(&Triangle::new(Vec3::ZERO, b - a, c - a), a, path)
             }
-            (_, FaceOrEdge::Segment([a, b])) => self.sweep(&Segment::new(Vec3::ZERO, b - a), a, way),
+            (_, FaceOrEdge::Segment([a, b])) => self.sweep(&Segment::new(Vec3::ZERO, b - a), a, path),
         }
     }
 
-    /// `moving` is relative to `start`. Shapes without end have no other side to get to, and are met without this.
-    fn sweep(&self, moving: &dyn ParryShape, start: Vec3, way: Vec3) -> Option<SweepHit> {
+    /// `moving` is relative to `start`. None for unbounded shapes, which have no other side to get to.
+    fn sweep(&self, moving: &dyn ParryShape, start: Vec3, path: Vec3) -> Option<SweepHit> {
         match self {
             Self::HalfSpace { .. } | Self::Container { .. } | Self::Compound(_) => None,
-            Self::Sphere { radius } => cast(&Ball::new(*radius), moving, start, way),
+            Self::Sphere { radius } => cast(&Ball::new(*radius), moving, start, path),
             Self::Capsule { half_length, radius } => {
-                cast(&Capsule::new_y(*half_length, *radius), moving, start, way)
+                cast(&Capsule::new_y(*half_length, *radius), moving, start, path)
             }
-            Self::Cuboid { half_extents } => cast(&Cuboid::new(*half_extents), moving, start, way),
-            Self::Mesh(mesh) => cast(mesh.triangles(), moving, start, way),
-            Self::Parry(shape) => cast(&*shape.0, moving, start, way),
+            Self::Cuboid { half_extents } => cast(&Cuboid::new(*half_extents), moving, start, path),
+            Self::Mesh(mesh) => cast(mesh.triangles(), moving, start, path),
+            Self::Parry(shape) => cast(&*shape.0, moving, start, path),
         }
     }
 }
 
-fn cast(shape: &dyn ParryShape, moving: &dyn ParryShape, start: Vec3, way: Vec3) -> Option<SweepHit> {
+fn cast(shape: &dyn ParryShape, moving: &dyn ParryShape, start: Vec3, path: Vec3) -> Option<SweepHit> {
     let options = ShapeCastOptions {
         max_time_of_impact: 1.0,
         stop_at_penetration: false,
-        // What touches already is met without this; and to know its depth costs memory.
+        // Contacts at the start are found without a sweep, and their depth would cost memory.
         compute_impact_geometry_on_penetration: false,
         ..ShapeCastOptions::default()
     };
     let at = ParryPose::from_translation(start);
-    let hit = cast_shapes(&ParryPose::IDENTITY, Vec3::ZERO, shape, &at, way, moving, options).ok()??;
+    let hit = cast_shapes(&ParryPose::IDENTITY, Vec3::ZERO, shape, &at, path, moving, options).ok()??;
     let ShapeCastHit { time_of_impact: fraction, witness1: point, normal1: normal, .. } = hit;
-    let is_hit = fraction > 0.0 && point.is_finite() && normal.dot(way) < 0.0;
+    let is_hit = fraction > 0.0 && point.is_finite() && normal.dot(path) < 0.0;
     is_hit.then(|| SweepHit { fraction, point, plane: Plane { normal, offset: normal.dot(point) } })
 }

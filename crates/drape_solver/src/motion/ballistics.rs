@@ -1,4 +1,6 @@
 //! Closed forms of flight without drag, for aiming and for checking the solver.
+//!
+//! Design: `docs/design/integration.md`.
 
 use glam::DVec3;
 
@@ -20,7 +22,7 @@ pub fn elevation_for(distance: f64, height: f64, speed: f64, g: f64) -> Option<f
     Some(libm::atan((v2 - discriminant.sqrt()) / (g * distance)))
 }
 
-/// Unit vector of a shot at `elevation` above the horizon and `azimuth` about +Y (radians); azimuth 0 looks
+/// Unit vector of a shot at `elevation` above the horizon and `azimuth` about +Y (radians); azimuth 0 points
 /// along -Z, as Bevy's `forward` does, and grows to the left.
 pub fn direction(elevation: f64, azimuth: f64) -> DVec3 {
     let level = libm::cos(elevation);

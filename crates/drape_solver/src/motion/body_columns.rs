@@ -1,4 +1,4 @@
-//! The columns of a body as kernels see them: those that a substep changes, and those that it only reads.
+//! The columns of a body for kernels: those that a substep changes, and those that it only reads.
 
 use glam::Vec3;
 
@@ -17,7 +17,7 @@ pub(crate) struct MovingColumns<'a> {
     pub integrated: &'a mut [Cell],
 }
 
-/// What all strips share. Columns are those of the whole body.
+/// Data that all strips of a body share. Columns are those of the whole body.
 #[derive(Clone, Copy)]
 pub(crate) struct BodyColumns<'a> {
     pub inverse_mass: &'a [[f32; LANES]],
@@ -29,13 +29,13 @@ pub(crate) struct BodyColumns<'a> {
     pub varying: &'a [Cell],
     pub anchors: &'a [Cell],
     pub substep: Substep<'a>,
-    /// Where the body's own coordinates begin, in the world.
+    /// Origin of the body's own coordinates, in the world, in metres.
     pub origin: Vec3,
     /// Metres.
     pub thickness: f32,
     pub drift: Vec3,
     pub limits: &'a MotionLimits,
     pub frame: Option<&'a SubstepMotion>,
-    /// How far a tether may pull in one substep, in metres.
+    /// Greatest pull of a tether in one substep, in metres.
     pub tether_reach: f32,
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::motion::wind::{Wind, WindZone};
 use crate::state::obstacles::Obstacles;
 
-/// What is the same for all islands in one step.
+/// Inputs that all islands share in one step.
 #[derive(Clone, Debug)]
 pub struct Environment {
     /// Length of the step in seconds.
@@ -16,7 +16,7 @@ pub struct Environment {
     pub wind: Wind,
     /// Places with a wind of their own.
     pub wind_zones: Vec<WindZone>,
-    /// Time in seconds since the start, by which gusts go.
+    /// Time in seconds since the start, which drives gusts.
     pub time: f64,
     /// The obstacles.
     pub obstacles: Obstacles,

@@ -1,4 +1,6 @@
-//! Forces: gravity, wind and what the caller adds, turned into accelerations once a step.
+//! Forces: sums gravity, wind and the caller's forces to accelerations once a step.
+//!
+//! Design: `docs/design/wind.md`.
 
 use glam::Vec3;
 
@@ -49,7 +51,7 @@ pub(crate) fn accumulate(body: &mut Body, environment: &Environment) {
     );
 }
 
-/// The force of the air on a body as it is now, in newtons: on pinned particles too.
+/// The force of the air on a body in its present state, in newtons, on pinned particles too.
 pub fn wind_force(body: &Body, environment: &Environment) -> Vec3 {
     let Body { particles, topology, settings, .. } = body;
     let Environment { dt, wind, ref wind_zones, ref obstacles, time, .. } = *environment;
@@ -65,14 +67,14 @@ pub fn wind_force(body: &Body, environment: &Environment) -> Vec3 {
     sum
 }
 
-/// What the air does to a face or link: a force of `size` along `normal`, and lift, in newtons.
+/// Force of the air on a face or link: `size` along `normal`, and lift, in newtons.
 struct AirForce {
     normal: Vec3,
     size: f32,
     lift: Vec3,
 }
 
-/// Hands what the air does to each face and link to `push`, with the slots of its corners.
+/// Calls `push` for each face and link, with the slots of its corners and the force of the air.
 fn blow(
     particles: &Particles,
     topology: &Topology,
@@ -97,7 +99,7 @@ fn blow(
         let ends = segment.map(|i| particles.layout.slot(i as usize));
         let [p, q] = ends.map(|i| particles.position.get(i));
         let along = q - p;
-        // A link shows the wind its profile, twice the thickness wide, and turns its side square to it.
+        // The profile of a link is twice the thickness wide, and the wind always meets it squarely.
         let area = 2.0 * thickness * along.length();
         let velocity = air.velocity_at(particles.origin + p.midpoint(q));
         let across = velocity - along * project_factor(velocity, along);
@@ -112,7 +114,7 @@ fn project_factor(v: Vec3, along: Vec3) -> f32 {
     if length_squared > 0.0 { v.dot(along) / length_squared } else { 0.0 }
 }
 
-/// What a wind of this `velocity` does to an element with these `corners`, this unit `normal` and `area`.
+/// Force of a wind of this `velocity` (m/s) on an element with these `corners`, this unit `normal` and `area` (m^2).
 fn push_on(
     particles: &Particles,
     corners: &[usize],
@@ -135,7 +137,7 @@ fn push_on(
     let meeting = if corners.len() == 3 { 6.0 } else { 2.0 };
     let by_force = dt * inverse_mass.max(f32::MIN_POSITIVE) * share * meeting;
     let most = speed.abs() / by_force;
-    // Not `clamp`, which panics if the limit is no number: where cloth has been put out of all numbers, the step refuses it.
+    // Not `clamp`, which panics on a NaN limit; the step itself rejects bodies that are not finite.
     let size = if force.abs() > most { most.copysign(force) } else { force };
     let lift = if wind.lift_coefficient != 0.0 && corners.len() == 3 {
         let strength = 0.5 * wind.air_density * wind.lift_coefficient * area;

@@ -2,6 +2,8 @@
 //!
 //! Position Verlet `x' = x + (1 - c)(x - x*) + a dt^2; x* = x` (Liu 2019, section 1.2; with `c = 0.01` its
 //! `1.99x - 0.99x*`), in displacement form. Some copies have `a dt^2 / 2` here: that halves gravity.
+//!
+//! Design: `docs/design/integration.md`.
 
 use core::ops::Range;
 
@@ -24,8 +26,8 @@ pub(crate) struct Flight {
 }
 
 impl Flight {
-    /// Flies the free particles of `cells`, which are at `places` in the columns that move. Pinned ones stay: their pins
-    /// have taken them where they go.
+    /// Integrates the free particles of `cells`, at `places` in the moving columns. Pinned ones stay, as their pins
+    /// have moved them already.
     #[inline(always)]
     pub fn integrate<S: Simd>(
         self,
@@ -58,8 +60,8 @@ impl Flight {
     }
 }
 
-/// Carries what the projections moved into the displacements of these cells: this is where a contact takes the normal
-/// part of the velocity, and where restitution zero falls out by itself.
+/// Adds the moves of projections to the displacements of these cells. A contact thereby removes the normal part of the
+/// velocity, and restitution zero needs no code.
 #[inline(always)]
 pub(crate) fn update_displacements<S: Simd>(
     simd: S,
@@ -75,8 +77,8 @@ pub(crate) fn update_displacements<S: Simd>(
     }
 }
 
-/// How far sticks seem to have moved the centre of mass of a free body, which they cannot: it is rounding, the same way
-/// in substep after substep. Contacts have written their part into the displacements already.
+/// Drift of a free body's centre of mass by sticks, in metres. Sticks cannot move it: the drift is rounding, in the
+/// same direction in substep after substep. Contacts have added their part to the displacements already.
 pub(crate) fn drift(body: &Body) -> Vec3 {
     let Body { particles, context, .. } = body;
     if particles.masses.has_pins {

@@ -1,4 +1,4 @@
-//! Free motion: forces, wind, the Verlet step, moving frames, and the account of rest.
+//! Free motion: forces, wind, the Verlet step, moving frames, and time at rest.
 //!
 //! Imports: `state` and below. Callers: `substep` and `step`.
 

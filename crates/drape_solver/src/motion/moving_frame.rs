@@ -1,9 +1,10 @@
-//! A frame of reference that moves: what a cloth does not inherit of the motion of its wearer.
+//! A moving frame of reference carries particles along: they do not feel that part of their wearer's motion.
 //!
-//! A cape on a character that runs, jumps and turns feels all of that, and flies like a flag. To calm it, a share of the
-//! character's motion is taken for that of the frame in which the cape moves: it is carried along, and its velocity is
-//! what it does besides. Obstacles and pins are where they are in the world, so that contacts and friction are worked out
-//! there: a substep begins by carrying the particles along, with the velocity that this is, and ends by taking that velocity off.
+//! Obstacles and pins stay where they are in the world, so contacts and friction are computed there. A substep begins
+//! by moving the particles with the frame, which adds its velocity, and ends by subtracting that velocity.
+//! `state/frame_motion.rs` says what a frame is for.
+//!
+//! Design: `docs/design/characters.md`.
 
 use core::ops::Range;
 
@@ -15,7 +16,7 @@ use crate::simd::lanes::{Lanes3, load};
 use crate::state::frame_motion::SubstepMotion;
 
 impl SubstepMotion {
-    /// Carries free particles along, at the start of a substep, after their flight.
+    /// Moves free particles with the frame, at the start of a substep, after their integration.
     #[inline(always)]
     pub fn carry<S: Simd>(
         &self,
@@ -26,10 +27,10 @@ impl SubstepMotion {
         cells: Range<usize>,
         substep: u32,
     ) {
-        let way = FrameLanes::new(simd, self, substep);
+        let frame = FrameLanes::new(simd, self, substep);
         for (place, cell) in places.zip(cells) {
             let position = Lanes3::load(simd, &moving.position[place]);
-            let moved = way.of(position).or(way.is_free(simd, rest, cell), way.none);
+            let moved = frame.travel(position).or(frame.is_free(simd, rest, cell), frame.none);
             let position = position.plus(moved);
             position.store(&mut moving.position[place]);
             position.store(&mut moving.integrated[place]);
@@ -39,7 +40,7 @@ impl SubstepMotion {
         }
     }
 
-    /// Takes the motion of the frame off their displacements, at the end of the substep.
+    /// Subtracts the motion of the frame from their displacements, at the end of the substep.
     #[inline(always)]
     pub fn leave<S: Simd>(
         &self,
@@ -50,17 +51,17 @@ impl SubstepMotion {
         cells: Range<usize>,
         substep: u32,
     ) {
-        let way = FrameLanes::new(simd, self, substep);
+        let frame = FrameLanes::new(simd, self, substep);
         for (place, cell) in places.zip(cells) {
             let displacement = Lanes3::load(simd, &moving.displacement[place]);
             let before = Lanes3::load(simd, &moving.position[place]).minus(displacement);
-            let moved = way.of(before).or(way.is_free(simd, rest, cell), way.none);
+            let moved = frame.travel(before).or(frame.is_free(simd, rest, cell), frame.none);
             displacement.minus(moved).store(&mut moving.displacement[place]);
         }
     }
 }
 
-/// The same in lanes, for one substep.
+/// The motion of one substep, in lanes.
 struct FrameLanes<S: Simd> {
     axes: [Lanes3<S>; 3],
     pivot: Lanes3<S>,
@@ -80,8 +81,9 @@ impl<S: Simd> FrameLanes<S> {
         }
     }
 
+    /// Displacement of a point at `position` by the frame in the substep.
     #[inline(always)]
-    fn of(&self, position: Lanes3<S>) -> Lanes3<S> {
+    fn travel(&self, position: Lanes3<S>) -> Lanes3<S> {
         let offset = position.minus(self.pivot);
         let [x, y, z] = self.axes;
         let turned = x.times(offset.x).plus(y.times(offset.y)).plus(z.times(offset.z));

@@ -1,4 +1,6 @@
 //! One pass over all particles for their [statistics](crate::state::particle_stats), shared by the workers.
+//!
+//! Design: `docs/design/rest_and_islands.md`.
 
 use core::ops::Range;
 
@@ -14,7 +16,7 @@ use crate::state::particle_stats::ParticleStats;
 use crate::state::particles::Particles;
 
 impl Particles {
-    /// Whether every position, velocity, force and pin target is finite.
+    /// True if every position, velocity, force and pin target is finite.
     pub fn is_finite(&self) -> bool {
         let forces = self.force.cells.iter().flat_map(Cell::axes);
         self.stats().is_finite
@@ -40,17 +42,17 @@ impl Particles {
         self.stats().mean_square_displacement / (self.substep * self.substep)
     }
 
-    /// What a look at all particles shows.
+    /// The statistics of all particles, gathered now unless they are known.
     pub(crate) fn stats(&self) -> ParticleStats {
         self.stats.unwrap_or_else(|| ParticleStats::of(self))
     }
 
-    /// Takes that look, and keeps what it shows.
+    /// Gathers the statistics unless they are known, and keeps them.
     pub(crate) fn take_stats(&mut self) {
         self.stats = Some(self.stats());
     }
 
-    /// Takes a new look, with the workers's help.
+    /// Gathers the statistics again, with the help of the workers.
     pub(crate) fn renew_stats(&mut self, workers: &Workers) {
         self.stats = Some(ParticleStats::of_shared(self, workers));
     }
@@ -61,7 +63,7 @@ impl ParticleStats {
         Self::of_shared(particles, &Workers::default())
     }
 
-    /// The same with the workers's help, to the last bit.
+    /// The same with the help of the workers, to the last bit.
     pub fn of_shared(particles: &Particles, workers: &Workers) -> Self {
         let sums = Sums::of(particles, 0..particles.position.cells.len(), workers);
         Self {
@@ -74,11 +76,11 @@ impl ParticleStats {
     }
 }
 
-/// What a look at some cells shows.
+/// Sums over some cells.
 struct Sums {
     low: Vec3,
     high: Vec3,
-    /// Zero as long as nothing is infinite or not a number.
+    /// Zero while every value is finite.
     odd: f32,
     /// Greatest and sum of the squared displacements, the latter of the `count` free particles.
     greatest: f32,
@@ -87,7 +89,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Looks at the halves of many cells one by one, whether there is help or not: the order of a sum decides its last
+    /// Sums the halves of many cells one after the other, with helpers or without: the order of a sum decides its last
     /// bits.
     fn of(particles: &Particles, cells: Range<usize>, workers: &Workers) -> Self {
         if cells.len() <= LEAST_SHARED_CELLS {
@@ -132,7 +134,7 @@ impl Kernel for StatsPass<'_> {
         let zero = f32x16::splat(simd, 0.0);
         let mut low = Lanes3::splat(simd, Vec3::splat(f32::INFINITY));
         let mut high = Lanes3::splat(simd, Vec3::splat(f32::NEG_INFINITY));
-        // Zero as long as nothing is infinite or not a number.
+        // Zero while every value is finite.
         let mut odd = zero;
         let (mut greatest, mut sum, mut count) = (zero, zero, zero);
         for index in cells {
@@ -150,7 +152,7 @@ impl Kernel for StatsPass<'_> {
                 y: real.select(x.y.max(high.y), high.y),
                 z: real.select(x.z.max(high.z), high.z),
             };
-            // Nothing holds what is in a lane without a particle: it falls for ever.
+            // Lanes without a particle fall for ever, so they are masked out.
             let squared = real.select(d.dot(d), zero);
             odd += (real.select(x.x + x.y + x.z, zero) + squared) * zero;
             greatest = squared.max(greatest);

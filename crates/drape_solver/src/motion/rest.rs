@@ -1,4 +1,6 @@
-//! When a body or ball has come to rest, and where its origin belongs.
+//! Time at rest of bodies and balls, and new origins for bodies that have travelled.
+//!
+//! Design: `docs/design/rest_and_islands.md`.
 
 use crate::constants::{RECENTRE_DISTANCE, REST_SPEED};
 use crate::state::ball::Ball;
@@ -6,9 +8,9 @@ use crate::state::body::Body;
 use crate::state::measure::mean_square_speed;
 use crate::state::particles::Particles;
 
-/// Counts the time for which the body's kinetic energy has stayed below the threshold of rest. One step above
-/// it starts the count anew: a curtain at its turning point is slow for a moment only. So does an edit or a force:
-/// what was just woken has not had the time to pick up speed.
+/// Counts the time for which the body's kinetic energy has stayed below the threshold of rest. One step above it
+/// restarts the count: a curtain at its turning point is slow for a moment only. An edit or a force restarts it too: a
+/// body that was just woken has had no time to gain speed.
 pub(crate) fn account_body(body: &mut Body, dt: f32) {
     let still = !body.particles.disturbed && mean_square_speed(&body.particles) < REST_SPEED * REST_SPEED;
     body.context.still_for = if still { body.context.still_for + dt } else { 0.0 };

@@ -1,4 +1,6 @@
-//! Air that moves: a wind, its gusts, and zones with a wind of their own.
+//! Moving air: a wind, its gusts, and zones with a wind of their own.
+//!
+//! Design: `docs/design/wind.md`.
 
 use core::f64::consts::TAU;
 
@@ -23,14 +25,14 @@ pub struct Wind {
     pub drag_coefficient: f32,
     /// Lift coefficient `c_l`; 0 by default. With some 1 a flag flutters more, and cloth that falls glides.
     pub lift_coefficient: f32,
-    /// How the wind differs from place to place and from moment to moment.
+    /// Gusts: the variation of the wind in space and time.
     pub turbulence: Turbulence,
-    /// The part of the wind that the lee of an obstacle is spared, from 0, the default, to 1. A ray goes from the
-    /// cloth against the wind; what it meets within [`SHELTER_REACH`] shelters.
+    /// The part of the wind that an obstacle keeps off its lee, from 0, the default, to 1. A place is in the lee if a
+    /// ray from there against the wind hits an obstacle within [`SHELTER_REACH`].
     pub shelter: f32,
 }
 
-/// How far an obstacle shelters from the wind, in metres.
+/// Length of an obstacle's lee, in metres.
 pub const SHELTER_REACH: f32 = 10.0;
 
 impl Default for Wind {
@@ -75,7 +77,7 @@ pub struct Turbulence {
     pub speed: f32,
     /// Size of the greatest gusts in metres; 4 by default.
     pub length: f32,
-    /// Another seed is another day.
+    /// Seed of the waves.
     pub seed: u32,
 }
 
@@ -85,13 +87,13 @@ impl Default for Turbulence {
     }
 }
 
-/// Waves that a gust is made of, each shorter than the one before.
+/// The number of waves in a gust, each shorter than the one before.
 const WAVES: usize = 6;
 
 /// The length of each wave in parts of that of the one before.
 const SHORTER: f64 = 0.7;
 
-/// One wave of a gust: air that moves at right angles to the way in which it changes.
+/// One wave of a gust: the air moves at right angles to the wave's direction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wave {
     /// Radians per metre.
@@ -105,19 +107,19 @@ struct Wave {
 
 impl Turbulence {
     fn waves(&self) -> [Wave; WAVES] {
-        let mut dice = Dice(u64::from(self.seed));
+        let mut random = SplitMix64(u64::from(self.seed));
         let mut length = f64::from(self.length);
         let speed = f64::from(self.speed) * (2.0 / WAVES as f64).sqrt();
         core::array::from_fn(|_| {
-            let along = dice.direction();
-            let across = along.cross(dice.direction());
+            let along = random.direction();
+            let across = along.cross(random.direction());
             let number = along * (TAU / length);
             let wave = Wave {
                 number,
                 amplitude: across.normalize_or(along.any_orthonormal_vector()) * speed,
-                // Gusts last about as long as they take to pass themselves.
+                // Gusts last about as long as they take to pass a place at their own speed.
                 frequency: TAU * f64::from(self.speed) / length,
-                phase: TAU * dice.unit(),
+                phase: TAU * random.unit(),
             };
             length *= SHORTER;
             wave
@@ -125,11 +127,10 @@ impl Turbulence {
     }
 }
 
-/// Numbers without order that follow from a seed (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
-/// generators").
-struct Dice(u64);
+/// Pseudorandom numbers from a seed (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
+struct SplitMix64(u64);
 
-impl Dice {
+impl SplitMix64 {
     /// From 0 to 1.
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -149,11 +150,11 @@ impl Dice {
 /// A place with a wind of its own, on top of that which blows everywhere: a fan, a draught, an explosion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindZone {
-    /// How far it reaches.
+    /// Shape and size of the zone.
     pub region: WindRegion,
-    /// Where it is.
+    /// Place of the zone in the world.
     pub placement: Placement,
-    /// Where the air goes.
+    /// Direction and speed of the air.
     pub flow: WindFlow,
     /// The outer part of the region, from 0 to 1, in which the wind falls off to nothing.
     pub falloff: f32,
@@ -168,7 +169,7 @@ pub enum WindRegion {
     Cuboid(Vec3),
 }
 
-/// How the air of a [`WindZone`] moves.
+/// Flow of the air in a [`WindZone`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WindFlow {
     /// With this velocity in m/s, in the zone's own coordinates.
@@ -221,7 +222,7 @@ impl WindZone {
         pose.direction_to_world(velocity * strength)
     }
 
-    /// Whether it may reach into a box.
+    /// True if it may reach into a box.
     fn meets(&self, [low, high]: [Vec3; 2]) -> bool {
         let reach = match self.region {
             WindRegion::Sphere(radius) => radius,
@@ -232,7 +233,8 @@ impl WindZone {
     }
 }
 
-/// Most places along an axis at which gusts and shelter are worked out for a body; between them they are interpolated.
+/// Greatest number of lattice points along an axis at which gusts and shelter are computed for a body; velocities
+/// between them are interpolated.
 const MOST_PLACES: usize = 4;
 
 /// The air around one body in one step.
@@ -240,7 +242,7 @@ pub(crate) struct Air<'a> {
     wind: &'a Wind,
     zones: &'a [WindZone],
     low: Vec3,
-    /// From one place of the lattice to the next, in metres.
+    /// Distance between neighbours of the lattice, in metres.
     spacing: Vec3,
     counts: [usize; 3],
     /// The velocity of the air in m/s, where gusts or shelter make it differ; x runs fastest.
@@ -292,7 +294,7 @@ impl<'a> Air<'a> {
         for i in 0..self.counts.iter().product() {
             let steps = [i % across, i / across % deep, i / (across * deep)].map(|step| step as f32);
             let place = self.low + self.spacing * Vec3::from(steps);
-            // Gusts go with the wind.
+            // The wind carries the gusts along.
             let carried = place.as_dvec3() - velocity.as_dvec3() * time;
             let gust = |wave: &Wave| {
                 wave.amplitude * libm::cos(wave.number.dot(carried) + wave.frequency * time + wave.phase)
@@ -329,16 +331,16 @@ impl<'a> Air<'a> {
     }
 }
 
-/// Whether an obstacle stands between a place and where the wind comes from.
+/// True if an obstacle stands upwind of a place.
 fn is_in_lee(place: Vec3, velocity: Vec3, obstacles: &Obstacles) -> bool {
     let Some(direction) = velocity.try_normalize() else { return false };
-    let way = direction * -SHELTER_REACH;
-    let (low, high) = (place.min(place + way), place.max(place + way));
+    let path = direction * -SHELTER_REACH;
+    let (low, high) = (place.min(place + path), place.max(place + path));
     obstacles.iter().filter(|obstacle| !obstacle.is_sensor()).any(|obstacle| {
         let bounds = obstacle.swept_bounds();
         let is_near = bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
         let pose = obstacle.pose_at(1.0, Vec3::ZERO);
-        let local = [place, place + way].map(|point| pose.to_local(point));
+        let local = [place, place + path].map(|point| pose.to_local(point));
         is_near && obstacle.shape().cast(local[0], local[1] - local[0]).is_some()
     })
 }

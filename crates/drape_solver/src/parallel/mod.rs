@@ -1,6 +1,6 @@
 //! Threads of the host, and the workers that share a large body.
 //!
-//! Imports: nothing. Callers: `substep` and whoever shares a body.
+//! Imports: nothing. Callers: every floor that shares a body between threads.
 
 pub(crate) mod for_each;
 pub mod threads;

@@ -1,18 +1,20 @@
-//! Threads that the work on a large body is shared out to. The solver starts none: it is lent those of its host.
+//! Threads that share the work on a large body. The solver starts none; its host lends them.
+//!
+//! Design: `docs/design/sweeps_and_threads.md`.
 
-/// Something that can run two things at once.
+/// A thread pool that can run two closures at once.
 ///
-/// The result of a step does not depend on it: no particle ever meets its neighbours in another order.
+/// The result of a step does not depend on it: every particle meets its neighbours in the same order.
 pub trait Threads: Sync {
-    /// How many there are, with the one that calls.
+    /// The number of threads, including the calling one.
     fn count(&self) -> usize;
 
-    /// Runs both, and returns when both are through: `one` at once, on the thread that calls; `other` on another at the
-    /// same time, or after `one`. Never the other way round, as `other` may wait for what `one` does.
+    /// Runs both closures and returns when both have ended: `one` at once on the calling thread, `other` on another
+    /// thread at the same time, or after `one`. Never run `other` first, as it may wait for the results of `one`.
     fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send));
 }
 
-/// The thread that calls, and no other.
+/// The calling thread alone.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Alone;
 

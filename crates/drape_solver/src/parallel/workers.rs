@@ -1,13 +1,15 @@
-//! Helpers that stand by for the length of a step.
+//! Workers: threads that wait for work in a loop for the length of a step.
 //!
-//! A body is shared out anew in every trip down its strips, tenths of a millisecond apart; to wake a thread takes as long.
-//! So the threads of the host are asked once a step, and those that come wait in a loop for work until they are
-//! dismissed. Nobody waits for one to come: until it does, the work is done without it.
+//! A body is divided anew in every trip down its strips, tenths of a millisecond apart, and waking a thread takes as
+//! long. So the leader calls the host's threads once a step, and those that come wait in a loop for work until they are
+//! dismissed. The leader never waits for a helper to come: until then, it does the work alone.
 //!
 //! ```text
 //!   leader  | alone ------ | upper half | wedge | upper half | wedge |
 //!   helper  | wakes up ... | lower half |  ...  | lower half |  ...  | dismissed
 //! ```
+//!
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 #![expect(unsafe_code, reason = "a closure that borrows is handed to a thread that outlives the borrow")]
 
@@ -16,24 +18,24 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::parallel::threads::Threads;
 
-/// The most helpers that a workers has work for.
+/// The greatest number of helpers that get work.
 const MOST_HELPERS: usize = 7;
 
-/// Rounds of waiting after which a thread lets others have its core.
+/// The number of rounds of waiting after which a thread yields its core.
 const ROUNDS_OF_WAITING: u32 = 1 << 14;
 
 type Job<'a> = &'a mut (dyn FnMut() + Send);
 
-/// A leader's helpers.
+/// The helpers of a leader.
 #[derive(Default)]
 pub(crate) struct Workers {
     places: [WorkerSlot; MOST_HELPERS],
     is_dismissed: AtomicBool,
-    /// How many were called.
+    /// The number of helpers that were called.
     called: usize,
 }
 
-/// Where one helper stands.
+/// State and job of one helper.
 #[repr(align(128))]
 #[derive(Default)]
 struct WorkerSlot {
@@ -41,15 +43,15 @@ struct WorkerSlot {
     job: UnsafeCell<Option<Job<'static>>>,
 }
 
-/// Nobody has come, or has left again.
+/// No helper is in this place.
 const EMPTY: u32 = 0;
 /// A helper waits for work.
 const IDLE: u32 = 1;
-/// Somebody is about to give it work.
+/// A thread has claimed the helper and is about to give it work.
 const CLAIMED: u32 = 2;
-/// The work is there: until it is done, it is the helper's.
+/// The helper owns the place until it has done the job.
 const WORKING: u32 = 3;
-/// The work is done: the place is that of whoever gave it.
+/// The job is done: the place belongs to the thread that gave it.
 const DONE: u32 = 4;
 
 // SAFETY: `job` is only touched by the thread that `state` names: whoever moved it from IDLE to CLAIMED, until it stores
@@ -68,7 +70,7 @@ impl Workers {
         workers.call(threads, &mut lead, helpers);
     }
 
-    /// Calls helpers, one beside the other, and runs `lead`.
+    /// Calls the helpers one by one, and runs `lead`.
     fn call(&self, threads: &dyn Threads, lead: Job, helpers: usize) {
         match helpers.checked_sub(1) {
             None => lead(),
@@ -109,17 +111,17 @@ impl Workers {
 }
 
 impl Workers {
-    /// How many there are now, with the leader: those that have come and have nothing to do.
+    /// The number of workers that are free now: the leader, and the helpers that have come and wait.
     pub fn count(&self) -> usize {
         1 + self.places.iter().filter(|place| place.state.load(Ordering::Relaxed) == IDLE).count()
     }
 
-    /// How many there may be in a moment.
+    /// The greatest number of workers that may be free in a moment.
     pub fn most(&self) -> usize {
         1 + self.called
     }
 
-    /// Runs both, at the same time if a helper has nothing to do, and returns when both are through.
+    /// Runs both closures, at the same time if a helper is free, and returns when both have ended.
     pub fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
         let is_claimed = |place: &&WorkerSlot| {
             place.state.compare_exchange(IDLE, CLAIMED, Ordering::AcqRel, Ordering::Relaxed).is_ok()
@@ -140,7 +142,7 @@ impl Workers {
     }
 }
 
-/// Lets all helpers go when the leader is through, or panics.
+/// Dismisses all helpers when the leader ends or panics.
 struct Release<'a>(&'a Workers);
 
 impl Drop for Release<'_> {
@@ -149,7 +151,7 @@ impl Drop for Release<'_> {
     }
 }
 
-/// Says that the work is done when it is, or panics.
+/// Marks the job as done when it ends or panics.
 struct Done<'a>(&'a WorkerSlot);
 
 impl Drop for Done<'_> {
@@ -158,7 +160,7 @@ impl Drop for Done<'_> {
     }
 }
 
-/// Waits until the work that was given is done.
+/// Waits until the job that was given is done.
 struct Wait<'a>(&'a WorkerSlot);
 
 impl Drop for Wait<'_> {

@@ -1,9 +1,11 @@
 //! Three columns of numbers, one vector per particle, in cells that fill a vector register each.
+//!
+//! Design: `docs/design/kernels.md`.
 
 use glam::Vec3;
 
-/// Particles in a cell: the widest vector register in use holds so many floats. Narrower ones take a cell in parts,
-/// with the same result.
+/// The number of particles in a cell: the widest vector register in use holds so many floats. Narrower registers take a
+/// cell in parts, with the same result.
 pub(crate) const LANES: usize = 16;
 
 /// The vectors of [`LANES`] particles.

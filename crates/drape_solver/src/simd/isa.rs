@@ -1,4 +1,6 @@
 //! Instruction sets: the same kernels, compiled once for each, chosen when the program runs.
+//!
+//! Design: `docs/design/kernels.md`.
 
 use fearless_simd::{Level, Simd};
 
@@ -15,7 +17,7 @@ pub enum Isa {
     /// Registers of sixteen.
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     Avx512(fearless_simd::x86::Avx512),
-    /// What the machine has, where it is no x86.
+    /// The instruction set of a machine that is no x86.
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
     Native(Level),
 }
@@ -99,7 +101,7 @@ impl Isa {
 
 /// Work to be compiled for every instruction set. Everything that it calls must be `#[inline(always)]`.
 pub(crate) trait Kernel {
-    /// What it gives.
+    /// The result of the work.
     type Output;
     /// The work.
     fn run<S: Simd>(self, simd: S) -> Self::Output;

@@ -1,7 +1,9 @@
-//! Vectors of [`LANES`](crate::simd::columns::LANES) vectors: what kernels compute with.
+//! Vectors of [`LANES`] vectors, with which kernels compute.
 //!
 //! Every operation is one of `+ - * /`, a square root, a comparison or a choice, lane by lane: exact in IEEE
 //! arithmetic, whatever the width of the registers. Products are never fused with sums.
+//!
+//! Design: `docs/design/kernels.md`.
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;

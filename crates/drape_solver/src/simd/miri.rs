@@ -1,4 +1,6 @@
-//! Sizes of tests under Miri, which takes some thousand times as long.
+//! Sizes of tests under Miri, which takes about a thousand times as long.
+//!
+//! Design: `docs/design/kernels.md`.
 
 /// `size`, or `small` under Miri.
 pub(crate) fn unless_miri<T>(size: T, small: T) -> T {

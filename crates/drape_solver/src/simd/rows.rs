@@ -8,6 +8,8 @@
 //!   cells  | block 0 | block 1 | block 2 | block 3 | block 4 | ...
 //!             done     put back   sticks    sticks    taken
 //! ```
+//!
+//! Design: `docs/design/listed_sticks.md`.
 
 use core::ops::Range;
 
@@ -16,10 +18,10 @@ use fearless_simd::{Simd, f32x4, f32x8, f32x16, prelude::*};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
 
-/// Particles of a block.
+/// The number of particles in a block.
 pub(crate) const BLOCK: usize = 512;
 
-/// Cells of a block.
+/// The number of cells in a block.
 const BLOCK_CELLS: usize = BLOCK / LANES;
 
 /// The number of blocks that `cells` cells fill.
@@ -55,7 +57,7 @@ impl Rows {
 
     /// Takes the particles of a block out of their cells.
     ///
-    /// The inverse mass of a pin is kept as infinity: it so equals no other, not even that of a second pin.
+    /// The inverse mass of a pin is stored as infinity, so that it equals no other, not even that of a second pin.
     #[inline(always)]
     pub fn take<S: Simd>(&mut self, simd: S, block: usize, position: &[Cell], inverse_mass: &[[f32; LANES]]) {
         let rows = self.place(block);
@@ -96,7 +98,7 @@ impl Rows {
     /// The rows as sticks see them.
     #[inline(always)]
     pub fn window(&mut self) -> Window<'_> {
-        // So that it can be seen that no place lies outside.
+        // Lets the compiler see that no place lies outside.
         let mask = (4 * self.rows.len() as u32).saturating_sub(4);
         Window { rows: &mut self.rows.as_flattened_mut()[..mask as usize + 4], mask }
     }
@@ -109,7 +111,7 @@ pub(crate) struct Window<'a> {
 }
 
 impl Window<'_> {
-    /// Where in the window a row is.
+    /// The place of a row in the window.
     #[inline(always)]
     pub fn place(&self, first: u32) -> usize {
         (first & self.mask) as usize
@@ -137,7 +139,7 @@ pub(crate) fn columns_of_eight<S: Simd>([ab, cd, ef, gh]: [f32x8<S>; 4]) -> [f32
     [x, y, z, w]
 }
 
-/// Eight columns' numbers as rows, two to a vector: the way back.
+/// The inverse of [`columns_of_eight`].
 #[inline(always)]
 pub(crate) fn rows_of_eight<S: Simd>([x, y, z, w]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
     let (low_xz, high_xz) = x.interleave(z);

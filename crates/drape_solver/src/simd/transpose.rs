@@ -1,4 +1,6 @@
 //! Turns sixteen vectors of sixteen numbers into the sixteen of their columns.
+//!
+//! Design: `docs/design/kernels.md`.
 
 use fearless_simd::{Simd, f32x16, prelude::*};
 

@@ -1,4 +1,6 @@
-//! Cannon balls: spheres that the particles' integrator moves, and that can spin.
+//! Balls: rigid spheres with mass, spin and friction, moved by the same Verlet step as particles.
+//!
+//! Design: `docs/design/integration.md`.
 
 use glam::{Quat, Vec3};
 
@@ -8,7 +10,7 @@ use crate::geometry::pose::turned;
 use crate::state::friction::Friction;
 use crate::state::layers::Layers;
 
-/// What a ball is made of.
+/// Size, mass and surface of a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BallMaterial {
@@ -20,10 +22,10 @@ pub struct BallMaterial {
     pub drag: f32,
     /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
-    /// Coefficient of static friction, which holds what does not slide yet, 0 or more; below `friction` it counts as
-    /// `friction`. Two surfaces in contact use the mean of theirs.
+    /// Coefficient of static friction, 0 or more, for surfaces that do not slide yet. A value below `friction` counts
+    /// as `friction`. Two surfaces in contact use the mean of theirs.
     pub static_friction: f32,
-    /// Coefficient of restitution, 0 (does not bounce) to 1 (loses nothing), against obstacles and other balls. Two in
+    /// Coefficient of restitution against obstacles and other balls, from 0 (no bounce) to 1 (no loss). Two bodies in
     /// contact use the mean of theirs. Below 0.2 m/s nothing bounces. Cloth never bounces a ball.
     pub restitution: f32,
     /// Rolling resistance, 0 or more: the lever arm of the ground's reaction ahead of the centre, in parts of
@@ -33,7 +35,7 @@ pub struct BallMaterial {
 }
 
 impl BallMaterial {
-    /// How rough the surface is.
+    /// Friction of the surface.
     pub(crate) fn surface_friction(&self) -> Friction {
         Friction::new(self.friction, self.static_friction)
     }
@@ -69,10 +71,10 @@ pub struct Ball {
     pub(crate) reports_contacts: bool,
     pub(crate) disturbed: bool,
     pub(crate) still_for: f32,
-    /// Substeps per step that it asks for because of a cloth near by; 0 where there is none.
+    /// The number of substeps per step that the ball needs because of a cloth near by; 0 without one.
     pub(crate) hit_substeps: f32,
-    /// What projections have moved it by in this substep, where that counts as velocity. Summed up here, as the
-    /// difference of two positions would be rounded to more than the momentum may lose.
+    /// Metres that projections have moved the ball in this substep, as far as they count as velocity. Kept as a sum:
+    /// the difference of two positions would lose too much momentum to rounding.
     pub(crate) projected: Vec3,
     pub(crate) drag: crate::state::drag::Drag,
 }
@@ -111,8 +113,8 @@ impl Ball {
         })
     }
 
-    /// A ball shot from `position` with `velocity` under `acceleration` (m/s^2), where `substep`
-    /// (seconds) is the substep that it will be stepped in, or a guess: another one is allowed for.
+    /// A ball shot from `position` with `velocity` under `acceleration` (m/s^2). `substep` is the expected length of
+    /// its substeps in seconds; the first step corrects a wrong guess.
     ///
     /// Verlet displacements are mean velocities over a substep. Starting half a substep of acceleration early,
     /// the ball runs exactly on the parabola `p + v t + a t^2 / 2` at the end of every substep.
@@ -159,12 +161,12 @@ impl Ball {
         self.rotation
     }
 
-    /// How long it has been slower than the threshold of rest, in seconds.
+    /// Seconds for which the ball has been slower than the threshold of rest.
     pub fn still_for(&self) -> f32 {
         self.still_for
     }
 
-    /// Which layers it belongs to, and which it touches.
+    /// The layers that the ball belongs to, and those that it touches.
     pub fn layers(&self) -> Layers {
         self.layers
     }
@@ -174,7 +176,7 @@ impl Ball {
         self.layers = layers;
     }
 
-    /// Has [`Island::contacts`](crate::Island::contacts) tell what it touches, or not.
+    /// Turns the report of the ball's contacts in [`Island::contacts`](crate::Island::contacts) on or off.
     pub fn set_reports_contacts(&mut self, reports: bool) {
         self.reports_contacts = reports;
     }
@@ -214,22 +216,22 @@ impl Ball {
         self.disturbed = true;
     }
 
-    /// Drops the force that was given for the next step.
+    /// Clears the force for the next step.
     pub fn clear_force(&mut self) {
         self.force = Vec3::ZERO;
     }
 
-    /// Wakes the ball: it counts as edited, and its time at rest starts anew.
+    /// Wakes the ball: it counts as edited, and its time at rest restarts.
     pub fn rouse(&mut self) {
         self.disturbed = true;
     }
 
-    /// Whether a force, an impulse or an edit has touched the ball since its last step.
+    /// True if a force, an impulse or an edit has touched the ball since its last step.
     pub fn is_disturbed(&self) -> bool {
         self.disturbed
     }
 
-    /// Whether position, velocity, spin, orientation and force are finite.
+    /// True if position, velocity, spin, orientation and force are finite.
     pub fn is_finite(&self) -> bool {
         let motion = self.position.is_finite() && self.displacement.is_finite();
         motion && self.spin.is_finite() && self.rotation.is_finite() && self.force.is_finite()
@@ -241,13 +243,13 @@ impl Ball {
         0.5 * (self.material.mass * self.velocity().length_squared() + spin)
     }
 
-    /// That of a solid sphere, in kg m^2.
+    /// Moment of inertia of a solid sphere, in kg m^2.
     pub(crate) fn moment_of_inertia(&self) -> f32 {
         0.4 * self.material.mass * self.material.radius * self.material.radius
     }
 
-    /// Brings the displacement to the substep `substep` (seconds). It is the mean velocity over a substep, half a
-    /// substep old: under `acceleration` that age changes with the substep, and the ball stays on its parabola.
+    /// Rescales the displacement to a substep of `substep` seconds. A displacement is the mean velocity over a substep,
+    /// so half a substep old. The correction by `acceleration` allows for that age and keeps the ball on its parabola.
     pub(crate) fn set_substep(&mut self, substep: f32, acceleration: Vec3) {
         if substep != self.substep {
             let correction = acceleration * (0.5 * (self.substep - substep));
@@ -261,14 +263,14 @@ impl Ball {
         self.displacement + self.projected
     }
 
-    /// Moves the ball by a projection: the part that a contact gives it, and the part that is in position only.
+    /// Moves the ball by a projection: `contact` counts as velocity, `position_only` does not.
     pub(crate) fn project(&mut self, contact: Vec3, position_only: Vec3) {
         self.position += contact + position_only;
         self.projected += contact;
     }
 
-    /// How far the ball's surface can get from its centre's place in `dt` seconds, in metres, where gravity is of
-    /// size `gravity` (m/s^2).
+    /// Greatest distance in metres that the ball's surface can get from its present centre in `dt` seconds, under
+    /// gravity of size `gravity` (m/s^2).
     pub fn reach(&self, dt: f32, gravity: f32) -> f32 {
         let path =
             self.velocity().length() * dt + (gravity + self.force.length() * self.inverse_mass) * dt * dt;
@@ -280,8 +282,8 @@ impl Ball {
         self.displacement + self.spin.cross(arm) * self.substep
     }
 
-    /// Moves the surface point at `arm` by the tangential `push` (kilogram metres): the friction that changes
-    /// both flight and spin. The inverse mass seen by such a push is `1/m + r^2/I = 3.5/m`.
+    /// Moves the surface point at `arm` by the tangential `push` (kilogram metres) of friction, which changes flight
+    /// and spin. The effective inverse mass against such a push is `1/m + r^2/I = 3.5/m`.
     pub(crate) fn push_surface(&mut self, arm: Vec3, push: Vec3) {
         let shift = push * self.inverse_mass;
         self.position += shift;

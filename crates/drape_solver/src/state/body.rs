@@ -1,4 +1,4 @@
-//! A body: topology, particles and settings, with what one step needs.
+//! A body: topology, particles and settings, with the scratch of a step.
 
 use std::sync::Arc;
 
@@ -16,19 +16,19 @@ use crate::state::topology::Topology;
 /// A cloth, a rope or a rig, ready to be stepped.
 #[derive(Clone, Debug, Default)]
 pub struct Body {
-    /// Where the particles are and how they move.
+    /// Positions and motion of the particles.
     pub particles: Particles,
-    /// How they are joined; shared between equal bodies.
+    /// Sticks, faces and tethers; shared between equal bodies.
     pub topology: Arc<Topology>,
-    /// How the body is stepped.
+    /// Accuracy, damping and surface.
     pub settings: SolverSettings,
-    /// Which layers it belongs to, and which it touches.
+    /// The layers that the body belongs to, and those that it touches.
     pub layers: Layers,
-    /// Whether [`Island::contacts`](crate::Island::contacts) tells what it touches. Such a body is stepped substep by
-    /// substep while it touches something.
+    /// True if [`Island::contacts`](crate::Island::contacts) reports the body's contacts. Such a body is stepped
+    /// substep by substep while it touches something.
     pub reports_contacts: bool,
-    /// The volume that a closed body keeps, in parts of that at rest: 1 keeps it, more blows it up; 0, the default, lets it be.
-    /// Nothing happens where [faces are not closed](Topology::rest_volume).
+    /// Target volume of a closed body, in parts of its rest volume: 1 keeps it, more inflates it, and 0, the default,
+    /// turns pressure off. Has no effect if the [faces are not closed](Topology::rest_volume).
     pub pressure: f32,
     /// Scratch of the step, kept so that a step allocates nothing once warm.
     pub context: BodyContext,
@@ -40,54 +40,53 @@ impl Body {
         Self { particles, topology, settings, ..Self::default() }
     }
 
-    /// How long the body has been slower than the threshold of rest, in seconds.
+    /// Seconds for which the body has been slower than the threshold of rest.
     pub fn still_for(&self) -> f32 {
         self.context.still_for()
     }
 
-    /// True if the body touches itself and others that do so.
+    /// True if the body collides with itself, and with others that have self-contact.
     pub(crate) fn has_self_contact(&self) -> bool {
         self.settings.has_self_contact() && !self.particles.is_empty()
     }
 }
 
-/// What one body needs during a step. Holds nothing that outlives the step but its own memory and the time
-/// that the body has been still.
+/// Scratch of one body during a step. Only its memory and the time at rest outlive the step.
 #[derive(Clone, Debug, Default)]
 pub struct BodyContext {
     /// Gravity: the same for all particles.
     pub(crate) uniform_acceleration: Vec3,
     /// Accelerations by wind and forces; empty where there are none.
     pub(crate) acceleration: Columns,
-    /// Positions after integration: what projections are measured against.
+    /// Positions after integration, from which the projections of a substep are measured.
     pub(crate) integrated: Columns,
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
     pub(crate) damping: Vec<f32>,
-    /// Where the pins are that tethers hold on to.
+    /// Positions of the pins of tethers.
     pub(crate) anchors: Columns,
-    /// How far each kinematic pin moves in a substep.
+    /// Slot and displacement in a substep, in metres, of each pin that moves.
     pub(crate) pin_shifts: Vec<(u32, Vec3)>,
-    /// How the frame moves in a substep, if it does.
+    /// Motion of the frame in a substep; none if it is at rest.
     pub(crate) frame: Option<SubstepMotion>,
-    /// Particles, by slot, that their limits kept in an obstacle at the end of the last step.
+    /// Slots of the particles that their motion limits held inside an obstacle at the end of the last step.
     pub(crate) limit_conflicts: Vec<u32>,
-    /// What listed sticks are relaxed in.
+    /// Rows in which listed sticks are relaxed.
     pub(crate) rows: Rows,
-    /// How the volume grows with each particle's place.
+    /// Gradient of the volume by each particle's position, in square metres.
     pub(crate) gradient: Vec<DVec3>,
     pub(crate) still_for: f32,
 }
 
 impl BodyContext {
-    /// Particles that were deeper in an obstacle at the end of the last step than contacts leave them, as their
-    /// [limit](Particles::set_motion_limit) let them go no farther.
+    /// The number of particles that their [limits](Particles::set_motion_limit) held in an obstacle at the end of the
+    /// last step, deeper than contacts leave them.
     pub fn limit_conflicts(&self) -> usize {
         self.limit_conflicts.len()
     }
 
-    /// How long the body has been slower than the threshold of rest, in seconds.
+    /// Seconds for which the body has been slower than the threshold of rest.
     pub fn still_for(&self) -> f32 {
         self.still_for
     }
@@ -100,21 +99,21 @@ impl Body {
         self.particles.displacement.get(slot) + projected
     }
 
-    /// Takes pinned particles one substep further on their way.
+    /// Moves pinned particles by one substep towards their targets.
     pub(crate) fn move_pins(&mut self) {
         for &(slot, shift) in &self.context.pin_shifts {
             self.particles.position.add(slot as usize, shift);
         }
     }
 
-    /// Gives pins that move their displacement, once integration has left them without one.
+    /// Stores the displacement of pins that move, which integration has set to zero.
     pub(crate) fn note_pin_travel(&mut self) {
         for &(slot, shift) in &self.context.pin_shifts {
             self.particles.displacement.set(slot as usize, shift);
         }
     }
 
-    /// Memory of the state, of the scratch here, and of sticks and tethers, in bytes.
+    /// Memory of the state, of this scratch, and of sticks and tethers, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let Self { particles, topology, context, .. } = self;
         let columns = [&particles.position, &particles.displacement, &context.integrated];

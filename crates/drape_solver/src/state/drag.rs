@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// What drag does to a displacement and to an acceleration in one substep.
+/// Factors of displacement and acceleration by which drag acts in one substep.
 ///
 /// A drag of `c` (1/s) multiplies the velocity by `f = exp(-c h)` in a substep `h`; an acceleration then acts
 /// for the mean of that decay, `g = (1 - f) / (c h)`. The terminal velocity is `a / c` for every `h`.
@@ -29,8 +29,8 @@ impl Drag {
         Self { decay: (1.0 - lost) as f32, gain: (lost / exponent) as f32 }
     }
 
-    /// The substep, in seconds, as a load feels it: where drag takes a part of what an acceleration gives, it must
-    /// take the same part of what a soft stick gives back, or drag would change how far a load stretches it.
+    /// The substep in seconds that soft sticks use. Drag scales the displacement by an acceleration, so it must scale
+    /// the restoring displacement of a soft stick alike; else drag would change the stretch under a load.
     pub(crate) fn effective_substep(self, substep: f32) -> f32 {
         substep * self.gain.sqrt()
     }

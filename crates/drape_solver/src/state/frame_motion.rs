@@ -1,8 +1,10 @@
-//! A moving frame of reference as data: what a cloth does not inherit of the motion of its wearer.
+//! A moving frame of reference as data: the part of its wearer's motion that a cloth does not feel.
 //!
-//! A cape on a character that runs, jumps and turns feels all of that, and flies like a flag. To calm it, a share of the
-//! character's motion is taken for that of the frame in which the cape moves: it is carried along, and its velocity is
-//! what it does besides. `motion/moving_frame.rs` carries the particles.
+//! A cape on a character that runs, jumps and turns would feel all of that motion and fly like a flag. To calm it, a
+//! share of the character's motion becomes the motion of the cape's frame. The frame carries the cape along, and the
+//! cape's velocity is relative to the frame. `motion/moving_frame.rs` carries the particles.
+//!
+//! Design: `docs/design/characters.md`.
 
 use glam::{Mat3, Vec3};
 
@@ -13,7 +15,7 @@ use crate::state::particles::Particles;
 /// A rigid motion: a turn, and then a translation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameMotion {
-    /// The point that the turn leaves where it is, in the world, in metres.
+    /// Centre of the turn in the world, in metres.
     pub pivot: Vec3,
     /// Axis of the turn times its angle in radians.
     pub turn: Vec3,
@@ -44,23 +46,23 @@ impl FrameMotion {
         Self { turn: self.turn * angular, translation: self.translation * linear, ..self }
     }
 
-    /// Whether it moves nothing.
+    /// True if the motion is the identity.
     pub fn is_rest(&self) -> bool {
         self.turn == Vec3::ZERO && self.translation == Vec3::ZERO
     }
 
-    /// Whether all numbers are finite.
+    /// True if all numbers are finite.
     pub fn is_finite(&self) -> bool {
         self.pivot.is_finite() && self.turn.is_finite() && self.translation.is_finite()
     }
 
-    /// The farthest that anything in a box goes, in metres.
+    /// Upper bound in metres on the path of any point in a box.
     pub(crate) fn reach(&self, (low, high): (Vec3, Vec3)) -> f32 {
         let farthest = (self.pivot - low).abs().max((high - self.pivot).abs());
         self.translation.length() + self.turn.length() * farthest.length()
     }
 
-    /// What a turn by a part of the angle adds to a vector: `R - I`, which is exact for small angles (Rodrigues).
+    /// The matrix `R - I` of the rotation by a part of the angle, in a form that is exact for small angles (Rodrigues).
     fn added(&self, part: f32) -> Mat3 {
         let angle = self.turn.length();
         if angle == 0.0 {
@@ -80,10 +82,10 @@ impl FrameMotion {
 /// The part of a motion that falls to each substep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SubstepMotion {
-    /// What the turn adds to an offset from the pivot.
+    /// The matrix `R - I` of the turn, by which an offset from the pivot changes.
     pub added: Mat3,
     pub translation: Vec3,
-    /// At the start of the step, relative to the body's origin.
+    /// Pivot at the start of the step, relative to the body's origin.
     pub pivot: Vec3,
 }
 
@@ -99,9 +101,10 @@ impl SubstepMotion {
 }
 
 impl Particles {
-    /// Has the frame in which the particles move move by `motion` in the next step, evenly over its substeps: free particles are
-    /// carried along, and keep their velocities within the frame. Pinned ones go where they are [asked to](Self::set_pin_target).
-    /// Several motions in one step: the last counts. One that is not finite counts as none.
+    /// Moves the particles' frame of reference by `motion` in the next step, evenly over its substeps. Free particles
+    /// are carried along and keep their velocities within the frame; pinned ones go to their
+    /// [targets](Self::set_pin_target). The last of several motions in one step counts. A motion that is not finite
+    /// counts as none.
     pub fn move_frame(&mut self, motion: FrameMotion) {
         self.frame = Some(motion).filter(|motion| motion.is_finite() && !motion.is_rest());
         if self.frame.is_some() {
@@ -109,8 +112,8 @@ impl Particles {
         }
     }
 
-    /// Takes the whole body from one place to another at once, as it is: pins, velocities, and limits turn with it, and nothing is
-    /// pulled or thrown.
+    /// Moves the whole body rigidly from one placement to another at once. Pins, velocities and limits turn with it, so
+    /// nothing is pulled or thrown.
     pub fn teleport(&mut self, from: &Placement, to: &Placement) {
         if !(from.is_valid() && to.is_valid()) {
             return;

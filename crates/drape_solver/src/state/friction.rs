@@ -1,29 +1,31 @@
 //! Coulomb friction at the level of positions.
 //!
-//! Jakobsen 2001: reduce the tangential displacement by at most `mu` times the penetration depth that the
-//! projections took out, and never reverse it. On an incline a particle sinks `g cos(theta) h^2` in a substep
-//! and slides `g sin(theta) h^2`: it stays where `tan(theta) < mu`, which is Coulomb's law exactly.
+//! Jakobsen 2001: friction reduces the tangential displacement by at most `mu` times the penetration depth that the
+//! projections removed, and never reverses it. On an incline a particle sinks `g cos(theta) h^2` in a substep and
+//! slides `g sin(theta) h^2`: it stays where `tan(theta) < mu`, which is Coulomb's law exactly.
 //!
-//! What static friction can stop within the substep sticks; what is faster slides, against kinetic friction alone.
+//! A contact sticks if static friction can stop it within the substep; otherwise it slides against kinetic friction.
+//!
+//! Design: `docs/design/contacts.md`.
 
 use glam::Vec3;
 
 /// The friction of a surface, or of two in contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Friction {
-    /// Coefficient against what slides.
+    /// Coefficient of kinetic friction.
     pub kinetic: f32,
-    /// Coefficient against what sticks; at least the other.
+    /// Coefficient of static friction, at least the kinetic one.
     pub sticking: f32,
 }
 
 impl Friction {
-    /// From a coefficient of kinetic friction, and one of static friction that counts if it is greater.
+    /// Friction with these coefficients; a static one below the kinetic one counts as that.
     pub fn new(kinetic: f32, sticking: f32) -> Self {
         Self { kinetic, sticking: sticking.max(kinetic) }
     }
 
-    /// Of two surfaces: the mean of each coefficient.
+    /// Friction between two surfaces: the mean of each coefficient.
     pub fn with(self, other: Self) -> Self {
         Self {
             kinetic: combined(self.kinetic, other.kinetic),
@@ -31,13 +33,13 @@ impl Friction {
         }
     }
 
-    /// For slips that are `factor` times as long as the displacement of a mass point under the same push.
+    /// The same for slips that are `factor` times the displacement of a mass point under the same push.
     pub fn scaled(self, factor: f32) -> Self {
         Self { kinetic: self.kinetic * factor, sticking: self.sticking * factor }
     }
 
-    /// The part of the relative displacement `slip` that friction takes, given the summed `depth` (metres) of
-    /// the contact along `normal`: to be subtracted.
+    /// The part of the relative displacement `slip` that friction removes, for a contact of summed `depth` (metres)
+    /// along `normal`.
     pub fn slip_taken(self, slip: Vec3, normal: Vec3, depth: f32) -> Vec3 {
         let tangential = slip - normal * slip.dot(normal);
         let length = tangential.length();

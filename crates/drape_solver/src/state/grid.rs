@@ -1,4 +1,6 @@
-//! Sticks of a grid: whole families of equal sticks, relaxed a vector at a time without their ends being stored.
+//! Sticks of a grid: families of equal sticks, relaxed a vector at a time. Their ends are computed, not stored.
+//!
+//! Design: `docs/design/memory_layout.md`.
 
 use core::ops::Range;
 
@@ -25,13 +27,13 @@ impl GridBatch {
         [0, 1].map(|phase| Self { grid, right, down, phase })
     }
 
-    /// Number of columns and rows from which a stick of the family begins.
+    /// The numbers of columns and rows in which sticks of the family begin.
     fn starts(self) -> [usize; 2] {
         let across = self.grid.columns.saturating_sub(self.right.unsigned_abs());
         [across, self.grid.rows.saturating_sub(self.down)]
     }
 
-    /// The places along the axis of the split that this half has: `(number, width of a group)`.
+    /// Places along the split axis that belong to this half: `(number, width of a group)`.
     fn split(self) -> (usize, usize) {
         let [across, down] = self.starts();
         let (places, width) =
@@ -63,7 +65,7 @@ impl GridBatch {
         [[from, row], [from.wrapping_add_signed(self.right), row + self.down]]
     }
 
-    /// The stick that begins at this column and row, if there is one; the way back from [`ends`](Self::ends).
+    /// The stick that begins at this column and row, if there is one: the inverse of [`ends`](Self::ends).
     fn stick_from(self, [column, row]: [usize; 2]) -> Option<usize> {
         let left = if self.right < 0 { self.right.unsigned_abs() } else { 0 };
         let ([across, down], (number, width)) = (self.starts(), self.split());
@@ -102,7 +104,7 @@ impl GridBatch {
         self.ends(k).map(|[column, row]| row * self.grid.columns + column)
     }
 
-    /// The strip of stick `k`, and a run of it alone.
+    /// The strip of stick `k`, and a run that holds this stick alone.
     fn run_of(self, k: usize) -> (usize, GridRun) {
         let cells_of_strip = self.grid.cells_of_strip();
         let [a, b] = self.slots(k);
@@ -115,7 +117,7 @@ impl GridBatch {
         (strip, GridRun { a, b, count: 1, step: 1, shift, lanes })
     }
 
-    /// These runs without some more of the sticks.
+    /// The `runs` without the `severed` sticks.
     pub fn without(self, runs: &GridRuns, severed: &[u32]) -> GridRuns {
         let mut gone: Vec<(usize, GridRun)> = severed.iter().map(|&k| self.run_of(k as usize)).collect();
         gone.sort_unstable_by_key(|&(strip, run)| (strip, run.a, run.b, run.lanes));
@@ -146,8 +148,8 @@ impl GridBatch {
         left
     }
 
-    /// Puts the sticks into runs of cells, and strips whose runs are alike into bands; all but the `severed` ones, of
-    /// which there is an ascending list.
+    /// Collects the sticks into runs of cells, and strips with equal runs into bands. The ascending list `severed`
+    /// names the sticks to leave out.
     pub fn runs(self, severed: &[u32]) -> GridRuns {
         let cells_of_strip = self.grid.cells_of_strip();
         // Skip-one sticks along a row begin in two cells of four: every fourth cell makes the longer run.
@@ -176,8 +178,8 @@ impl GridBatch {
     }
 }
 
-/// Cells whose sticks lie alike: cell `a + k step` is joined to cell `b + k step`, lane `l` to lane `l + shift`. Cells
-/// are counted from the first of a strip.
+/// Cells with the same pattern of sticks: cell `a + k step` is joined to cell `b + k step`, lane `l` to lane `l +
+/// shift`. Cells are counted from the first of a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct GridRun {
     pub a: u32,
@@ -199,7 +201,7 @@ impl GridRun {
         })
     }
 
-    /// Takes in one more cell, if it goes on as the others do.
+    /// Appends `cell` if it continues the run. Returns true if it does.
     fn extend(&mut self, cell: &Self) -> bool {
         let step = if self.count == 1 { cell.a.saturating_sub(self.a) } else { self.step };
         let goes_on = step > 0
@@ -212,25 +214,25 @@ impl GridRun {
     }
 }
 
-/// Adds one more cell to some runs.
+/// Appends a cell to the last run if it continues that, else as a new run.
 fn extend(runs: &mut Vec<GridRun>, cell: GridRun) {
     if !runs.last_mut().is_some_and(|last| last.extend(&cell)) {
         runs.push(cell);
     }
 }
 
-/// Strips whose runs are alike: `first`, `first + step`, ... `count` of them.
+/// Strips with equal runs: `first`, `first + step`, ... `count` of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Band {
     first: u32,
     step: u32,
     count: u32,
-    /// Place of its runs in the list of all.
+    /// Start and end of its runs in the list of all.
     runs: [u32; 2],
 }
 
 impl Band {
-    /// Its strips among `strips`.
+    /// The strips of the band within `strips`.
     #[inline]
     pub fn among(&self, strips: &Range<usize>) -> impl ExactSizeIterator<Item = usize> + Clone + use<> {
         let &Self { first, step, count, .. } = self;
@@ -238,7 +240,7 @@ impl Band {
         (place(strips.start)..place(strips.end)).map(move |k| (first + k * step) as usize)
     }
 
-    /// Takes in one more strip, if it goes on as the others do.
+    /// Appends `strip` if it continues the band. Returns true if it does.
     fn extend(&mut self, strip: u32) -> bool {
         let step = if self.count == 1 { strip - self.first } else { self.step };
         let goes_on = self.first + step * self.count == strip;
@@ -254,7 +256,7 @@ impl Band {
 pub(crate) struct GridRuns {
     bands: Vec<Band>,
     runs: Vec<GridRun>,
-    /// How many strips they reach down.
+    /// Greatest number of strips that a run reaches below its own.
     pub reach: usize,
 }
 
@@ -270,12 +272,12 @@ impl GridRuns {
         size_of_val(&*self.bands) + size_of_val(&*self.runs)
     }
 
-    /// Adds the runs of one more strip.
+    /// Appends the runs of a strip.
     fn push(&mut self, strip: u32, runs: &[GridRun]) {
         if runs.is_empty() {
             return;
         }
-        // Where patches are an odd number of rows high, bands take turns.
+        // With patches of an odd number of rows, strips of two bands alternate.
         for band in self.bands.iter_mut().rev().take(MOST_OPEN_BANDS) {
             let [from, to] = band.runs.map(|place| place as usize);
             if self.runs[from..to] == *runs && band.extend(strip) {
@@ -288,7 +290,7 @@ impl GridRuns {
     }
 }
 
-/// How many bands may go on at the same time.
+/// The number of latest bands that a new strip may continue.
 const MOST_OPEN_BANDS: usize = 8;
 
 #[cfg(test)]

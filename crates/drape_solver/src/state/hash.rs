@@ -1,4 +1,6 @@
 //! A fingerprint of states: equal bits give equal hashes on every machine.
+//!
+//! Design: `docs/design/determinism.md`.
 
 use core::hash::Hasher;
 
@@ -12,7 +14,7 @@ use crate::state::particles::Particles;
 pub struct StateHasher(XxHash3_64);
 
 impl StateHasher {
-    /// An empty one.
+    /// A hasher without states.
     pub fn new() -> Self {
         Self::default()
     }
@@ -28,7 +30,7 @@ impl StateHasher {
         self
     }
 
-    /// Adds position, displacement, rotation and spin of a ball, and the substeps that it asks for.
+    /// Adds position, displacement, rotation and spin of a ball, and the number of substeps that it needs.
     pub fn ball(&mut self, ball: &Ball) -> &mut Self {
         self.values(&ball.position.to_array())
             .values(&ball.displacement.to_array())

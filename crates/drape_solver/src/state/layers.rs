@@ -1,9 +1,9 @@
-//! Layers: who touches whom at all.
+//! Collision layers: bit masks that decide which things touch.
 
-/// Which layers something belongs to, and which it touches: one bit each.
+/// The layers that something belongs to and those that it touches, one bit for each layer.
 ///
-/// Two touch when each belongs to a layer that the other touches. Everything belongs to all layers and touches all, unless
-/// it is told otherwise.
+/// Two things touch if each belongs to a layer that the other touches. By default everything belongs to all layers and
+/// touches all.
 ///
 /// ```
 /// use drape_solver::Layers;
@@ -37,7 +37,7 @@ impl Layers {
         Self { memberships, filters }
     }
 
-    /// Whether the two touch each other.
+    /// True if the two touch each other.
     pub const fn interact(self, other: Self) -> bool {
         self.memberships & other.filters != 0 && other.memberships & self.filters != 0
     }

@@ -1,8 +1,8 @@
-//! Where a body keeps its particles: the way from a particle's index to its slot in the columns, and back.
+//! The layout of a body's particles in memory: it maps a particle's index to its slot in the columns, and back.
 //!
-//! Columns are stored in cells of [`LANES`] particles, and kernels work on whole cells. Particles that are neighbours
-//! on a grid must therefore *not* be neighbours in a cell: a stick would join two lanes of one vector. Each lane
-//! keeps a patch of the grid to itself instead, and the same place in every patch makes a cell:
+//! Columns are stored in cells of [`LANES`] particles, and kernels work on whole cells. Neighbours on a grid must *not*
+//! share a cell, as a stick would then join two lanes of one vector. Each lane holds a patch of the grid instead, and
+//! the same place in every patch makes a cell:
 //!
 //! ```text
 //!   one row of 16 columns in 4 patches          cells of the row
@@ -10,8 +10,10 @@
 //!     lane 0    lane 1    lane 2    lane 3      sticks 0-1, 4-5, 8-9, c-d: two aligned vectors
 //! ```
 //!
-//! A stick from one patch into the next joins a lane to the next lane: the vector is shifted. Where the grid does not
-//! fill the patches, the slots left over are *ghosts*: they have no mass, and no stick reaches them.
+//! A stick from one patch into the next joins a lane to the next lane, so the kernel shifts the vector. Slots that the
+//! grid does not fill are *ghosts*: they have no mass, and no stick reaches them.
+//!
+//! Design: `docs/design/memory_layout.md`.
 
 use std::sync::Arc;
 
@@ -25,20 +27,20 @@ use crate::state::torn_grid::TornGrid;
 pub(crate) enum Layout {
     /// In order of the index.
     Linear { count: usize },
-    /// So that particles joined by sticks are near each other.
+    /// In an order that keeps particles joined by sticks near each other.
     Renumbered(Arc<Renumbering>),
     /// A grid, in patches.
     Grid(Grid),
-    /// What is left of one, and what was split from it.
+    /// The remains of a torn grid, and the particles that were split from it.
     Torn(Arc<TornGrid>),
 }
 
-/// A grid of particles, one patch a lane.
+/// A grid of particles, one patch for each lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Grid {
     pub columns: usize,
     pub rows: usize,
-    /// Patches side by side, and one below another: their product is at most [`LANES`].
+    /// The numbers of patches side by side and one below another; their product is at most [`LANES`].
     pub across: usize,
     pub down: usize,
     /// Columns and rows of one patch.
@@ -80,7 +82,7 @@ impl Layout {
                 (cells, self.cells().div_ceil(cells))
             }
             Self::Grid(grid) => (grid.cells_of_strip(), grid.height.div_ceil(ROWS_OF_STRIP)),
-            // What has no place in the grid goes on behind its last strip.
+            // Particles without a place in the grid follow behind its last strip.
             Self::Torn(torn) => {
                 let cells = torn.grid.cells_of_strip();
                 (cells, torn.cells().div_ceil(cells))
@@ -88,17 +90,17 @@ impl Layout {
         }
     }
 
-    /// Whether a row of the grid is a row of cells, so that a sweep may run down the strips.
+    /// True if each row of the grid is a row of cells, so that a sweep may run down the strips.
     pub fn has_whole_rows(&self) -> bool {
         matches!(self.grid(), Some(grid) if grid.down == 1)
     }
 
-    /// Whether it is a grid with empty places, or with particles that have none.
+    /// True if tears have emptied places of the grid, or left particles without one.
     pub fn is_torn(&self) -> bool {
         matches!(self, Self::Torn(_))
     }
 
-    /// The grid, whole or torn, that decides where particles are.
+    /// The grid, whole or torn, that decides the slots of particles; none in other layouts.
     pub fn grid(&self) -> Option<Grid> {
         match self {
             Self::Grid(grid) => Some(*grid),
@@ -133,7 +135,7 @@ impl Layout {
         }
     }
 
-    /// Which lanes of `cell` hold a particle, lane 0 in the lowest bit.
+    /// Bit mask of the lanes of `cell` that hold a particle, lane 0 in the lowest bit.
     pub fn real_lanes(&self, cell: usize) -> u16 {
         match self {
             Self::Grid(grid) if grid.is_full() => u16::MAX,
@@ -152,7 +154,7 @@ impl Layout {
 /// Rows of cells in a strip, the unit of a sweep: sticks down the rows begin in every second row, or in two of four.
 const ROWS_OF_STRIP: usize = 2;
 
-/// Fewest columns or rows of a patch: a skip-one stick must not come back into its own cell.
+/// Least number of columns or rows of a patch: with fewer, a skip-one stick would end in its own cell.
 const LEAST_PATCH: usize = 3;
 
 /// The ways to cut a grid into patches: all in a row, which lets a sweep run down the rows; as a square, for grids
@@ -165,7 +167,7 @@ impl Grid {
         let cut = |&[across, down]: &[usize; 2]| {
             let (width, height) = (columns.div_ceil(across), rows.div_ceil(down));
             let is_fit = |patches, size, count: usize| {
-                // No empty patch in the middle of a row of few columns, and no more than a third of ghosts.
+                // Avoids empty patches in the middle of a short row, and more than a third of ghosts.
                 patches == 1 || (size >= LEAST_PATCH && 2 * size * patches <= 3 * count)
             };
             (is_fit(across, width, columns) && is_fit(down, height, rows)).then_some(Self {
@@ -199,7 +201,7 @@ impl Grid {
         (column < self.columns && row < self.rows).then_some(row * self.columns + column)
     }
 
-    /// Whether there are no ghosts.
+    /// True if there are no ghosts.
     fn is_full(self) -> bool {
         self.across * self.width == self.columns && self.down * self.height == self.rows
     }

@@ -6,7 +6,7 @@ use crate::state::body::Body;
 use crate::state::particles::Particles;
 use crate::state::topology::{StickKind, Topology};
 
-/// How far sticks of one kind are from their rest length: fractions, `|length / rest length - 1|`.
+/// Strain of sticks of one kind, as fractions: `|length / rest length - 1|`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stretch {
     /// Root of the mean square.
@@ -15,7 +15,7 @@ pub struct Stretch {
     pub max: f64,
 }
 
-/// Stretch of all structural sticks; of those with a bound, beyond it.
+/// Strain of all structural sticks; sticks with a bound count only beyond it.
 pub fn stretch(particles: &Particles, topology: &Topology) -> Stretch {
     let mut sum = 0.0;
     let mut count = 0_u32;

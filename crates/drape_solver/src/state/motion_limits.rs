@@ -1,6 +1,8 @@
-//! Limits on motion as data: how far each particle may be from a place that an animation gives it.
+//! Limits on motion as data: the greatest distance of each particle from its animated place.
 //!
 //! `constraint/motion_limit.rs` enforces them.
+//!
+//! Design: `docs/design/characters.md`.
 
 use glam::Vec3;
 
@@ -13,9 +15,9 @@ use crate::state::particles::Particles;
 pub(crate) struct MotionLimits {
     /// Middle of each limit, relative to the body's origin.
     pub centre: Columns,
-    /// Where that is to be at the end of the next step.
+    /// Middle of each limit at the end of the next step, relative to the body's origin.
     pub target: Columns,
-    /// How far the particle may be from it, in metres; infinite without a limit.
+    /// Greatest distance of the particle from the middle, in metres; infinite without a limit.
     pub reach: Vec<f32>,
 }
 
@@ -24,7 +26,7 @@ impl MotionLimits {
         self.reach.is_empty()
     }
 
-    /// Room for those of `cells` cells, none of which has a limit yet.
+    /// Makes room for the particles of `cells` cells, all without a limit.
     pub fn reset(&mut self, cells: usize) {
         self.centre.reset(cells);
         self.target.reset(cells);
@@ -62,7 +64,7 @@ impl MotionLimits {
         arranged
     }
 
-    /// Brings centres to where they were to be.
+    /// Moves the centres to their targets.
     pub fn arrive(&mut self) {
         self.centre.cells.clone_from_slice(&self.target.cells);
     }
@@ -74,11 +76,11 @@ impl MotionLimits {
 }
 
 impl Particles {
-    /// Keeps particle `i` within `distance` (metres) of `centre` (world, metres), whatever pulls or pushes it, obstacles included:
-    /// the least that an animation may ask of a cloth. An infinite distance is no limit; one that is negative or not a number
-    /// counts as 0. Pinned particles have their pin for a limit.
+    /// Keeps particle `i` within `distance` (metres) of `centre` (world, metres), whatever pulls or pushes it: the
+    /// limit overrules obstacles too. An infinite distance is no limit; a negative one or NaN counts as 0. A pinned
+    /// particle follows its pin alone.
     ///
-    /// The centre is moved by [`set_limit_centre`](Self::set_limit_centre).
+    /// [`set_limit_centre`](Self::set_limit_centre) moves the centre.
     pub fn set_motion_limit(&mut self, i: usize, centre: Vec3, distance: f32) {
         let slot = self.slot(i);
         if self.limits.is_empty() {
@@ -92,8 +94,8 @@ impl Particles {
         self.disturb();
     }
 
-    /// Moves the middle of particle `i`'s limit to `centre` (world, metres) within the next step, evenly over the substeps. Without
-    /// a limit this does nothing.
+    /// Moves the middle of particle `i`'s limit to `centre` (world, metres) within the next step, evenly over the
+    /// substeps. Does nothing without a limit.
     pub fn set_limit_centre(&mut self, i: usize, centre: Vec3) {
         let slot = self.slot(i);
         let centre = centre - self.origin;
@@ -103,13 +105,13 @@ impl Particles {
         }
     }
 
-    /// The middle of particle `i`'s limit in the world, as of the end of the last step, and its distance, in metres; none without a
-    /// limit.
+    /// The middle of particle `i`'s limit at the end of the last step (world), and its distance, in metres; none
+    /// without a limit.
     pub fn motion_limit(&self, i: usize) -> Option<(Vec3, f32)> {
         self.limits.get(self.slot(i)).map(|(centre, _, reach)| (self.origin + centre, reach))
     }
 
-    /// Takes off all limits.
+    /// Removes all limits.
     pub fn clear_motion_limits(&mut self) {
         if !self.limits.is_empty() {
             self.limits.clear();

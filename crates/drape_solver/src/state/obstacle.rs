@@ -1,4 +1,6 @@
-//! Obstacles: what bodies and balls collide with, and what nothing pushes back.
+//! Obstacles: the shapes that bodies and balls collide with.
+//!
+//! Design: `docs/design/obstacles.md`.
 
 use glam::Vec3;
 
@@ -16,7 +18,7 @@ use crate::state::rigid_body::RigidBody;
 pub struct Obstacle {
     shape: Shape,
     placement: Placement,
-    /// Where it was one step ago: the difference is the velocity that enters contact and friction.
+    /// Placement one step ago; the difference is the velocity that contact and friction use.
     before: Placement,
     friction: Friction,
     restitution: f32,
@@ -24,16 +26,16 @@ pub struct Obstacle {
     is_sensor: bool,
     reports_contacts: bool,
     reports_reaction: bool,
-    /// What moves it, if it is moved by what hits it.
+    /// Rigid motion of a dynamic obstacle; none for one that only the caller moves.
     flight: Option<Flight>,
 }
 
-/// How an obstacle with a rigid body moves through a step.
+/// Motion of an obstacle with a rigid body through a step.
 #[derive(Clone, Copy, Debug)]
 struct Flight {
     start: RigidBody,
     end: RigidBody,
-    /// At the end, if nothing touches it.
+    /// Motion and placement at the end of the step if nothing touches it.
     free: (RigidBody, Placement),
 }
 
@@ -74,43 +76,45 @@ impl Obstacle {
         }
     }
 
-    /// The same in these layers.
+    /// Returns the obstacle in these layers.
     #[must_use]
     pub fn with_layers(self, layers: Layers) -> Self {
         Self { layers, ..self }
     }
 
-    /// The same as a sensor: it moves nothing, and tells what touches it, at the end of each substep. A sensor tells
-    /// something only if it, or what touches it, [reports contacts](Self::reporting_contacts).
+    /// Returns the obstacle as a sensor, which moves nothing and reports contacts at the end of each substep. It
+    /// reports a contact only if the sensor, or the thing that touches it, [reports
+    /// contacts](Self::reporting_contacts).
     #[must_use]
     pub fn as_sensor(self) -> Self {
         Self { is_sensor: true, ..self }
     }
 
-    /// The same, with [`Island::contacts`](crate::Island::contacts) telling what touches it.
+    /// Returns the obstacle with its contacts reported in [`Island::contacts`](crate::Island::contacts).
     #[must_use]
     pub fn reporting_contacts(self) -> Self {
         Self { reports_contacts: true, ..self }
     }
 
-    /// The same, with [`Island::reactions`](crate::Island::reactions) telling the exact opposite of all impulses that it
-    /// gave to bodies and balls. What is near such an obstacle is stepped substep by substep.
+    /// Returns the obstacle with its reactions reported in [`Island::reactions`](crate::Island::reactions): the exact
+    /// opposite of all impulses that it gave to bodies and balls. Things near such an obstacle are stepped substep by
+    /// substep.
     ///
-    /// Through a step the obstacle itself moves as [told](Self::move_to); whoever moves it gives it the reaction after the
-    /// step. Momentum is then kept, and so is angular momentum. The coupling is explicit: in the step of a hit the obstacle
-    /// holds like one without end of mass. What hits it without a bounce gains no energy where the obstacle weighs, as felt
-    /// at the point of contact, at least as much as what it stops in one step; with a restitution of `e`, `(1 + e) / (1 - e)`
-    /// times as much. One that has its [body here](Self::with_rigid_body) knows no such limit.
+    /// During a step the obstacle moves only by [`move_to`](Self::move_to); the caller applies the reaction after the
+    /// step. This conserves momentum and angular momentum. The coupling is explicit: in the step of a hit the obstacle
+    /// acts as if its mass were infinite. A hit without a bounce gains no energy if the obstacle's effective mass at
+    /// the point of contact is at least the mass that it stops in one step; with a restitution of `e`, `(1 + e) / (1 -
+    /// e)` times that mass. An obstacle that [has its body here](Self::with_rigid_body) has no such limit.
     #[must_use]
     pub fn reporting_reaction(self) -> Self {
         Self { reports_reaction: true, ..self }
     }
 
-    /// The same, moved by what hits it: `body` says how it moves now, about the shape's origin. It [flies](Self::fly)
-    /// through the steps; momentum is kept, and no contact gains energy, whatever the masses. It touches no
-    /// other obstacle.
+    /// Returns the obstacle as a dynamic one, which contacts move. `body` is its present motion about the shape's
+    /// origin; [`fly`](Self::fly) begins each step. Contacts conserve momentum and gain no energy, whatever the masses.
+    /// The obstacle does not collide with other obstacles.
     ///
-    /// What may touch it in one step should be in one island.
+    /// Everything that may touch it in one step should be in one island.
     ///
     /// ```
     /// use drape_solver::{Ball, BallMaterial, Environment, Island, Obstacle, Placement, RigidBody, Shape, step};
@@ -136,24 +140,24 @@ impl Obstacle {
         Self { flight, ..self }
     }
 
-    /// How it moves now, if it is moved by what hits it; once it [flies](Self::fly), at the end of that step if nothing
-    /// touches it.
+    /// The present motion of a dynamic obstacle. After [`fly`](Self::fly) it is the motion at the end of the step if
+    /// nothing touches the obstacle.
     pub fn rigid_body(&self) -> Option<RigidBody> {
         self.flight.map(|flight| flight.end)
     }
 
-    /// Sets how it moves now, or with `None` that nothing moves it but [`move_to`](Self::move_to).
+    /// Sets the motion of a dynamic obstacle. With `None`, only [`move_to`](Self::move_to) moves the obstacle.
     pub fn set_rigid_body(&mut self, body: Option<RigidBody>) {
         self.flight = body.map(|body| Flight::at_rest_in(self.placement, body));
     }
 
-    /// How it moves at the start of the coming step.
+    /// The motion at the start of the coming step.
     pub(crate) fn starts_with(&self) -> Option<RigidBody> {
         self.flight.map(|flight| flight.start)
     }
 
-    /// Begins a step of `dt` seconds of an obstacle with a [rigid body](Self::with_rigid_body), in which an acceleration
-    /// (m/s^2) acts on it: moves it to where it gets if nothing touches it. Without a body it stays where it is.
+    /// Begins a step of `dt` seconds of an obstacle with a [rigid body](Self::with_rigid_body) under `acceleration`
+    /// (m/s^2): moves it as if nothing touched it. Does nothing without a body.
     pub fn fly(&mut self, acceleration: Vec3, dt: f32) {
         let Some(Flight { end: mut start, .. }) = self.flight else { return };
         start.accelerate(acceleration, dt);
@@ -163,8 +167,9 @@ impl Obstacle {
         self.flight = Some(Flight { start, end, free: (end, self.placement) });
     }
 
-    /// Ends a step in which something was near: puts it where it has got. Should two islands have met it in one step,
-    /// what they did to it adds up: no momentum is lost, though each has met it as if the other were not there.
+    /// Ends a step in which something was near: sets the resulting motion and placement. If two islands touched the
+    /// obstacle in one step, their effects are added. No momentum is lost, although each island was solved without the
+    /// other.
     pub fn land(&mut self, moved: &MovedObstacle) {
         let Some(flight) = &mut self.flight else { return };
         let (free, place) = flight.free;
@@ -178,37 +183,37 @@ impl Obstacle {
         }
     }
 
-    /// Whether [`Island::reactions`](crate::Island::reactions) tells what is done to it.
+    /// True if [`Island::reactions`](crate::Island::reactions) reports the impulses on it.
     pub fn reports_reaction(&self) -> bool {
         self.reports_reaction
     }
 
-    /// Whether what it gives to bodies and balls has to be known: to be told, or to be felt.
+    /// True if the impulses that it gives to bodies and balls are summed up, for a report or for its own motion.
     pub(crate) fn keeps_account(&self) -> bool {
         self.reports_reaction || self.flight.is_some()
     }
 
-    /// Which layers it belongs to, and which it touches.
+    /// The layers that the obstacle belongs to, and those that it touches.
     pub fn layers(&self) -> Layers {
         self.layers
     }
 
-    /// Whether it moves nothing.
+    /// True if the obstacle is a sensor, which moves nothing.
     pub fn is_sensor(&self) -> bool {
         self.is_sensor
     }
 
-    /// Whether [`Island::contacts`](crate::Island::contacts) tells what touches it.
+    /// True if [`Island::contacts`](crate::Island::contacts) reports its contacts.
     pub fn reports_contacts(&self) -> bool {
         self.reports_contacts
     }
 
-    /// Whether it stops what is in these layers.
+    /// True if the obstacle collides with things in these layers.
     pub(crate) fn stops(&self, layers: Layers) -> bool {
         !self.is_sensor && self.layers.interact(layers)
     }
 
-    /// Whether it is a sensor for what is in these layers.
+    /// True if the obstacle is a sensor for things in these layers.
     pub(crate) fn senses(&self, layers: Layers) -> bool {
         self.is_sensor && self.layers.interact(layers)
     }
@@ -218,18 +223,18 @@ impl Obstacle {
         &self.shape
     }
 
-    /// Where it is at the end of the coming step.
+    /// The placement at the end of the coming step.
     pub fn placement(&self) -> Placement {
         self.placement
     }
 
-    /// Where it was at the start of the step.
+    /// The placement at the start of the step.
     pub fn previous_placement(&self) -> Placement {
         self.before
     }
 
-    /// Sets the coefficient of static friction (0 or more), which holds what does not slide yet; below that of
-    /// friction it counts as that.
+    /// Sets the coefficient of static friction (0 or more), for surfaces that do not slide yet. A value below the
+    /// kinetic coefficient counts as that.
     ///
     /// # Errors
     /// [`BuildError`] if it is out of range.
@@ -239,8 +244,8 @@ impl Obstacle {
         Ok(self)
     }
 
-    /// Sets the coefficient of restitution against balls: 0 (they do not bounce) to 1 (they lose nothing). The mean of
-    /// the obstacle's and the ball's counts.
+    /// Sets the coefficient of restitution against balls, from 0 (no bounce) to 1 (no loss). The mean of the obstacle's
+    /// and the ball's coefficients counts.
     ///
     /// # Errors
     /// [`BuildError`] if it is out of range.
@@ -260,24 +265,24 @@ impl Obstacle {
         self.restitution
     }
 
-    /// How rough the surface is.
+    /// Friction of the surface.
     pub(crate) fn surface_friction(&self) -> Friction {
         self.friction
     }
 
-    /// Whether it moves in the coming step.
+    /// True if the obstacle moves in the coming step.
     pub fn is_moving(&self) -> bool {
         self.before != self.placement
     }
 
-    /// Where it is at the start of the coming step.
+    /// The placement at the start of the coming step.
     pub(crate) fn start(&self) -> Placement {
         self.before
     }
 
-    /// Moves it to `placement` in the coming step of `dt` seconds. It travels there through the substeps and
-    /// takes with it what it touches, unless that would be faster than 1500 m/s: then it is a
-    /// [teleport](Self::teleport). An invalid placement is ignored.
+    /// Moves the obstacle to `placement` in the coming step of `dt` seconds, evenly over the substeps; it carries along
+    /// the things that touch it. A move faster than 1500 m/s is a [teleport](Self::teleport). An invalid placement is
+    /// ignored.
     pub fn move_to(&mut self, placement: Placement, dt: f32) {
         if !placement.is_valid() {
             return;
@@ -290,7 +295,7 @@ impl Obstacle {
         }
     }
 
-    /// Puts it at `placement` without any velocity. An invalid placement is ignored.
+    /// Puts the obstacle at `placement` without any velocity. An invalid placement is ignored.
     pub fn teleport(&mut self, placement: Placement) {
         if placement.is_valid() {
             self.placement = placement;
@@ -307,7 +312,7 @@ impl Obstacle {
         }
     }
 
-    /// How far any point of it moves in the step, at most, in metres; a bound for the search.
+    /// Upper bound in metres on the path of any of its points in the step, for searches.
     pub(crate) fn travel(&self) -> f32 {
         if !self.is_moving() {
             return 0.0;
@@ -316,7 +321,7 @@ impl Obstacle {
         let (low, high) = self.shape.local_bounds();
         let arm = low.abs().max(high.abs()).length();
         let (p, q) = (self.before.rotation, self.placement.rotation);
-        // The chord of the half angle, twice: at least the arc for turns below half a circle.
+        // The difference is `2 sin(angle / 4)` long: four times that is at least the arc.
         let turn = if p == q { 0.0 } else { 4.0 * (p - q).length().min((p + q).length()) };
         if arm.is_finite() { moved + arm * turn } else { moved + turn }
     }

@@ -1,7 +1,10 @@
-//! The obstacles of a world, and those of them that are near a box: the broad phase.
+//! The obstacles of a world, and the search for those near a box.
 //!
-//! Their boxes lie in a tree of boxes (parry's [`Bvh`]), which is refitted as they move: a search takes time by what it
-//! finds, not by what is there. Results come in the order of the obstacles, so that nothing depends on the tree's shape.
+//! Their boxes lie in a tree (parry's [`Bvh`]), which is refitted as they move. The time of a search grows with its
+//! results, not with the number of obstacles. Results come in the order of the obstacles, so that nothing depends on
+//! the tree's shape.
+//!
+//! Design: `docs/design/broad_phase.md`.
 
 use core::fmt;
 use core::ops::{Deref, Index, IndexMut};
@@ -13,9 +16,9 @@ use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 use crate::constants::MAX_MAGNITUDE;
 use crate::state::obstacle::Obstacle;
 
-/// A list of obstacles that knows which of them are where.
+/// A list of obstacles with a tree of their boxes.
 ///
-/// It reads like a slice, and an obstacle is changed by its index. Whatever is changed, the next search sees it.
+/// It reads like a slice, and indexing changes an obstacle. The next search sees every change.
 ///
 /// ```
 /// use drape_solver::glam::Vec3;
@@ -36,15 +39,16 @@ use crate::state::obstacle::Obstacle;
 #[derive(Clone, Default)]
 pub struct Obstacles {
     all: Vec<Obstacle>,
-    /// Where each was when it was put into the tree; `None` for those that have no bounds.
+    /// Box of each when it was inserted into the tree; `None` for those without bounds.
     homes: Vec<Option<Aabb>>,
     /// The box of each that has bounds, through the whole step.
     tree: Bvh,
-    /// Those without bounds, in order: near everything.
+    /// Obstacles without bounds, in ascending order; every search finds them.
     unbounded: Vec<u32>,
-    /// The one that was last handed out to be changed. It may be elsewhere by now, so it is asked itself.
+    /// The obstacle last lent by a mutable borrow. Its box in the tree may be stale, so a search tests the obstacle
+    /// itself.
     lent: Option<usize>,
-    /// Changes that left the tree less tight or with dead branches.
+    /// The number of changes since the last refit, which left the tree less tight or with dead branches.
     changes: usize,
     workspace: BvhWorkspace,
 }
@@ -66,7 +70,7 @@ impl Obstacles {
         index
     }
 
-    /// Takes the obstacle at `index` out. The last one takes its place and its index.
+    /// Removes the obstacle at `index`. The last one takes its place and its index.
     ///
     /// # Panics
     /// If there is no such obstacle.
@@ -86,12 +90,12 @@ impl Obstacles {
         removed
     }
 
-    /// Takes all obstacles out.
+    /// Removes all obstacles.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// The obstacle at `index`, to be changed.
+    /// The obstacle at `index`, by mutable borrow.
     pub fn get_mut(&mut self, index: usize) -> Option<&mut Obstacle> {
         if self.lent != Some(index) {
             self.settle();
@@ -101,21 +105,21 @@ impl Obstacles {
         Some(obstacle)
     }
 
-    /// Appends to `found` the indices of the obstacles whose boxes, through the whole step, meet the box between the
+    /// Appends to `found` the indices of the obstacles whose boxes, through the whole step, overlap the box between the
     /// corners `low` and `high`: in order, each once.
     pub fn near(&self, low: Vec3, high: Vec3, found: &mut Vec<u32>) {
         self.search(low, high, found);
     }
 
-    /// The same; returns how many boxes it has looked at.
+    /// The same as [`near`](Self::near); returns the number of boxes that were tested.
     fn search(&self, low: Vec3, high: Vec3, found: &mut Vec<u32>) -> usize {
         let first = found.len();
-        let mut looks = self.unbounded.len();
+        let mut tests = self.unbounded.len();
         let meets = |mins: Vec3, maxs: Vec3| low.cmple(maxs).all() && high.cmpge(mins).all();
         let lent = self.lent.map(|index| index as u32);
         found.extend(self.unbounded.iter().filter(|&&index| Some(index) != lent));
         self.tree.traverse(|node| {
-            looks += 1;
+            tests += 1;
             if !meets(node.mins(), node.maxs()) {
                 return TraversalAction::Prune;
             }
@@ -124,23 +128,23 @@ impl Obstacles {
         });
         if let Some(index) = lent {
             let (mins, maxs) = self.all[index as usize].swept_bounds();
-            looks += 1;
+            tests += 1;
             if meets(mins, maxs) {
                 found.push(index);
             }
         }
         found[first..].sort_unstable();
-        looks
+        tests
     }
 
-    /// Puts the one that was handed out where it is now.
+    /// Updates the tree for the lent obstacle.
     fn settle(&mut self) {
         if let Some(index) = self.lent.take() {
             self.place(index);
         }
     }
 
-    /// Brings the tree up to date about one obstacle.
+    /// Updates the tree for one obstacle.
     fn place(&mut self, index: usize) {
         let (low, high) = self.all[index].swept_bounds();
         let is_bounded = low.abs().max(high.abs()).cmple(Vec3::splat(MAX_MAGNITUDE)).all();
@@ -154,7 +158,7 @@ impl Obstacles {
         let now = Aabb::new(low, high);
         match self.homes[index] {
             Some(_) if self.tree.leaf_node(index as u32).is_some_and(|leaf| leaf.aabb() == now) => return,
-            // It is still among its neighbours: the branches above it grow, and shrink when all are refitted.
+            // Its leaf keeps its place in the tree: the branches above grow now, and shrink at the next refit.
             Some(home) if overlap(&home, &now) => {}
             _ => {
                 self.displace(index);
@@ -163,14 +167,15 @@ impl Obstacles {
         }
         self.tree.insert(now, index as u32);
         self.changes += 1;
-        // Refitting looks at all of them once, after as many changes as there are: a change stays cheap.
+        // A refit visits all obstacles once, after as many changes as there are obstacles, so that a change stays
+        // cheap.
         if self.changes > self.all.len() {
             self.tree.refit(&mut self.workspace);
             self.changes = 0;
         }
     }
 
-    /// Takes an obstacle out of the tree, or of the list of those without bounds.
+    /// Removes an obstacle from the tree, or from the list of those without bounds.
     fn displace(&mut self, index: usize) {
         if self.homes[index].take().is_some() {
             self.tree.remove(index as u32);
@@ -278,7 +283,7 @@ mod tests {
         (0..side * side).map(|i| sphere(Vec3::new((i % side) as f32, 0.0, (i / side) as f32))).collect()
     }
 
-    /// What looking at each obstacle finds.
+    /// The obstacles that a search one by one finds.
     fn found_one_by_one(obstacles: &Obstacles, low: Vec3, high: Vec3) -> Vec<u32> {
         let is_near = |obstacle: &Obstacle| {
             let (mins, maxs) = obstacle.swept_bounds();
@@ -353,19 +358,19 @@ mod tests {
     }
 
     #[test]
-    #[cfg_attr(miri, ignore = "it counts looks at ten thousand obstacles")]
+    #[cfg_attr(miri, ignore = "it searches among ten thousand obstacles")]
     fn a_search_looks_at_what_is_near_only() {
         let mut found = Vec::new();
         let middle = Vec3::new(50.0, 0.0, 50.0);
-        let looks = |obstacles: &Obstacles, found: &mut Vec<u32>| {
+        let tests = |obstacles: &Obstacles, found: &mut Vec<u32>| {
             found.clear();
             obstacles.search(middle - 0.7, middle + 0.7, found)
         };
         let mut obstacles = field(100);
-        let before = looks(&obstacles, &mut found);
-        assert!(before < 200, "{before} looks at ten thousand obstacles");
+        let before = tests(&obstacles, &mut found);
+        assert!(before < 200, "{before} tests among ten thousand obstacles");
         assert_eq!(found.len(), 9);
-        // All of them wander, each its own way and far: the tree must stay as good.
+        // All obstacles move far, each in its own direction: the tree must stay as good.
         for _ in 0..20 {
             for i in 0..obstacles.len() {
                 let Placement { translation, .. } = obstacles[i].placement();
@@ -374,8 +379,8 @@ mod tests {
                 obstacles[i].move_to(Placement::at(to), 1.0 / 60.0);
             }
         }
-        let after = looks(&obstacles, &mut found);
-        assert!(after < 600, "{after} looks once all have moved, {before} before");
+        let after = tests(&obstacles, &mut found);
+        assert!(after < 600, "{after} tests once all have moved, {before} before");
     }
 
     #[test]

@@ -1,19 +1,21 @@
-//! Statistics of a body's particles: bounds, speeds, and whether all is finite; and of their masses.
+//! Statistics of a body's particles: bounds, speeds, finiteness, and masses.
 //!
 //! `motion/particle_stats.rs` gathers them in one pass.
+//!
+//! Design: `docs/design/rest_and_islands.md`.
 
 use glam::Vec3;
 
 use crate::simd::columns::LANES;
 use crate::state::layout::Layout;
 
-/// What a look at all particles shows.
+/// Statistics of all particles of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ParticleStats {
     /// Corners of the box around them, relative to the body's origin.
     pub low: Vec3,
     pub high: Vec3,
-    /// Whether every position and displacement is finite.
+    /// True if every position and displacement is finite.
     pub is_finite: bool,
     /// Length of the longest displacement, in metres.
     pub greatest_displacement: f32,
@@ -21,26 +23,26 @@ pub(crate) struct ParticleStats {
     pub mean_square_displacement: f32,
 }
 
-/// What a look at the masses shows. It is kept until a mass is changed.
+/// Statistics of the masses, kept until a mass changes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct MassStats {
     is_known: bool,
     /// For each cell the inverse mass that all its particles have in common; 0 if they differ, or one is pinned.
     pub common: Vec<f32>,
-    /// Number of free particles, and their mass in kilograms.
+    /// The number of free particles, and their mass in kilograms.
     pub free_count: usize,
     pub free_mass: f64,
-    /// Whether any particle is pinned.
+    /// True if any particle is pinned.
     pub has_pins: bool,
 }
 
 impl MassStats {
-    /// Drops what is known: a mass has changed.
+    /// Invalidates the statistics after a change of a mass.
     pub fn forget(&mut self) {
         self.is_known = false;
     }
 
-    /// Looks at the masses, if any has changed.
+    /// Gathers the statistics again if a mass has changed.
     pub fn update(&mut self, inverse_mass: &[f32], layout: &Layout) {
         if self.is_known {
             return;

@@ -1,4 +1,6 @@
-//! The state of a body: where its particles are and how they move.
+//! The state of a body: positions, displacements and masses of its particles.
+//!
+//! Design: `docs/design/integration.md`.
 
 use glam::Vec3;
 
@@ -25,25 +27,25 @@ pub struct Particles {
     pub(crate) origin: Vec3,
     /// The substep, in seconds, that displacements refer to.
     pub(crate) substep: f32,
-    /// Which particle is in which slot of the columns.
+    /// The map between particles and slots of the columns.
     pub(crate) layout: Layout,
     pub(crate) position: Columns,
     pub(crate) displacement: Columns,
-    /// One for each slot; 0 for pins and ghosts.
+    /// Inverse mass of each slot in 1/kg; 0 for pins and ghosts.
     pub(crate) inverse_mass: Vec<f32>,
-    /// Forces of this step in newtons; empty while nobody applies one.
+    /// Forces of this step in newtons; empty if there are none.
     pub(crate) force: Columns,
-    /// Where pinned particles, by slot, are to be at the end of the next step (world coordinates).
+    /// Slots of pinned particles with their targets at the end of the next step (world, metres).
     pub(crate) pin_targets: Vec<(u32, Vec3)>,
-    /// How far particles may be from where an animation has them.
+    /// Limits on motion, around animated places.
     pub(crate) limits: MotionLimits,
-    /// How the frame in which they move moves in the next step.
+    /// Motion of the frame of reference in the next step.
     pub(crate) frame: Option<FrameMotion>,
-    /// Set by whatever should rouse a sleeping body.
+    /// True after any event that should wake a sleeping body.
     pub(crate) disturbed: bool,
-    /// What the last look at all particles showed; none if one has been moved since.
+    /// Statistics of the particles; none if one has moved since they were gathered.
     pub(crate) stats: Option<ParticleStats>,
-    /// The same for the masses.
+    /// Statistics of the masses.
     pub(crate) masses: MassStats,
 }
 
@@ -138,7 +140,7 @@ impl Particles {
     /// The slot of particle `i`.
     ///
     /// # Panics
-    /// If there is no such particle: in a ghost's place nothing may be written.
+    /// If there is no such particle: a ghost's slot must not be written.
     pub(crate) fn slot(&self, i: usize) -> usize {
         assert!(i < self.len(), "particle {i} of {}", self.len());
         self.layout.slot(i)
@@ -155,7 +157,7 @@ impl Particles {
         self.layout.count()
     }
 
-    /// Whether there are no particles.
+    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -184,7 +186,7 @@ impl Particles {
         self.position.get(self.slot(i))
     }
 
-    /// Where particle `i` was one substep ago: the `x*` of the textbook form, derived as `x - d`.
+    /// Position of particle `i` one substep ago (world, metres): the `x*` of the textbook form, derived as `x - d`.
     pub fn previous_position(&self, i: usize) -> Vec3 {
         self.origin + (self.local_position(i) - self.displacement.get(self.slot(i)))
     }
@@ -204,7 +206,7 @@ impl Particles {
         self.inverse_mass[self.slot(i)]
     }
 
-    /// Whether particle `i` is pinned: nothing moves it but its pin target.
+    /// True if particle `i` is pinned: only its pin target moves it.
     pub fn is_pinned(&self, i: usize) -> bool {
         self.inverse_mass(i) == 0.0
     }
@@ -233,9 +235,9 @@ impl Particles {
         self.disturb();
     }
 
-    /// Puts particle `i` at `position`, as it goes on from where it was `dt` seconds before, at `previous` (world, metres): with
-    /// the velocity of an animation that it was part of, from two of its frames. A pinned particle gets no velocity. This is
-    /// Jakobsen's `x*` taken from a pose.
+    /// Puts particle `i` at `position` with the velocity of a motion that was at `previous` `dt` seconds before (world,
+    /// metres), such as two frames of an animation. A pinned particle gets no velocity. This is Jakobsen's `x*` taken
+    /// from a pose.
     pub fn set_motion(&mut self, i: usize, previous: Vec3, position: Vec3, dt: f32) {
         self.set_position(i, position);
         let velocity = (position - previous) / dt;
@@ -262,12 +264,11 @@ impl Particles {
         self.disturb();
     }
 
-    /// Asks that the pinned particle `i` be at `target` (world, metres) at the end of the next step. It
-    /// travels there evenly over the substeps, so that the cloth is pulled and not yanked. For a particle that
-    /// is not pinned this does nothing.
+    /// Moves the pinned particle `i` to `target` (world, metres) in the next step, evenly over the substeps, so that
+    /// the cloth is not jerked. Does nothing for a particle that is not pinned.
     pub fn set_pin_target(&mut self, i: usize, target: Vec3) {
         if self.is_pinned(i) && target != self.position(i) {
-            // Kept in order and one for each pin, so that the last word counts.
+            // Sorted, with one target for each pin: the last one set counts.
             let slot = self.slot(i) as u32;
             match self.pin_targets.binary_search_by_key(&slot, |&(pin, _)| pin) {
                 Ok(known) => self.pin_targets[known].1 = target,
@@ -277,14 +278,14 @@ impl Particles {
         }
     }
 
-    /// Drops the forces, pin targets and motion of the frame that were given for the next step.
+    /// Clears the forces, pin targets and motion of the frame that were set for the next step.
     pub fn clear_requests(&mut self) {
         self.force.clear();
         self.pin_targets.clear();
         self.frame = None;
     }
 
-    /// Wakes the body: it counts as edited, and its time at rest starts anew.
+    /// Wakes the body: it counts as edited, and its time at rest restarts.
     pub fn rouse(&mut self) {
         self.disturb();
     }
@@ -295,8 +296,8 @@ impl Particles {
         self.disturb();
     }
 
-    /// Whether a force, an impulse, a pin or an edit has touched the body since its last step: what wakes a
-    /// sleeping body.
+    /// True if a force, an impulse, a pin or an edit has touched the body since its last step, which wakes a sleeping
+    /// body.
     pub fn is_disturbed(&self) -> bool {
         self.disturbed
     }
@@ -306,8 +307,8 @@ impl Particles {
         self.velocities().sum::<Vec3>() / self.len().max(1) as f32
     }
 
-    /// Brings displacements to the substep `substep` (seconds), so that velocities stay what they are when
-    /// the time step or the number of substeps changes.
+    /// Rescales displacements to a substep of `substep` seconds, so that velocities stay the same when the time step or
+    /// the number of substeps changes.
     pub(crate) fn set_substep(&mut self, substep: f32) {
         if substep == self.substep {
             return;

@@ -12,8 +12,10 @@
 //!   |   |   |      |   |   |
 //!   8---5---1      3---6---8
 //! ```
+//!
+//! Design: `docs/design/memory_layout.md`.
 
-/// Which slot each particle has, and back.
+/// The map from particles to slots, and back.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Renumbering {
     slots: Box<[u32]>,
@@ -21,7 +23,7 @@ pub(crate) struct Renumbering {
 }
 
 impl Renumbering {
-    /// For `count` particles joined by these sticks; none where the order they have is as good.
+    /// A better order for `count` particles joined by these sticks; none if the present one is as good.
     pub fn new(count: usize, sticks: &[(u32, u32)]) -> Option<Self> {
         let graph = Graph::new(count, sticks);
         let indices = graph.breadth_first();
@@ -59,7 +61,7 @@ impl Renumbering {
 
 /// The neighbours of each particle, those with the fewest neighbours first.
 struct Graph {
-    /// Place of each particle's first neighbour; one more at the end.
+    /// Index of each particle's first neighbour in `neighbours`; one more at the end.
     first: Vec<u32>,
     neighbours: Vec<u32>,
 }
@@ -91,7 +93,7 @@ impl Graph {
         &self.neighbours[self.first[particle as usize] as usize..self.first[particle as usize + 1] as usize]
     }
 
-    /// All particles: part by part, each part breadth first from a particle at its rim.
+    /// All particles, component by component, each breadth first from a particle at its rim.
     fn breadth_first(&self) -> Vec<u32> {
         let count = self.first.len() - 1;
         let mut order = Vec::with_capacity(count);
@@ -105,8 +107,8 @@ impl Graph {
         order
     }
 
-    /// A particle at the rim of the part that `particle` is in: one from which there are no fewer levels than from
-    /// the best of those farthest from it (George and Liu 1979, "An implementation of a pseudoperipheral node finder").
+    /// A particle at the rim of the component of `particle`: one from which there are no fewer levels than from the
+    /// best of those farthest from it (George and Liu 1979, "An implementation of a pseudoperipheral node finder").
     fn rim(&self, particle: u32, order: &mut Vec<u32>, level: &mut [u32]) -> u32 {
         let begin = order.len();
         let mut start = particle;
@@ -126,7 +128,7 @@ impl Graph {
         }
     }
 
-    /// Adds the part of the mesh that `start` is in to `order`, level by level.
+    /// Appends the component of `start` to `order`, level by level.
     fn visit(&self, start: u32, order: &mut Vec<u32>, level: &mut [u32]) {
         let mut next = order.len();
         level[start as usize] = 0;
@@ -154,7 +156,7 @@ mod tests {
             && numbers.index(numbers.count()).is_none()
     }
 
-    /// The numbers 0 to `count` in an order without order.
+    /// The numbers from 0 to `count`, shuffled.
     fn shuffled(count: u32) -> Vec<u32> {
         let mut order: Vec<u32> = (0..count).collect();
         order.sort_by_key(|&i| (i.wrapping_mul(0x9e37_79b9), i));
@@ -197,7 +199,7 @@ mod tests {
         assert!(greatest_gap(&numbers, &sticks) <= 2 * side as usize);
     }
 
-    /// Two parts and loose particles: all have a slot, and parts are not mixed.
+    /// Two components and loose particles: all have a slot, and components are not mixed.
     #[test]
     fn parts_follow_each_other() {
         let even: Vec<(u32, u32)> = (0..99).map(|i| (2 * i, 2 * i + 2)).collect();

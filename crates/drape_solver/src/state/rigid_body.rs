@@ -1,4 +1,6 @@
-//! The motion of one free rigid body: what an obstacle needs to be moved by what hits it.
+//! The motion of one free rigid body, which makes an obstacle dynamic.
+//!
+//! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::Vec3;
 
@@ -6,8 +8,8 @@ use crate::error::{BuildError, finite_vector, positive};
 use crate::geometry::pose::{Placement, Pose, turned};
 use crate::state::obstacle_motion::Reaction;
 
-/// A rigid body between two steps. Its centre of mass is the origin of its [`Placement`], its principal axes are the
-/// placement's.
+/// A rigid body between two steps. The origin of its [`Placement`] is its centre of mass; the axes of the placement are
+/// its principal axes.
 ///
 /// ```
 /// use drape_solver::{Environment, Island, Obstacle, Placement, RigidBody, Shape, step};
@@ -33,7 +35,7 @@ use crate::state::obstacle_motion::Reaction;
 pub struct RigidBody {
     mass: f32,
     moments: Vec3,
-    /// Of the centre of mass, in m/s.
+    /// Velocity of the centre of mass in m/s.
     pub velocity: Vec3,
     /// Angular velocity in rad/s, in world axes.
     pub angular_velocity: Vec3,
@@ -56,17 +58,17 @@ impl RigidBody {
         self.mass
     }
 
-    /// Changes the velocity by what `acceleration` (m/s^2) does in `dt` seconds.
+    /// Accelerates the body by `acceleration` (m/s^2) for `dt` seconds.
     pub fn accelerate(&mut self, acceleration: Vec3, dt: f32) {
         self.velocity += acceleration * dt;
     }
 
-    /// Where it is `dt` seconds after it was at `from`, free of forces: linear and angular momentum stay.
+    /// Moves the body for `dt` seconds free of forces and returns its placement; linear and angular momentum stay.
     pub fn advance(&mut self, from: Placement, dt: f32) -> Placement {
         let momentum = self.angular_momentum(from);
         let mut to = Placement { translation: from.translation + self.velocity * dt, ..from };
         if momentum != Vec3::ZERO {
-            // A turn is exact for small angles only.
+            // One turn is exact for small angles only.
             for _ in 0..TURNS {
                 to.rotation = turned(to.rotation, self.angular_velocity * (dt / TURNS as f32));
                 self.angular_velocity = self.scaled(to, momentum, self.moments.recip());
@@ -75,24 +77,26 @@ impl RigidBody {
         to
     }
 
-    /// Gives it what was done to it in a step that ended with it at `placement`.
+    /// Applies the reaction of a step that ended with the body at `placement`.
     pub fn receive(&mut self, reaction: &Reaction, placement: Placement) {
         self.push(reaction.impulse, reaction.angular_impulse, placement);
     }
 
-    /// Gives it an impulse (newton seconds) at its centre, and an angular impulse (newton metre seconds) about that.
+    /// Applies an impulse (newton seconds) at the centre of mass, and an angular impulse (newton metre seconds) about
+    /// it.
     pub fn push(&mut self, impulse: Vec3, angular_impulse: Vec3, placement: Placement) {
         self.velocity += impulse / self.mass;
         self.angular_velocity += self.scaled(placement, angular_impulse, self.moments.recip());
     }
 
-    /// Inverse mass of the point at `arm` (metres) from the centre, against a push along a unit vector: in 1/kg.
+    /// Effective inverse mass in 1/kg of the point at `arm` (metres) from the centre, against a push along the unit
+    /// vector `direction`.
     pub(crate) fn inverse_mass_at(&self, placement: Placement, arm: Vec3, direction: Vec3) -> f32 {
         let lever = arm.cross(direction);
         self.mass.recip() + lever.dot(self.scaled(placement, lever, self.moments.recip()))
     }
 
-    /// Keeps its angular momentum as it is turned from one placement to another.
+    /// Adapts the angular velocity to a turn from one placement to another, which keeps the angular momentum.
     pub(crate) fn turn_to(&mut self, from: Placement, to: Placement) {
         let momentum = self.angular_momentum(from);
         self.angular_velocity = self.scaled(to, momentum, self.moments.recip());
@@ -116,5 +120,5 @@ impl RigidBody {
     }
 }
 
-/// Small turns in a step.
+/// The number of small turns in a step.
 const TURNS: u32 = 16;

@@ -1,11 +1,20 @@
-//! How hard the solver works on a body, and what its surface is like.
+//! Settings of a body: accuracy, damping and surface.
+//!
+//! Design: `docs/design/relaxation.md`.
+
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
+#[cfg(feature = "bevy")]
+use bevy_reflect::std_traits::ReflectDefault;
 
 use crate::constants::{MAX_ITERATIONS, MAX_SUBSTEPS};
 use crate::error::{BuildError, in_range};
 use crate::state::friction::Friction;
 
-/// Which formula moves the ends of a stick to its rest length.
+/// The formula that moves the ends of a stick to its rest length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StickProjection {
     /// The exact projection: one square root a stick (Liu 2019, section 3).
     #[default]
@@ -16,10 +25,12 @@ pub enum StickProjection {
     SquareRootFree,
 }
 
-/// How structural sticks are brought to their rest lengths.
+/// The solver of structural sticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StructuralSolve {
-    /// Sweeps: one stick after another, as all other sticks. A pull goes a few sticks far in a substep.
+    /// Sweeps: one stick after another, like all other sticks. A pull travels only a few sticks in a substep.
     #[default]
     Sweeps,
     /// Lines: each row and each column of a cloth, and a rope, is solved directly as a chain, which carries a pull from
@@ -27,78 +38,90 @@ pub enum StructuralSolve {
     /// sticks stretches by 0.08 % (root mean square) with 16 substeps, against 1.1 % with sweeps, in less than twice the
     /// time; in equal time by a tenth of what sweeps leave.
     ///
-    /// Takes effect where structural sticks are rigid (stiffness 1) and the grid fills a vector's lanes: from
-    /// 9 x 9 particles, or 33 in a rope. Other sticks are swept, as ever. The gain grows with the substeps: with
-    /// fewer than 8 the shear and bend sticks undo much of what the lines did.
+    /// Takes effect if structural sticks are rigid (stiffness 1) and the grid fills a vector's lanes: from 9 x 9
+    /// particles, or 33 in a rope. Other sticks are still swept. The gain grows with the substeps: with fewer than 8
+    /// the shear and bend sticks undo much of the lines' work.
     Lines,
 }
 
-/// How a body touches itself, and others that have this on: their surfaces then keep apart by the sum of the two
-/// thicknesses, with friction. What is as near to each other at rest does not touch. Without thickness there is no contact.
+/// Contact of a body with itself, and with others that have it on: surfaces keep apart by the sum of the two
+/// thicknesses, with friction. Parts that are as near to each other at rest do not touch. Without thickness there is no
+/// contact.
 ///
-/// Cloth meets cloth once a substep; where a rope is among those that meet, all do in each iteration: four iterations of
-/// [sweeps](StructuralSolve::Sweeps) in 12 or more substeps hold a knot under twice the rope's weight. [Lines](StructuralSolve::Lines)
-/// pull harder than contacts push: a knot that is solved so gives way earlier.
+/// Contacts between cloths are solved once a substep. If a rope takes part, all contacts are solved in each iteration:
+/// four iterations of [sweeps](StructuralSolve::Sweeps) in 12 or more substeps hold a knot under twice the rope's
+/// weight. [Lines](StructuralSolve::Lines) pull harder than contacts push, so that a knot gives way earlier.
 ///
-/// Such a body is not swept in strips or shared out to threads.
+/// Such a body is neither swept in strips nor shared between threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SelfContact {
-    /// Not at all.
+    /// No self-contact.
     #[default]
     Off,
-    /// Particle by particle, each a ball of the body's thickness. A layer cannot slip through another while the thickness
-    /// is at least 0.36 of the spacing, and moves by less than that in a substep.
+    /// Contact between particles, each a ball of the body's thickness. A layer cannot slip through another while the
+    /// thickness is at least 0.36 of the spacing, and particles move by less than that in a substep.
     Particles,
-    /// By faces, links and edges, whatever the spacing. Layers that fly at each other do not pass, and layers that have
-    /// come to cross are led apart again. With a body that has [`Particles`](Self::Particles), by particles.
+    /// Contact between faces, links and edges, at any spacing. Colliding layers do not pass through each other, and
+    /// layers that cross are led apart again. Against a body with [`Particles`](Self::Particles), contact is between
+    /// particles.
     Triangles,
 }
 
-/// How well a body is to be solved: a choice of substeps, iterations, sticks and lines, to change it where it matters.
+/// Levels of accuracy: each chooses substeps, iterations, sticks and lines.
 ///
 /// The figures are those of a falling sheet of 128 x 128 particles with all sticks rigid, held by two corners, against
 /// [`Medium`](Self::Medium): `docs/performance.md` has the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum Quality {
-    /// For what is far away or small: a quarter of the time, six times the stretch.
+    /// For distant or small bodies: a quarter of the time, six times the stretch.
     Low,
-    /// What [`SolverSettings::default`] is.
+    /// The values of [`SolverSettings::default`].
     #[default]
     Medium,
-    /// For what must not stretch: half as long again, and a twenty-fifth of the stretch.
+    /// For bodies that must not stretch: half as long again, and a twenty-fifth of the stretch.
     High,
 }
 
-/// How a body is stepped: accuracy, damping and surface.
+/// Settings of a body: accuracy, damping and surface.
+///
+/// With the feature `bevy` this is a component.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_ecs::component::Component, bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SolverSettings {
     /// Substeps per step, 1 to 256. Small steps buy more stiffness than iterations for the same work.
     pub substeps: u32,
     /// Relaxation iterations per substep, 1 to 1024: Jakobsen's N. Odd ones run through the sticks in
     /// reverse, so that an even number makes symmetric pairs.
     pub iterations: u32,
-    /// Strain `|length / rest length - 1|` below which relaxation stops before its last iteration: when no structural
-    /// stick of the island is farther from its rest length. From 0, which never stops early, to 1. It pays from
-    /// some 8 iterations on: the strain is measured after the first, second, fourth, eighth ... iteration, each time at
-    /// the cost of about one.
+    /// Strain `|length / rest length - 1|` below which relaxation stops early: once no structural stick of the island
+    /// exceeds it. From 0, which never stops early, to 1. It pays from some 8 iterations on: the strain is measured
+    /// after the first, second, fourth, eighth ... iteration, each time at the cost of about one.
     pub tolerance: f32,
     /// Drag of still air, in 1/s (0 or more): velocity decays as `exp(-drag t)`, whatever the step. The
     /// textbook factor of 0.99 per step at 60 Hz is 0.6/s.
     pub drag: f32,
     /// Coulomb friction coefficient of the surface, 0 or more. Two surfaces in contact use the mean of theirs.
     pub friction: f32,
-    /// Coefficient of static friction, which holds what does not slide yet, 0 or more; below `friction` it counts as
-    /// `friction`. Two surfaces in contact use the mean of theirs.
+    /// Coefficient of static friction, 0 or more, for surfaces that do not slide yet. A value below `friction` counts
+    /// as `friction`. Two surfaces in contact use the mean of theirs.
     pub static_friction: f32,
-    /// Distance that the middle of the cloth keeps from what it touches, in metres: half its thickness.
+    /// Distance in metres that the middle of the cloth keeps from the surfaces that it touches: half its thickness.
     pub thickness: f32,
     /// The formula for sticks.
     pub projection: StickProjection,
-    /// How structural sticks are solved.
+    /// The solver of structural sticks.
     pub structural: StructuralSolve,
-    /// Whether tethers hold particles within their rest distance from the pins.
+    /// True if tethers hold particles within their rest distance from the pins.
     pub tethers: bool,
-    /// How the body touches itself, and others of its island that have this on.
+    /// Contact of the body with itself, and with others of its island that have it on.
     pub self_contact: SelfContact,
 }
 
@@ -127,7 +150,7 @@ impl From<Quality> for SolverSettings {
 }
 
 impl SolverSettings {
-    /// These, solved as well as `quality` asks: drag, friction and thickness stay.
+    /// Returns these settings at the accuracy of `quality`; drag, friction and thickness stay.
     pub fn with_quality(self, quality: Quality) -> Self {
         let (substeps, iterations, projection, structural) = match quality {
             Quality::Low => (4, 1, StickProjection::SquareRootFree, StructuralSolve::Sweeps),
@@ -137,12 +160,21 @@ impl SolverSettings {
         Self { substeps, iterations, tolerance: 0.0, projection, structural, tethers: true, ..self }
     }
 
-    /// How rough the surface is.
+    /// True if the two are the same to the bit: unlike `==`, also where they are not a number.
+    pub fn has_same_bits(&self, other: &Self) -> bool {
+        let bits =
+            |s: &Self| [s.tolerance, s.drag, s.friction, s.static_friction, s.thickness].map(f32::to_bits);
+        let choices =
+            |s: &Self| (s.substeps, s.iterations, s.projection, s.structural, s.tethers, s.self_contact);
+        choices(self) == choices(other) && bits(self) == bits(other)
+    }
+
+    /// Friction of the surface.
     pub(crate) fn surface_friction(&self) -> Friction {
         Friction::new(self.friction, self.static_friction)
     }
 
-    /// Whether the body touches itself, and others that do so too.
+    /// True if the body collides with itself, and with others that have self-contact.
     pub fn has_self_contact(&self) -> bool {
         self.self_contact != SelfContact::Off && self.thickness > 0.0
     }

@@ -1,7 +1,9 @@
-//! The state of bodies and balls as plain numbers: all that decides what they do next, to be kept or written anywhere.
+//! Snapshots: the state of bodies and balls as plain numbers, which decides all their next steps.
 //!
-//! Nothing else of a body outlives a step but its settings, its topology and the time that it has been still
+//! Nothing else of a body outlives a step but its settings, its topology and its time at rest
 //! ([`BodyContext::still_for`]).
+//!
+//! Design: `docs/design/snapshots.md`.
 
 use glam::{Quat, Vec3};
 
@@ -38,15 +40,15 @@ impl ParticlesSnapshot {
         self.positions.len()
     }
 
-    /// Whether there are no particles.
+    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
 
-    /// Checks that [`Particles::restore`] can put it on a body of `count` particles.
+    /// Checks that [`Particles::restore`] can apply it to a body of `count` particles.
     ///
     /// # Errors
-    /// [`BuildError`] if it is of another number of particles, or a number in it cannot be.
+    /// [`BuildError`] if the number of particles differs, or a value is out of range.
     pub fn validate(&self, count: usize) -> Result<(), BuildError> {
         let Self { substep, displacements, inverse_masses, forces, pin_targets, .. } = self;
         let lengths = [self.len(), displacements.len(), inverse_masses.len()];
@@ -75,7 +77,7 @@ fn no_such_particle(index: usize, count: usize) -> BuildError {
 }
 
 impl Particles {
-    /// All that decides what they do next.
+    /// The state that decides their next steps.
     pub fn snapshot(&self) -> ParticlesSnapshot {
         let column = |columns: &crate::simd::columns::Columns| {
             if columns.is_empty() {
@@ -104,7 +106,7 @@ impl Particles {
         }
     }
 
-    /// Puts them back to where and how they were, to the last bit.
+    /// Restores positions, motion, masses, limits and requests, to the last bit.
     ///
     /// # Errors
     /// [`BuildError`] as [`ParticlesSnapshot::validate`]; nothing has changed then.
@@ -169,7 +171,7 @@ pub struct BallSnapshot {
 }
 
 impl Ball {
-    /// All that decides what it does next.
+    /// The state that decides the ball's next steps.
     pub fn snapshot(&self) -> BallSnapshot {
         BallSnapshot {
             material: self.material,
@@ -187,10 +189,10 @@ impl Ball {
         }
     }
 
-    /// The ball as it was, to the last bit.
+    /// The ball of a snapshot, to the last bit.
     ///
     /// # Errors
-    /// [`BuildError`] if the material or the substep cannot be.
+    /// [`BuildError`] if the material or the substep is out of range.
     pub fn from_snapshot(snapshot: &BallSnapshot) -> Result<Self, BuildError> {
         positive("substep", snapshot.substep)?;
         Ok(Self {
@@ -211,7 +213,7 @@ impl Ball {
 }
 
 impl BodyContext {
-    /// Sets how long the body has been slower than the threshold of rest, in seconds: for one that is restored.
+    /// Sets the seconds for which a restored body has been slower than the threshold of rest.
     pub fn set_still_for(&mut self, seconds: f32) {
         self.still_for = seconds;
     }

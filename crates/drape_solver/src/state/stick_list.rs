@@ -2,17 +2,19 @@
 //!
 //! A batch has its sticks in the order of slots, cut into the blocks of particles where they begin;
 //! `constraint/listed_stick.rs` relaxes them.
+//!
+//! Design: `docs/design/listed_sticks.md`.
 
 use crate::simd::rows::{BLOCK, block_count};
 
-/// Sticks that are relaxed at once.
+/// The number of sticks that are relaxed at once.
 pub(crate) const GROUP: usize = 8;
 
 /// The ends and lengths of some sticks, side by side, so that they come into the cache together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(32))]
 pub(crate) struct StickGroup {
-    /// Where the rows of the two ends begin: four times their slots.
+    /// Starts of the rows of the two ends: four times their slots.
     pub ends: [[u32; GROUP]; 2],
     /// Metres.
     pub rest_lengths: [f32; GROUP],
@@ -22,17 +24,17 @@ pub(crate) struct StickGroup {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ListedSticks {
     pub groups: Vec<StickGroup>,
-    /// Place of the next stick.
+    /// Index of the next stick.
     pub next: usize,
 }
 
 impl ListedSticks {
-    /// Whether there are no sticks.
+    /// True if there are no sticks.
     pub fn is_empty(&self) -> bool {
         self.groups.is_empty()
     }
 
-    /// The place where a new batch begins.
+    /// Begins a new batch and returns the index of its first stick.
     pub fn begin_batch(&mut self) -> usize {
         self.next = self.groups.len() * GROUP;
         self.next
@@ -55,18 +57,18 @@ impl ListedSticks {
         group.rest_lengths[lane] = rest_length;
     }
 
-    /// Where the rows of the ends of the stick in this place begin.
+    /// Starts of the rows of the ends of stick `place`.
     #[inline(always)]
     pub fn ends(&self, place: usize) -> [u32; 2] {
         self.groups[place / GROUP].ends.map(|ends| ends[place % GROUP])
     }
 
-    /// The slots of the stick in this place.
+    /// The slots of the ends of stick `place`.
     pub fn slots(&self, place: usize) -> [u32; 2] {
         self.ends(place).map(|first| first / 4)
     }
 
-    /// Its rest length in metres.
+    /// The rest length of stick `place` in metres.
     #[inline(always)]
     pub fn rest_length(&self, place: usize) -> f32 {
         self.groups[place / GROUP].rest_lengths[place % GROUP]
@@ -81,14 +83,14 @@ impl ListedSticks {
 /// The sticks of one batch.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ListedBatch {
-    /// Place of the first in the list of all.
+    /// Index of the first stick in the list of all.
     pub first: usize,
-    /// Whether no two of them share a particle.
+    /// True if no two of them share a particle.
     pub is_independent: bool,
-    /// Place of the first stick of each block; one more at the end. A stick is in the block of its lower end, or, so that
-    /// groups stay whole, in one before.
+    /// Index of the first stick of each block; one more at the end. A stick is in the block of its lower end, or, so
+    /// that groups stay whole, in an earlier one.
     pub first_of_block: Vec<u32>,
-    /// How many blocks a stick ends beyond the one that it is in, at most.
+    /// Greatest number of blocks from a stick's block to the one in which it ends.
     pub reach: usize,
 }
 
@@ -115,14 +117,14 @@ impl ListedBatch {
         }
         let cuts = [1, GROUP].map(|group| cut(&order, block_count(cells), group));
         let reaches = cuts.each_ref().map(|cuts| reach(&order, cuts));
-        // Groups are not cut, unless they are so long that they would reach farther.
+        // Groups stay whole, unless that would lengthen the reach.
         let [anywhere, at_groups] = cuts;
         let cuts = if reaches[1] > reaches[0] { anywhere } else { at_groups };
         self.reach = reaches[0].min(reaches[1]);
         self.first_of_block = cuts.into_iter().map(|place| (self.first + place) as u32).collect();
     }
 
-    /// How many blocks a stick ends beyond the one that it is in, at most.
+    /// Greatest number of blocks from a stick's block to the one in which it ends.
     pub fn reach(&self) -> usize {
         self.reach
     }
@@ -133,15 +135,15 @@ impl ListedBatch {
     }
 }
 
-/// Where the sticks of each block begin, in sticks in order of their lower ends; one more at the end. Groups of so many
-/// are not cut.
+/// Index of the first stick of each block, for sticks in order of their lower ends; one more at the end. Groups of
+/// `group` sticks are not cut.
 fn cut(order: &[([u32; 2], f32)], blocks: usize, group: usize) -> Vec<usize> {
     let is_before = |block: usize| move |&([a, b], _): &([u32; 2], f32)| (a.min(b) as usize) < block * BLOCK;
     let first = |block| order.partition_point(is_before(block)).next_multiple_of(group).min(order.len());
     (0..=blocks).map(first).collect()
 }
 
-/// How many blocks a stick ends beyond the one that it was put into, at most.
+/// Greatest number of blocks from a stick's block to the one in which it ends.
 fn reach(order: &[([u32; 2], f32)], cuts: &[usize]) -> usize {
     let block_of_end = |&([a, b], _): &([u32; 2], f32)| a.max(b) as usize / BLOCK;
     let blocks = cuts.windows(2).enumerate();

@@ -1,9 +1,9 @@
-//! The substep that runs: its place in the step, and the obstacles that it meets.
+//! The present substep: its number, its duration and its obstacles.
 
 use crate::simd::isa::Isa;
 use crate::state::obstacle::Obstacle;
 
-/// What all stages of a substep share, and no body owns.
+/// Data that all stages of a substep share and no body owns.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Substep<'a> {
     pub obstacles: &'a [Obstacle],

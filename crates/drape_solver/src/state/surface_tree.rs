@@ -1,30 +1,32 @@
 //! The surface of a topology for contacts at the level of triangles: its elements in a tree of patches.
 //!
-//! An *element* is a face, a link of a rope, or a particle that belongs to neither. Elements share corners and edges, and
-//! each corner and each edge is looked at by one of them alone, its owner (the representative triangles of Curtis et al.
-//! 2008): pairs of elements then stand for pairs of corners and faces, and of edges, each once.
+//! An *element* is a face, a link of a rope, or a particle that belongs to neither. Elements share corners and edges;
+//! one of them alone, the owner, tests each corner and each edge (the representative triangles of Curtis et al. 2008).
+//! Pairs of elements then cover each pair of a corner and a face, and each pair of edges, once.
 //!
 //! The tree is made once for a topology, from the rest positions. A node is a patch of neighbours:
 //! `broad_phase/surface_pairs.rs` puts boxes around the patches and finds the pairs that could touch.
+//!
+//! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
 use crate::constants::ELEMENTS_OF_LEAF;
 use crate::state::topology::Topology;
 
-/// A face, or a link, which has its last corner twice, or a particle, which has it three times.
+/// A face; or a link, which repeats its last corner; or a particle, which has the same corner three times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SurfaceElement {
     /// Its corners, by slot and by index.
     pub slots: [u32; 3],
     pub indices: [u32; 3],
-    /// Which corners and edges it owns, by bits; edge `k` goes from corner `k` to the next.
+    /// Bit masks of the corners and edges that it owns; edge `k` goes from corner `k` to the next.
     pub corners: u8,
     pub edges: u8,
 }
 
 impl SurfaceElement {
-    /// Whether it has three corners.
+    /// True if it has three different corners.
     pub fn is_face(&self) -> bool {
         self.slots[1] != self.slots[2]
     }
@@ -47,7 +49,7 @@ pub(crate) struct Node {
     pub count: u32,
     /// The right half; 0 in a leaf.
     pub right: u32,
-    /// Whether its elements hang together by their corners.
+    /// True if its elements are connected by shared corners.
     pub is_connected: bool,
 }
 
@@ -110,7 +112,7 @@ impl Bounds {
         Self { low: self.low - margin, high: self.high + margin }
     }
 
-    /// Whether the two meet.
+    /// True if the two overlap.
     pub fn meets(&self, other: &Self) -> bool {
         (self.low.cmple(other.high) & self.high.cmpge(other.low)).all()
     }
@@ -151,15 +153,15 @@ fn elements(topology: &Topology) -> Vec<SurfaceElement> {
 }
 
 struct Builder {
-    /// Of the elements, at rest.
+    /// Centres of the elements at rest, in metres.
     centres: Vec<Vec3>,
-    /// For each particle, one of the group that it belongs to.
+    /// Union-find: for each particle, its parent in its group.
     groups: Vec<u32>,
     nodes: Vec<Node>,
 }
 
 impl Builder {
-    /// Makes the node of these elements, the first of which is number `first`, and those below it.
+    /// Makes the node of these elements, which begin at number `first`, and the nodes below it.
     fn split(&mut self, order: &mut [u32], first: usize, elements: &[SurfaceElement]) {
         let place = self.nodes.len();
         let is_connected = self.is_connected(order, elements);
@@ -185,7 +187,7 @@ impl Builder {
         self.split(right, first + middle, elements);
     }
 
-    /// Whether some elements hang together by their corners.
+    /// True if these elements are connected by shared corners.
     fn is_connected(&mut self, order: &[u32], elements: &[SurfaceElement]) -> bool {
         let groups = &mut self.groups;
         let corners = || order.iter().flat_map(|&e| elements[e as usize].indices);

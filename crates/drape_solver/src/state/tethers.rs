@@ -1,7 +1,9 @@
-//! Tethers as data: which particle is tied to which pin, and at what length.
+//! Tethers as data: pairs of a particle and a pin, with their length.
 //!
 //! The length is the geodesic distance in the rest pose (Kim, Chentanez and Müller-Fischer 2012, "Long Range
 //! Attachments"); `constraint/tether.rs` projects them.
+//!
+//! Design: `docs/design/tethers.md`.
 
 use std::collections::BinaryHeap;
 
@@ -33,8 +35,8 @@ impl Tethers {
         Self::straight_by_groups(rest, &pins.iter().map(|&pin| (pin, pin)).collect::<Vec<_>>())
     }
 
-    /// The same for pins, in order of their indices, in groups (pin, group): a particle is tethered to the nearest pin
-    /// of each group. The pins of an edge hold a particle together no better than the nearest of them alone.
+    /// The same for pins in groups, as (pin, group) in order of the pins: a particle is tethered to the nearest pin of
+    /// each group. The pins of an edge together hold a particle no better than the nearest of them.
     pub fn straight_by_groups(rest: &[Vec3], pins: &[(u32, u32)]) -> Self {
         let mut tethers = Self::default();
         if pins.is_empty() {
@@ -109,7 +111,7 @@ impl Tethers {
         self.length.len()
     }
 
-    /// Whether there are none.
+    /// True if there are no tethers.
     pub fn is_empty(&self) -> bool {
         self.length.is_empty()
     }
@@ -124,7 +126,7 @@ impl Tethers {
         self.particle.iter().chain(&self.pin).copied().max()
     }
 
-    /// From (particle, pin, length in metres), in order of the particles, nearest pin first.
+    /// Tethers from (particle, pin, length in metres), in order of the particles, nearest pin first.
     pub(crate) fn from_list(list: impl IntoIterator<Item = (u32, u32, f32)>) -> Self {
         let mut tethers = Self::default();
         list.into_iter().for_each(|(particle, pin, length)| tethers.push(particle, pin, length));
@@ -138,10 +140,10 @@ impl Tethers {
     }
 }
 
-/// Tethers as they are projected: those of one cell at once.
+/// Tethers in the order of their projection, cell by cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct TetherPlan {
-    /// Place of each cell's first tethers in `ties`; one more at the end.
+    /// Index of each cell's first tethers in `ties`; one more at the end.
     pub first: Vec<u32>,
     pub ties: Vec<Tie>,
     pub anchors: Vec<Anchor>,
@@ -152,11 +154,11 @@ pub(crate) struct TetherPlan {
 pub(crate) struct Tie {
     /// Metres; infinite where a lane has none.
     pub length: [f32; LANES],
-    /// Place in the list of anchors.
+    /// Index in the list of anchors.
     pub anchor: u32,
 }
 
-/// Where the pins of a tie are.
+/// The pins of a tie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Anchor {
     /// In one slot, for all lanes: a curtain ring.
@@ -199,7 +201,7 @@ impl TetherPlan {
         plan
     }
 
-    /// The place of `anchor` in the list.
+    /// The index of `anchor` in the list, to which it is added if it is new.
     fn place_of(&mut self, anchor: Anchor) -> u32 {
         let place = self.anchors.iter().position(|&known| known == anchor);
         place.unwrap_or_else(|| {
@@ -237,7 +239,7 @@ impl TetherPlan {
     }
 }
 
-/// Puts the tethers of one cell, (cell, lane, pin's slot, length), into as few ties as their pins allow.
+/// Packs the tethers of one cell, (cell, lane, pin's slot, length), into as few ties as their pins allow.
 fn ties_of_cell(tethers: &[(usize, usize, usize, f32)]) -> Vec<([f32; LANES], Anchor)> {
     let mut ties = Vec::new();
     let mut rest = tethers.to_vec();
@@ -267,7 +269,7 @@ fn by_distance(a: &(f32, u32, u32), b: &(f32, u32, u32)) -> Ordering {
     a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 
-/// A particle reached from a pin, ordered by distance, then by index so that ties are the same everywhere.
+/// A particle reached from a pin, ordered by distance, then by index, so that the order is the same on every machine.
 #[derive(Clone, Copy, PartialEq)]
 struct Visit {
     distance: f32,

@@ -1,7 +1,9 @@
-//! The rest data of a body: which particles are joined, and how long the sticks are.
+//! The rest data of a body: sticks with their lengths, tethers, faces and rest positions.
 
 use std::sync::OnceLock;
 
+#[cfg(feature = "bevy")]
+use bevy_reflect::std_traits::ReflectDefault;
 use glam::{DMat3, Vec3};
 
 use crate::error::{BuildError, in_range};
@@ -12,8 +14,9 @@ use crate::state::surface_tree::SurfaceTree;
 use crate::state::tethers::TetherPlan;
 use crate::state::volume::RestVolume;
 
-/// What a stick is for.
+/// The purpose of a stick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum StickKind {
     /// Joins neighbours: keeps the cloth from stretching.
     #[default]
@@ -24,8 +27,9 @@ pub enum StickKind {
     Bend,
 }
 
-/// Which lengths a stick allows: all three act at the rest length.
+/// The lengths that a stick allows. The rest length is always allowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 pub enum StickBound {
     /// The rest length alone: a rod.
     #[default]
@@ -38,7 +42,7 @@ pub enum StickBound {
 }
 
 impl StickBound {
-    /// The part of a strain, or of any length beyond the rest length, that a stick acts against.
+    /// The part of a strain, or of a length beyond the rest length, that a stick corrects.
     pub fn violation(self, strain: f64) -> f64 {
         match self {
             Self::Exact => strain,
@@ -48,18 +52,18 @@ impl StickBound {
     }
 }
 
-/// How a stick reacts.
+/// Purpose, stiffness, damping and bound of a stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickMaterial {
-    /// What the stick is for.
+    /// The purpose of the stick.
     pub kind: StickKind,
     /// From 0 (slack) to 1 (rigid): the part of its strain that an isolated stick loses in one reference step
     /// of 1/60 s. See [`crate::constraint::stick::iteration_stiffness`] for how this is kept independent of the step.
     pub stiffness: f32,
-    /// Damping along the stick in 1/s, 0 or more: the speed at which the ends part decays as `exp(-damping t)`. One with a
-    /// bound is damped while it is within a thousandth of it, or beyond.
+    /// Damping along the stick in 1/s, 0 or more: the relative speed of the ends decays as `exp(-damping t)`. A stick
+    /// with a bound is damped within a thousandth of it, or beyond.
     pub damping: f32,
-    /// Which lengths it allows.
+    /// The lengths that it allows.
     pub bound: StickBound,
 }
 
@@ -79,7 +83,7 @@ impl StickMaterial {
 /// Sticks of one material that share no particle, so that they may be relaxed in any order, or at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StickBatch {
-    /// How the sticks react.
+    /// The material of the sticks.
     pub material: StickMaterial,
     /// Index of the first stick.
     pub first: usize,
@@ -88,15 +92,15 @@ pub struct StickBatch {
     pub(crate) sticks: BatchSticks,
 }
 
-/// Where the ends of a batch's sticks are found.
+/// The storage of a batch's sticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BatchSticks {
-    /// Equal sticks of a grid, all of this length in metres: worked out, not stored. Those that are severed, in ascending
-    /// order, do not count.
+    /// Equal sticks of a grid, all of this length in metres; their ends are computed, not stored. The ascending list
+    /// `severed` names those that are gone.
     Grid { batch: GridBatch, runs: GridRuns, rest_length: f32, severed: Box<[u32]> },
-    /// In the topology's list.
+    /// Sticks in the topology's list.
     Listed(ListedBatch),
-    /// The few of a torn grid that are no longer of its families.
+    /// The few sticks of a torn grid that no longer fit its families.
     Loose(Box<[LooseStick]>),
 }
 
@@ -109,9 +113,9 @@ pub(crate) struct LooseStick {
 }
 
 impl StickBatch {
-    /// Which of a grid family's sticks stick `i` is, if these are `severed`.
+    /// The index of stick `i` in its whole family, if these sticks of the family are `severed`.
     pub(crate) fn place_in_family(&self, i: usize, severed: &[u32]) -> usize {
-        kept(i - self.first, severed)
+        index_in_family(i - self.first, severed)
     }
 
     /// The indices of the batch's sticks.
@@ -120,19 +124,18 @@ impl StickBatch {
     }
 }
 
-/// A point that four particles carry, at the sum of their positions times these weights: a corner of the collision mesh of
-/// a rigid body.
+/// A point at the weighted sum of four particles' positions, such as a corner of the collision mesh of a rigid body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EmbeddedPoint {
-    /// By index.
+    /// Indices of the particles.
     pub particles: [u32; 4],
-    /// They sum to 1. Outside the tetrahedron of the four, some are negative.
+    /// Weights of the particles, which sum to 1. Outside the tetrahedron of the four, some are negative.
     pub weights: [f32; 4],
 }
 
 impl EmbeddedPoint {
-    /// The `point` that these `particles` carry when they are at `places`: its barycentric coordinates there. None where
-    /// the four lie in a plane.
+    /// Embeds `point` in these `particles` at `places`, by its barycentric coordinates. None if the four lie in a
+    /// plane.
     pub fn new(particles: [u32; 4], places: [Vec3; 4], point: Vec3) -> Option<Self> {
         let [origin, a, b, c] = places.map(Vec3::as_dvec3);
         let axes = DMat3::from_cols(a - origin, b - origin, c - origin);
@@ -145,7 +148,7 @@ impl EmbeddedPoint {
         weights.iter().all(|weight| weight.is_finite()).then_some(Self { particles, weights })
     }
 
-    /// Where it is when its carriers are at `places`.
+    /// The position of the point when its particles are at `places`.
     pub fn position(&self, [a, b, c, d]: [Vec3; 4]) -> Vec3 {
         a * self.weights[0] + b * self.weights[1] + c * self.weights[2] + d * self.weights[3]
     }
@@ -154,12 +157,12 @@ impl EmbeddedPoint {
 /// Six times the volume of four points that count as lying in a plane, in parts of the cube of their greatest distance.
 const FLAT: f64 = 1e-6;
 
-/// How far embedded points are out of the box around the particles, and how much faster they may be.
+/// Bounds on the distance of embedded points from the particles, and on their relative speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EmbeddingReach {
-    /// Greatest distance from a point to the nearest of its carriers at rest, in metres.
+    /// Greatest distance at rest from a point to the nearest of its particles, in metres.
     pub overhang: f32,
-    /// Greatest sum of the sizes of a point's weights: 1 where there are no points.
+    /// Greatest sum of the absolute weights of a point; 1 without points.
     pub spread: f32,
 }
 
@@ -178,20 +181,21 @@ pub struct Topology {
     pub(crate) stick_count: usize,
     pub(crate) tethers: TetherPlan,
     pub(crate) faces: Vec<[u32; 3]>,
-    /// Whether they are those of a grid's squares, two of each, row by row.
+    /// True if the faces are those of a grid's squares, two for each, row by row.
     pub(crate) has_faces_by_square: bool,
     pub(crate) segments: Vec<[u32; 2]>,
     pub(crate) embedded: Vec<EmbeddedPoint>,
     pub(crate) embedding_reach: EmbeddingReach,
-    /// Longest side of a face or segment at rest, in metres: how far a contact can be from the nearest corner.
+    /// Longest side of a face or segment at rest, in metres: the greatest distance of a contact from the nearest
+    /// corner.
     pub(crate) longest_edge: f32,
-    /// Where the particles are at rest, by index, in metres: tells which are neighbours in self-contact.
+    /// Rest positions by index, in metres; self-contact finds neighbours by them.
     pub(crate) rest: Vec<Vec3>,
     pub(crate) surface: LazySurface,
     pub(crate) rest_volume: RestVolume,
 }
 
-/// The tree of the surface, made when it is first asked for. As it follows from the rest, any two are equal.
+/// The tree of the surface, built at its first use. It follows from the rest data, so any two are equal.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LazySurface(OnceLock<SurfaceTree>);
 
@@ -230,11 +234,13 @@ impl Topology {
         }
     }
 
-    /// The slots of its ends.
+    /// The slots of the two particles that stick `i` joins.
     pub(crate) fn stick_slots(&self, i: usize) -> [usize; 2] {
         let batch = self.batch_of(i);
         match &batch.sticks {
-            BatchSticks::Grid { batch: grid, severed, .. } => grid.slots(kept(i - batch.first, severed)),
+            BatchSticks::Grid { batch: grid, severed, .. } => {
+                grid.slots(index_in_family(i - batch.first, severed))
+            }
             BatchSticks::Listed(listed) => {
                 self.listed.slots(listed.first + i - batch.first).map(|slot| slot as usize)
             }
@@ -256,7 +262,7 @@ impl Topology {
         &self.batches[self.batches.partition_point(|batch| batch.first + batch.count <= stick)]
     }
 
-    /// Where particle `i` was at rest, in metres.
+    /// Rest position of particle `i`, in metres.
     ///
     /// # Panics
     /// If `i` is out of range.
@@ -290,12 +296,12 @@ impl Topology {
         size_of_val(&*self.rest) + numbers + self.listed.bytes() + runs + self.tethers.bytes()
     }
 
-    /// The surface as contacts by triangles look at it.
+    /// The tree of the surface, for contact between triangles.
     pub(crate) fn surface_tree(&self) -> &SurfaceTree {
         self.surface.0.get_or_init(|| SurfaceTree::new(self))
     }
 
-    /// How many blocks of particles are in use at once while listed sticks are relaxed.
+    /// The number of blocks of particles that the relaxation of listed sticks uses at once.
     pub(crate) fn window(&self) -> usize {
         let listed = self.batches.iter().filter_map(|batch| match &batch.sticks {
             BatchSticks::Listed(listed) => Some(listed),
@@ -314,22 +320,22 @@ impl Topology {
         &self.embedded
     }
 
-    /// How far [embedded points](Self::embedded) can be outside the box around the particles, in metres.
+    /// Greatest distance in metres of [embedded points](Self::embedded) from the box around the particles.
     pub fn overhang(&self) -> f32 {
         self.embedding_reach.overhang
     }
 
-    /// Segments that a body without faces touches others with: the links of a rope.
+    /// The links of a rope: segments by which a body without faces touches others.
     pub fn segments(&self) -> &[[u32; 2]] {
         &self.segments
     }
 }
 
-/// Which of a family's sticks is number `i` of those that are not `severed`.
-fn kept(i: usize, severed: &[u32]) -> usize {
+/// The index in its family of the `i`-th stick that is not `severed`.
+fn index_in_family(i: usize, severed: &[u32]) -> usize {
     let mut before = 0;
     let mut end = severed.len();
-    // So many are severed before it that the numbers of the others catch up.
+    // Finds the number of severed sticks before it by bisection.
     while before < end {
         let middle = before.midpoint(end);
         if severed[middle] as usize - middle <= i { before = middle + 1 } else { end = middle }
@@ -339,13 +345,13 @@ fn kept(i: usize, severed: &[u32]) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::kept;
+    use super::index_in_family;
 
     #[test]
     fn sticks_that_are_kept_are_numbered_in_order() {
         let severed = [0, 3, 4, 7];
         let expected = [1, 2, 5, 6, 8, 9];
-        assert_eq!([0, 1, 2, 3, 4, 5].map(|i| kept(i, &severed)), expected);
-        assert_eq!([0, 1, 2].map(|i| kept(i, &[])), [0, 1, 2]);
+        assert_eq!([0, 1, 2, 3, 4, 5].map(|i| index_in_family(i, &severed)), expected);
+        assert_eq!([0, 1, 2].map(|i| index_in_family(i, &[])), [0, 1, 2]);
     }
 }

@@ -1,4 +1,4 @@
-//! A grid that has been torn: some of its places are empty, and some particles have none.
+//! A torn grid: some of its places are empty, and some particles have none.
 //!
 //! ```text
 //!   before     after: particle 1 is split, and a row of the cloth has come off
@@ -8,43 +8,45 @@
 //!   |  |  |                    the places of 6, 7 and 8 are empty
 //!   6--7--8
 //! ```
+//!
+//! Design: `docs/design/tears_and_cuts.md`.
 
 use crate::simd::columns::LANES;
 use crate::state::layout::Grid;
 
-/// Which slot each particle of a torn grid has, and back.
+/// The map from the particles of a torn grid to slots, and back.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TornGrid {
     pub grid: Grid,
-    /// For each particle the slot of the grid that it has, or had before it was split from the one that has it.
+    /// Home of each particle: the slot of the grid that it has, or that its original has if it was split off.
     homes: Box<[u32]>,
     slots: Box<[u32]>,
-    /// For each slot its particle; [`NOBODY`] in ghosts and empty places.
+    /// Particle of each slot; [`NO_PARTICLE`] in ghosts and empty places.
     indices: Box<[u32]>,
-    /// For each cell the lanes that hold a particle.
+    /// Bit mask, for each cell, of the lanes that hold a particle.
     lanes: Box<[u16]>,
 }
 
-/// No particle.
-const NOBODY: u32 = u32::MAX;
+/// Marks a slot without a particle.
+const NO_PARTICLE: u32 = u32::MAX;
 
 impl TornGrid {
-    /// For particles with these homes, of which the first with the same home has it.
+    /// A torn grid of particles with these homes. Of several with the same home, the first occupies it.
     pub fn new(grid: Grid, homes: Vec<u32>) -> Self {
         let whole = grid.width * grid.height * LANES;
-        let mut indices = vec![NOBODY; whole];
+        let mut indices = vec![NO_PARTICLE; whole];
         let mut slots = Vec::with_capacity(homes.len());
         for (index, &home) in homes.iter().enumerate() {
-            let slot = if indices[home as usize] == NOBODY { home as usize } else { indices.len() };
+            let slot = if indices[home as usize] == NO_PARTICLE { home as usize } else { indices.len() };
             if slot == indices.len() {
-                indices.push(NOBODY);
+                indices.push(NO_PARTICLE);
             }
             indices[slot] = index as u32;
             slots.push(slot as u32);
         }
-        indices.resize(indices.len().next_multiple_of(LANES), NOBODY);
+        indices.resize(indices.len().next_multiple_of(LANES), NO_PARTICLE);
         let lanes_of = |cell: &[u32; LANES]| {
-            (0..LANES).filter(|&lane| cell[lane] != NOBODY).fold(0, |bits, lane| bits | (1 << lane))
+            (0..LANES).filter(|&lane| cell[lane] != NO_PARTICLE).fold(0, |bits, lane| bits | (1 << lane))
         };
         let lanes = indices.as_chunks().0.iter().map(lanes_of).collect();
         Self { grid, homes: homes.into(), slots: slots.into(), indices: indices.into(), lanes }
@@ -66,22 +68,22 @@ impl TornGrid {
         self.slots[index] as usize
     }
 
-    /// The slot that particle `index` has, or would have if it were not taken.
+    /// The home of particle `index`: the slot that it has, or would have if it were not taken.
     pub fn home(&self, index: usize) -> u32 {
         self.homes[index]
     }
 
-    /// Whether both of these particles have the slot that they are at home in.
+    /// True if both particles occupy their homes.
     pub fn are_home(&self, particles: [u32; 2]) -> bool {
         particles.iter().all(|&particle| self.slots[particle as usize] == self.homes[particle as usize])
     }
 
     /// The particle in `slot`; none in a ghost or an empty place.
     pub fn index(&self, slot: usize) -> Option<usize> {
-        self.indices.get(slot).filter(|&&index| index != NOBODY).map(|&index| index as usize)
+        self.indices.get(slot).filter(|&&index| index != NO_PARTICLE).map(|&index| index as usize)
     }
 
-    /// Which lanes of `cell` hold a particle, lane 0 in the lowest bit.
+    /// Bit mask of the lanes of `cell` that hold a particle, lane 0 in the lowest bit.
     pub fn lanes(&self, cell: usize) -> u16 {
         self.lanes[cell]
     }

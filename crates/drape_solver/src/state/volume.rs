@@ -1,4 +1,6 @@
 //! The volume inside a closed surface: a sixth of the sum of `p . (q x r)` over its faces.
+//!
+//! Design: `docs/design/soft_bodies.md`.
 
 use std::sync::OnceLock;
 
@@ -7,8 +9,8 @@ use glam::DVec3;
 use crate::state::particles::Particles;
 use crate::state::topology::Topology;
 
-/// The volume inside the faces of a body in cubic metres: positive where they are counter-clockwise seen from outside.
-/// Means nothing where they are not closed.
+/// The volume inside the faces of a body in cubic metres: positive if they are counter-clockwise seen from outside.
+/// Meaningless if they are not closed.
 pub fn volume(particles: &Particles, topology: &Topology) -> f64 {
     let place = |corner: u32| particles.local_position(corner as usize).as_dvec3();
     sum(topology, place)
@@ -23,7 +25,7 @@ fn sum(topology: &Topology, place: impl Fn(u32) -> DVec3) -> f64 {
     topology.faces.iter().map(of_face).sum::<f64>() / 6.0
 }
 
-/// The volume at rest, worked out when it is first asked for. As it follows from the rest, any two are equal.
+/// The volume at rest, computed at its first use. It follows from the rest data, so any two are equal.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RestVolume(OnceLock<Option<f64>>);
 
@@ -34,8 +36,8 @@ impl PartialEq for RestVolume {
 }
 
 impl Topology {
-    /// The volume inside the faces at rest in cubic metres; none if they are not closed. They are where each edge has as
-    /// many faces one way as the other.
+    /// The volume inside the faces at rest in cubic metres; none if they are not closed. Faces are closed if each edge
+    /// has as many of them in one direction as in the other.
     pub fn rest_volume(&self) -> Option<f64> {
         *self.rest_volume.0.get_or_init(|| {
             let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];

@@ -1,4 +1,6 @@
-//! The begin of a body's step: everything that stays the same through its substeps.
+//! The beginning of a body's step: everything that stays the same through its substeps.
+//!
+//! Design: `docs/design/integration.md`.
 
 use crate::constraint::stick::{greatest_error, iteration_stiffness, substep_damping};
 use crate::state::body::Body;
@@ -9,7 +11,7 @@ use crate::state::settings::StructuralSolve;
 use crate::substep::order::Order;
 use crate::substep::plan::{BodyPlan, Extras};
 
-/// Puts the particles where the topology looks for them, and gathers their statistics where something has changed.
+/// Arranges the particles in the topology's layout, and gathers their statistics if anything has changed.
 pub(crate) fn prepare(body: &mut Body) {
     let Body { particles, topology, .. } = body;
     particles.arrange(&topology.layout);
@@ -32,11 +34,11 @@ pub(crate) fn begin_step(
     particles.set_substep(substep);
     context.drag = Drag::new(settings.drag, substep);
     let materials = topology.batches.iter().map(|batch| &batch.material);
-    let felt = context.drag.effective_substep(substep);
+    let effective_substep = context.drag.effective_substep(substep);
     context.stiffness.clear();
-    context
-        .stiffness
-        .extend(materials.clone().map(|m| iteration_stiffness(m.stiffness, felt, settings.iterations)));
+    context.stiffness.extend(
+        materials.clone().map(|m| iteration_stiffness(m.stiffness, effective_substep, settings.iterations)),
+    );
     context.damping.clear();
     context.damping.extend(materials.map(|m| substep_damping(m, substep)));
     if context.integrated.cells.len() != particles.layout.cells() {
@@ -57,8 +59,8 @@ pub(crate) fn begin_step(
     }
 }
 
-/// How far an edit can make sticks, pins, limits and the frame pull a particle in the coming step, in metres. Zero where
-/// nothing was edited: what sticks did in the last step is in the velocities already.
+/// Upper bound in metres on the pull of sticks, pins, limits and the frame on a particle in the coming step, after an
+/// edit. Zero if nothing was edited: the work of sticks in the last step is already in the velocities.
 pub(crate) fn pull(body: &Body) -> f32 {
     if !body.particles.disturbed {
         return 0.0;

@@ -6,10 +6,13 @@
 //! project collisions   CLOTH, CONTACTS, VELOCITIES
 //! ```
 //!
-//! An island walks the list [stage by stage](crate::step), span by span, so that a schedule may run systems of its own
+//! An island walks the list [stage by stage](mod@crate::step), span by span, so that a schedule may run systems of its own
 //! between the spans. A body that nothing but obstacles can touch walks the same list in
 //! [sweeps](crate::substep::sweep) down its strips: its [plan](crate::substep::plan) is made from this list. To add a
-//! stage, add it here and say in `step.rs` (of an island) or in `sweep.rs` (of a body) what it does.
+//! stage, add it here and write its code in `step.rs` (of an island or a whole body) or in `plan.rs` and `work.rs` (of
+//! strips).
+//!
+//! Design: `docs/design/relaxation.md`.
 
 /// A stage of a substep that one body takes by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,9 +23,9 @@ pub(crate) enum BodyStage {
     Integrate,
     /// The moving frame takes the particles along.
     Carry,
-    /// Pins get the displacement of the way that they went.
+    /// Pins get the displacement of their move.
     NotePins,
-    /// Contacts of faces and of embedded points follow their deepest points.
+    /// Contacts of faces follow their deepest points; all of them forget the last substep.
     BeginContacts,
     FaceContacts,
     EmbeddedContacts,
@@ -41,9 +44,9 @@ pub(crate) enum BodyStage {
     FaceFriction,
     EmbeddedFriction,
     DynamicFriction,
-    /// Limits on motion have the last word.
+    /// Limits on motion come last.
     Limits,
-    /// The motion of the frame is taken off the displacements.
+    /// The motion of the frame is subtracted from the displacements.
     Leave,
 }
 
@@ -53,9 +56,10 @@ pub(crate) enum IslandStage {
     BeginMovers,
     IntegrateBalls,
     BeginContacts,
-    /// Ropes against themselves and each other: one turn of a knot holds all that hangs on it, so they meet in each iteration.
+    /// Ropes against themselves and each other: one turn of a knot holds all that hangs on it, so they are projected in
+    /// each iteration.
     RopeContacts,
-    /// Cloth against cloth and the obstacles below, in turn: dear, and as good once a substep, after the sticks.
+    /// Cloth against cloth and the obstacles below, in turn: expensive, and as good once a substep, after the sticks.
     ClothContacts,
     BallClothContacts,
     BallBallContacts,
@@ -160,7 +164,7 @@ impl Default for Order {
 pub(crate) struct Span {
     pub stages: &'static [Stages],
     pub projection: u32,
-    /// Stages of a body that the substep has before this span.
+    /// The number of stages of a body before this span.
     pub first: usize,
 }
 
@@ -177,7 +181,7 @@ impl Order {
         spans(parts, index, body_stages(self.integrate) + index as usize * length)
     }
 
-    /// The end of the relaxation of so many iterations.
+    /// The end of a relaxation of this many iterations.
     pub fn relaxed(self, iterations: u32) -> [Span; 1] {
         spans([self.relaxed], iterations, self.iteration(iterations)[0].first)
     }
@@ -188,7 +192,7 @@ impl Order {
         spans([self.cloth, self.contacts, self.velocities], iterations, first)
     }
 
-    /// The stages of one body through a whole substep of so many iterations, each with its projection.
+    /// The stages of one body through a whole substep of this many iterations, each with the number of its projection.
     pub fn of_body(self, iterations: u32) -> impl Iterator<Item = (BodyStage, u32)> {
         let relax = (0..iterations).flat_map(move |index| self.iteration(index));
         let all = self.integrate().into_iter().chain(relax).chain(self.relaxed(iterations));
@@ -217,4 +221,67 @@ fn body_stages(stages: &[Stages]) -> usize {
         Stages::Island(_) => 0,
     };
     stages.iter().map(count).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::build::cloth::{ClothBuilder, Edge};
+    use crate::island::Island;
+    use crate::motion::environment::Environment;
+    use crate::simd::miri::unless_miri;
+    use crate::state::hash::StateHasher;
+    use crate::state::settings::SolverSettings;
+    use crate::step::{accumulate_forces, begin, can_be_swept, detect_collisions, finish, step, substep};
+
+    const SUBSTEPS: u32 = 4;
+
+    /// A curtain that swings, large enough for sweeps that carry several substeps.
+    fn curtain(order: Order) -> Island {
+        let size = unless_miri(64, 9);
+        let cloth = ClothBuilder::new(1.0, 1.0, size, size).pin_edge(Edge::Top);
+        let settings = SolverSettings { substeps: SUBSTEPS, ..SolverSettings::default() };
+        let mut island = Island::of_body(cloth.build(settings).expect("valid"));
+        island.context.order = order;
+        island
+    }
+
+    fn hash(island: &Island) -> u64 {
+        StateHasher::new().particles(&island.bodies[0].particles).finish()
+    }
+
+    /// The hash after some steps, in sweeps and stage by stage.
+    fn both_ways(order: Order) -> [u64; 2] {
+        let environment = Environment { gravity: Vec3::new(3.0, -9.81, 4.0), ..Environment::default() };
+        let [mut swept, mut staged] = [curtain(order), curtain(order)];
+        for _ in 0..5 {
+            step(&mut swept, &environment).expect("valid");
+            begin(&mut staged, &environment).expect("valid");
+            assert!(can_be_swept(&swept), "the first way is that of sweeps");
+            accumulate_forces(&mut staged, &environment);
+            detect_collisions(&mut staged, &environment);
+            (0..SUBSTEPS).for_each(|_| substep(&mut staged, &environment));
+            finish(&mut staged).expect("valid");
+        }
+        [hash(&swept), hash(&staged)]
+    }
+
+    /// The order stands once: a stage that is put into the middle of the list is taken by both ways of walking it.
+    #[test]
+    fn a_stage_put_into_the_order_is_taken_by_sweeps_and_stage_by_stage() {
+        const STICKS: &[Stages] = &[Stages::Bodies(&[
+            BodyStage::Tethers,
+            BodyStage::Sticks,
+            BodyStage::Tethers,
+            BodyStage::Lines,
+            BodyStage::Volume,
+        ])];
+        let [swept, staged] = both_ways(Order::default());
+        assert_eq!(swept, staged);
+        let [changed_swept, changed_staged] = both_ways(Order { sticks: STICKS, ..Order::default() });
+        assert_eq!(changed_swept, changed_staged);
+        assert_ne!(changed_swept, swept, "tethers before the sticks change the result");
+    }
 }

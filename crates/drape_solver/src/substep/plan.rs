@@ -1,5 +1,7 @@
 //! The plan of a body's substep: the stages of the [order](crate::substep::order) that are done strip by strip, for this
 //! body's sticks.
+//!
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 use core::ops::Range;
 
@@ -26,27 +28,27 @@ pub(crate) enum StripStage {
         end: usize,
         backwards: bool,
     },
-    /// The same of a torn grid's loose sticks, which may join any two strips.
+    /// The same for a torn grid's loose sticks, which may join any two strips.
     Loose {
         first: usize,
         end: usize,
         backwards: bool,
     },
     Tethers,
-    /// The frame in which the body moves takes it along.
+    /// The moving frame takes the particles along.
     Carry,
     /// Displacements follow positions.
     Update,
     Friction,
-    /// Limits on motion have the last word.
+    /// Limits on motion come last.
     Limits,
-    /// The motion of the frame is taken off the displacements.
+    /// The motion of the frame is subtracted from the displacements.
     Leave,
 }
 
 impl StripStage {
-    /// The same work the other way round.
-    fn turn(&mut self) {
+    /// Reverses the order of the batches.
+    fn reverse(&mut self) {
         if let Self::Listed { backwards, .. } | Self::Loose { backwards, .. } = self {
             *backwards = true;
         }
@@ -60,12 +62,12 @@ pub(crate) struct BodyPlan {
     pub lines: LineScratch,
 }
 
-/// What few bodies need.
+/// Stages that few bodies need.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Extras {
-    /// Whether the frame in which the body moves moves.
+    /// True if the body is in a moving frame.
     pub has_frame: bool,
-    /// Whether it has limits on motion.
+    /// True if the body has limits on motion.
     pub has_limits: bool,
 }
 
@@ -73,26 +75,26 @@ pub(crate) struct Extras {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
     pub stages: Vec<StripStage>,
-    /// Strips that each stage must stay behind the first, in a sweep.
+    /// The number of strips that each stage stays behind the first in a sweep.
     lags: Vec<usize>,
-    /// For each stage of the [order](crate::substep::order), the place where its own begin; one more at the end.
+    /// For each stage of the [order](crate::substep::order), the index of its first strip stage; one more at the end.
     first_of_stage: Vec<u32>,
-    /// Lines to be solved, with the length of their sticks in metres, and the places in the stages before which all of
-    /// them are. They run through all strips, and no sweep through them.
+    /// Lines that are solved directly, with the length of their sticks in metres, and the indices of the stages before
+    /// which they are solved. Lines run through all strips, so no sweep crosses a line solve.
     pub lines: Vec<(Lines, f32)>,
     pub places_of_lines: Vec<usize>,
-    /// The place of [`StripStage::Update`], at which displacements follow positions.
+    /// Index of [`StripStage::Update`], at which displacements follow positions.
     pub update: usize,
-    /// The place of the last contacts with obstacles, which layers of cloth repeat.
+    /// Range of the last contacts with obstacles, which layers of cloth repeat.
     pub last_contacts: Range<usize>,
     pub cells_of_strip: usize,
     pub strips: usize,
-    /// Whether the body may be swept strip by strip, and is large enough for that to pay.
+    /// True if the body may be swept strip by strip, and is large enough for that to pay.
     pub can_sweep: bool,
 }
 
 impl Plan {
-    /// Writes down the strip stages of a body with this `stiffness` of its batches, whose island takes `projections`
+    /// Lists the strip stages of a body. `stiffness` has one value for each batch; the island takes `projections`
     /// iterations.
     pub fn make(
         &mut self,
@@ -106,7 +108,7 @@ impl Plan {
         (self.cells_of_strip, self.strips) = topology.layout.strips();
         let mut settings = *settings;
         if topology.layout.is_torn() {
-            // A line with gaps is no chain.
+            // A torn line has gaps and cannot be solved as a chain.
             settings.structural = StructuralSolve::default();
         }
         let settings = &settings;
@@ -147,8 +149,8 @@ impl Plan {
         self.lag(topology);
     }
 
-    /// Adds the batches of sticks that no line solve takes; there and back in turn, as a symmetric pair of sweeps gains no
-    /// energy.
+    /// Adds the batches of sticks that no line solve takes, in alternating directions: a symmetric pair of sweeps gains
+    /// no energy.
     fn push_sticks(
         &mut self,
         topology: &Topology,
@@ -166,15 +168,15 @@ impl Plan {
             self.push_batch(topology, batch, first);
             active += 1;
         }
-        // A rope has only two batches, and the way back would begin with the one just done, which does nothing.
+        // A rope has only two batches: the way back would begin with the batch just done, which changes nothing.
         if is_odd && active > 2 {
             self.stages[first..].reverse();
-            self.stages[first..].iter_mut().for_each(StripStage::turn);
+            self.stages[first..].iter_mut().for_each(StripStage::reverse);
         }
     }
 
-    /// Last of a projection, as the other sticks would undo what lines have done; columns first, as they hang from the
-    /// pins.
+    /// Lists the line solves. They come last in a projection, as the other sticks would undo them; columns come first,
+    /// as they hang from the pins.
     fn list_lines(&mut self, topology: &Topology, settings: &SolverSettings, stiffness: &[f32]) {
         self.places_of_lines.clear();
         self.lines.clear();
@@ -184,7 +186,7 @@ impl Plan {
         }));
     }
 
-    /// Adds a batch of sticks, to the listed ones before if it is listed as well.
+    /// Adds a batch of sticks. Listed batches that follow each other share a stage, and so do loose ones.
     fn push_batch(&mut self, topology: &Topology, batch: usize, first: usize) {
         let is_listed = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Listed(_));
         let is_loose = |batch: &StickBatch| matches!(batch.sticks, BatchSticks::Loose(_));
@@ -207,8 +209,8 @@ impl Plan {
         }
     }
 
-    /// The places of the strip stages of one stage of the order; none for a body that was taken out in the middle of the
-    /// step, which has no plan.
+    /// The range of the strip stages of one stage of the order. Empty for a body that was taken out in the middle of
+    /// the step, which has no plan.
     pub fn span(&self, stage: usize) -> Range<usize> {
         match self.first_of_stage.get(stage..stage + 2) {
             Some(&[first, end]) => first as usize..end as usize,
@@ -216,7 +218,7 @@ impl Plan {
         }
     }
 
-    /// How far each stage must stay behind the one before, and whether that works for this body.
+    /// Sets the lags of the stages, and decides if the body can be swept.
     fn lag(&mut self, topology: &Topology) {
         self.can_sweep =
             topology.layout.has_whole_rows() && self.cells_of_strip * self.strips >= LEAST_SWEPT_CELLS;
@@ -236,8 +238,8 @@ impl Plan {
         }
     }
 
-    /// Stages in as few passes over the body as there can be without a sweep: one for each, unless no stick reaches from
-    /// strip to strip; then one for all up to listed sticks, and so on.
+    /// Groups stages into as few passes over the body as possible without a sweep: one for each stage if sticks reach
+    /// from strip to strip, else one for all stages between listed or loose sticks.
     pub fn passes(&self, stages: Range<usize>) -> impl Iterator<Item = Range<usize>> + '_ {
         let (mut next, end) = (stages.start, stages.end);
         let goes_alone =
@@ -250,19 +252,19 @@ impl Plan {
         })
     }
 
-    /// Strips that a whole substep needs between the first stage and the last.
+    /// The number of strips between the first stage and the last in a whole substep.
     pub fn lag_of_substep(&self) -> usize {
         self.lags.last().copied().unwrap_or_default()
     }
 
-    /// Strips that stage `place` must stay behind the first, where places are counted through several substeps.
+    /// The number of strips that stage `place` stays behind the first; places count through several substeps.
     pub fn lag_of(&self, place: usize) -> usize {
         let count = self.stages.len();
         place / count * self.lag_of_substep() + self.lags[place % count]
     }
 
-    /// Strips that a stage takes at once in a sweep.
-    pub fn strips_at_once(&self) -> usize {
+    /// The number of strips that a stage takes in one turn of a sweep.
+    pub fn strips_per_turn(&self) -> usize {
         CELLS_AT_ONCE.div_ceil(self.cells_of_strip)
     }
 }

@@ -1,9 +1,9 @@
-//! A body's way through its substeps: which stage runs on which strip, in which order.
+//! Sweeps: the stages of a substep, or of several, in one trip down the strips of a body.
 //!
-//! The plan lists the stages once. They can be run one by one over the whole body, which is what a schedule does that
-//! lets others in between; or in a sweep: a stage may work on a strip as soon as the stage before it is far enough
-//! ahead that none of its sticks reaches a strip the other has not finished. Each particle then sees the same work in
-//! the same order, and ends at the same bits, but one trip through memory carries a whole substep, or several.
+//! The plan lists the stages once. A schedule that runs systems between them runs them one by one over the whole body.
+//! A sweep starts a stage on a strip as soon as the stage before is so far ahead that none of the stage's sticks
+//! reaches an unfinished strip. Each particle gets the same operations in the same order, and so the same bits, but one
+//! trip through memory carries a whole substep, or several.
 //!
 //! ```text
 //!   strips 0..4 | integrate contacts rows(even) rows(odd) columns(even) ... friction integrate ...
@@ -12,9 +12,9 @@
 //!        12..16 |       integrate ...                      by as many strips as its sticks reach down
 //! ```
 //!
-//! Two threads share a body that is cut between two strips. Above the cut each stage ends the earlier the later it
-//! comes, below it each begins the later, so that neither half ever needs what the other has; the wedge that is left
-//! is done when both are through.
+//! Two threads share a body that is cut between two strips. Above the cut each stage ends higher up than the stage
+//! before it, and below the cut each begins lower down, so that neither half ever needs data of the other. One thread
+//! does the wedge that is left when both halves are finished.
 //!
 //! ```text
 //!   strip     | integrate . . . . friction
@@ -24,6 +24,8 @@
 //!             |              .
 //!             |  b e l o w        .
 //! ```
+//!
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 use core::ops::Range;
 
@@ -32,7 +34,7 @@ use glam::Vec3;
 
 use crate::constants::{BYTES_OF_CELL, LEAST_SHARED_CELLS, LEAST_STRIPS_PER_LAG, SWEPT_BYTES, TETHER_SPEED};
 use crate::constraint::direct::line;
-use crate::constraint::stick::{Exact, Projection, SquareRootFree};
+use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::contact::body_contacts::BodyContacts;
 use crate::contact::particle_obstacle::ObstacleContacts;
 use crate::motion::body_columns::{BodyColumns, MovingColumns};
@@ -46,13 +48,13 @@ use crate::state::substep::Substep;
 use crate::substep::plan::{BodyPlan, Plan, StripStage};
 use crate::substep::work::Work;
 
-/// Takes pins to the end of the substep.
+/// Moves pins to the end of the substep.
 pub(crate) fn move_pins(body: &mut Body) {
     body.move_pins();
     body.topology.tethers.note_anchors(&body.particles, &mut body.context.anchors);
 }
 
-/// The lines of iteration `index`.
+/// Solves the lines of iteration `index`.
 pub(crate) fn solve_lines(body: &mut Body, plan: &mut BodyPlan, substep: Substep, index: u32) {
     if (index as usize) < plan.plan.places_of_lines.len() {
         line::solve(body, &plan.plan.lines, &mut plan.lines, substep.isa);
@@ -61,7 +63,7 @@ pub(crate) fn solve_lines(body: &mut Body, plan: &mut BodyPlan, substep: Substep
 
 /// True if [`substeps`] may be called for the body: the stages that cannot be done in strips have nothing to do.
 pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
-    // A tolerance decides only on the way how many iterations there are.
+    // With a tolerance, the number of iterations is known only in the middle of the substep.
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     let has_pressure = body.pressure > 0.0;
     let is_damped = body.context.damping.iter().any(|&damping| damping != 0.0);
@@ -69,7 +71,7 @@ pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
     is_fixed && is_in_strips && !has_pressure && !is_damped
 }
 
-/// All substeps that are left, of a body that no ball is near: in sweeps if it is large, else stage after stage.
+/// Takes all substeps that are left, of a body without a ball near it: in sweeps if it is large, else stage by stage.
 pub(crate) fn substeps(
     body: &mut Body,
     contacts: &mut ObstacleContacts,
@@ -80,10 +82,10 @@ pub(crate) fn substeps(
     let BodyPlan { plan, lines } = plan;
     let count = plan.stages.len();
     if count == 0 {
-        // Taken out in the middle of the step.
+        // The body was taken out in the middle of the step.
         return;
     }
-    let at_once = substeps_at_once(body, plan, workers);
+    let per_trip = substeps_per_trip(body, plan, workers);
     let mut stages = |body: &mut Body, substep: Substep, stages: Range<usize>| {
         if plan.can_sweep {
             sweep(body, contacts, plan, substep, stages, workers);
@@ -91,10 +93,10 @@ pub(crate) fn substeps(
             run(body, contacts, plan, substep, stages);
         }
     };
-    // Stages of the substep that the sweep before has done already.
+    // The number of stages of the substep that the sweep before has already done.
     let mut done = 0;
     while substep.index < substep.count {
-        let taken = at_once.min(substep.count - substep.index);
+        let taken = per_trip.min(substep.count - substep.index);
         if done == 0 {
             move_pins(body);
         }
@@ -105,7 +107,7 @@ pub(crate) fn substeps(
             done = place;
         }
         let next = match plan.places_of_lines.first() {
-            // The first of these sweeps goes together with the last of the substep before.
+            // The first sweep of the next substep is joined to the last sweep of this one.
             Some(&place) if may_join(body, plan) && substep.index + 1 < substep.count => place,
             _ => 0,
         };
@@ -122,27 +124,27 @@ pub(crate) fn substeps(
     }
 }
 
-/// Whether a sweep may go from one substep into the next.
+/// True if a sweep may go from one substep into the next.
 fn may_join(body: &Body, plan: &Plan) -> bool {
     let Body { particles, context, .. } = body;
     plan.can_sweep && particles.masses.has_pins && context.pin_shifts.is_empty()
 }
 
-/// How many substeps one trip through memory carries: as many as the strips between its first stage and its last fit
-/// the cache.
-fn substeps_at_once(body: &Body, plan: &Plan, workers: &Workers) -> u32 {
+/// The number of substeps in one trip through memory: as many as keep the strips between the first stage and the last
+/// in the cache.
+fn substeps_per_trip(body: &Body, plan: &Plan, workers: &Workers) -> u32 {
     if !may_join(body, plan) || !plan.lines.is_empty() {
         return 1;
     }
     let lag = plan.lag_of_substep().max(1);
     let strips = SWEPT_BYTES / (BYTES_OF_CELL * plan.cells_of_strip);
-    let by_cache = strips.saturating_sub(plan.strips_at_once()) / lag;
+    let by_cache = strips.saturating_sub(plan.strips_per_turn()) / lag;
     let by_wedge = plan.strips / (LEAST_STRIPS_PER_LAG * workers.most() * lag);
     let most = if workers.most() > 1 { by_cache.min(by_wedge) } else { by_cache };
     most.max(1) as u32
 }
 
-/// Some stages of a substep, pass after pass over the whole body.
+/// Runs some stages of a substep, pass by pass over the whole body.
 pub(crate) fn run(
     body: &mut Body,
     contacts: &mut ObstacleContacts,
@@ -157,13 +159,13 @@ pub(crate) fn run(
         let (top, bottom) = (RegionEdge::level(0), RegionEdge::level(plan.strips));
         for stages in plan.passes(stages) {
             // Listed sticks go down the body by themselves.
-            let at_once = if stages.len() == 1 { plan.strips } else { plan.strips_at_once() };
-            Region { stages, top, bottom }.sweep(work, plan, projection, at_once);
+            let per_turn = if stages.len() == 1 { plan.strips } else { plan.strips_per_turn() };
+            Region { stages, top, bottom }.sweep(work, plan, projection, per_turn);
         }
     });
 }
 
-/// Some stages, counted through several substeps, in a sweep.
+/// Runs some stages, counted through several substeps, in a sweep.
 fn sweep(
     body: &mut Body,
     contacts: &mut ObstacleContacts,
@@ -181,7 +183,7 @@ fn sweep(
     });
 }
 
-/// Lays out what the stages from `first` on read and write.
+/// Calls `run` with the data that the stages from `first` on read and write.
 fn with_work(
     body: &mut Body,
     contacts: &mut ObstacleContacts,
@@ -231,13 +233,13 @@ fn with_work(
 /// Some stages, each on the strips between two edges.
 #[derive(Clone)]
 struct Region {
-    /// Counted through several substeps.
+    /// Indices of stages, counted through several substeps.
     stages: Range<usize>,
     top: RegionEdge,
     bottom: RegionEdge,
 }
 
-/// Where the strips of a region begin or end, stage by stage.
+/// The upper or lower end of a region's strips, stage by stage.
 #[derive(Clone, Copy)]
 struct RegionEdge {
     strip: usize,
@@ -262,7 +264,7 @@ impl RegionEdge {
 }
 
 impl Region {
-    /// Strips that stage `place` stays behind the first.
+    /// The number of strips that stage `place` stays behind the first of the region.
     fn lag(&self, plan: &Plan, place: usize) -> usize {
         plan.lag_of(place) - plan.lag_of(self.stages.start)
     }
@@ -289,7 +291,7 @@ impl Region {
         let steepest = self.lag(plan, self.stages.end - 1) + 1;
         let is_small = (bottom - top) * plan.cells_of_strip < count * LEAST_SHARED_CELLS;
         if count < 2 || is_small || bottom - top < 4 * steepest {
-            return self.sweep(work, plan, projection, plan.strips_at_once());
+            return self.sweep(work, plan, projection, plan.strips_per_turn());
         }
         let above = count / 2;
         // Each half must hold its two slopes.
@@ -303,17 +305,17 @@ impl Region {
         workers.join(&mut || upper.share(&mut work_above, plan, projection, workers, above), &mut || {
             lower.share(&mut work_below, plan, projection, workers, count - above);
         });
-        wedge.sweep(work, plan, projection, plan.strips_at_once());
+        wedge.sweep(work, plan, projection, plan.strips_per_turn());
     }
 
-    /// Sweeps it, `at_once` strips at a time.
-    fn sweep(&self, work: &mut Work, plan: &Plan, projection: StickProjection, at_once: usize) {
+    /// Sweeps it, `per_turn` strips at a time.
+    fn sweep(&self, work: &mut Work, plan: &Plan, projection: StickProjection, per_turn: usize) {
         let isa = work.rest.substep.isa;
         let region = self;
         match projection {
-            StickProjection::Exact => isa.run(Sweep { region, work, plan, at_once, projection: Exact }),
+            StickProjection::Exact => isa.run(Sweep { region, work, plan, per_turn, projection: Exact }),
             StickProjection::SquareRootFree => {
-                isa.run(Sweep { region, work, plan, at_once, projection: SquareRootFree });
+                isa.run(Sweep { region, work, plan, per_turn, projection: SquareRootFree });
             }
         }
     }
@@ -323,7 +325,7 @@ struct Sweep<'r, 'w, P> {
     region: &'r Region,
     work: &'r mut Work<'w>,
     plan: &'r Plan,
-    at_once: usize,
+    per_turn: usize,
     projection: P,
 }
 
@@ -332,18 +334,18 @@ impl<P: Projection> Kernel for Sweep<'_, '_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { region, work, plan, at_once, projection } = self;
+        let Self { region, work, plan, per_turn, projection } = self;
         let stages = region.stages.clone();
         let count = plan.stages.len();
         let last = stages.end - 1;
-        // Until the last stage has come to its end.
+        // The sweep ends when the last stage has finished its strips.
         let end = region.strips_of(plan, last).end + region.lag(plan, last);
-        for ahead in (region.top.strip..end).step_by(at_once) {
+        for ahead in (region.top.strip..end).step_by(per_turn) {
             for place in stages.clone() {
                 let lag = region.lag(plan, place);
                 let of_stage = region.strips_of(plan, place);
                 let from = ahead.saturating_sub(lag).max(of_stage.start);
-                let to = (ahead + at_once).saturating_sub(lag).min(of_stage.end);
+                let to = (ahead + per_turn).saturating_sub(lag).min(of_stage.end);
                 if from < to {
                     let substep = work.rest.substep.index + (place / count) as u32;
                     work.stage(simd, plan.stages[place % count], substep, from..to, projection);

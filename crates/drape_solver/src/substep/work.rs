@@ -1,4 +1,6 @@
-//! What the stages of a substep read and write, and what each does to some strips of a body.
+//! The work of each stage on some strips of a body, and the data that stages read and write.
+//!
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 use core::ops::Range;
 
@@ -6,7 +8,8 @@ use fearless_simd::Simd;
 
 use crate::constants::WORK_OF_CONTACTS;
 use crate::constraint::listed_stick::{Descent, RelaxedBatch};
-use crate::constraint::stick::{Alike, Joined, OneSided, Projection, project_loose, project_runs};
+use crate::constraint::projection::{OneSided, Projection};
+use crate::constraint::stick::{Alike, Joined, project_loose, project_runs};
 use crate::contact::particle_obstacle::{ObstacleProjection, ObstacleRows};
 use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::motion::integrate::update_displacements;
@@ -14,14 +17,14 @@ use crate::simd::rows::Rows;
 use crate::state::topology::{BatchSticks, StickBatch};
 use crate::substep::plan::StripStage;
 
-/// Some strips of a body at work: all, or those above or below a cut.
+/// Some strips of a body: all, or those above or below a cut.
 pub(crate) struct Work<'a> {
-    /// Of the body's, the first strip here.
+    /// Index in the body of the first strip here.
     pub first_strip: usize,
     pub cells_of_strip: usize,
     pub moving: MovingColumns<'a>,
     pub contacts: ObstacleRows<'a>,
-    /// What listed sticks are relaxed in; none where the body is cut, as one with listed sticks never is.
+    /// The rows in which listed sticks are relaxed. None in a part of a body: a body with listed sticks is never cut.
     pub rows: Option<&'a mut Rows>,
     pub rest: BodyColumns<'a>,
 }
@@ -43,7 +46,7 @@ impl Work<'_> {
         low
     }
 
-    /// Cuts it in two above `strip`.
+    /// Splits it in two above `strip`.
     pub fn split_at(&mut self, strip: usize) -> (Work<'_>, Work<'_>) {
         let &mut Self { first_strip, cells_of_strip, rest, .. } = self;
         let cells = ((strip - first_strip) * cells_of_strip).min(self.moving.position.len());
@@ -79,11 +82,34 @@ impl Work<'_> {
         strips: Range<usize>,
         projection: impl Projection,
     ) {
-        let Self { first_strip, cells_of_strip, ref mut moving, ref mut contacts, ref mut rows, rest } =
-            *self;
+        match stage {
+            StripStage::Sticks(batch) => self.grid_sticks(simd, batch, &strips, projection),
+            // Listed sticks have a sweep of their own, so the whole body is done at the first strip.
+            StripStage::Listed { .. } if strips.start > 0 => {}
+            StripStage::Listed { first, end, backwards } => {
+                self.listed_sticks(simd, in_order(first, end, backwards), projection);
+            }
+            StripStage::Loose { first, end, backwards } => {
+                self.loose_sticks(first, end, backwards, projection);
+            }
+            _ => self.particles(simd, stage, index, strips, projection),
+        }
+    }
+
+    /// The stages of particles: flight, contacts, tethers, limits.
+    #[inline(always)]
+    fn particles<S: Simd>(
+        &mut self,
+        simd: S,
+        stage: StripStage,
+        index: u32,
+        strips: Range<usize>,
+        projection: impl Projection,
+    ) {
+        let Self { first_strip, cells_of_strip, ref mut moving, ref mut contacts, rest, .. } = *self;
         let first_cell = first_strip * cells_of_strip;
         let last_cell = first_cell + moving.position.len();
-        // Of the body, and here.
+        // The same cells, counted in the body and in the columns of this part.
         let cells = strips.start * cells_of_strip..(strips.end * cells_of_strip).min(last_cell);
         let places = cells.start - first_cell..cells.end - first_cell;
         match stage {
@@ -104,51 +130,6 @@ impl Work<'_> {
                     #[inline(always)]
                     || contacts.apply_friction(simd, strips, moving, first_cell, &context),
                 );
-            }
-            StripStage::Contacts { .. } | StripStage::Friction => {}
-            StripStage::Sticks(batch) => {
-                let stiffness = rest.stiffness[batch];
-                let mut joined = Joined::new(moving.position, &rest, first_cell);
-                if let BatchSticks::Grid { ref runs, rest_length, .. } = rest.topology.batches[batch].sticks {
-                    let alike = Alike { rest_length, stiffness, projection };
-                    for (band, runs) in runs.bands() {
-                        let first_cells =
-                            band.among(&strips).map(|strip| (strip - first_strip) * cells_of_strip);
-                        project_runs(simd, &mut joined, runs, first_cells, alike);
-                    }
-                }
-            }
-            StripStage::Listed { first, end, backwards } => {
-                let BodyColumns { topology, stiffness, inverse_mass, .. } = rest;
-                let batches = (first..end).map(move |i| if backwards { end - 1 - (i - first) } else { i });
-                let batches = batches.filter_map(move |place| {
-                    let StickBatch { material, sticks, .. } = &topology.batches[place];
-                    let (stiffness, bound) = (stiffness[place], material.bound);
-                    match sticks {
-                        BatchSticks::Listed(batch) if stiffness > 0.0 => {
-                            Some(RelaxedBatch { batch, stiffness, bound })
-                        }
-                        _ => None,
-                    }
-                });
-                if let Some(rows) = rows.as_deref_mut().filter(|_| strips.start == 0) {
-                    let (position, sticks) = (&mut *moving.position, &topology.listed);
-                    Descent { rows, position, inverse_mass, sticks }.relax(simd, batches, projection);
-                }
-            }
-            StripStage::Loose { first, end, backwards } => {
-                let batches = (first..end).map(|i| if backwards { end - 1 - (i - first) } else { i });
-                for batch in batches.filter(|&batch| rest.stiffness[batch] > 0.0) {
-                    if let BatchSticks::Loose(loose) = &rest.topology.batches[batch].sticks {
-                        let mut joined = Joined::new(moving.position, &rest, first_cell);
-                        let (stiffness, bound) =
-                            (rest.stiffness[batch], rest.topology.batches[batch].material.bound);
-                        match OneSided::of(bound, projection) {
-                            None => project_loose(&mut joined, loose, backwards, stiffness, projection),
-                            Some(one) => project_loose(&mut joined, loose, backwards, stiffness, one),
-                        }
-                    }
-                }
             }
             StripStage::Tethers => {
                 let mut joined = Joined::new(moving.position, &rest, first_cell);
@@ -184,6 +165,79 @@ impl Work<'_> {
                 #[inline(always)]
                 || update_displacements(simd, places, moving, rest.drift),
             ),
+            // No contacts, or a stage of sticks.
+            StripStage::Contacts { .. }
+            | StripStage::Friction
+            | StripStage::Sticks(_)
+            | StripStage::Listed { .. }
+            | StripStage::Loose { .. } => {}
         }
     }
+
+    /// One batch of a grid's sticks.
+    #[inline(always)]
+    fn grid_sticks<S: Simd>(
+        &mut self,
+        simd: S,
+        batch: usize,
+        strips: &Range<usize>,
+        projection: impl Projection,
+    ) {
+        let Self { first_strip, cells_of_strip, ref mut moving, rest, .. } = *self;
+        let mut joined = Joined::new(moving.position, &rest, first_strip * cells_of_strip);
+        if let BatchSticks::Grid { ref runs, rest_length, .. } = rest.topology.batches[batch].sticks {
+            let alike = Alike { rest_length, stiffness: rest.stiffness[batch], projection };
+            for (band, runs) in runs.bands() {
+                let first_cells = band.among(strips).map(|strip| (strip - first_strip) * cells_of_strip);
+                project_runs(simd, &mut joined, runs, first_cells, alike);
+            }
+        }
+    }
+
+    /// Some batches of listed sticks, of the whole body.
+    #[inline(always)]
+    fn listed_sticks<S: Simd>(
+        &mut self,
+        simd: S,
+        batches: impl Iterator<Item = usize> + Clone,
+        projection: impl Projection,
+    ) {
+        let BodyColumns { topology, stiffness, inverse_mass, .. } = self.rest;
+        let batches = batches.filter_map(move |place| {
+            let StickBatch { material, sticks, .. } = &topology.batches[place];
+            let (stiffness, bound) = (stiffness[place], material.bound);
+            match sticks {
+                BatchSticks::Listed(batch) if stiffness > 0.0 => {
+                    Some(RelaxedBatch { batch, stiffness, bound })
+                }
+                _ => None,
+            }
+        });
+        if let Some(rows) = self.rows.as_deref_mut() {
+            let (position, sticks) = (&mut *self.moving.position, &topology.listed);
+            Descent { rows, position, inverse_mass, sticks }.relax(simd, batches, projection);
+        }
+    }
+
+    /// Some batches of a torn grid's loose sticks.
+    #[inline(always)]
+    fn loose_sticks(&mut self, first: usize, end: usize, backwards: bool, projection: impl Projection) {
+        let Self { first_strip, cells_of_strip, ref mut moving, rest, .. } = *self;
+        let batches = in_order(first, end, backwards);
+        for batch in batches.filter(|&batch| rest.stiffness[batch] > 0.0) {
+            if let BatchSticks::Loose(loose) = &rest.topology.batches[batch].sticks {
+                let mut joined = Joined::new(moving.position, &rest, first_strip * cells_of_strip);
+                let (stiffness, bound) = (rest.stiffness[batch], rest.topology.batches[batch].material.bound);
+                match OneSided::of(bound, projection) {
+                    None => project_loose(&mut joined, loose, backwards, stiffness, projection),
+                    Some(one) => project_loose(&mut joined, loose, backwards, stiffness, one),
+                }
+            }
+        }
+    }
+}
+
+/// The batches from `first` up to `end`, the last first if `backwards`.
+fn in_order(first: usize, end: usize, backwards: bool) -> impl Iterator<Item = usize> + Clone {
+    (first..end).map(move |i| if backwards { end - 1 - (i - first) } else { i })
 }

@@ -1,4 +1,4 @@
-//! Cloth comes apart: sticks tear, blades cut, and bodies fall into pieces.
+//! Tears and cuts: stretched sticks tear, blades cut, and bodies separate into pieces.
 //!
 //! Imports: `build` and everything below. Callers: users and the plugin, between steps.
 

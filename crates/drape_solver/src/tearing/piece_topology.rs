@@ -1,4 +1,6 @@
-//! How the particles of a piece are joined.
+//! Builds the topology of a piece.
+//!
+//! Design: docs/design/tears_and_cuts.md.
 
 use std::sync::Arc;
 
@@ -15,13 +17,13 @@ use crate::tearing::pieces::Rejoined;
 use crate::tearing::split::Split;
 use crate::tearing::tether_crossing::TetherCrossing;
 
-/// What a piece is made from.
+/// The data from which the topology of one piece is built.
 pub(crate) struct PieceTopology<'a> {
     split: &'a Split<'a>,
     batches: &'a [Rejoined<'a>],
     crossing: &'a TetherCrossing,
     members: &'a [u32],
-    /// The index that each split particle has in the piece; [`ELSEWHERE`] for those of others.
+    /// The index in the piece of each particle of the split body; [`ELSEWHERE`] for particles of other pieces.
     indices: Vec<u32>,
 }
 
@@ -42,14 +44,14 @@ impl<'a> PieceTopology<'a> {
     }
 
     fn old(&self) -> &'a Topology {
-        self.split.fabric.topology()
+        self.split.adjacency.topology()
     }
 
     fn origin(&self, member: u32) -> usize {
         self.split.origins[member as usize] as usize
     }
 
-    /// The same particles by their indices in the piece, if all are of it.
+    /// Indices in the piece of `particles`; none unless all belong to the piece.
     fn own<const N: usize>(&self, particles: [u32; N]) -> Option<[u32; N]> {
         let own = particles.map(|particle| self.indices[particle as usize]);
         (!own.contains(&ELSEWHERE)).then_some(own)
@@ -59,7 +61,7 @@ impl<'a> PieceTopology<'a> {
         self.members.iter().map(|&member| self.old().rest[self.origin(member)]).collect()
     }
 
-    /// The slot of the old grid at which a split particle was when it was made.
+    /// The slot that a particle had in the old grid when the body was built.
     fn home(&self, member: u32) -> u32 {
         match &self.old().layout {
             Layout::Torn(torn) => torn.home(self.origin(member)),
@@ -67,8 +69,8 @@ impl<'a> PieceTopology<'a> {
         }
     }
 
-    /// Of a body that holds together, though it has been slit: a grid keeps its places, and only what is near the cracks
-    /// is looked at.
+    /// The topology of a body with cracks that is still one piece. A grid keeps its slots, and only sticks near the cracks
+    /// change.
     pub fn of_slit_body(&self) -> Result<Topology, BuildError> {
         let Some(grid) = self.old().layout.grid() else {
             return self.irregular();
@@ -102,7 +104,8 @@ impl<'a> PieceTopology<'a> {
         Ok(self.finish(torn, batches, loose))
     }
 
-    /// Of one of several pieces: a grid of the size of the piece if it fills at least half of that, else without order.
+    /// The topology of one of several pieces: a grid if the piece fills at least half of the grid around it, else a list of
+    /// sticks.
     pub fn of_part(&self) -> Result<Topology, BuildError> {
         let frame = self.old().layout.grid().and_then(|grid| Frame::new(grid, || self.homes()));
         match frame {
@@ -125,7 +128,7 @@ impl<'a> PieceTopology<'a> {
             if let BatchSticks::Grid { batch, rest_length, .. } = &rejoined.batch.sticks {
                 let (right, down) = batch.offset();
                 let material = rejoined.batch.material;
-                // Both halves of a family have the same offset.
+                // Both halves of a family have the same offset, so one entry is enough.
                 if !families.iter().any(|family| family.batch.offset() == (right, down)) {
                     families.extend(
                         GridBatch::halves(frame.grid, right, down)
@@ -158,7 +161,7 @@ impl<'a> PieceTopology<'a> {
         self.finish(torn, batches, loose)
     }
 
-    /// The topology of a torn grid.
+    /// Builds the topology of a torn grid.
     fn finish(&self, torn: TornGrid, mut batches: Batches, loose: LooseSticks) -> Topology {
         for (material, sticks) in loose.0 {
             batches.push(material, sticks.len(), BatchSticks::Loose(sticks.into()));
@@ -180,7 +183,7 @@ impl<'a> PieceTopology<'a> {
         topology
     }
 
-    /// A body of listed sticks.
+    /// Builds a topology of listed sticks.
     fn irregular(&self) -> Result<Topology, BuildError> {
         let mut builder = TopologyBuilder::new(&self.rest());
         for same in self.batches.chunk_by(|p, q| p.batch.material == q.batch.material) {
@@ -204,16 +207,16 @@ impl<'a> PieceTopology<'a> {
     }
 }
 
-/// The part of a grid that a piece needs, as a grid of its own.
+/// The part of the old grid around a piece, as a grid of its own.
 struct Frame {
     old: Grid,
     grid: Grid,
-    /// Column and row of the old grid where it begins.
+    /// Its first column and row in the old grid.
     first: [usize; 2],
 }
 
 impl Frame {
-    /// Around the places with these slots; none where that is too small for a grid.
+    /// The frame around these slots of the old grid; none if it is too small for a grid.
     fn new<I: Iterator<Item = usize>>(old: Grid, slots: impl Fn() -> I) -> Option<Self> {
         let places = || slots().map(|slot| old.place(slot));
         let range = |axis: usize| {
@@ -225,14 +228,14 @@ impl Frame {
         Some(Self { old, grid, first: [left, top] })
     }
 
-    /// The slot of the place that has this slot in the old grid.
+    /// The slot in the new grid of a slot in the old grid.
     fn slot(&self, old: usize) -> usize {
         let [column, row] = self.old.place(old);
         self.grid.slot(column - self.first[0], row - self.first[1])
     }
 }
 
-/// Half a family of a grid's sticks, and which of them a piece has.
+/// Half a family of a grid's sticks, with a flag for each stick that the piece has.
 struct Family {
     material: StickMaterial,
     batch: GridBatch,
@@ -245,7 +248,7 @@ impl Family {
         Self { material, batch, rest_length, has: vec![false; batch.count()] }
     }
 
-    /// Takes in a stick, if it is one of the family's.
+    /// Marks a stick if it belongs to the family. Returns true if it was marked for the first time.
     fn take(&mut self, material: StickMaterial, rest_length: f32, slots: [usize; 2]) -> bool {
         let is_alike = (material, rest_length) == (self.material, self.rest_length);
         let stick = if is_alike { self.batch.stick_between(slots) } else { None };
@@ -253,7 +256,7 @@ impl Family {
     }
 }
 
-/// Batches one after another.
+/// A list of batches whose sticks are numbered in order.
 #[derive(Default)]
 struct Batches {
     list: Vec<StickBatch>,
@@ -275,7 +278,7 @@ impl Batches {
     }
 }
 
-/// Sticks that belong to no family of a grid, by material.
+/// Sticks outside the families of a grid, by material.
 #[derive(Default)]
 struct LooseSticks(Vec<(StickMaterial, Vec<LooseStick>)>);
 

@@ -1,8 +1,10 @@
-//! What a body becomes once its cracks are open: one piece or several, each a body of its own.
+//! Opens the cracks of a body and separates it into pieces, each a body of its own.
+//!
+//! Design: docs/design/tears_and_cuts.md.
 
 use std::sync::Arc;
 
-use crate::build::adjacency::Fabric;
+use crate::build::adjacency::Adjacency;
 use crate::error::BuildError;
 use crate::simd::columns::LANES;
 use crate::state::body::{Body, BodyContext};
@@ -15,32 +17,32 @@ use crate::tearing::tear::TornStick;
 use crate::tearing::tether_crossing::TetherCrossing;
 use crate::union_find::Groups;
 
-/// A piece that has come off a body.
+/// A piece that has separated from a body.
 #[derive(Clone, Debug)]
 pub struct Piece {
-    /// The piece as a body of its own, with the settings of the one that it has come off.
+    /// The piece as a body of its own, with the settings of the whole.
     pub body: Body,
-    /// For each of its particles the index that it had before, or that of the particle that it is a copy of.
+    /// For each of its particles the index in the whole; for a copy, that of the particle it was split from.
     pub origins: Vec<u32>,
 }
 
-/// What remains, and what has come off.
+/// The remaining body's particles, the pieces, and the sticks between them.
 pub(crate) struct Parted {
-    /// For each particle of the body its index before, or that of the particle that it is a copy of.
+    /// For each particle of the body its index before; for a copy, that of the particle it was split from.
     pub origins: Vec<u32>,
     pub pieces: Vec<Piece>,
-    /// The sticks that no longer join anything, as they were before.
+    /// The sticks that no longer join anything, in their state before.
     pub severed: Vec<TornStick>,
 }
 
-/// Opens the cracks of a body. The largest piece stays what the body was; none if nothing parts.
+/// Opens the cracks of a body, which becomes its largest piece. Returns none if nothing separates.
 ///
 /// # Errors
-/// [`BuildError`] if a piece cannot be built; the body is as it was then.
+/// [`BuildError`] if a piece cannot be built; the body is then unchanged.
 pub(crate) fn part(body: &mut Body, cracks: &Cracks) -> Result<Option<Parted>, BuildError> {
     let topology = Arc::clone(&body.topology);
     body.particles.arrange(&topology.layout);
-    let Some(split) = Split::new(Fabric::new(&topology), cracks) else {
+    let Some(split) = Split::new(Adjacency::new(&topology), cracks) else {
         return Ok(None);
     };
     let mut severed = Vec::new();
@@ -67,19 +69,19 @@ pub(crate) fn part(body: &mut Body, cracks: &Cracks) -> Result<Option<Parted>, B
     Ok(Some(Parted { origins: rest.origins, pieces, severed }))
 }
 
-/// What has become of a batch's sticks.
+/// The sticks of a batch after the split.
 pub(crate) struct Rejoined<'a> {
     pub batch: &'a StickBatch,
     topology: &'a Topology,
-    /// The sticks near cracks, in order: no longer there as they were.
+    /// The sticks near cracks in order, which are removed.
     pub gone: Vec<usize>,
-    /// What has come in their place: the particles that each joins, and its rest length in metres.
+    /// The sticks that replace them: particles and rest length in metres.
     pub changed: Vec<([u32; 2], f32)>,
 }
 
 impl<'a> Rejoined<'a> {
     fn new(split: &Split<'a>, batch: &'a StickBatch, severed: &mut Vec<usize>) -> Self {
-        let topology = split.fabric.topology();
+        let topology = split.adjacency.topology();
         let mut rejoined = Self { batch, topology, gone: near(split, batch), changed: Vec::new() };
         let mut joined = Vec::new();
         for &i in &rejoined.gone {
@@ -92,20 +94,20 @@ impl<'a> Rejoined<'a> {
         rejoined
     }
 
-    /// All sticks, those that have not changed first.
+    /// All sticks after the split; those that did not change come first.
     pub fn sticks(&self) -> impl Iterator<Item = ([u32; 2], f32)> + '_ {
         let mut gone = self.gone.iter().peekable();
-        let kept = self.batch.range().filter(move |i| gone.next_if_eq(&i).is_none());
-        let kept = kept.map(|i| (self.topology.stick(i), self.topology.rest_length(i)));
-        kept.chain(self.changed.iter().copied())
+        let unchanged = self.batch.range().filter(move |i| gone.next_if_eq(&i).is_none());
+        let unchanged = unchanged.map(|i| (self.topology.stick(i), self.topology.rest_length(i)));
+        unchanged.chain(self.changed.iter().copied())
     }
 }
 
-/// The sticks of a batch that may have been severed, in order.
+/// The sticks of a batch near cracks, in order.
 fn near(split: &Split, batch: &StickBatch) -> Vec<usize> {
-    let topology = split.fabric.topology();
+    let topology = split.adjacency.topology();
     if let BatchSticks::Grid { batch: grid, severed, .. } = &batch.sticks {
-        // Those at a few places, instead of a look at all.
+        // Searches a few slots instead of the whole grid.
         let slots = split.near().map(|particle| topology.layout.slot(particle as usize));
         let mut sticks: Vec<usize> = slots.flat_map(|slot| grid.sticks_at(slot)).collect();
         sticks.sort_unstable();
@@ -124,7 +126,7 @@ fn near(split: &Split, batch: &StickBatch) -> Vec<usize> {
 fn members(split: &Split, batches: &[Rejoined]) -> Vec<Vec<u32>> {
     let mut groups = Groups::new(split.origins.len());
     let sides = split.corners().iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
-    // The sticks of a grid join nothing that its faces do not.
+    // Faces already join all that the sticks of a grid join.
     let others = batches.iter().filter(|batch| !matches!(batch.batch.sticks, BatchSticks::Grid { .. }));
     let sticks = others.flat_map(Rejoined::sticks).map(|(ends, _)| ends);
     for [a, b] in sides.chain(sticks) {
@@ -140,12 +142,12 @@ fn members(split: &Split, batches: &[Rejoined]) -> Vec<Vec<u32>> {
         }
         pieces[piece_of[root]].push(particle);
     }
-    // Stable: of equal ones, the piece with the first particle comes first.
+    // The sort is stable: of equal pieces, the one with the first particle comes first.
     pieces.sort_by_key(|piece| core::cmp::Reverse(piece.len()));
     pieces
 }
 
-/// The particles of a piece, each with its part of the mass.
+/// The particles of a piece, each with its share of the mass.
 fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layout) -> Particles {
     let cells = layout.cells();
     let mut particles = Particles {
@@ -185,5 +187,5 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
     particles
 }
 
-/// No copy is lighter than this part of what it was split from: faces without area weigh nothing.
+/// The least share of the mass that a copy gets: faces without an area would give it none.
 const LEAST_SHARE: f32 = 1e-3;

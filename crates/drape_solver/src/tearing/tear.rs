@@ -1,8 +1,8 @@
-//! Tearing: cloth and ropes part where they are stretched too far.
+//! Tearing: cloth and ropes tear where they are stretched too far.
 //!
-//! A stick that is stretched beyond a limit pulls its weaker end apart, at right angles to itself (S24). All sticks that
-//! are too long are marked first, then their particles are split together, so that what tears does not
-//! depend on the order in which it is looked at. No face is lost: the cloth opens along the edges of its faces.
+//! A stick that is stretched beyond a limit splits its weaker end, at right angles to itself (S24). All sticks that are too
+//! long are marked first, and then their particles are split together, so that the result does not depend on the order of
+//! sticks. The cloth opens along the edges of its faces; no face is lost.
 //!
 //! ```text
 //!   pulled to the right         o---o---o
@@ -11,10 +11,12 @@
 //!                               |  /   \  |       open; next time the pull is at
 //!                               o--o-----o        their far ends, and the tear runs on
 //! ```
+//!
+//! Design: docs/design/tears_and_cuts.md.
 
 use glam::Vec3;
 
-use crate::build::adjacency::Fabric;
+use crate::build::adjacency::Adjacency;
 use crate::constraint::strain::greatest_stretch;
 use crate::error::BuildError;
 use crate::state::body::Body;
@@ -22,66 +24,67 @@ use crate::state::topology::{StickBound, StickKind};
 use crate::tearing::pieces::{self, Piece};
 use crate::tearing::split::Cracks;
 
-/// When a body tears.
+/// The strain at which a body tears, and the number of splits per call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TearLimits {
     /// The strain of a structural stick beyond which it tears: 0.5 means half as long again as at rest. Above 0.
     pub strain: f32,
-    /// The most particles that are split at once: the most stretched sticks come first, the others wait for the next time.
+    /// The greatest number of particles to split in one call. The most stretched sticks come first; the others wait for the
+    /// next call.
     pub most: u32,
 }
 
 impl Default for TearLimits {
-    /// Half as long again; 16 at once.
+    /// Tears at a strain of 0.5, at most 16 particles in a call.
     fn default() -> Self {
         Self { strain: 0.5, most: 16 }
     }
 }
 
-/// A stick that has given way.
+/// A stick that tore or was cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TornStick {
-    /// The particles that it joined, by their indices before.
+    /// Indices of its particles before the tear.
     pub particles: [u32; 2],
-    /// Metres.
+    /// Rest length in metres.
     pub rest_length: f32,
-    /// How long it was when it gave way, in metres.
+    /// Length in metres when it tore.
     pub length: f32,
-    /// The middle of it in the world.
+    /// Its middle in the world in metres.
     pub position: Vec3,
 }
 
-/// What a tear or a cut has done to a body.
+/// The result of a tear or a cut.
 #[derive(Clone, Debug)]
 pub struct Torn {
-    /// For each particle that the body has now the index that it had before, or that of the particle that it is a copy of.
+    /// For each particle of the body now, its index before; for a copy, that of the particle it was split from.
     pub origins: Vec<u32>,
-    /// The sticks that gave way.
+    /// The sticks that tore or were cut.
     pub sticks: Vec<TornStick>,
-    /// What has come off, largest first.
+    /// The pieces that have separated, largest first.
     pub pieces: Vec<Piece>,
 }
 
 impl Body {
-    /// Tears the body where its structural sticks are longer than `limits` allow; none where nothing tears. What comes off
-    /// is taken out of the body, which remains the largest piece.
+    /// Tears the body where its structural sticks are longer than `limits` allow; returns none if nothing tears. The body
+    /// becomes its largest piece, and [`Torn::pieces`] holds the others.
     ///
-    /// Mass and momentum stay; faces keep their number; the particles of a split one are behind the others. Pinned
-    /// particles are not split. To be called between steps.
+    /// Mass, momentum and the number of faces stay. Copies of split particles come behind all others. Pinned particles are not
+    /// split. Call it between steps.
     ///
     /// # Errors
-    /// [`BuildError`] if a piece cannot be built; the body is as it was then.
+    /// [`BuildError`] if a piece cannot be built; the body is then unchanged.
     pub fn tear(&mut self, limits: &TearLimits) -> Result<Option<Torn>, BuildError> {
         self.particles.arrange(&self.topology.layout);
         let stretch = greatest_stretch(self);
-        // What is not a number tears nothing.
+        // NaN tears nothing.
         if stretch.is_nan() || stretch <= limits.strain {
             return Ok(None);
         }
         let mut stretched = Vec::new();
         for batch in self.topology.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural)
         {
-            // One that keeps its ends apart has nothing to tear.
+            // A stick that only keeps its ends apart cannot be too long.
             let is_cord = batch.material.bound != StickBound::AtLeast;
             for stick in batch.range().filter(|_| is_cord).map(|i| self.torn_stick(i)) {
                 let strain = stick.length / stick.rest_length - 1.0;
@@ -93,14 +96,14 @@ impl Body {
         stretched.sort_by(|(p, a), (q, b)| q.total_cmp(p).then(a.particles.cmp(&b.particles)));
         let mut cracks = Cracks::default();
         let mut sticks = Vec::new();
-        let fabric = Fabric::new(&self.topology);
+        let adjacency = Adjacency::new(&self.topology);
         let mut is_used = vec![false; self.particles.len()];
         for (_, stick) in stretched {
             if sticks.len() >= limits.most as usize {
                 break;
             }
-            if let Some(split) = self.crack(&fabric, &stick, &mut cracks, &is_used) {
-                let around = fabric.around(split).flat_map(|element| fabric.corners(element));
+            if let Some(split) = self.crack(&adjacency, &stick, &mut cracks, &is_used) {
+                let around = adjacency.around(split).flat_map(|element| adjacency.corners(element));
                 around.for_each(|&corner| is_used[corner as usize] = true);
                 sticks.push(stick);
             }
@@ -109,10 +112,10 @@ impl Body {
         Ok(parted.map(|parted| Torn { origins: parted.origins, sticks, pieces: parted.pieces }))
     }
 
-    /// Adds the cracks that a stick makes which pulls at one of its ends; that end, or none if neither can part.
+    /// Adds the cracks of a stick that pulls at one of its ends. Returns that end, or none if neither can be split.
     fn crack(
         &self,
-        fabric: &Fabric,
+        adjacency: &Adjacency,
         stick: &TornStick,
         cracks: &mut Cracks,
         is_used: &[bool],
@@ -120,16 +123,16 @@ impl Body {
         let [a, b] = stick.particles;
         let may_part = |end: u32| !is_used[end as usize] && !self.particles.is_pinned(end as usize);
         let ends = [(a, b), (b, a)].into_iter().filter(|&(end, _)| may_part(end));
-        if !fabric.has_faces() {
-            let (end, _) = ends.into_iter().find(|&(end, _)| fabric.around(end).nth(1).is_some())?;
+        if !adjacency.has_faces() {
+            let (end, _) = ends.into_iter().find(|&(end, _)| adjacency.around(end).nth(1).is_some())?;
             cracks.particles.insert(end);
             return Some(end);
         }
         let fans = ends.filter_map(|(end, pulled)| {
-            let fan = fabric.fan(end)?;
+            let fan = adjacency.fan(end)?;
             Some((fan.is_closed(), end, fan.cracks(pulled)?))
         });
-        // The rim, and the end of a tear, part before the middle of the cloth does.
+        // The rim and the end of a tear split before the middle of the cloth.
         let (_, end, spokes) = fans.min_by_key(|&(is_closed, ..)| is_closed)?;
         spokes.into_iter().for_each(|spoke| cracks.add_edge(end, spoke));
         Some(end)

@@ -1,11 +1,13 @@
-//! Which tethers a crack lets go: those whose way at rest it crosses.
+//! Drops the tethers that a crack crosses at rest.
 //!
 //! ```text
-//!   pin o   o pin      the tether of p runs through the crack and is dropped, that of q goes on:
+//!   pin o   o pin      the tether of p runs through the crack and is dropped; that of q stays, as
 //!       |\  |          q is as far from its pin as before
 //!     ==|=\=|===
 //!       p  \q
 //! ```
+//!
+//! Design: docs/design/tears_and_cuts.md.
 
 use glam::{Vec2, Vec3};
 
@@ -13,12 +15,12 @@ use crate::state::tethers::Tethers;
 use crate::state::topology::Topology;
 use crate::tearing::split::{Cracks, Split};
 
-/// The cracks of a body that is flat at rest, as lines that no tether may cross.
+/// The cracks of a body that is flat at rest, as line segments that no tether may cross.
 pub(crate) struct TetherCrossing {
-    /// Unit vectors in the plane.
+    /// Unit vectors in the plane of the body at rest.
     axes: [Vec3; 2],
     lines: Vec<[Vec2; 2]>,
-    /// Corners of the box around all of them.
+    /// Least and greatest corner of the box around all lines.
     bounds: [Vec2; 2],
 }
 
@@ -49,53 +51,53 @@ impl TetherCrossing {
         if p.max(q).cmplt(low).any() || p.min(q).cmpgt(high).any() {
             return false;
         }
-        // Where in doubt, it is: a tether less does no harm.
+        // Counts a touch as a crossing: one tether fewer does no harm.
         self.lines.iter().any(|&[a, b]| {
             let side = |origin: Vec2, end: Vec2, point: Vec2| (end - origin).perp_dot(point - origin);
             side(p, q, a) * side(p, q, b) <= 0.0 && side(a, b, p) * side(a, b, q) <= 0.0
         })
     }
 
-    /// The tethers of a piece, by the `indices` that its `members` have there.
+    /// The tethers of a piece that no crack crosses. `indices` has the index in the piece of each of its `members`.
     pub fn uncrossed(&self, split: &Split, members: &[u32], indices: &[u32]) -> Tethers {
-        let topology = split.fabric.topology();
+        let topology = split.adjacency.topology();
         let origin = |member: u32| split.origins[member as usize] as usize;
-        // Each particle's copies in the piece follow one another.
+        // Groups the copies of each particle.
         let mut by_origin: Vec<u32> = members.to_vec();
         by_origin.sort_by_key(|&member| origin(member));
         let copies = |particle: u32| {
             let first = by_origin.partition_point(|&member| origin(member) < particle as usize);
             by_origin[first..].iter().copied().take_while(move |&member| origin(member) == particle as usize)
         };
-        let mut kept = Vec::new();
+        let mut uncrossed = Vec::new();
         for (particle, pin, length) in topology.tethers.list(&topology.layout) {
             for member in copies(particle) {
                 let from = self.flat(inside(split, member));
                 let is_free = |&pin: &u32| !self.is_crossed(from, self.flat(inside(split, pin)));
                 if let Some(pin) = copies(pin).find(is_free) {
-                    kept.push((indices[member as usize], indices[pin as usize], length));
+                    uncrossed.push((indices[member as usize], indices[pin as usize], length));
                 }
             }
         }
-        kept.sort_by_key(|&(particle, ..)| particle);
-        Tethers::from_list(kept)
+        uncrossed.sort_by_key(|&(particle, ..)| particle);
+        Tethers::from_list(uncrossed)
     }
 }
 
-/// A point just inside the faces around a split particle at rest: on its own side of a crack.
+/// A point just inside the faces around a split particle at rest, on its side of the crack.
 fn inside(split: &Split, member: u32) -> Vec3 {
-    let rest = &split.fabric.topology().rest;
+    let rest = &split.adjacency.topology().rest;
     let place = rest[split.origins[member as usize] as usize];
     if split.shares[member as usize] == 1.0 {
         return place;
     }
-    let own = split.fabric.around(split.origins[member as usize]);
+    let own = split.adjacency.around(split.origins[member as usize]);
     let own = own.filter(|&element| split.corners()[element].contains(&member));
-    let corners = own.flat_map(|element| split.fabric.corners(element));
+    let corners = own.flat_map(|element| split.adjacency.corners(element));
     let (sum, count) =
         corners.fold((Vec3::ZERO, 0.0), |(sum, count), &c| (sum + rest[c as usize], count + 1.0));
     if count > 0.0 { place + (sum / count - place) * INWARDS } else { place }
 }
 
-/// How far towards the middle of its faces such a point lies.
+/// The part of the way to the middle of its faces by which such a point is moved.
 const INWARDS: f32 = 1e-2;

@@ -1,4 +1,4 @@
-//! Bad input is refused with a typed error; it never panics, and where a step is refused nothing has moved.
+//! Bad input is rejected with a typed error and never panics. A rejected step moves nothing.
 
 use drape_solver::glam::{IVec3, Quat, Vec3};
 use drape_solver::parry3d::math::Pose;
@@ -29,7 +29,7 @@ fn hash(island: &Island) -> u64 {
     hasher.particles(&island.bodies[0].particles).ball(&island.balls[0]).finish()
 }
 
-/// A step that must be refused, with nothing moved by it, and the step after it good again.
+/// Asserts that a step is rejected and moves nothing, and that the next step is good again.
 #[track_caller]
 fn refused(environment: &Environment) -> StepError {
     let mut island = scene();
@@ -65,7 +65,7 @@ fn bad_gravity_and_wind_are_refused() {
     }
 }
 
-/// Gravity and wind beyond all reason but finite are either refused or survived.
+/// Absurd but finite gravity and wind are either rejected or survived.
 #[test]
 #[cfg_attr(miri, ignore = "many substeps")]
 fn absurd_but_finite_environments_do_no_harm() {
@@ -107,7 +107,7 @@ fn bad_settings_are_refused_when_set_after_building() {
     }
 }
 
-/// What the caller writes into the state after building is found before anything moves.
+/// Bad values that a caller writes into a built body are found before anything moves.
 #[test]
 fn non_finite_states_are_found_and_named() {
     type Spoil = fn(&mut Island, f32);
@@ -136,14 +136,14 @@ fn non_finite_states_are_found_and_named() {
     assert_eq!(step(&mut island, &gravity(FRAME)), Err(StepError::NonFiniteBody(0)));
 }
 
-/// A fuzzed checkpoint put a particle so far away that the area of its faces was no number, and the wind on them panicked, as
-/// `f32::clamp` does between limits that are none. Such a state is refused by the step.
+/// A fuzzed checkpoint put a particle so far away that the area of its faces was NaN, and wind on them panicked, as
+/// `f32::clamp` does with NaN limits. The step rejects such a state.
 #[test]
 fn wind_on_a_face_without_a_finite_area_does_not_panic() {
     for far in [1e13, 1e20, 1e30, f32::MAX] {
         let curtain = ClothBuilder::new(1.0, 1.0, 4, 4).pin_edge(Edge::Top).build(SolverSettings::default());
         let mut island = Island::of_body(curtain.expect("valid"));
-        // Both are corners of one face, whose normal is no number.
+        // Both are corners of one face, whose normal is NaN.
         island.bodies[0].particles.set_position(9, Vec3::X * far);
         island.bodies[0].particles.set_position(10, Vec3::Y * far);
         let wind = Wind { lift_coefficient: 1.0, ..Wind::new(Vec3::X * 5.0) };
@@ -160,7 +160,7 @@ fn bad_particles_are_refused() {
         assert!(Particles::new(Vec3::Y * bad, &[Vec3::Y], &[1.0]).is_err());
         assert!(Particles::new(Vec3::ZERO, &[Vec3::Y], &[bad]).is_err());
     }
-    // Set later, a bad mass pins: the particle stays, and nothing is poisoned.
+    // A bad mass that is set later pins the particle, and spreads no NaN.
     let mut island = scene();
     for (i, bad) in [f32::NAN, f32::INFINITY, -1.0].into_iter().enumerate() {
         island.bodies[0].particles.set_inverse_mass(20 + i, bad);
@@ -183,7 +183,7 @@ fn bad_cloths_and_ropes_are_refused() {
     for count in [0, 1] {
         assert!(RopeBuilder::new(Vec3::ZERO, Vec3::X, count).build_parts().is_err());
     }
-    // Particles so near one another that single precision cannot tell them apart.
+    // Particles so close that single precision cannot separate them.
     let error =
         ClothBuilder::new(1e-6, 1.0, 4000, 2).placed(Vec3::ONE * 1e3, Vec3::X, Vec3::NEG_Y).build_parts();
     assert!(matches!(error, Err(BuildError::ZeroRestLength { .. })), "{:?}", error.map(|_| ()));
@@ -203,7 +203,7 @@ fn bad_obstacles_are_refused_and_bad_moves_ignored() {
     }
 }
 
-/// Two particles put into one place, a ball put into the middle of another, an obstacle on top of a particle.
+/// Two particles in one place, a ball in the middle of another, an obstacle on top of a particle.
 #[test]
 #[cfg_attr(miri, ignore = "many substeps")]
 fn coincident_things_stay_finite() {
@@ -219,7 +219,7 @@ fn coincident_things_stay_finite() {
     run_with(&mut island, &environment, 1.0, |island, _| assert!(greatest_speed(island) < 50.0));
 }
 
-/// A frame hitch: ten seconds in one step stay finite, and the scene goes on.
+/// A frame hitch: one step of ten seconds stays finite, and the scene goes on.
 #[test]
 #[cfg_attr(miri, ignore = "many substeps")]
 fn a_step_of_ten_seconds_is_survived() {
@@ -255,7 +255,7 @@ fn bad_balls_are_refused() {
     }
 }
 
-/// Shapes as they come from files and editors: each refused with an error that says why.
+/// Shapes as in files and editors: each is rejected with an error that gives the reason.
 #[test]
 fn shapes_that_cannot_be_are_refused() {
     let mesh = |corners: &[Vec3], triangles: &[[u32; 3]]| {
@@ -297,7 +297,7 @@ fn shapes_that_cannot_be_are_refused() {
         ("voxels of no size", Some(SharedShape::voxels(Vec3::ZERO, &[IVec3::ZERO]))),
     ];
     for (case, shape) in shapes {
-        // What parry does not build cannot come here.
+        // parry itself rejects the other invalid shapes.
         let Some(shape) = shape else { continue };
         let error = Shape::from_parry(shape).expect_err(case);
         assert!(!error.to_string().is_empty(), "{case}");
@@ -306,7 +306,7 @@ fn shapes_that_cannot_be_are_refused() {
     assert!(slope.validate().is_err() && Shape::HalfSpace { normal: Vec3::NAN }.validate().is_err());
 }
 
-/// A scale must be above zero and finite, for every kind of shape; as must be where the shape is put.
+/// The scale of every kind of shape must be finite and above zero, and its placement must be finite.
 #[test]
 fn bad_scales_and_places_of_shapes_are_refused() {
     let corners: Vec<Vec3> =

@@ -1,4 +1,4 @@
-//! A ball that sticks in a hanging box lifts it by what momentum leaves of its energy.
+//! A ball that stays in a hanging box lifts it: momentum is kept, and the remaining energy gives the height.
 
 use std::sync::Arc;
 
@@ -11,11 +11,11 @@ use crate::common::*;
 
 /// Half the side of the box in metres.
 const HALF: f32 = 0.2;
-/// Length of the four strings that it hangs on, in metres.
+/// Length in metres of the four strings that hold the box.
 const STRING: f32 = 1.5;
 
-/// A cube of `mass` kg that is open towards +Z, its middle at the origin, on a string from each of its upper corners: it
-/// swings without turning.
+/// A cube of `mass` kg that is open towards +Z, with its middle at the origin and a string at each upper corner, so that it
+/// swings without rotating.
 fn hanging_box(mass: f32) -> Body {
     let corner = |i: u32| Vec3::from([i & 1, i >> 1 & 1, i >> 2].map(|bit| HALF * (2.0 * bit as f32 - 1.0)));
     let mut positions: Vec<Vec3> = (0..8).map(corner).collect();
@@ -38,15 +38,15 @@ fn hanging_box(mass: f32) -> Body {
     Body::new(particles, Arc::new(builder.build().expect("valid topology")), settings)
 }
 
-/// Robins 1742: a ball of m kg and v m/s that stays in a hanging mass of M kg sets both in motion with `V = m v / (m + M)`,
-/// and they rise by `V^2 / 2g`.
+/// Robins 1742: a ball of m kg and v m/s that stays in a hanging mass of M kg gives both the speed `V = m v / (m + M)`, and
+/// they rise by `V^2 / 2g`.
 #[test]
 fn a_ball_lifts_the_box_that_catches_it() {
     for (ball_mass, box_mass, speed) in [(1.0, 1.0, 4.0), (0.5, 2.0, 8.0)] {
         let mut island = Island::of_body(hanging_box(box_mass));
         let material =
             BallMaterial { radius: 0.17, mass: ball_mass, friction: 1.0, ..BallMaterial::default() };
-        // On the floor of the box, in its middle: it flies a little, and meets the back wall.
+        // The ball starts in the middle of the floor, flies a little, and hits the back wall.
         let at = Vec3::new(0.0, 0.175 - HALF, 0.0);
         island.balls.push(ball(material, at, Vec3::NEG_Z * speed));
         let middle =

@@ -1,4 +1,4 @@
-//! How far a shot goes.
+//! The range of a shot.
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::motion::ballistics;
@@ -8,7 +8,7 @@ use crate::common::*;
 
 const SPEED: f64 = 20.0;
 
-/// How far from its start what flies as `place` tells comes down to the height of its start, in metres.
+/// The range in metres of a body at `place`: the distance from its start when it is back at the same height.
 fn range(island: &mut Island, dt: f32, place: impl Fn(&Island) -> DVec3) -> f64 {
     let (mut last, mut landed) = (DVec3::ZERO, None);
     run_with(island, &gravity(dt), 5.0, |island, _| {
@@ -21,8 +21,8 @@ fn range(island: &mut Island, dt: f32, place: impl Fn(&Island) -> DVec3) -> f64 
     landed.expect("it comes down").length()
 }
 
-/// The range on level ground is `v^2 sin(2a) / g` (Galilei 1638). A launched ball keeps to it for every step; of a
-/// particle that is given a velocity, gravity takes half a substep's more.
+/// The range on level ground is `v^2 sin(2a) / g` (Galilei 1638). A launched ball has it for every time step; a particle with
+/// a given velocity loses half a substep's gravity more.
 #[test]
 fn the_range_of_a_shot_is_galileis() {
     let dt = 1.0 / 240.0;

@@ -12,7 +12,7 @@ fn ground() -> Environment {
     Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) }
 }
 
-/// S18: a launched ball is on the parabola at the end of every step, whatever the step and the substeps.
+/// S18: a launched ball is on the parabola at the end of every step, for all time steps and substeps.
 #[test]
 fn a_launched_ball_runs_on_the_parabola() {
     let (start, velocity) = (Vec3::new(0.0, 1.0, 12.0), Vec3::new(1.0, 6.0, -18.0));
@@ -53,7 +53,7 @@ fn a_rolling_ball_slows_by_its_rolling_resistance_and_stops() {
     }
 }
 
-/// A sliding ball turns its slip into spin and rolls on at five sevenths of its speed, whatever the friction.
+/// A sliding ball turns its slip into spin, and rolls on at five sevenths of its speed for any friction.
 #[test]
 fn a_sliding_ball_ends_rolling_at_five_sevenths() {
     for friction in [0.2, 0.5, 1.0] {
@@ -67,7 +67,7 @@ fn a_sliding_ball_ends_rolling_at_five_sevenths() {
     }
 }
 
-/// A ball rolls down an incline with `5/7 g sin`, less what rolling resistance takes.
+/// A ball rolls down an incline with `5/7 g sin`, less rolling resistance.
 #[test]
 fn a_ball_rolls_down_an_incline_by_five_sevenths_of_gravity() {
     for resistance in [0.0, 0.05] {
@@ -85,7 +85,7 @@ fn a_ball_rolls_down_an_incline_by_five_sevenths_of_gravity() {
     }
 }
 
-/// Spin alone makes a ball drive off, and a ball that whirls on the spot comes to rest.
+/// Spin alone drives a ball off, and a ball that spins on the spot comes to rest.
 #[test]
 fn spin_drives_a_ball_and_whirling_ends() {
     let material = BallMaterial { rolling_resistance: 0.0, ..BallMaterial::default() };
@@ -110,7 +110,7 @@ fn spin_drives_a_ball_and_whirling_ends() {
     assert!(island.balls[0].position().with_y(0.0).length() < 1e-3);
 }
 
-/// A spinning ball in flight turns by its spin, and is seen to: its orientation follows.
+/// The orientation of a ball in flight follows its spin.
 #[test]
 fn orientation_follows_spin() {
     let mut spinning = ball(smooth(0.2, 1.0), Vec3::ZERO, Vec3::ZERO);
@@ -164,7 +164,7 @@ fn balls_stay_inside_the_box() {
     }
 }
 
-/// A sheet pinned all round, in the XZ plane at height 0.
+/// A sheet in the XZ plane at height 0, pinned all round.
 fn drum(cells: u32, spacing: f32) -> Island {
     let last = cells;
     let size = spacing * cells as f32;
@@ -176,10 +176,10 @@ fn drum(cells: u32, spacing: f32) -> Island {
     Island::of_body(sheet)
 }
 
-/// Where in a cell of the sheet the ball is aimed at: particle, edges, both kinds of face middles, diagonal.
+/// Targets in a cell of the sheet: a particle, edges, the middles of both kinds of faces, the diagonal.
 const OFFSETS: [(f32, f32); 6] = [(0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.33, 0.33), (0.67, 0.33)];
 
-/// S18: a ball far smaller than the particle spacing, dropped on a sheet, is held by its faces.
+/// S18: the faces of a sheet hold a dropped ball that is far smaller than the particle spacing.
 #[test]
 fn a_small_ball_dropped_on_a_sheet_does_not_slip_between_particles() {
     let spacing = 0.1;
@@ -197,7 +197,7 @@ fn a_small_ball_dropped_on_a_sheet_does_not_slip_between_particles() {
     }
 }
 
-/// S18: nor when shot at it at the speeds of the demo, from in front and aslant.
+/// S18: they also hold it when it is shot at the speeds of the demo, straight and at an angle.
 #[test]
 fn a_small_ball_shot_at_a_sheet_does_not_slip_between_particles() {
     let spacing = 0.1;
@@ -222,7 +222,7 @@ fn a_small_ball_shot_at_a_sheet_does_not_slip_between_particles() {
     }
 }
 
-/// S18: a cannon ball is stopped or thrown back by a sheet pinned all round.
+/// S18: a sheet pinned all round stops a cannon ball or throws it back.
 #[test]
 fn a_cannon_ball_is_stopped_by_a_pinned_sheet() {
     let aims = OFFSETS.into_iter().flat_map(|offset| [8.0, 15.0, 25.0].map(|speed| (offset, speed)));
@@ -239,8 +239,8 @@ fn a_cannon_ball_is_stopped_by_a_pinned_sheet() {
     }
 }
 
-/// S18: at the demo's speeds the ball does not go through the demo's curtain, wherever it hits: right after the hit
-/// all cloth in the ball's way is in front of it, and has slowed it.
+/// S18: at the demo's speeds the ball does not go through the demo's curtain at any target: right after the hit all cloth in
+/// the ball's path is in front of it, and has slowed it.
 #[test]
 fn a_cannon_ball_does_not_go_through_a_curtain() {
     for (substeps, iterations) in [(8, 2), (4, 1)] {
@@ -277,7 +277,7 @@ fn a_cannon_ball_does_not_go_through_a_curtain() {
     }
 }
 
-/// A ball hung on nothing but a rope across its path is caught by the rope's links, not only by its particles.
+/// The links of a rope across its path catch a ball, not only the particles.
 #[test]
 fn a_rope_catches_a_ball_between_its_particles() {
     let rope = drape_solver::RopeBuilder::new(Vec3::X * -1.0, Vec3::X, 11)
@@ -295,7 +295,7 @@ fn a_rope_catches_a_ball_between_its_particles() {
     }
 }
 
-/// The closed form and the solver agree on where a shot from the elevation formula comes down.
+/// The closed form and the solver agree on the point at which a shot from the elevation formula comes down.
 #[test]
 fn a_shot_at_the_solved_elevation_meets_its_target() {
     let (distance, height, speed) = (12.0, 1.3, 18.0);

@@ -1,4 +1,4 @@
-//! S7: friction with a moving surface carries what lies on it.
+//! S7: friction with a moving surface carries bodies along.
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{BallMaterial, Environment, Island, Obstacle, Placement, Shape, SolverSettings};
@@ -10,7 +10,7 @@ fn slab() -> Obstacle {
     obstacle(Shape::Cuboid { half_extents: Vec3::new(20.0, 0.5, 20.0) }, Vec3::Y * -0.5, 0.5)
 }
 
-/// Steps through `seconds` with the slab where `place` says at the end of each step.
+/// Steps through `seconds`. `place` gives the slab's placement at the end of each step.
 fn run_on_slab(island: &mut Island, seconds: f32, place: impl Fn(f32) -> Placement) {
     let mut environment = Environment { obstacles: vec![slab()].into(), ..gravity(FRAME) };
     let steps = (seconds / FRAME).round() as usize;
@@ -37,7 +37,7 @@ fn a_belt_brings_particles_to_its_speed() {
     }
 }
 
-/// S7: a sheet on a belt comes along without being torn about.
+/// S7: a belt carries a sheet along without stretching it.
 #[test]
 fn a_belt_carries_a_sheet() {
     let sheet = drape_solver::ClothBuilder::new(1.0, 1.0, 9, 9)
@@ -61,7 +61,7 @@ fn a_turntable_carries_particles_round() {
     let mut angle = 0.0;
     let mut environment = Environment { obstacles: vec![slab()].into(), ..gravity(FRAME) };
     for index in 1..=180 {
-        // Spun up over a second, then at a constant rate: mu g holds it at this radius.
+        // The disc spins up over a second, then keeps its rate: mu g holds the particle at this radius.
         let t = index as f32 * FRAME;
         let rate = turns * t.min(1.0);
         angle += rate * FRAME;
@@ -76,7 +76,7 @@ fn a_turntable_carries_particles_round() {
     assert_close("speed", particles(&island).velocity(0).length().into(), f64::from(turns), 0.02);
 }
 
-/// A ball on a belt starts to roll backwards on it: it ends rolling without slip at 2/7 of the belt's speed.
+/// A ball on a belt starts to roll backwards relative to it, and ends rolling without slip at 2/7 of the belt's speed.
 #[test]
 fn a_belt_sets_a_ball_rolling() {
     let material = BallMaterial { friction: 0.5, ..smooth(0.2, 1.0) };

@@ -1,4 +1,4 @@
-//! Ropes hang as the catenary.
+//! Ropes hang as a catenary.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{Island, RopeBuilder, SolverSettings, StructuralSolve, step};
@@ -10,13 +10,13 @@ fn catenary(length: f64, span: f64) -> f64 {
     let (mut low, mut high) = (span / 200.0, span * 1e4);
     for _ in 0..200 {
         let a = 0.5 * (low + high);
-        // The flatter the curve (the larger a), the shorter.
+        // A flatter curve (larger a) is shorter.
         if 2.0 * a * (span / (2.0 * a)).sinh() > length { low = a } else { high = a }
     }
     0.5 * (low + high)
 }
 
-/// A rope of 3 m whose ends are brought to `span` apart and which has come to rest.
+/// A rope of 3 m at rest, whose ends were brought to `span` metres apart.
 fn hung(span: f32, settings: SolverSettings, links: u32) -> Island {
     let length = 3.0;
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * length, links + 1)
@@ -36,8 +36,9 @@ fn hung(span: f32, settings: SolverSettings, links: u32) -> Island {
     island
 }
 
-/// Issue 2, acceptance 3: a pinned rope hangs as the catenary `y = a cosh(x / a)`, `2 a sinh(d / 2a) = L` for a rope of
-/// length L between points d apart (Johann Bernoulli, Huygens and Leibniz 1691): its sag, and its height all along. (31 links are too few for lines: they are swept.)
+/// A pinned rope hangs as the catenary `y = a cosh(x / a)`, `2 a sinh(d / 2a) = L` for a rope of length L between points d
+/// apart (Johann Bernoulli, Huygens and Leibniz 1691). Compares its sag, and its height all along. (31 links are too few for
+/// lines: they are swept.)
 #[test]
 fn a_pinned_rope_hangs_as_a_catenary() {
     let sweeps = SolverSettings { substeps: 16, iterations: 4, drag: 3.0, ..bare() };
@@ -71,7 +72,7 @@ fn a_pinned_rope_hangs_as_a_catenary() {
     }
 }
 
-/// A rope pinned at one end hangs straight down, at its own length.
+/// A rope pinned at one end hangs straight down, at its rest length.
 #[test]
 fn a_rope_on_one_pin_hangs_straight_at_its_length() {
     let settings = SolverSettings { substeps: 16, iterations: 2, drag: 2.0, ..SolverSettings::default() };

@@ -18,7 +18,7 @@ fn bessel(x: f64) -> f64 {
     sum
 }
 
-/// Seconds from one passage of the free end through the plumb line to the next in the same direction.
+/// The time in seconds between two passages of the free end through the plumb line in the same direction.
 fn period(structural: StructuralSolve, substeps: u32, links: u32, length: f32) -> f64 {
     let settings = SolverSettings { substeps, iterations: 2, structural, ..bare() };
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::NEG_Y * length, links + 1).pin_start();

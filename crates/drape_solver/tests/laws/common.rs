@@ -1,4 +1,4 @@
-//! Scenes and yardsticks that the tests share.
+//! Scenes, measures and assertions that the tests share.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ pub fn unless_miri<T>(size: T, small: T) -> T {
     if cfg!(miri) { small } else { size }
 }
 
-/// Settings with everything off that a test does not ask for.
+/// Settings with every feature off, for tests to switch on.
 pub fn bare() -> SolverSettings {
     SolverSettings {
         substeps: 1,
@@ -63,7 +63,7 @@ pub fn joined(
     joined_by(StickMaterial::rigid(StickKind::Structural), positions, inverse_masses, sticks, settings)
 }
 
-/// The same with sticks of `material`.
+/// Particles joined by sticks of `material`.
 pub fn joined_by(
     material: StickMaterial,
     positions: &[Vec3],
@@ -82,22 +82,22 @@ pub fn smooth(radius: f32, mass: f32) -> BallMaterial {
     BallMaterial { radius, mass, friction: 0.0, rolling_resistance: 0.0, ..BallMaterial::default() }
 }
 
-/// A ball, which the caller knows to be valid.
+/// A ball with valid values.
 pub fn ball(material: BallMaterial, position: Vec3, velocity: Vec3) -> Ball {
     Ball::new(material, position, velocity).expect("a valid ball")
 }
 
-/// An obstacle, which the caller knows to be valid.
+/// An obstacle with valid values.
 pub fn obstacle(shape: Shape, at: Vec3, friction: f32) -> Obstacle {
     Obstacle::new(shape, Placement::at(at), friction).expect("a valid obstacle")
 }
 
-/// Ground without friction, for what has none itself.
+/// Ground without friction.
 pub fn ice() -> Obstacle {
     obstacle(Shape::HalfSpace { normal: Vec3::Y }, Vec3::ZERO, 0.0)
 }
 
-/// Steps through `seconds` (two steps under Miri), and looks at the island after each step.
+/// Steps through `seconds` (two steps under Miri), and calls `look` after each step.
 pub fn run_with(
     island: &mut Island,
     environment: &Environment,
@@ -156,14 +156,14 @@ pub fn kinetic_energy(island: &Island) -> f64 {
     bodies + island.balls.iter().map(|b| f64::from(b.kinetic_energy())).sum::<f64>()
 }
 
-/// Asserts that `found` is within `part` of `expected`.
+/// Asserts that `found` differs from `expected` by at most the part `part` of it.
 #[track_caller]
 pub fn assert_close(what: &str, found: f64, expected: f64, part: f64) {
     let error = (found - expected).abs();
     assert!(error <= part * expected.abs(), "{what}: {found} is not within {part} of {expected}");
 }
 
-/// Prints what the law `name` says beside what was measured, and asserts that they agree within `part` of the former.
+/// Prints the expected and the measured value of the law `name`, and asserts that they differ by at most the part `part`.
 #[track_caller]
 pub fn law(name: &str, measured: f64, expected: f64, part: f64) {
     let error = (measured - expected) / expected;
@@ -173,7 +173,7 @@ pub fn law(name: &str, measured: f64, expected: f64, part: f64) {
     assert!(error.abs() <= part, "{name}: {measured} is not within {part} of {expected}");
 }
 
-/// The same for an error, which the law wants to be 0: it is at most `tolerance`.
+/// Prints the error of a law, which should be 0, and asserts that it is at most `tolerance`.
 #[track_caller]
 pub fn law_of_error(name: &str, error: f64, tolerance: f64) {
     println!("law: {name}: measured {error:.1e}, expected 0, within {tolerance:.1e}");
@@ -191,7 +191,7 @@ pub fn centre_of_mass(particles: &Particles) -> DVec3 {
     moment / mass
 }
 
-/// Numbers from 0 to 1 that look random and are the same in every run (`SplitMix64`).
+/// Pseudorandom numbers from 0 to 1, the same in every run (`SplitMix64`).
 pub struct Dice(pub u64);
 
 impl Dice {
@@ -253,7 +253,7 @@ pub fn edges(faces: &[[u32; 3]]) -> Vec<[u32; 2]> {
     edges
 }
 
-/// A step stage by stage, as a schedule runs it.
+/// Runs a step stage by stage, like a schedule.
 pub fn step_staged(island: &mut Island, environment: &Environment) {
     step::begin(island, environment).expect("valid");
     step::accumulate_forces(island, environment);
@@ -266,8 +266,8 @@ pub fn step_staged(island: &mut Island, environment: &Environment) {
     step::finish(island).expect("finite");
 }
 
-/// A sheet of `n` x `n` particles and one metre that lies level and is held by two corners or by an edge, ready to swing;
-/// shaken up by half a spacing if the start is to be `violent`.
+/// A level sheet of `n` x `n` particles and one metre, pinned at two corners or at an edge. For a `violent` start, particles
+/// are displaced by up to half a spacing.
 pub fn level_sheet(
     n: u32,
     corners: bool,
@@ -302,18 +302,18 @@ pub fn free_cloth(thickness: f32) -> Body {
     ClothBuilder::new(1.0, 1.0, 17, 17).material(material).build(settings).expect("a valid cloth")
 }
 
-/// Mean place of all particles.
+/// Mean position of all particles in metres.
 pub fn centre(body: &Body) -> Vec3 {
     let particles = &body.particles;
     (0..particles.len()).map(|i| particles.position(i)).sum::<Vec3>() / particles.len() as f32
 }
 
-/// Along the first row of a [free cloth](free_cloth).
+/// The direction along the first row of a [free cloth](free_cloth).
 pub fn along(body: &Body) -> Vec3 {
     (body.particles.position(1) - body.particles.position(0)).normalize()
 }
 
-/// Across a [free cloth](free_cloth).
+/// The normal of a [free cloth](free_cloth).
 pub fn normal(body: &Body) -> Vec3 {
     along(body).cross(body.particles.position(17) - body.particles.position(0)).normalize()
 }

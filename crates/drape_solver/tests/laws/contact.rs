@@ -15,7 +15,7 @@ fn inside(point: Vec3) -> bool {
     point.cmpge(Vec3::splat(-1e-4)).all() && point.cmple(Vec3::splat(1000.0 + 1e-4)).all()
 }
 
-/// S4: the implicit velocity loses its normal part: no rebound, whatever the speed and the step.
+/// S4: the implicit velocity loses its normal part: no rebound at any speed and time step.
 #[test]
 fn projection_leaves_no_normal_velocity() {
     for (substeps, iterations) in [(1, 1), (4, 3), (16, 1)] {
@@ -94,7 +94,7 @@ fn cloth_keeps_its_thickness() {
     }
 }
 
-/// S5: confined by componentwise min and max, also where a particle leaves through an edge or a corner.
+/// S5: componentwise min and max confine particles, also at edges and corners.
 #[test]
 fn the_box_is_componentwise_min_and_max() {
     let mut dice = Dice(5);
@@ -123,7 +123,7 @@ fn the_box_is_componentwise_min_and_max() {
     assert!(corners > 20, "edges and corners must be among the cases, but are only {corners}");
 }
 
-/// S5: what starts outside, on several axes at once, is inside after the first step, and is not thrown.
+/// S5: a particle that starts outside on several axes is inside after the first step, and is not thrown.
 #[test]
 fn the_box_takes_in_what_starts_outside() {
     let starts = [Vec3::new(-50.0, 500.0, 500.0), Vec3::new(1100.0, -3.0, 2000.0), Vec3::splat(-700.0)];
@@ -166,7 +166,7 @@ fn particles_in_the_box_never_leave_it_and_settle_on_its_floor() {
 fn the_stick_and_the_box_hold_together() {
     let mut dice = Dice(12);
     for case in 0..50 {
-        // A stick that is stretched or squeezed, near or beyond a wall, an edge or a corner, on its way out.
+        // A stretched or compressed stick flies outwards near or beyond a wall, an edge or a corner.
         let middle = Vec3::new(dice.unit(), dice.unit(), dice.unit()).round() * 1000.0 + dice.vector(60.0);
         let half = dice.vector(1.0).normalize() * (30.0 + 50.0 * dice.unit());
         let settings = SolverSettings { iterations: 16, ..bare() };

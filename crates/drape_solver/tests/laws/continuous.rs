@@ -1,4 +1,4 @@
-//! Continuous collision: nothing passes through anything between two steps, however fast and however thin.
+//! Continuous collision: fast bodies do not pass through thin ones between two steps.
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::math::Pose;
@@ -47,7 +47,7 @@ fn a_fast_ball_passes_no_thin_obstacle() {
                 for _ in 0..steps {
                     step(&mut island, &environment).expect("a good step");
                     let ball = &island.balls[0];
-                    // The wire throws it aside, and it flies on past it.
+                    // The wire deflects the ball, which flies on past it.
                     let is_beside = ball.position().x.abs() > 0.02 && matches!(shape, Shape::Capsule { .. });
                     let z = ball.position().z;
                     assert!(
@@ -61,7 +61,7 @@ fn a_fast_ball_passes_no_thin_obstacle() {
     }
 }
 
-/// At 200 m/s each, head on: they do not change places.
+/// Two balls meet head on at 200 m/s each. They do not pass through each other.
 #[test]
 fn fast_balls_do_not_pass_through_each_other() {
     for offset in [0.5, 1.0, 1.66, 2.9] {
@@ -76,10 +76,10 @@ fn fast_balls_do_not_pass_through_each_other() {
     }
 }
 
-/// A step in which obstacles move as far as 20 m.
+/// A step in which obstacles move 20 m.
 const LONG_STEP: f32 = 0.1;
 
-/// The obstacles that are moved, and how far each reaches to the sides of the way of its centre.
+/// The obstacles that move, and the half width of each across its path.
 fn racing() -> Vec<(Shape, f32)> {
     let plate = Shape::Cuboid { half_extents: Vec3::new(1.5, 1.5, 0.001) };
     vec![
@@ -98,12 +98,12 @@ fn cube(half: f32) -> Vec<Vec3> {
         .collect()
 }
 
-/// Whether something is ahead of what has come to z = 20 m, or was thrown aside by what is round.
+/// True if `position` is in front of an obstacle that has moved to z = 20 m, or beside its path of half width `half`.
 fn is_in_front(position: Vec3, half: f32) -> bool {
     position.z > 20.0 || position.x.abs().max(position.y.abs()) > half
 }
 
-/// Balls in the way of what moves 20 m in one step are swept along.
+/// An obstacle that moves 20 m in one step sweeps balls in its path along.
 #[test]
 fn a_racket_leaves_no_ball_behind() {
     for (shape, half) in racing() {
@@ -127,7 +127,7 @@ fn a_racket_leaves_no_ball_behind() {
     }
 }
 
-/// A loose sheet across the way, `count` particles to a side.
+/// A loose sheet across the path, with `count` particles to a side.
 fn sheet_at(count: u32, size: f32, z: f32) -> Island {
     let settings = SolverSettings { thickness: 0.005, substeps: 8, ..SolverSettings::default() };
     let sheet = ClothBuilder::new(size, size, count, count)
@@ -136,7 +136,7 @@ fn sheet_at(count: u32, size: f32, z: f32) -> Island {
     Island::of_body(sheet.expect("a valid sheet"))
 }
 
-/// Points spread over a face, by the weights of its corners.
+/// Points spread over a face, as weights of its corners.
 fn spread() -> Vec<[f32; 3]> {
     const PARTS: u32 = 6;
     let weight = |part: u32| part as f32 / PARTS as f32;
@@ -144,7 +144,7 @@ fn spread() -> Vec<[f32; 3]> {
     rows.map(|(i, j)| [weight(PARTS - i - j), weight(i), weight(j)]).collect()
 }
 
-/// Those points of all faces of the island's first body, with the face that each is on.
+/// These points on all faces of the island's first body, each with its face.
 fn points(island: &Island) -> impl Iterator<Item = (usize, Vec3)> {
     let body = &island.bodies[0];
     let spread = spread();
@@ -154,8 +154,8 @@ fn points(island: &Island) -> impl Iterator<Item = (usize, Vec3)> {
     })
 }
 
-/// After one step of 20 m, all of the sheet that was in the way is on the front side of what came: its particles, and its
-/// faces wherever one looks.
+/// After one step of 20 m, all particles of the sheet that were in the path are in front of the obstacle, and so are all
+/// points of its faces.
 #[test]
 fn what_moves_far_in_a_step_leaves_no_cloth_behind() {
     for (shape, half) in racing() {
@@ -212,7 +212,8 @@ fn a_fast_cloth_passes_no_triangles() {
     }
 }
 
-/// A particle flies low over a floor into a wall, all one mesh: what is nearest when the step begins is not what stops it.
+/// A particle flies low over a floor into a wall of the same mesh. The nearest point at the start of the step is on the
+/// floor, but the wall stops it.
 #[test]
 fn a_fast_particle_is_stopped_by_the_wall_and_not_by_the_floor_that_is_nearer() {
     let corner = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);

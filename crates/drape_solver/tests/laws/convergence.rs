@@ -13,9 +13,9 @@ fn hanging(substeps: u32) -> f64 {
     stretch(&island).rms
 }
 
-/// Without tethers and lines, a stick holds a load as a spring of stiffness `m / h^2` does (one iteration): stretch falls
-/// with the square of the substep, by four as substeps double. At least by half is asked for (Macklin et al. 2019, Small
-/// Steps in Physics Simulation, section 4).
+/// Without tethers and lines, a stick holds a load like a spring of stiffness `m / h^2` (one iteration). So stretch falls
+/// with the square of the substep, to a quarter as substeps double (Macklin et al. 2019, Small Steps in Physics Simulation,
+/// section 4). The test asks for half.
 #[test]
 fn the_stretch_of_a_hanging_sheet_falls_as_substeps_double() {
     let mut before: Option<f64> = None;

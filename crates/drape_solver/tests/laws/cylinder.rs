@@ -1,4 +1,4 @@
-//! A rope over a cylinder: without friction it runs as Atwood's machine, with friction it holds as a capstan.
+//! A rope over a cylinder: without friction it is Atwood's machine, with friction a capstan.
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
@@ -14,10 +14,10 @@ const LINKS: u32 = 60;
 /// Mass of the whole rope in kilograms.
 const ROPE: f32 = 0.3;
 
-/// The mantle of a capsule: a cylinder whose surface is worked out in every substep.
+/// The side of a capsule: a cylinder whose nearest point is computed in every substep.
 const SMOOTH: Shape = Shape::Capsule { half_length: 1.0, radius: RADIUS };
 
-/// A rope half round a `cylinder` of this `friction`, with these masses at its two ends.
+/// A rope half around a `cylinder` of this `friction`, with these masses (kg) at its two ends.
 fn over_cylinder(
     cylinder: Shape,
     masses: [f32; 2],
@@ -51,10 +51,10 @@ fn over_cylinder(
 /// With masses m1 < m2 and a rope of r kg for each metre, M kg in all, the heavier end goes down by
 /// `x = (m2 - m1) / 2r (cosh(k t) - 1)`, `k^2 = 2 r g / M` (Atwood 1784; the rope that has gone over adds to the pull).
 ///
-/// A cylinder of parry's is a plane for each particle through a whole step: the rope runs over edges, where it is braked.
+/// For each particle, parry's cylinder is a plane during a whole step: the rope runs over edges, which brake it.
 ///
-/// More work is not better here: a link weighs a hundredth of an end, and with 16 x 64 sweeps what one moves the end by is
-/// less than single precision resolves, which holds the rope back by a fifth.
+/// More iterations are not better here: a link weighs a hundredth of an end. With 16 x 64 sweeps it moves the end by less
+/// than single precision resolves, which holds the rope back by a fifth.
 #[test]
 fn a_rope_over_a_smooth_cylinder_runs_as_atwoods_machine() {
     for (light, heavy, seconds) in [(0.5, 0.6, 0.7_f32), (0.5, 1.0, 0.4)] {
@@ -67,7 +67,7 @@ fn a_rope_over_a_smooth_cylinder_runs_as_atwoods_machine() {
             let before = ends(&island);
             run(&mut island, &environment, seconds);
             let after = ends(&island);
-            // Half of what both ends have moved: the rope stretches a little.
+            // Takes the mean of both ends, as the rope stretches a little.
             let found = 0.5 * f64::from(after[0] - before[0] + before[1] - after[1]);
             let length = core::f32::consts::PI * (RADIUS + THICKNESS) + 2.0 * SIDE;
             let linear = f64::from(ROPE / length);
@@ -81,20 +81,20 @@ fn a_rope_over_a_smooth_cylinder_runs_as_atwoods_machine() {
     }
 }
 
-/// S7: the capstan equation (Euler 1769). The heavier end slides down if it weighs more than `exp(mu phi)` times the other,
-/// phi the angle of the rope round the cylinder.
+/// S7: the capstan equation (Euler 1769). The heavier end slides down if it weighs more than `exp(mu phi)` times the other;
+/// phi is the angle of the rope around the cylinder.
 #[test]
 fn a_rope_over_a_rough_cylinder_slides_where_eulers_formula_has_it() {
     let friction = 0.3_f32;
     let slid = |ratio: f32| {
         let settings = SolverSettings { substeps: 16, iterations: 100, ..bare() };
-        // The rope itself weighs next to nothing.
+        // The rope itself has almost no mass.
         let (mut island, environment) = over_cylinder(SMOOTH, [1.0, ratio], 0.12, friction, settings);
         run(&mut island, &environment, 1.0);
         -SIDE - particles(&island).position(LINKS as usize).y
     };
     let critical = (friction * core::f32::consts::PI).exp();
-    // What the rope stretches by as the weights come onto it is less than this.
+    // The rope stretches by less than this when the weights begin to pull.
     let slides = |ratio: f32| slid(ratio) > 0.05;
     let (mut holds, mut gives) = (0.9 * critical, 1.1 * critical);
     assert!(!slides(holds) && slides(gives), "it holds at nine tenths and slides at eleven tenths");

@@ -1,4 +1,4 @@
-//! Same input, same bits; and the stages one by one are the step.
+//! The same input gives the same bits, and the stages one by one give the bits of the step.
 
 use drape_solver::glam::{IVec3, Quat, Vec3};
 use drape_solver::parry3d::math::Pose;
@@ -85,7 +85,7 @@ fn the_stages_one_by_one_are_the_step() {
     assert_eq!(staged, hash_after(120, whole));
 }
 
-/// Scratch memory that is warm, cold or left over from another step changes nothing.
+/// Scratch memory may be warm, cold or left over from another step.
 #[test]
 fn scratch_memory_has_no_part_in_the_result() {
     let cold = hash_after(60, |island, environment| {
@@ -98,7 +98,7 @@ fn scratch_memory_has_no_part_in_the_result() {
     assert_eq!(cold, hash_after(60, whole));
 }
 
-/// One changed bit of input is seen in the hash, and what rests in the order of bodies is too.
+/// The hash changes with one bit of input, and with the order of bodies.
 #[test]
 fn the_hash_sees_every_part_of_the_state() {
     let (island, _) = scene();
@@ -117,8 +117,8 @@ fn the_hash_sees_every_part_of_the_state() {
     assert_ne!(hash(&changed), before);
 }
 
-/// A falling sheet with corner pins, tethers, friction and a sphere: everything that is compiled for each instruction
-/// set. Large ones are swept down their strips, and none fills its cells.
+/// A falling sheet with corner pins, tethers, friction and a sphere: all kernels that are compiled for each instruction
+/// set. Large sheets are swept in strips, and none fills its cells.
 fn sheet(columns: u32, rows: u32, isa: Isa) -> (Island, Environment) {
     let settings = SolverSettings { substeps: 4, ..SolverSettings::default() };
     let sheet = ClothBuilder::new(2.0, 2.0, columns, rows)
@@ -153,8 +153,8 @@ fn every_instruction_set_gives_the_same_bits() {
     }
 }
 
-/// The hash of a sheet after some steps. Its sphere moves; a sheet that is not pinned is free of drift; the second
-/// corner of one that is pulled moves.
+/// The hash of a sheet after some steps. Its sphere moves, a sheet without pins does not drift, and the second corner of one
+/// with a pull moves.
 fn sheet_after(
     (size, is_pinned, is_pulled): (u32, bool, bool),
     steps: usize,
@@ -186,7 +186,7 @@ fn a_sweep_down_the_strips_gives_the_bits_of_whole_stages() {
     }
 }
 
-/// So many threads, started anew for every step.
+/// Claims this number of threads, and starts a new one for every join.
 pub struct Fresh(pub usize);
 
 impl Threads for Fresh {
@@ -202,7 +202,7 @@ impl Threads for Fresh {
     }
 }
 
-/// However many threads come to help, and whenever they do.
+/// Any number of threads may help, and may come at any time.
 #[test]
 fn every_number_of_threads_gives_the_same_bits() {
     for kind in [(250, true, false), (250, false, false)] {
@@ -216,8 +216,8 @@ fn every_number_of_threads_gives_the_same_bits() {
     }
 }
 
-/// Every shape of an obstacle, and every kind of contact: a large sheet over all of them, still and moving, between two
-/// smaller ones that touch it and themselves, and balls that bounce and shoot through the air.
+/// Every shape of obstacle, at rest and moving, and every kind of contact: a large sheet over all of them, between two smaller
+/// ones that touch it and themselves, and balls that bounce and fly.
 fn all_contacts(isa: Isa) -> (Island, Environment) {
     let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(|bit| 0.4 * bit as f32 - 0.2);
     let corners: Vec<Vec3> = (0..8).map(|i| Vec3::from(corner(i))).collect();
@@ -272,7 +272,7 @@ fn all_contacts(isa: Isa) -> (Island, Environment) {
     (island, Environment { obstacles: obstacles.into(), ..gravity(FRAME) })
 }
 
-/// The hash after some steps in which every other obstacle moves, two of them fast.
+/// The hash after some steps in which every second obstacle moves, two of them fast.
 fn all_contacts_after(steps: usize, isa: Isa, take: impl Fn(&mut Island, &Environment)) -> u64 {
     let (mut island, mut environment) = all_contacts(isa);
     let (mut touches, mut pairs, mut thrown) = (0, 0, 0);

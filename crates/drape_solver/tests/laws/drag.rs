@@ -33,7 +33,7 @@ fn the_textbook_factor_is_a_drag_per_second() {
     assert_close("speed", particles(&island).velocity(0).x.into(), 0.99, 1e-6);
 }
 
-/// S2, S18: balls have a drag of their own, and none unless asked for.
+/// S2, S18: balls have a drag of their own, which is 0 by default.
 #[test]
 fn a_ball_has_its_own_drag() {
     for (drag, left) in [(0.0, 1.0), (1.5, f64::exp(-1.5))] {
@@ -45,8 +45,8 @@ fn a_ball_has_its_own_drag() {
     assert_eq!(BallMaterial::default().drag, 0.0);
 }
 
-/// Drag brakes against still air; a wind carries a sheet along with it, and never past it: not in one long step, not
-/// a light sheet in a storm.
+/// Drag brakes against still air. A wind carries a sheet along, and never makes it faster than the wind: not in one long
+/// step, and not a light sheet in a storm.
 #[test]
 fn a_sheet_is_carried_to_the_speed_of_the_wind_and_not_past_it() {
     for (areal_density, speed) in [(0.25, 8.0), (0.05, 40.0), (0.01, 100.0)] {

@@ -1,4 +1,4 @@
-//! Cloth on every shape of obstacle: it lies on it, with faces as well as particles, comes to rest and stays.
+//! Cloth drapes over every shape of obstacle with its faces and particles, comes to rest, and stays.
 
 use drape_solver::glam::{EulerRot, Quat, Vec3};
 use drape_solver::parry3d::math::{IVector, Pose};
@@ -10,11 +10,11 @@ use crate::common::*;
 
 const THICKNESS: f32 = 0.01;
 
-/// How long the cloth is watched once it lies still, in seconds. In a game it sleeps by then, and cannot move.
+/// The time in seconds for which the test watches the cloth after it has come to rest. In a game it would sleep by then.
 const AFTERWARDS: f32 = 5.0;
 
-/// An obstacle, and how far a point of the world is from its surface, negative inside: worked out here, apart from the
-/// solver and from parry.
+/// An obstacle, and the signed distance in metres of a point from its surface, negative inside. Independent of the solver
+/// and of parry.
 struct Model {
     name: &'static str,
     obstacle: Obstacle,
@@ -43,13 +43,14 @@ fn to_capsule(p: Vec3, half_length: f32, radius: f32) -> f32 {
     (p - Vec3::Y * p.y.clamp(-half_length, half_length)).length() - radius
 }
 
-/// Distance in the plane of the axis: `q` is (distance from the axis, height).
+/// Signed distance in the plane of the axis. `q` is (distance from the axis, height).
 fn to_cylinder(p: Vec3, half_height: f32, radius: f32) -> f32 {
     let q = Vec3::new(p.truncate().with_y(p.z).length() - radius, p.y.abs() - half_height, 0.0);
     q.max(Vec3::ZERO).length() + q.x.max(q.y).min(0.0)
 }
 
-/// Inside a convex body bounded by planes, and outside above their middles: enough to tell penetration.
+/// Signed distance from a convex body bounded by planes. Exact inside, and outside above the middles of its sides, which is
+/// enough to measure penetration.
 fn below_planes(p: Vec3, planes: &[(Vec3, f32)]) -> f32 {
     planes.iter().map(|(normal, offset)| normal.dot(p) - offset).fold(f32::NEG_INFINITY, f32::max)
 }
@@ -145,7 +146,7 @@ fn models() -> Vec<Model> {
             |p| {
                 let slope = (0.4_f32 / 0.6).atan();
                 let over = (p.x.abs() - 0.6) * slope.sin() + p.y * slope.cos();
-                // At its ends and eaves the cloth may hang in under the roof.
+                // At the ends and eaves the cloth may hang in under the roof.
                 if p.z.abs() < 0.3 && p.y > 0.05 && over > -0.05 { over } else { 1.0 }
             },
         ),
@@ -154,7 +155,7 @@ fn models() -> Vec<Model> {
             parry(SharedShape::new(HeightField::new(heights, Vec3::new(3.0, 1.0, 3.0)))),
             at(0.3),
             move |p| {
-                // The field's triangles lie within 5 mm of the hills that they sample.
+                // The triangles of the height field are within 5 mm of the hills that they sample.
                 if p.x.abs() < 1.4 && p.z.abs() < 1.4 { (p.y - hills(p.x, p.z)) * 0.8 + 0.005 } else { 1.0 }
             },
         ),
@@ -176,7 +177,7 @@ fn models() -> Vec<Model> {
             blocks.map(|(centre, half)| to_box(p - centre, half)).into_iter().fold(f32::INFINITY, f32::min)
         }),
         Model::new("flattened ball", scaled.expect("valid"), at(0.25), |p| {
-            // A hull of the ellipsoid lies inside of it.
+            // The hull of points on the ellipsoid lies inside it.
             ((p / Vec3::new(1.6, 1.0, 1.6)).length() - 0.25) * 1.0 + 0.006
         }),
         Model::new(
@@ -211,7 +212,7 @@ fn models() -> Vec<Model> {
     ]
 }
 
-/// How deep the cloth lies in the obstacle, at most, in metres: at points spread over all of its faces.
+/// The greatest penetration depth of the cloth in metres, at points spread over all of its faces.
 fn penetration(island: &Island, model: &Model) -> f32 {
     let body = &island.bodies[0];
     let mut deepest = f32::NEG_INFINITY;
@@ -227,8 +228,8 @@ fn penetration(island: &Island, model: &Model) -> f32 {
     deepest
 }
 
-/// Drops a cloth on each of the models. It has to rest with its middle outside, to be still within ten seconds (on a thin pole
-/// twenty), and to stay where it is.
+/// Drops a cloth on each of the models. It has to come to rest with its middle outside within ten seconds (twenty on a thin
+/// pole), and to stay there.
 fn drop_on(models: Vec<Model>) {
     let mut failed = Vec::new();
     for model in models {
@@ -242,7 +243,7 @@ fn drop_on(models: Vec<Model>) {
         let environment =
             Environment { obstacles: vec![ground, model.obstacle.clone()].into(), ..gravity(FRAME) };
         let (mut asleep_after, mut deepest) = (None, f32::NEG_INFINITY);
-        // A thin pole under the middle of the cloth is nearly no support: it balances for long.
+        // A thin pole under its middle hardly supports the cloth, which balances for long.
         let time = if model.name == "thin pole" { 20.0 } else { 10.0 };
         run_with(&mut island, &environment, time, |island, index| {
             if index % 30 == 29 {
@@ -277,7 +278,7 @@ fn drop_on(models: Vec<Model>) {
     assert!(failed.is_empty(), "{failed:?}");
 }
 
-/// Issue 4, acceptance 4, in two halves that run side by side.
+/// The models are divided between two tests, which run side by side.
 #[test]
 fn a_cloth_comes_to_rest_on_every_shape() {
     drop_on(models().into_iter().step_by(2).collect());

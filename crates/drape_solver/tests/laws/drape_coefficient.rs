@@ -1,14 +1,14 @@
-//! The drape coefficient, by which textile laboratories measure how stiff a cloth is, and the materials that have names.
+//! The drape coefficient, a measure of stiffness from textile laboratories, for all presets.
 
 use drape_solver::drape_test::{drape_coefficient, stretch_by_weight};
 use drape_solver::{ClothMaterial, Preset, SolverSettings};
 
-/// The stiffer in bending, the more of the overhang stands out (Cusick 1968; here of a square): from limp to board.
+/// The drape coefficient rises with bend stiffness, from limp cloth to a board (Cusick 1968; here of a square).
 #[test]
 fn the_drape_coefficient_rises_with_the_stiffness_in_bending() {
     let stiffnesses = [0.0, 0.3, 0.9, 1.0];
-    let found = stiffnesses.map(|bend| {
-        let material = ClothMaterial { bend, ..ClothMaterial::default() };
+    let found = stiffnesses.map(|bend_stiffness| {
+        let material = ClothMaterial { bend_stiffness, ..ClothMaterial::default() };
         let settings = SolverSettings { substeps: 16, ..SolverSettings::default() };
         drape_coefficient(material, settings).expect("valid")
     });
@@ -30,7 +30,7 @@ fn measured(preset: Preset) -> [f32; 2] {
     [drape, stretch]
 }
 
-/// Silk is limper than cotton, cotton than denim, denim than leather; rubber stretches by its weight, and nothing else does.
+/// Silk is limper than cotton, cotton than denim, denim than leather. Only rubber stretches under its own weight.
 #[test]
 fn presets_drape_in_the_order_of_the_trade_and_only_rubber_stretches() {
     let [silk, cotton, denim, leather] =

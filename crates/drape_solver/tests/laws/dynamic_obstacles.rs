@@ -1,5 +1,4 @@
-//! Obstacles with a rigid body of their own: momentum is kept over the whole hit, and energy never rises, whatever the
-//! masses.
+//! Obstacles with a rigid body of their own: for all masses, the hit keeps momentum, and energy never rises.
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
@@ -9,13 +8,13 @@ use drape_solver::{
 
 use crate::common::*;
 
-/// A box that what hits it moves, alone with an island.
+/// A box that hits can move, alone with an island.
 struct Scene {
     island: Island,
     environment: Environment,
 }
 
-/// Half the box's side.
+/// Half the side of the box in metres.
 const HALF: f32 = 0.15;
 
 fn cube(mass: f32, velocity: Vec3) -> RigidBody {
@@ -47,7 +46,7 @@ impl Scene {
         &self.environment.obstacles[0]
     }
 
-    /// How the box moves after the last step.
+    /// Velocity and angular velocity of the box after the last step.
     fn body(&self) -> RigidBody {
         self.obstacle().rigid_body().expect("it has one")
     }
@@ -71,8 +70,8 @@ impl Scene {
     }
 }
 
-/// A ball hits a box, in the middle and off it, from a hundredth of its mass to a hundred times: momentum is kept to 1e-5,
-/// angular momentum to 2 %, and no energy is gained. In the middle they part as Newton's restitution has it.
+/// A ball hits a box, centrally and off centre, with a hundredth to a hundred times its mass. Momentum is kept to 1e-5,
+/// angular momentum to 2 %, and no energy is gained. After a central hit they separate by Newton's law of restitution.
 #[test]
 fn a_ball_and_a_box_keep_momentum_and_gain_no_energy() {
     const MASS: f32 = 4.0;
@@ -120,7 +119,7 @@ fn a_ball_and_a_box_keep_momentum_and_gain_no_energy() {
     }
 }
 
-/// A box that turns flies into a free cloth off its middle, from a fiftieth of the cloth's mass to a hundred times that.
+/// A spinning box of a fiftieth to a hundred times the cloth's mass flies into a free cloth off its middle.
 #[test]
 fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
     for mass in [0.004, 0.04, 0.2, 1.0, 20.0] {
@@ -148,7 +147,7 @@ fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
                 least = least.min(energy);
                 given += scene.island.reactions.iter().map(|r| r.impulse.length()).sum::<f32>();
             }
-            // What sticks have taken up they give back.
+            // Sticks give back the energy that they have stored.
             let most = if mass < 0.1 { 0.05 } else { 0.003 };
             assert!(most_risen < most, "{what}: {most_risen} of the energy risen");
             assert!(given > 1.2 * mass.min(0.2), "{what}: it has hit: {given} N s");
@@ -156,8 +155,8 @@ fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
     }
 }
 
-/// A free cloth flies flat onto a plate that lies across its way and weighs from a tenth of it to ten times as much: all
-/// of it is stopped at once. The two go on together, nothing passes, and no energy is gained.
+/// A free cloth flies flat onto a plate of a tenth to ten times its mass, which stops all of it at once. The two go on
+/// together, no particle passes, and no energy is gained.
 #[test]
 fn a_cloth_that_lands_flat_on_a_light_plate_carries_it_along() {
     const SPEED: f32 = 5.0;
@@ -197,8 +196,8 @@ fn a_cloth_that_lands_flat_on_a_light_plate_carries_it_along() {
     }
 }
 
-/// A box between two cloths, with few substeps and many: what one does to it the other feels, and nothing is lost. Nor
-/// is momentum if each cloth is an island of its own.
+/// A box between two cloths, with few substeps and many: the box passes the push of one cloth on to the other, and momentum
+/// is kept. It is also kept if each cloth is an island of its own.
 #[test]
 fn a_box_between_two_cloths_keeps_the_momentum_of_all_three() {
     let cloth = |z: f32, speed: f32, substeps: u32| {

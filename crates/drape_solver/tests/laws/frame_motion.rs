@@ -1,4 +1,4 @@
-//! A frame that moves carries the cloth along, and the cloth does not know.
+//! A moving frame carries the cloth along without disturbing it.
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::state::measure;
@@ -17,7 +17,7 @@ fn sheet(particles: u32) -> Body {
         .expect("valid")
 }
 
-/// A character that runs and turns, after so many seconds.
+/// Placement of a character that runs and turns, at `time` in seconds.
 fn character(time: f32) -> Placement {
     Placement {
         translation: Vec3::new(4.0 * libm::sinf(2.0 * time), 0.0, 3.0 * time),
@@ -25,13 +25,13 @@ fn character(time: f32) -> Placement {
     }
 }
 
-/// Where something is that is fixed to the character.
+/// The position in the world of a point that is fixed to the character.
 fn worn(place: &Placement, local: Vec3) -> Vec3 {
     place.rotation * local + place.translation
 }
 
-/// Runs a sheet whose rail a character wears, with this share of its motion taken for that of the frame.
-fn run(share: f32, steps: usize, mut isa: impl FnMut(&mut Island, &Environment)) -> Island {
+/// Runs a sheet on a rail that a character carries. `share` of the character's motion is the motion of the frame.
+fn run(share: f32, steps: usize, mut take_step: impl FnMut(&mut Island, &Environment)) -> Island {
     let mut island = Island::of_body(sheet(unless_miri(33, 6)));
     let rest: Vec<Vec3> = island.bodies[0].particles.positions().collect();
     for index in 1..=steps {
@@ -41,7 +41,7 @@ fn run(share: f32, steps: usize, mut isa: impl FnMut(&mut Island, &Environment))
             particles.set_pin_target(i, worn(&to, place));
         }
         particles.move_frame(FrameMotion::between(&from, &to).scaled(share, share));
-        isa(&mut island, &gravity(FRAME));
+        take_step(&mut island, &gravity(FRAME));
     }
     island
 }
@@ -50,7 +50,7 @@ fn whole(island: &mut Island, environment: &Environment) {
     step(island, environment).expect("a good step");
 }
 
-/// With all of the motion taken for the frame's, a hanging cloth hangs as on somebody who stands still.
+/// If the frame has all of the motion, a cloth hangs as on a character that stands still.
 #[test]
 fn a_cloth_that_inherits_nothing_hangs_as_on_one_who_stands() {
     let steps = unless_miri(180, 2);
@@ -72,7 +72,7 @@ fn a_cloth_that_inherits_nothing_hangs_as_on_one_who_stands() {
     assert!(off[1] > 0.2 || cfg!(miri), "{} m off", off[1]);
 }
 
-/// The motion of the frame is no velocity, and a particle that is alone in it goes where the frame goes.
+/// The motion of the frame adds no velocity, and a lone particle goes where the frame goes.
 #[test]
 fn a_loose_particle_goes_with_the_frame() {
     for (substeps, velocity) in [(1, Vec3::ZERO), (7, Vec3::new(0.3, -1.0, 2.0))] {
@@ -88,14 +88,14 @@ fn a_loose_particle_goes_with_the_frame() {
         }
         let place = character(1.0);
         let particles = &island.bodies[0].particles;
-        // In the frame it flies straight on.
+        // In the frame the particle flies straight on.
         let expected = worn(&place, start + velocity);
         assert!(particles.position(0).distance(expected) < 1e-3, "{}", particles.position(0));
         assert!(particles.velocity(0).distance(place.rotation * velocity) < 1e-3);
     }
 }
 
-/// A cloth that lies on a waggon and is carried along with it neither slips nor is pushed by friction.
+/// A cloth on a wagon whose motion is that of the frame does not slip, and friction does not push it.
 #[test]
 fn friction_sees_the_motion_of_the_frame() {
     let settings = SolverSettings { substeps: 8, friction: 0.5, ..bare() };
@@ -117,7 +117,7 @@ fn friction_sees_the_motion_of_the_frame() {
     assert!(particles.velocity(0).length() < 1e-2, "{}", particles.velocity(0));
 }
 
-/// A teleport moves everything and changes nothing.
+/// A teleport moves everything, and changes nothing else.
 #[test]
 fn a_teleport_throws_nothing() {
     let mut island = Island::of_body(sheet(16));

@@ -11,7 +11,7 @@ fn discrete(start: DVec3, velocity: DVec3, acceleration: DVec3, h: f64, n: f64) 
     start + velocity * (n * h) + acceleration * (h * h * n * (n + 1.0) / 2.0)
 }
 
-/// S1, S15: the flight is the textbook recurrence, summed up exactly, for any step and substeps.
+/// S1, S15: the flight follows the textbook recurrence in closed form, for any time step and number of substeps.
 #[test]
 #[cfg_attr(miri, ignore = "Miri flies a part of the way only")]
 fn free_flight_is_the_discrete_closed_form() {
@@ -27,7 +27,7 @@ fn free_flight_is_the_discrete_closed_form() {
         let found = particles(&island).position(0).as_dvec3();
         let case = format!("free flight in m, {dt:.4} s / {substeps}");
         law_of_error(&case, (found - expected).length(), 3e-5);
-        // Trap 1: with `a dt^2 / 2` gravity would be halved, metres away from this.
+        // Trap 1: `a dt^2 / 2` would halve gravity, and end metres away from this.
         let parabola = drape_solver::motion::ballistics::position_at(
             start.as_dvec3(),
             velocity.as_dvec3(),
@@ -113,7 +113,7 @@ fn impulses_add_up_to_momentum() {
     assert!((momentum(&island) - given.as_dvec3()).length() < 1e-6 * f64::from(given.length()));
 }
 
-/// S1: in free flight of a cloth, energy is that of its start: nothing in the step heats or cools it.
+/// S1: a cloth in free flight keeps its energy.
 #[test]
 fn a_falling_cloth_keeps_its_energy() {
     let cloth = drape_solver::ClothBuilder::new(1.0, 1.0, 9, 9).build(bare()).expect("valid");
@@ -122,8 +122,8 @@ fn a_falling_cloth_keeps_its_energy() {
     let down = environment.gravity;
     run(&mut island, &environment, environment.dt);
     let energy = |island: &Island| {
-        // Displacements are velocities half a step old: the energy that the recurrence keeps takes the potential
-        // in the middle of the last step.
+        // Displacements are velocities half a step ago. So the recurrence keeps the energy with the potential in the
+        // middle of the last step.
         let body = &island.bodies[0];
         let shift = measure::momentum(&body.particles).dot(down.as_dvec3()) * f64::from(environment.dt) / 2.0;
         measure::mechanical_energy(body, down) + shift
@@ -134,7 +134,7 @@ fn a_falling_cloth_keeps_its_energy() {
     assert!(gained.abs() < 1e-3 * kinetic_energy(&island), "{gained} J gained");
 }
 
-/// S1: what is pinned stays, to the last bit.
+/// S1: a pinned particle stays, to the last bit.
 #[test]
 fn pinned_particles_do_not_fall() {
     let positions = [Vec3::new(0.1, 0.7, 0.3), Vec3::ZERO];
@@ -144,7 +144,7 @@ fn pinned_particles_do_not_fall() {
     assert_eq!(particles(&island).velocity(0), Vec3::ZERO);
 }
 
-/// Nothing in the accessors is lost on the way: a particle made at rest is at rest.
+/// Accessors lose nothing: a particle built at rest is at rest.
 #[test]
 fn without_forces_nothing_moves() {
     let positions = [Vec3::new(0.1, 0.7, 0.3), Vec3::new(1.5, 0.0, 0.0)];

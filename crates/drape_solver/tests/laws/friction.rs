@@ -9,7 +9,7 @@ use crate::common::*;
 
 const COEFFICIENTS: [f32; 3] = [0.2, 0.5, 1.0];
 
-/// An incline about the Z axis, downhill towards +X, and the way down.
+/// An incline about the Z axis that falls towards +X, and the direction downhill.
 fn incline(angle: f32, friction: f32) -> (Obstacle, Vec3) {
     let rotation = Quat::from_rotation_z(-angle);
     let placement = Placement { rotation, ..Placement::default() };
@@ -17,8 +17,8 @@ fn incline(angle: f32, friction: f32) -> (Obstacle, Vec3) {
     (plane, rotation * Vec3::X)
 }
 
-/// How far downhill the middle of `body` goes in `seconds` on an incline of `angle`, both surfaces of
-/// coefficient `friction`.
+/// The distance in metres that the middle of `body` goes downhill in `seconds` on an incline of `angle` (radians). Both
+/// surfaces have the coefficient `friction`.
 fn slid(body: Body, angle: f32, friction: f32, seconds: f32) -> f32 {
     let (plane, downhill) = incline(angle, friction);
     let environment = Environment { obstacles: vec![plane].into(), ..gravity(FRAME) };
@@ -93,7 +93,7 @@ fn sliding_accelerates_by_what_friction_leaves_of_gravity() {
                 ("sheet", sheet(angle, friction, substeps)),
             ];
             for (name, body) in bodies {
-                // The discrete way of a constant acceleration in n substeps is a h^2 n (n + 1) / 2.
+                // Under constant acceleration n substeps cover a h^2 n (n + 1) / 2.
                 let found = slid(body, angle, friction, 1.0) * 2.0 / (1.0 + h);
                 let case = format!("{name}, friction {friction}, {substeps} substeps");
                 law(&format!("incline, {case}"), found.into(), expected.into(), 2e-6);
@@ -138,7 +138,7 @@ fn the_coefficients_of_two_surfaces_are_averaged() {
     assert!(way(0.0, 0.0) > even + 0.1);
 }
 
-/// S7: between the angles of static and of kinetic friction, what lies still stays, and what slides goes on sliding.
+/// S7: between the angles of static and of kinetic friction, a body at rest stays, and a sliding one goes on sliding.
 #[test]
 fn static_friction_holds_what_does_not_slide_yet() {
     let (kinetic, sticking) = (0.3_f32, 0.6_f32);
@@ -183,8 +183,8 @@ fn static_friction_makes_a_ball_roll_where_kinetic_friction_would_let_it_slide()
     law("acceleration of a ball that slides", speed(0.0), slides, 0.012);
 }
 
-/// A spinning ball that comes down on a cloth held all round is driven aside by friction, as it is on the ground, and not
-/// without.
+/// Friction drives a spinning ball aside when it lands on a cloth held all round, as on the ground. Without friction it
+/// stays.
 #[test]
 fn friction_with_cloth_turns_spin_into_motion() {
     let driven = |friction: f32| {

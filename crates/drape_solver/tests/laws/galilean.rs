@@ -1,11 +1,11 @@
-//! On a train, and far from the origin, cloth moves as it does at home.
+//! Cloth moves alike at the origin, far from it, and in a moving frame.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{Body, ClothBuilder, Edge, Environment, Island, Placement, Shape, SolverSettings, Wind};
 
 use crate::common::*;
 
-/// Where the scene is, and how it moves.
+/// Position and velocity of the scene.
 struct Frame {
     name: &'static str,
     origin: Vec3,
@@ -24,13 +24,13 @@ const AWAY: [Frame; 3] = [
     },
 ];
 
-/// What happens to a sheet on its upper edge.
+/// A sheet that is pinned at its upper edge, the wind, and a sphere that hits the sheet.
 struct Scene {
     name: &'static str,
-    /// The way from its upper to its lower edge at the start.
+    /// Direction from its upper to its lower edge at the start.
     down: Vec3,
     wind: Vec3,
-    /// Velocity of a sphere that comes from behind it.
+    /// Velocity of a sphere that approaches from behind.
     sphere: Vec3,
     seconds: f32,
 }
@@ -44,7 +44,7 @@ fn sheet(scene: &Scene, frame: &Frame) -> Body {
     body
 }
 
-/// Where the particles are at the end, relative to the frame.
+/// The final positions of the particles relative to the frame.
 fn after(scene: &Scene, frame: &Frame) -> Vec<Vec3> {
     let mut island = Island::of_body(sheet(scene, frame));
     let at_rest = sheet(scene, &HOME).particles;
@@ -67,8 +67,8 @@ fn after(scene: &Scene, frame: &Frame) -> Vec<Vec3> {
     (0..body.len()).map(|i| body.local_position(i) + (body.origin() - place(steps))).collect()
 }
 
-/// Galileo 1632: aboard what moves evenly all goes as it does on land, if the air moves along; and so it does elsewhere.
-/// There is no drag. What is left is the rounding of places, which a sheet that flutters or slides makes grow.
+/// Galileo 1632: aboard a ship in uniform motion everything moves as on land, if the air moves along. There is no drag here.
+/// The remaining difference is the rounding of positions, which grows in a sheet that flutters or slides.
 #[test]
 fn a_train_and_a_distant_place_leave_the_cloth_as_it_is() {
     let aside = Vec3::new(0.0, -0.8, 0.6);
@@ -91,8 +91,8 @@ fn a_train_and_a_distant_place_leave_the_cloth_as_it_is() {
     }
 }
 
-/// A ball's place has no origin of its own to be near: 1 km away the world's grid of single precision is 0.06 mm wide, and a
-/// ball may drift by a part of that in each substep.
+/// Positions of balls have no local origin. At 1 km the spacing of single precision is 0.06 mm, and a ball may drift by a
+/// part of that in each substep.
 #[test]
 fn a_ball_keeps_its_speed_far_from_the_origin() {
     for (distance, tolerance) in [(1.0, 3e-5), (100.0, 3e-3), (1000.0, 0.03)] {

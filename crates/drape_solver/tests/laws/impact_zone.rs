@@ -1,4 +1,4 @@
-//! What contacts cannot hold, impact zones do: no ball's centre gets to the other side of a cloth.
+//! Impact zones stop balls that contacts cannot stop: no ball's centre gets to the other side of a cloth.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{ClothBuilder, Island, SolverSettings};
@@ -15,8 +15,8 @@ fn sheet(count: u32) -> Island {
     Island::of_body(sheet.build(SolverSettings { drag: 0.0, ..SolverSettings::default() }).expect("valid"))
 }
 
-/// How far the ball's centre is in front (+Z) of the sheet, metres: of all faces that it is before or behind, the one
-/// nearest to it tells.
+/// The distance in metres of the ball's centre in front (+Z) of the sheet: in front of the nearest of all faces that are
+/// straight before or behind it.
 fn in_front(island: &Island) -> Option<f32> {
     let (centre, body) = (island.balls[0].position(), &island.bodies[0]);
     let heights = body.topology.faces().iter().filter_map(|face| {
@@ -30,7 +30,7 @@ fn in_front(island: &Island) -> Option<f32> {
     heights.min_by(|p, q| p.abs().total_cmp(&q.abs()))
 }
 
-/// Contacts and sticks alone let the heaviest through.
+/// Contacts and sticks alone let the heaviest ball through.
 #[test]
 fn no_ball_passes_a_sheet_that_is_pinned_all_round() {
     for (count, mass, speed) in [(16, 20.0, 25.0), (32, 2.0, 40.0), (32, 20.0, 25.0), (32, 200.0, 100.0)] {
@@ -39,7 +39,7 @@ fn no_ball_passes_a_sheet_that_is_pinned_all_round() {
         island.balls.push(ball(smooth(0.1, mass), start, Vec3::new(0.1, -0.05, -1.0).normalize() * speed));
         run_with(&mut island, &gravity(FRAME), 1.0, |island, index| {
             let centre = island.balls[0].position();
-            // Thrown back, it may leave to the side.
+            // A ball that is thrown back may leave to the side.
             let height = in_front(island).unwrap_or(centre.z);
             assert!(height > 0.0, "{mass} kg at {speed} m/s are {height} m behind at step {index}");
             let now = island.balls[0].velocity().length();

@@ -1,5 +1,5 @@
-//! Overlaps that no motion made: an obstacle that appears inside a cloth, a body put into the ground. They are
-//! taken out, and throw nothing.
+//! Initial overlaps, such as an obstacle that appears inside a cloth, or a body in the ground: they are resolved, and throw
+//! nothing.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
@@ -8,7 +8,7 @@ use drape_solver::{
 
 use crate::common::*;
 
-/// A particle put into the ground comes out within the step, and does not jump.
+/// A particle that starts in the ground comes out within the step, and does not jump.
 #[test]
 fn a_particle_that_starts_in_the_ground_is_put_on_it_and_not_thrown() {
     for (substeps, iterations) in [(1, 1), (8, 2), (16, 1)] {
@@ -24,7 +24,7 @@ fn a_particle_that_starts_in_the_ground_is_put_on_it_and_not_thrown() {
     }
 }
 
-/// So does a ball.
+/// A ball that starts in the ground comes out, and does not jump.
 #[test]
 fn a_ball_that_starts_in_the_ground_is_put_on_it_and_not_thrown() {
     let material = BallMaterial::default();
@@ -37,7 +37,7 @@ fn a_ball_that_starts_in_the_ground_is_put_on_it_and_not_thrown() {
     });
 }
 
-/// Two balls made in one place part, and do not fly apart.
+/// Two balls that start in one place separate slowly.
 #[test]
 fn balls_that_start_in_one_another_are_parted_gently() {
     let material = smooth(0.2, 1.0);
@@ -51,7 +51,7 @@ fn balls_that_start_in_one_another_are_parted_gently() {
     }
 }
 
-/// A ball made inside a curtain parts from it without a shot.
+/// A ball that starts inside a curtain separates from it slowly.
 #[test]
 fn a_ball_that_starts_in_a_curtain_does_not_shoot_it_away() {
     let mut island = Island::of_body(curtain());
@@ -72,8 +72,7 @@ fn curtain() -> drape_solver::Body {
         .expect("valid")
 }
 
-/// Greatest speed in the second after a sphere of 0.3 m appears at `centre` in a hanging curtain, and the speed left
-/// at its end.
+/// Greatest speed in m/s in the second after a sphere of 0.3 m appears at `centre` in a hanging curtain, and the final speed.
 fn after_appearing(centre: Vec3, by_teleport: bool) -> (f32, f32, Island) {
     let mut island = Island::of_body(curtain());
     let mut environment = gravity(FRAME);
@@ -95,8 +94,7 @@ fn after_appearing(centre: Vec3, by_teleport: bool) -> (f32, f32, Island) {
     (fastest, greatest_speed(&island), island)
 }
 
-/// An obstacle that appears in a hanging curtain pushes it aside, and no more: by a teleport, or by a move so far
-/// that it must be one.
+/// An obstacle that appears in a hanging curtain, by a teleport or by a move too far for motion, only pushes it aside.
 #[test]
 fn a_teleported_obstacle_does_not_throw_the_cloth() {
     for centre in [Vec3::new(0.03, -0.9, 0.1), Vec3::new(0.2, -0.6, -0.08), Vec3::new(0.0, -1.2, 0.25)] {
@@ -109,8 +107,8 @@ fn a_teleported_obstacle_does_not_throw_the_cloth() {
     }
 }
 
-/// With its centre exactly in the plane of the cloth there is no way round the sphere: the cloth cannot get free,
-/// but it does not burst either. Its faces are pulled across the sphere and pushed off it, so it never quite calms down.
+/// If the sphere's centre is exactly in the plane of the cloth, the cloth cannot get around it, but does not burst either.
+/// Its faces are pulled across the sphere and pushed off it, so it never quite calms down.
 #[test]
 fn an_obstacle_that_appears_exactly_in_the_cloths_plane_does_not_burst_it() {
     let (fastest, at_end, _) = after_appearing(Vec3::new(0.0, -0.75, 0.0), true);

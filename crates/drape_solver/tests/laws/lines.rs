@@ -11,7 +11,7 @@ use crate::common::*;
 
 const BOTH: [StructuralSolve; 2] = [StructuralSolve::Sweeps, StructuralSolve::Lines];
 
-/// Settings with lines, in `substeps` of `iterations`, and the rest as users have it.
+/// Default settings with line solves, `substeps` and `iterations`, and without drag.
 fn lines(substeps: u32, iterations: u32) -> SolverSettings {
     let structural = StructuralSolve::Lines;
     SolverSettings { substeps, iterations, structural, drag: 0.0, ..SolverSettings::default() }
@@ -19,7 +19,7 @@ fn lines(substeps: u32, iterations: u32) -> SolverSettings {
 
 /// All sticks rigid.
 fn stiff() -> ClothMaterial {
-    ClothMaterial { shear: 1.0, bend: 1.0, ..ClothMaterial::default() }
+    ClothMaterial { shear_stiffness: 1.0, bend_stiffness: 1.0, ..ClothMaterial::default() }
 }
 
 fn hash(island: &Island) -> u64 {
@@ -28,7 +28,7 @@ fn hash(island: &Island) -> u64 {
     hasher.finish()
 }
 
-/// A rope of 2 m that falls from level about its pinned start.
+/// A level rope of 2 m that falls about its pinned start.
 #[test]
 fn a_swinging_rope_stretches_far_less_than_with_sweeps() {
     for tethers in [false, true] {
@@ -44,8 +44,8 @@ fn a_swinging_rope_stretches_far_less_than_with_sweeps() {
     }
 }
 
-/// A straight chain between two pins has one stick more than particles to move along it: it must neither burst nor
-/// move, and a load must not make it sag by more than sweeps let it.
+/// A straight chain between two pins has one stick more than free particles. It must neither burst nor move, and must not
+/// sag under a load by more than with sweeps.
 #[test]
 fn a_taut_rope_between_two_pins_stays_taut() {
     for (count, columns_of_cells) in [(48, true), (61, true), (9, false)] {
@@ -58,8 +58,8 @@ fn a_taut_rope_between_two_pins_stays_taut() {
     }
 }
 
-/// With one line solve in a substep, as high quality has it, a rope that was laid taut hummed for ever: 0.065 m/s, and 0.26 m/s with
-/// eight substeps. It never slept.
+/// With one line solve in a substep, as in high quality, a taut rope once vibrated for ever and never slept: at 0.065 m/s,
+/// and at 0.26 m/s with eight substeps.
 #[test]
 fn a_taut_rope_between_two_pins_comes_to_rest() {
     for (substeps, part) in [(8, 1.0), (8, 0.999), (16, 1.0), (16, 0.999)] {
@@ -76,7 +76,7 @@ fn a_taut_rope_between_two_pins_comes_to_rest() {
     }
 }
 
-/// A sheet pinned at two corners ends hanging, at rest, mirrored about its middle, and unstretched.
+/// A sheet pinned at two corners comes to rest symmetric about its middle, and unstretched.
 #[test]
 fn a_sheet_hung_by_two_corners_ends_symmetric_and_unstretched() {
     for n in [16_u32, 24, 50] {
@@ -98,7 +98,7 @@ fn a_sheet_hung_by_two_corners_ends_symmetric_and_unstretched() {
     }
 }
 
-/// Buckling: what is pushed together along itself folds, but neither jams nor bursts, and makes no energy.
+/// Buckling: a sheet that is compressed in its plane folds; it neither jams nor bursts, and gains no energy.
 #[test]
 fn a_cloth_compressed_along_itself_buckles() {
     for n in [20_u32, 64] {
@@ -110,7 +110,7 @@ fn a_cloth_compressed_along_itself_buckles() {
                 .pin_edge(Edge::Right);
             let mut island = Island::of_body(sheet.build(settings).expect("valid"));
             let environment = weightless(FRAME);
-            // The right edge comes a third of the way to the left one in half a second.
+            // In half a second the right edge moves a third of the way to the left one.
             for index in 1..=30 {
                 let x = 1.0 - index as f32 / 90.0;
                 for row in 0..n {
@@ -135,7 +135,7 @@ fn a_cloth_compressed_along_itself_buckles() {
     }
 }
 
-/// A rope laid out at two thirds of its length, straight: there is no side to which it should buckle.
+/// A straight rope compressed to two thirds of its length has no preferred side to buckle to.
 #[test]
 fn a_straight_compressed_chain_stays_finite() {
     for count in [48_u32, 100] {
@@ -152,7 +152,7 @@ fn a_straight_compressed_chain_stays_finite() {
     }
 }
 
-/// Energy in parts of `m g L`: the most that it exceeds that of the start by; after a violent start, that of step 30.
+/// The greatest gain of energy since the start, as a part of `m g L`; after a violent start, since step 30.
 fn gained(n: u32, corners: bool, settings: SolverSettings, violent: bool) -> f64 {
     let mut island = level_sheet(n, corners, stiff(), settings, violent);
     let environment: Environment = gravity(FRAME);
@@ -205,7 +205,7 @@ fn a_large_hanging_sheet_with_lines_gains_no_energy() {
     check(&[256], &[1, 4, 16]);
 }
 
-/// Sticks pull both their ends alike: a free cloth in a tangle keeps its momentum.
+/// Sticks pull both ends alike: a free, tangled cloth keeps its momentum.
 #[test]
 fn a_free_cloth_keeps_its_momentum() {
     for (columns, rows) in [(20, 17), (50, 9)] {
@@ -224,8 +224,8 @@ fn a_free_cloth_keeps_its_momentum() {
     }
 }
 
-/// A cannon ball and a sheet pinned all round: it is thrown back, nowhere deeper than with sweeps (which let
-/// it through the finer of the two sheets), and nothing bursts.
+/// A sheet pinned all round throws a cannon ball back. The ball gets nowhere deeper than with sweeps (which let it through
+/// the finer of the two sheets), and nothing bursts.
 #[test]
 fn a_cannon_ball_is_stopped_by_a_pinned_sheet() {
     for (cells, speed) in [(16_u32, 8.0), (16, 25.0), (24, 8.0), (24, 25.0_f32)] {
@@ -256,8 +256,8 @@ fn a_cannon_ball_is_stopped_by_a_pinned_sheet() {
     }
 }
 
-/// At the demo's speeds the ball does not go through the demo's curtain: all cloth in its way is in front of it, and
-/// has slowed it.
+/// At the demo's speeds the ball does not go through the demo's curtain: all cloth in its path is in front of it, and has
+/// slowed it.
 #[test]
 fn a_cannon_ball_does_not_go_through_a_curtain() {
     for (speed, x, y) in [(12.0, 0.0, 1.8), (25.0, 0.03, 2.1), (18.0, -1.0, 1.7), (25.0, 1.2, 2.6)] {
@@ -287,7 +287,7 @@ fn a_cannon_ball_does_not_go_through_a_curtain() {
     }
 }
 
-/// A falling sheet over a sphere, with masses of its border and one loose pin: everything that lines are compiled for.
+/// A falling sheet over a sphere, with half masses along its border and one loose pin: all cases of the line kernels.
 fn sheet(columns: u32, rows: u32, isa: Isa) -> (Island, Environment) {
     let sheet = ClothBuilder::new(2.0, 2.0, columns, rows)
         .placed(Vec3::new(-1.0, 1.0, -1.0), Vec3::X, Vec3::Z)
@@ -326,10 +326,10 @@ fn stage_by_stage_gives_the_bits_of_whole_substeps() {
     assert_eq!(hash(&whole), hash(&staged));
 }
 
-/// Soft structural sticks, and bodies that are no grids of cells, are swept, to the bit.
+/// Soft structural sticks, and bodies without a grid of cells, get the same bits as with sweeps.
 #[test]
 fn what_lines_do_not_apply_to_is_swept() {
-    let soft = ClothMaterial { structural: 0.9, ..ClothMaterial::default() };
+    let soft = ClothMaterial { stretch_stiffness: 0.9, ..ClothMaterial::default() };
     let soft_sheet = |settings| ClothBuilder::new(1.0, 1.0, 20, 20).material(soft).pin(0).build(settings);
     let small_sheet = |settings| ClothBuilder::new(1.0, 1.0, 6, 6).pin(0).build(settings);
     let short_rope = |settings| RopeBuilder::new(Vec3::ZERO, Vec3::X, 12).pin_start().build(settings);
@@ -345,7 +345,7 @@ fn what_lines_do_not_apply_to_is_swept() {
     }
 }
 
-/// Setting and unsetting lines while the cloth hangs does not make it jump.
+/// Switching lines on and off does not make a hanging cloth jump.
 #[test]
 fn lines_may_come_and_go() {
     let sheet = ClothBuilder::new(1.0, 1.0, 20, 20).pin_edge(Edge::Top).build(lines(8, 1)).expect("valid");
@@ -359,7 +359,7 @@ fn lines_may_come_and_go() {
     }
 }
 
-/// Pins anywhere, and masses a million times apart, in one cloth.
+/// One cloth with random pins, and with masses a million times apart.
 #[test]
 fn pins_and_masses_of_all_kinds_stay_finite() {
     for (columns, rows) in [(20_u32, 20), (52, 30)] {

@@ -1,5 +1,7 @@
-//! The laws of physics that the solver must keep, one file a subject. Tests cite what they guard by its id
-//! (S1 to S33) in the list at the end of `ARCHITECTURE.md`.
+//! The laws of physics that the solver must keep, one file for each subject. Tests cite the rule that they guard by its id
+//! (S1 to S33) in docs/design/seeds.md.
+//!
+//! Design: docs/design/laws_and_mutations.md.
 
 mod bad_input;
 mod ballistic_pendulum;

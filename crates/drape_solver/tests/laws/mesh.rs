@@ -1,4 +1,4 @@
-//! Irregular meshes: however a modeller numbered the vertices, the body is the same.
+//! Irregular meshes: the numbering of the vertices does not change the body.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ struct Mesh {
     faces: Vec<[u32; 3]>,
 }
 
-/// `side` x `side` vertices over 2 m x 2 m, moved about, their squares cut into triangles.
+/// `side` x `side` vertices over 2 m x 2 m, displaced at random; each square is two triangles.
 fn mesh(side: u32) -> Mesh {
     let mut dice = Dice(5);
     let spacing = 2.0 / (side - 1) as f32;
@@ -64,7 +64,7 @@ fn shuffled(count: usize) -> Vec<u32> {
     order
 }
 
-/// The mesh as a body; `inverse_mass` by the number of the vertex, 0 for a pin.
+/// The mesh as a body. `inverse_mass` takes the number of the vertex, and is 0 for a pin.
 fn body(mesh: &Mesh, inverse_mass: impl Fn(usize) -> f32, settings: SolverSettings) -> Body {
     let masses: Vec<f32> = (0..mesh.positions.len()).map(inverse_mass).collect();
     let pins: Vec<u32> = (0..masses.len() as u32).filter(|&i| masses[i as usize] == 0.0).collect();
@@ -86,7 +86,7 @@ fn falling(isa: Isa, settings: SolverSettings) -> (Island, Environment) {
     let order = shuffled(mesh.positions.len());
     let pins = [order[0] as usize, order[29] as usize];
     let mesh = numbered(&mesh, &order);
-    // Some neighbours weigh the same, most do not.
+    // Some neighbours have the same mass, most do not.
     let masses = |i: usize| if pins.contains(&i) { 0.0 } else { 300.0 + (i % 5) as f32 * 40.0 };
     let sphere = obstacle(Shape::Sphere { radius: 0.5 }, Vec3::new(0.0, 0.3, 0.0), 0.5);
     let environment = Environment { obstacles: vec![Obstacle::ground(), sphere].into(), ..gravity(FRAME) };
@@ -125,7 +125,7 @@ fn the_stages_one_by_one_are_the_step() {
     assert_eq!(hash(&whole), hash(&staged));
 }
 
-/// Sticks, tethers and faces name the particles that they were given, at their lengths.
+/// Sticks, tethers and faces keep their particles and lengths.
 #[test]
 fn a_mesh_keeps_the_numbers_of_its_vertices() {
     let mesh = numbered(&mesh(30), &shuffled(900));
@@ -154,8 +154,8 @@ fn a_mesh_keeps_the_numbers_of_its_vertices() {
     }
 }
 
-/// Where particles are, how they move, their masses and where their pins go: all by the number of the vertex, before and
-/// after the first step has put them where sticks look for them.
+/// Positions, velocities, masses and pin targets go by the number of the vertex, before and after the first step, which
+/// sorts particles into slots.
 #[test]
 fn a_mesh_keeps_the_state_of_its_vertices() {
     let mesh = numbered(&mesh(30), &shuffled(900));
@@ -184,7 +184,7 @@ fn a_mesh_keeps_the_state_of_its_vertices() {
     assert_eq!(particles(&island).positions().position(|p| p == Vec3::splat(9.0)), Some(42));
 }
 
-/// Numbering is no physics: a mesh in order and the same mesh shuffled hang alike.
+/// A mesh in order and the same mesh shuffled hang alike.
 #[test]
 fn a_shuffled_mesh_hangs_as_the_mesh_in_order_does() {
     let settings = SolverSettings { substeps: 8, drag: 1.0, ..bare() };
@@ -203,7 +203,7 @@ fn a_shuffled_mesh_hangs_as_the_mesh_in_order_does() {
     assert!((height(&in_order) - height(&other)).abs() < 0.02, "{} {}", height(&in_order), height(&other));
 }
 
-/// A free mesh keeps its momentum, whatever its particles weigh.
+/// A free mesh with particles of any mass keeps its momentum.
 #[test]
 fn a_free_mesh_keeps_its_momentum() {
     let mesh = numbered(&mesh(30), &shuffled(900));
@@ -219,8 +219,8 @@ fn a_free_mesh_keeps_its_momentum() {
     });
 }
 
-/// Each of many stretched dumbbells is pulled together about its own centre of mass, whichever end is the heavier: the sum
-/// over all of them, in which errors may cancel, does not count.
+/// Each of many stretched dumbbells contracts about its own centre of mass, with either end the heavier. Checks each of
+/// them, as errors may cancel in the sum.
 #[test]
 fn each_of_many_dumbbells_keeps_its_own_centre() {
     let count = 64;
@@ -242,7 +242,7 @@ fn each_of_many_dumbbells_keeps_its_own_centre() {
     }
 }
 
-/// A hanging mesh gains no energy, and stays as long as it is.
+/// A hanging mesh gains no energy, and keeps its length.
 #[test]
 fn a_hanging_mesh_gains_no_energy_and_does_not_stretch() {
     for iterations in [1, 2] {
@@ -271,8 +271,8 @@ fn a_hanging_mesh_gains_no_energy_and_does_not_stretch() {
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Any graph: each particle keeps its number, each stick its ends, and a step stays finite and the same on every
-    /// instruction set.
+    /// For any graph, each particle keeps its number and each stick its ends. A step stays finite, and gives the same bits
+    /// on every instruction set.
     #[test]
     fn a_random_graph_keeps_its_numbers_and_its_bits(
         count in 256_u32..900,

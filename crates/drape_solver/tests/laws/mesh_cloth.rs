@@ -14,12 +14,12 @@ use crate::common::*;
 /// Vertices and triangles.
 type Mesh = (Vec<Vec3>, Vec<[u32; 3]>);
 
-/// An open tube of radius 0.5 m, 1 m high, about the Y axis, in `columns` x `rows` squares. The first and the last column of
-/// vertices are in the same places, as texture coordinates differ there.
+/// An open tube about the Y axis, 0.5 m in radius and 1 m high, of `columns` x `rows` squares. The first and the last column
+/// of vertices are in the same places, as at a seam of texture coordinates.
 fn tube(columns: u32, rows: u32) -> Mesh {
     let at = |column: u32, row: u32| row * (columns + 1) + column;
     let place = |column: u32, row: u32| {
-        // To the bit where it began.
+        // The last column has the bits of the first.
         let (sin, cos) = (TAU * (column % columns) as f32 / columns as f32).sin_cos();
         Vec3::new(0.5 * cos, 1.0 - row as f32 / rows as f32, -0.5 * sin)
     };
@@ -33,13 +33,13 @@ fn tube(columns: u32, rows: u32) -> Mesh {
     (positions, squares.flat_map(|(column, row)| square(column, row)).collect())
 }
 
-/// The same triangles, each with corners of its own.
+/// The same triangles, each with its own vertices.
 fn soup((positions, faces): &Mesh) -> Mesh {
     let corners = faces.iter().flatten().map(|&corner| positions[corner as usize]).collect();
     (corners, (0..faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
-/// The same triangles, with vertices in another order, of which some are there twice.
+/// The same triangles with shuffled vertices, some of them duplicated.
 fn shuffled((positions, faces): &Mesh) -> Mesh {
     let mut dice = Dice(3);
     let mut places: Vec<Vec3> = positions.iter().chain(positions).copied().collect();
@@ -89,7 +89,7 @@ fn a_mesh_weighs_its_area_times_its_density() {
     }
 }
 
-/// A corner of one triangle has a third of its mass, not a quarter or a sixth of the square's.
+/// A corner of one triangle gets a third of the triangle's mass, not a quarter or a sixth of the square's.
 #[test]
 fn mass_lies_where_the_area_is() {
     let mesh = (vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::Y, Vec3::NEG_X], vec![[0, 1, 2], [0, 2, 3]]);
@@ -113,7 +113,7 @@ fn edges_and_the_corners_across_them_are_joined() {
     assert!(cloth.repairs.is_empty(), "{}", cloth.repairs);
 }
 
-/// Blown up from within, it stays closed where the first and the last column of vertices meet.
+/// A tube that is blown up from inside stays closed at the seam.
 #[test]
 fn a_welded_tube_does_not_open_along_its_seam() {
     let (columns, rows) = unless_miri((24, 10), (6, 2));
@@ -220,7 +220,7 @@ fn what_is_no_cloth_is_refused_in_words_that_name_the_fault() {
         assert!(error.to_string().contains(words), "{name}: {error}");
     }
     let density = |areal_density| ClothMaterial { areal_density, ..ClothMaterial::default() };
-    let stiffness = |bend| ClothMaterial { bend, ..ClothMaterial::default() };
+    let stiffness = |bend_stiffness| ClothMaterial { bend_stiffness, ..ClothMaterial::default() };
     let fields = [
         (builder(square()).material(density(0.0)), "areal_density"),
         (builder(square()).material(density(f32::NAN)), "areal_density"),
@@ -237,7 +237,7 @@ fn what_is_no_cloth_is_refused_in_words_that_name_the_fault() {
     assert_eq!(pin, MeshError::Build(BuildError::NoSuchParticle { what: "a pin", index: 4, count: 4 }));
 }
 
-/// A strip of `count` squares, closed with half a turn.
+/// A strip of `count` squares, closed with half a twist.
 fn moebius(count: u32) -> Mesh {
     let point = |i: u32, side: f32| {
         let angle = TAU * i as f32 / count as f32;
@@ -332,7 +332,8 @@ fn what_is_odd_is_put_right_said_and_simulated() {
     }
 }
 
-/// Where three triangles meet a larger one along its side, a triangle without an area fills the gap: left out, it would open.
+/// Three triangles meet a larger one along its side, and a triangle without an area fills the gap. Without its edges the
+/// cloth would open there.
 #[test]
 fn what_an_empty_triangle_joins_stays_joined() {
     let positions = vec![

@@ -1,4 +1,4 @@
-//! Momentum and energy across hits, without gravity: what contacts, friction and sticks may not make or lose.
+//! Momentum and energy across hits without gravity: contacts, friction and sticks keep momentum and gain no energy.
 
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
@@ -6,7 +6,7 @@ use drape_solver::{BallMaterial, ClothBuilder, ClothMaterial, Island, SolverSett
 
 use crate::common::*;
 
-/// A ball about to hit a free sheet off its middle, aslant, and already spinning.
+/// A spinning ball about to hit a free sheet off its middle, at an angle.
 fn hit(substeps: u32) -> Island {
     let settings = SolverSettings { substeps, iterations: 2, drag: 0.0, ..SolverSettings::default() };
     let sheet = ClothBuilder::new(1.5, 1.2, 21, 17)
@@ -20,7 +20,7 @@ fn hit(substeps: u32) -> Island {
     island
 }
 
-/// Issue 2, acceptance 2: ball and free cloth keep their linear momentum, to single precision.
+/// Ball and free cloth keep their linear momentum, to single precision.
 #[test]
 fn a_ball_and_a_free_cloth_keep_their_momentum() {
     for substeps in [4, 16, 64] {
@@ -35,7 +35,7 @@ fn a_ball_and_a_free_cloth_keep_their_momentum() {
     }
 }
 
-/// A ball of M kg and v m/s and the cloth of m kg that it takes along: their common centre goes on at `M v / (M + m)`.
+/// A ball of M kg and v m/s takes a cloth of m kg along: their common centre moves on at `M v / (M + m)`.
 #[test]
 fn the_common_centre_of_ball_and_cloth_goes_on_at_its_speed() {
     for substeps in [4, 16] {
@@ -60,8 +60,8 @@ fn the_common_centre_of_ball_and_cloth_goes_on_at_its_speed() {
     }
 }
 
-/// A hit soft enough to need no more substeps than it is given, off the middle and aslant, begun at `phase` (0 to 1)
-/// of a substep: error of the angular momentum after it, as a part of what the ball brought.
+/// The error of the angular momentum after a hit off the middle and at an angle, as a part of the ball's. The hit is soft
+/// enough to need no further substeps, and begins at `phase` (0 to 1) of a substep.
 fn angular_error(substeps: u32, phase: f32) -> f64 {
     let settings = SolverSettings { substeps, iterations: 2, drag: 0.0, ..SolverSettings::default() };
     let material = ClothMaterial { areal_density: 1.0, ..ClothMaterial::default() };
@@ -85,8 +85,8 @@ fn angular_error(substeps: u32, phase: f32) -> f64 {
     (angular_momentum(&island) - before).length() / brought
 }
 
-/// Issue 2, acceptance 2: angular momentum to 2 % at 16 substeps, and better in proportion with more. A single hit
-/// depends on where in a substep it falls, so the mean over eight is taken.
+/// Angular momentum is kept to 2 % at 16 substeps, and better in proportion with more. A single hit depends on its time
+/// within a substep, so the test takes the mean over eight.
 #[test]
 fn the_error_of_angular_momentum_falls_with_the_substep() {
     let mean = |substeps| (0..8).map(|k| angular_error(substeps, k as f32 / 8.0)).sum::<f64>() / 8.0;
@@ -97,8 +97,8 @@ fn the_error_of_angular_momentum_falls_with_the_substep() {
     assert!(at_64 < 0.65 * at_32, "{at_32} at 32 substeps, {at_64} at 64");
 }
 
-/// Contacts, friction and rigid sticks do no work: kinetic energy only falls, but for what sticks give back that a
-/// sweep had left stretched.
+/// Contacts, friction and rigid sticks do no work: kinetic energy only falls, except for the energy of sticks that a sweep
+/// had left stretched.
 #[test]
 fn kinetic_energy_never_rises_across_a_hit() {
     for substeps in [4, 16] {
@@ -114,7 +114,7 @@ fn kinetic_energy_never_rises_across_a_hit() {
     }
 }
 
-/// Two rough spinning balls off centre: momentum, linear and angular, is kept; energy is not made.
+/// Two rough spinning balls hit off centre: linear and angular momentum is kept, and no energy is gained.
 #[test]
 fn two_balls_keep_their_momentum() {
     for friction in [0.0, 0.5] {
@@ -124,7 +124,7 @@ fn two_balls_keep_their_momentum() {
         island.balls.push(ball(second, Vec3::new(1.0, 0.1, 0.05), Vec3::new(-3.0, 0.0, 0.1)));
         island.balls[0].set_spin(Vec3::new(0.0, 5.0, 9.0));
         let (linear, angular) = (momentum(&island), angular_momentum(&island));
-        // What the hit is about: reduced mass, relative speed and distance of the centres.
+        // The scale of the hit: reduced mass, relative speed and distance of the centres.
         let scale = 0.75 * 7.0 * 0.3;
         let energy = kinetic_energy(&island);
         run(&mut island, &weightless(1.0 / 960.0), 1.0);
@@ -148,7 +148,7 @@ fn a_head_on_hit_of_equal_balls_stops_both() {
     }
 }
 
-/// Sticks pull both ends alike: a tumbling free cloth keeps its momentum, and slows its turning only slowly.
+/// Sticks pull both ends alike: a tumbling free cloth keeps its momentum, and its rotation slows only slowly.
 #[test]
 fn a_tumbling_cloth_keeps_its_momentum() {
     let settings = SolverSettings { drag: 0.0, substeps: 16, iterations: 1, ..SolverSettings::default() };

@@ -1,4 +1,4 @@
-//! Limits on motion: how far a particle may be from where an animation has it.
+//! Motion limits: the greatest distance of a particle from its animated place.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
@@ -21,7 +21,7 @@ fn sheet(particles: u32, lowest: f32) -> Body {
     body
 }
 
-/// How far the rail and the centres of all limits have gone after so many seconds.
+/// Displacement in metres of the rail and of all limits' centres after this time in seconds.
 fn way(time: f32) -> Vec3 {
     Vec3::new(1.5 * libm::sinf(3.0 * time), 0.2 * libm::sinf(7.0 * time), 0.4 * libm::sinf(5.0 * time))
 }
@@ -38,7 +38,7 @@ fn places(body: &Body) -> Vec<Vec3> {
     body.particles.positions().collect()
 }
 
-/// How far beyond its limit the worst particle is, in metres.
+/// The greatest distance in metres of a particle beyond its limit.
 fn excess(body: &Body) -> f32 {
     let limits = (0..body.particles.len()).filter_map(|i| {
         let (centre, distance) = body.particles.motion_limit(i)?;
@@ -53,7 +53,7 @@ fn hash(island: &Island) -> u64 {
     hasher.finish()
 }
 
-/// Limits hold at the end of every step, whatever swings, falls and pushes.
+/// Limits hold at the end of every step, while the cloth swings and falls, and a sphere pushes it.
 #[test]
 fn limits_hold_through_all_that_pulls_and_pushes() {
     let mut worst = f32::NEG_INFINITY;
@@ -75,7 +75,7 @@ fn limits_hold_through_all_that_pulls_and_pushes() {
     assert!(touched > 0 || cfg!(miri), "nothing was in the way");
 }
 
-/// A limit of zero is the animation.
+/// Under a limit of zero the particles follow the animation exactly.
 #[test]
 fn a_limit_of_zero_follows_the_animation() {
     let mut island = Island::of_body(sheet(8, 0.0));
@@ -89,7 +89,7 @@ fn a_limit_of_zero_follows_the_animation() {
     }
 }
 
-/// What is far from its limit does not feel it.
+/// A limit does not affect a particle inside it.
 #[test]
 fn a_limit_out_of_reach_changes_no_bit() {
     let mut islands = [sheet(16, 1.0), sheet(16, 1.0)].map(Island::of_body);
@@ -102,7 +102,7 @@ fn a_limit_out_of_reach_changes_no_bit() {
     assert_eq!(hash(&islands[0]), hash(&islands[1]));
 }
 
-/// What a limit holds back has no velocity beyond it.
+/// A particle at its limit has no velocity outwards.
 #[test]
 fn what_is_held_back_does_not_swing_on() {
     let mut body = loose(&[Vec3::ZERO], bare());
@@ -117,7 +117,7 @@ fn what_is_held_back_does_not_swing_on() {
     assert!(particles.velocity(0).length() < 1e-3, "{}", particles.velocity(0));
 }
 
-/// Where a limit and an obstacle cannot both hold the limit does, and it is counted; where they can, both do.
+/// If a limit and an obstacle contradict each other the limit holds, and the conflict is counted; otherwise both hold.
 #[test]
 fn a_limit_wins_over_an_obstacle_and_is_counted() {
     for (distance, is_conflict) in [(0.02, true), (0.5, false)] {
@@ -139,7 +139,7 @@ fn a_limit_wins_over_an_obstacle_and_is_counted() {
     }
 }
 
-/// One by one or all at once, on every instruction set, in sweeps or not.
+/// A whole step and its stages one by one give the same bits, on every instruction set.
 #[test]
 fn bits_depend_neither_on_instructions_nor_on_the_way_stages_are_run() {
     let run = |isa: Isa, is_staged: bool| {
@@ -168,7 +168,7 @@ fn bits_depend_neither_on_instructions_nor_on_the_way_stages_are_run() {
     }
 }
 
-/// A state that is written down and read goes on as it would have.
+/// A body continues identically after its state was saved and restored.
 #[test]
 fn a_restored_body_goes_on_with_the_same_bits() {
     let mut island = Island::of_body(sheet(12, 0.2));

@@ -1,4 +1,4 @@
-//! Obstacles that move: they push, carry and do not pass through.
+//! Moving obstacles push and carry cloth, and do not pass through it.
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{ClothBuilder, Edge, Environment, Island, Placement, Shape, SolverSettings};
@@ -18,7 +18,7 @@ fn sheet(pinned: bool) -> Island {
     )
 }
 
-/// A moving sphere pushes a loose sheet along and stays on its own side of it.
+/// A moving sphere pushes a loose sheet along, and stays on its side of it.
 #[test]
 fn a_moving_sphere_pushes_a_sheet_ahead() {
     let radius = 0.3;
@@ -34,7 +34,7 @@ fn a_moving_sphere_pushes_a_sheet_ahead() {
             assert!(depth < 1e-3, "particle {i} is {depth} m inside at step {index}");
         }
     }
-    // The middle of the sheet rides on the front of the sphere.
+    // The middle of the sheet stays on the front of the sphere.
     let middle = particles(&island).position(12 * 25 + 12);
     let front = -0.4 + 2.0 + radius + THICKNESS;
     assert!((middle.z - front).abs() < 0.05, "{middle} with the sphere's front at {front}");
@@ -42,7 +42,7 @@ fn a_moving_sphere_pushes_a_sheet_ahead() {
     assert!((1.0..3.0).contains(&speed), "it goes at about the sphere's speed: {speed}");
 }
 
-/// At 5 m/s through a hanging curtain, no particle ends a step inside, and none is shot away.
+/// An obstacle moves at 5 m/s through a hanging curtain. No particle ends a step inside it, and none is thrown away.
 #[test]
 fn a_fast_obstacle_leaves_no_particle_inside() {
     let radius = 0.25;
@@ -60,7 +60,7 @@ fn a_fast_obstacle_leaves_no_particle_inside() {
                 if particles(&island).is_pinned(i) {
                     continue;
                 }
-                // Friction has the last word, and takes corners of faces with it around an edge.
+                // Friction runs last, and drags corners of faces around an edge.
                 let depth = THICKNESS - distance(&shape, position - centre);
                 assert!(
                     depth < 0.5 * THICKNESS,
@@ -73,7 +73,7 @@ fn a_fast_obstacle_leaves_no_particle_inside() {
     }
 }
 
-/// A paddle that turns sweeps particles along with the speed of its surface.
+/// A rotating paddle sweeps particles along at the speed of its surface.
 #[test]
 fn a_turning_paddle_sweeps_particles_along() {
     let settings = SolverSettings { substeps: 8, ..bare() };
@@ -87,14 +87,14 @@ fn a_turning_paddle_sweeps_particles_along() {
         environment.obstacles[0].move_to(Placement { rotation, ..Placement::default() }, FRAME);
         drape_solver::step(&mut island, &environment).expect("a good step");
     }
-    // Without friction the surface gives it the speed `rate * distance` along its normal, at least at first.
+    // Without friction the surface at first gives it the speed `rate * distance` along its normal.
     let particle = particles(&island);
     assert!(particle.velocity(0).length() > 0.9 * rate, "{}", particle.velocity(0));
     let local = Quat::from_rotation_y(-rate * FRAME * 15.0) * particle.position(0);
     assert!(local.z < -0.1 + 1e-4, "it was not passed through: {local}");
 }
 
-/// An obstacle that stands still for a step after moving no longer carries anything.
+/// An obstacle that stands still for one step after moving no longer carries anything.
 #[test]
 fn an_obstacle_that_stops_carries_no_further() {
     let mut ground = drape_solver::Obstacle::ground();

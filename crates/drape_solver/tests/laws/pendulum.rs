@@ -1,4 +1,4 @@
-//! A mass on a stick is the mathematical pendulum, but for a damping of first order in the substep.
+//! A mass on a stick is the mathematical pendulum, except for a damping of first order in the substep.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{Island, SolverSettings};
@@ -18,15 +18,15 @@ fn complete_elliptic(k: f64) -> f64 {
     core::f64::consts::FRAC_PI_2 / a
 }
 
-/// The first swing of a pendulum that is let go at `angle` (radians): its period in seconds, and the part of the amplitude
-/// (as an angle) that is left where it turns for the second time.
+/// The first swing of a pendulum released at `angle` (radians): its period in seconds, and the part of the amplitude (as an
+/// angle) that is left at its second turning point.
 fn first_swing(angle: f64, substeps: u32) -> (f64, f64) {
     let bob = Vec3::new(angle.sin() as f32, -angle.cos() as f32, 0.0) * LENGTH;
     let settings = SolverSettings { substeps, ..bare() };
     let body = joined(&[Vec3::ZERO, bob], &[0.0, 1.0], &[[0, 1]], settings);
     let mut island = Island::of_body(body);
     let (mut crossings, mut last, mut highest) = (Vec::new(), angle, 0.0_f64);
-    // Short steps, so that a straight line between two of them is good enough.
+    // Short steps, so that linear interpolation between two of them is accurate enough.
     let dt = FRAME / 4.0;
     run_with(&mut island, &gravity(dt), 3.0, |island, index| {
         let place = particles(island).position(1).as_dvec3();
@@ -44,8 +44,8 @@ fn first_swing(angle: f64, substeps: u32) -> (f64, f64) {
 
 /// The period is `4 sqrt(L/g) K(sin(a/2))`, K the complete elliptic integral (Landau and Lifshitz, Mechanics, section 11).
 ///
-/// In substeps of a fifteen-thousandth of a second (64 here, or 256 of 1/60 s) the way that gravity adds in one is less than
-/// single precision resolves in a place: the period is then 17 % off at 5 degrees.
+/// In substeps of 1/15,000 s (64 here, or 256 in 1/60 s) gravity adds less to a displacement than single precision resolves:
+/// the period is then 17 % off at 5 degrees.
 #[test]
 fn the_period_of_the_first_swing_is_the_elliptic_integral() {
     for (degrees, tolerances) in [(5.0_f64, [4e-3, 2.1e-3, 0.26]), (60.0, [0.0112, 2.2e-3, 0.07])] {
@@ -64,8 +64,8 @@ fn the_period_of_the_first_swing_is_the_elliptic_integral() {
 }
 
 /// Projection onto the stick takes `g cos(a) h / L` of the bob's speed each second, so that small swings decay as
-/// `exp(-g h t / 2L)`: to first order in the substep `h`. (The bob flies `g h^2` past the end of the stick; its way along
-/// the circle shrinks as it is put back.)
+/// `exp(-g h t / 2L)`, to first order in the substep `h`. (The bob flies `g h^2` beyond the end of the stick; projection
+/// back shortens its path along the circle.)
 #[test]
 fn the_numerical_damping_of_a_pendulum_is_of_first_order() {
     let angle = 5.0_f64.to_radians();

@@ -1,4 +1,4 @@
-//! Random small scenes: whatever is put together, no step panics, makes NaN, or throws anything.
+//! Random small scenes: no step panics, makes NaN, or throws a body away.
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
@@ -41,8 +41,20 @@ fn cloth() -> impl Strategy<Value = Body> {
     let material = (stiffness(), stiffness(), stiffness(), between(0.0, 20.0));
     let grid = (2_u32..9, 2_u32..9, between(0.2, 2.0));
     (settings(), material, grid, vector(1.0), proptest::bits::u32::masked(0xffff)).prop_map(
-        |(settings, (structural, shear, bend, damping), (columns, rows, size), origin, pins)| {
-            let material = ClothMaterial { structural, shear, bend, damping, ..ClothMaterial::default() };
+        |(
+            settings,
+            (stretch_stiffness, shear_stiffness, bend_stiffness, damping),
+            (columns, rows, size),
+            origin,
+            pins,
+        )| {
+            let material = ClothMaterial {
+                stretch_stiffness,
+                shear_stiffness,
+                bend_stiffness,
+                damping,
+                ..ClothMaterial::default()
+            };
             ClothBuilder::new(size, size, columns, rows)
                 .placed(origin, Vec3::X, Vec3::Z)
                 .material(material)
@@ -57,7 +69,8 @@ fn rope() -> impl Strategy<Value = Body> {
     (settings(), vector(1.0), vector(1.0), 2_u32..20, between(0.0, 1.0), between(0.0, 1.0)).prop_map(
         |(settings, start, way, count, stretch, bend)| {
             RopeBuilder::new(start, start + way + Vec3::X * 1.1, count)
-                .stiffness(stretch, bend)
+                .stretch_stiffness(stretch)
+                .bend_stiffness(bend)
                 .pin_start()
                 .build(settings)
                 .expect("valid")
@@ -97,7 +110,7 @@ fn obstacles() -> impl Strategy<Value = Vec<Obstacle>> {
     proptest::collection::vec(obstacle, 0..4)
 }
 
-/// Balls of a density between cork and iron that come from above everything else.
+/// Balls with a density between cork and iron that start above everything else.
 fn shots() -> impl Strategy<Value = Vec<Ball>> {
     let shot = (
         between(0.03, 0.2),
@@ -116,7 +129,7 @@ fn shots() -> impl Strategy<Value = Vec<Ball>> {
     proptest::collection::vec(shot, 0..3)
 }
 
-/// Forty steps, with the obstacles walking to and fro and once jumping, and a look after each.
+/// Forty steps in which obstacles move to and fro and jump once. Checks the island after each.
 fn run_scene(
     island: &mut Island,
     environment: &mut Environment,
@@ -171,8 +184,8 @@ fn random_numbers_fill_their_range_and_shrink_towards_zero() {
 proptest! {
     #![proptest_config(cases(200))]
 
-    /// Whatever is put into whatever: a ball in the middle of a cloth, in another ball, in a wall. There may be no
-    /// good way out, but there is no panic and no NaN.
+    /// Bodies overlap at random: a ball in the middle of a cloth, in another ball, in a wall. There may be no good way out,
+    /// but there is no panic and no NaN.
     #[test]
     fn random_scenes_stay_finite(
         cloth in cloth(),
@@ -188,9 +201,8 @@ proptest! {
         run_scene(&mut island, &mut environment, &moves, |_| Ok(()))?;
     }
 
-    /// Balls that come from outside hit, slide and rest, and neither they nor what they hit is thrown. The bound for
-    /// cloth is that of its worst case: slack sticks that a heavy ball has stretched by a metre and lets go of, and
-    /// tethers that bring them home in one substep.
+    /// Balls from outside hit, slide and rest, and throw nothing. The bound for cloth is its worst case: a heavy ball
+    /// stretches slack sticks by a metre and lets go, and tethers bring them back in one substep.
     #[test]
     fn random_shots_throw_nothing(
         cloth in cloth(),
@@ -211,7 +223,7 @@ proptest! {
         })?;
     }
 
-    /// Free bodies and balls in random motion, in collision with each other only, keep their momentum.
+    /// Free bodies and balls in random motion, which collide only with each other, keep their momentum.
     #[test]
     fn random_hits_keep_momentum(
         cloth in cloth(),

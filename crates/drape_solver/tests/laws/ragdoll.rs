@@ -1,4 +1,4 @@
-//! S31, S32: ragdolls, and motion that is inherited from an animation.
+//! S31, S32: ragdolls, and motion inherited from an animation.
 
 use drape_solver::glam::{DVec3, Quat, Vec3};
 use drape_solver::state::measure;
@@ -13,7 +13,7 @@ fn settings() -> SolverSettings {
     SolverSettings { substeps: 16, iterations: 4, thickness: 0.05, friction: 0.6, drag: 0.6, ..bare() }
 }
 
-/// Five steps of 18 by 28 cm, down towards +X, from 0.9 m.
+/// Five steps of 18 by 28 cm that go down towards +X from 0.9 m.
 pub fn stairs() -> Vec<Obstacle> {
     let mut obstacles = vec![Obstacle::ground()];
     for k in 0..5 {
@@ -26,7 +26,7 @@ pub fn stairs() -> Vec<Obstacle> {
     obstacles
 }
 
-/// The greatest strain of limbs, and how far the worst limit is broken, in parts.
+/// The greatest strain of limbs, and the greatest violation of a limit, as parts of the rest lengths.
 fn strains(island: &Island, sticks: &[RagdollStick]) -> [f64; 2] {
     let particles = particles(island);
     let mut worst = [0.0_f64; 2];
@@ -39,8 +39,8 @@ fn strains(island: &Island, sticks: &[RagdollStick]) -> [f64; 2] {
     worst
 }
 
-/// Acceptance: pushed off the top of the stairs it tumbles down, comes to rest, and all its limbs are as long as they were
-/// to one per cent, all the way.
+/// A ragdoll that is pushed off the top of the stairs tumbles down and comes to rest. All the way its limbs keep their length
+/// to one per cent.
 #[test]
 fn a_ragdoll_tumbles_down_the_stairs_and_comes_to_rest() {
     let environment = Environment { obstacles: stairs().into(), ..gravity(FRAME) };
@@ -74,7 +74,7 @@ fn a_ragdoll_tumbles_down_the_stairs_and_comes_to_rest() {
     }
 }
 
-/// It stands on nothing: let fall, it does not fold in on itself, nor fly apart.
+/// A falling ragdoll neither collapses nor flies apart.
 #[test]
 fn a_ragdoll_at_rest_in_space_stays_as_it_is() {
     let builder = RagdollBuilder::new(1.75, 75.0);
@@ -90,7 +90,7 @@ fn a_ragdoll_at_rest_in_space_stays_as_it_is() {
     law("mass of a ragdoll", measure::mass(&particles(&island).clone()), 75.0, 1e-5);
 }
 
-/// Spin of a body about its centre of mass, and velocity of that.
+/// Spin of a body about its centre of mass (rad/s), and velocity of the centre (m/s).
 fn motion(body: &Body) -> (DVec3, DVec3) {
     let particles = &body.particles;
     let mass = measure::mass(particles);
@@ -100,8 +100,8 @@ fn motion(body: &Body) -> (DVec3, DVec3) {
     (velocity, measure::angular_momentum(particles) - centre.cross(measure::momentum(particles)))
 }
 
-/// S32: from two frames of an animation that flies and turns about its centre of mass, it goes on with their velocity and
-/// spin.
+/// S32: a ragdoll continues with the velocity and spin of two frames of an animation that flies and rotates about its centre
+/// of mass.
 #[test]
 fn a_ragdoll_goes_on_with_the_motion_of_two_frames() {
     let (velocity, spin) = (Vec3::new(2.0, 3.0, -1.0), 3.0);
@@ -133,7 +133,7 @@ fn a_ragdoll_goes_on_with_the_motion_of_two_frames() {
     }
 }
 
-/// A pinned particle is put in its place, and moves on no further; frames with no time between them give no velocity.
+/// A pinned particle takes its place and stays there. Frames without time between them give no velocity.
 #[test]
 fn what_cannot_move_inherits_no_motion() {
     let mut body = joined(&[Vec3::ZERO, Vec3::X], &[0.0, 1.0], &[[0, 1]], bare());

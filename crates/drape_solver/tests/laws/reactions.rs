@@ -1,4 +1,4 @@
-//! Obstacles that are moved by what hits them: momentum is kept over the whole hit, and energy does not rise.
+//! Hits move dynamic obstacles: momentum is kept over the whole hit, and energy does not rise.
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
@@ -6,14 +6,14 @@ use drape_solver::{BallMaterial, Environment, Island, Obstacle, RigidBody, Shape
 
 use crate::common::*;
 
-/// A box that what hits it moves, alone with an island.
+/// A box that hits can move, alone with an island.
 struct Scene {
     island: Island,
     environment: Environment,
     body: RigidBody,
 }
 
-/// Half the box's side.
+/// Half the side of the box in metres.
 const HALF: f32 = 0.15;
 
 impl Scene {
@@ -56,8 +56,8 @@ impl Scene {
     }
 }
 
-/// A box that turns flies into a free cloth off its middle: linear momentum is kept to 1e-5 and angular momentum to 2 %
-/// through the hit, and the kinetic energy never rises, from the cloth's own mass to a hundred times that.
+/// A spinning box with the cloth's mass to a hundred times that flies into a free cloth off its middle. The hit keeps linear
+/// momentum to 1e-5 and angular momentum to 2 %, and kinetic energy never rises.
 #[test]
 fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
     for mass in [0.2, 1.0, 20.0] {
@@ -81,7 +81,7 @@ fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
                 let energy = scene.kinetic_energy();
                 let what = format!("{mass} kg, {thickness} m, step {index}");
                 assert!(energy <= start, "{what}: {start} to {energy} J");
-                // What sticks have taken up they give back.
+                // Sticks give back the energy that they have stored.
                 assert!(energy < least + 0.01 * start, "{what}: {least} to {energy} J");
                 least = least.min(energy);
                 given += scene.island.reactions.iter().map(|r| r.impulse.length()).sum::<f32>();
@@ -91,8 +91,8 @@ fn a_box_and_a_free_cloth_keep_momentum_and_gain_no_energy() {
     }
 }
 
-/// A ball that hits a box which weighs its own mass or more at the point of contact: what it loses, the box has, and no
-/// energy is gained. Also where its spin makes it slip, and where it bounces.
+/// A ball hits a box whose effective mass at the contact is its own mass or more: the box gains the momentum that the ball
+/// loses, and no energy is gained. Also with slipping spin, and with a bounce.
 #[test]
 fn a_ball_hands_its_momentum_to_a_box() {
     for (mass, off, friction, spin, restitution) in [
@@ -123,7 +123,7 @@ fn a_ball_hands_its_momentum_to_a_box() {
             assert!(scene.kinetic_energy() < 1.0001 * most, "{mass} kg: {} J", scene.kinetic_energy());
             most = most.min(scene.kinetic_energy());
         }
-        // The box does not bounce of itself, and the mean counts.
+        // The contact takes the mean restitution, and that of the box is 0.
         let expected = 48.0 * (1.0 + 0.5 * restitution) / (mass + 4.0);
         assert!(scene.body.velocity.x > 0.8 * expected, "{mass} kg: {} m/s", scene.body.velocity.x);
         if spin > 0.0 {
@@ -132,13 +132,13 @@ fn a_ball_hands_its_momentum_to_a_box() {
     }
 }
 
-/// A cloth that falls onto a box which falls with nothing to hold it: gravity alone changes their momentum.
+/// A cloth meets a box, and both fall freely: only gravity changes their momentum.
 #[test]
 fn a_cloth_that_falls_on_a_box_changes_no_momentum_of_the_two() {
     let cloth = free_cloth(0.01);
     let down = -normal(&cloth);
     let at = centre(&cloth) + down * 0.5;
-    // All fall alike: the box is shot up to meet the cloth.
+    // All fall alike, so the box starts upwards to meet the cloth.
     let mut scene = Scene::new(Island::of_body(cloth), down * G, at, 1.0, -down * 5.0);
     let mass = 1.0 + measure::mass(particles(&scene.island));
     let mut expected = scene.momentum();
@@ -153,7 +153,7 @@ fn a_cloth_that_falls_on_a_box_changes_no_momentum_of_the_two() {
     assert!(is_hit);
 }
 
-/// What lies on an obstacle presses on it with its weight; one that does not ask is told nothing.
+/// A body presses with its weight on the obstacle under it. An obstacle that does not collect reactions gets none.
 #[test]
 fn the_ground_feels_the_weight_that_lies_on_it() {
     let material = BallMaterial { mass: 3.0, radius: 0.2, ..BallMaterial::default() };

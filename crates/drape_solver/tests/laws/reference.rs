@@ -1,5 +1,5 @@
-//! The solver against a loop that a reader of the documentation could write: one particle and one stick at a time, no
-//! vectors, no cells, no sweeps. Every bit must be the same.
+//! Compares the solver, bit for bit, with a naive loop over one particle and one stick at a time: no vectors, no cells, no
+//! sweeps.
 
 use drape_solver::constants::{LEAST_OVERLAP, PUSH_OUT_SPEED, TETHER_SPEED};
 use drape_solver::glam::Vec3;
@@ -15,14 +15,14 @@ const RADIUS: f32 = 0.5;
 const CENTRE: Vec3 = Vec3::new(0.1, -0.7, 0.05);
 const GROUND: f32 = -1.25;
 
-/// What a particle has, and what a substep notes of it.
+/// The state of a particle, and its contacts in a substep.
 #[derive(Clone, Copy)]
 struct Particle {
     position: Vec3,
     displacement: Vec3,
     inverse_mass: f32,
     integrated: Vec3,
-    /// Of the contacts with the ground and the sphere.
+    /// Contacts with the ground and with the sphere.
     pushes: [Push; 2],
 }
 
@@ -35,7 +35,7 @@ struct Push {
 
 const NO_PUSH: Push = Push { depth: 0.0, left: None, normal: Vec3::ZERO };
 
-/// Distance from the ground and from the sphere, and the normals.
+/// Distances from the ground and from the sphere in metres, and the normals.
 fn surfaces(position: Vec3) -> [(f32, Vec3); 2] {
     let from_centre = position - CENTRE;
     let length = squared(from_centre).sqrt();
@@ -169,7 +169,7 @@ impl Reference<'_> {
     }
 }
 
-/// A sheet with two corners pinned, over a sphere above the ground, with sticks of a grid or listed ones.
+/// A sheet with two pinned corners over a sphere above the ground, with grid sticks or listed ones.
 fn sheet(columns: u32, rows: u32, is_grid: bool, settings: SolverSettings) -> Body {
     let spacing = 2.0 / (columns - 1) as f32;
     let place =

@@ -8,7 +8,7 @@ use drape_solver::{
 
 use crate::common::*;
 
-/// A hanging rope of 16 links, after six seconds, with N iterations: its mean stretch.
+/// The mean stretch of a hanging rope of 16 links after six seconds, with N iterations.
 fn hanging_stretch(iterations: u32, projection: StickProjection) -> f64 {
     let settings = SolverSettings { iterations, drag: 2.0, projection, ..bare() };
     let rope =
@@ -18,7 +18,7 @@ fn hanging_stretch(iterations: u32, projection: StickProjection) -> f64 {
     stretch(&island).rms
 }
 
-/// S11: N trades accuracy for time: each doubling of the iterations lessens the error.
+/// S11: N trades accuracy for time: the error falls with each doubling of the iterations.
 #[test]
 fn more_iterations_leave_less_stretch() {
     for projection in [StickProjection::Exact, StickProjection::SquareRootFree] {
@@ -29,7 +29,7 @@ fn more_iterations_leave_less_stretch() {
     }
 }
 
-/// S11: relaxation may stop at any time; the next step goes on from there until the error is gone.
+/// S11: relaxation may stop at any time; the next step continues from there until the error is gone.
 #[test]
 fn one_iteration_a_step_goes_on_converging() {
     let settings = SolverSettings { drag: 30.0, ..bare() };
@@ -51,8 +51,8 @@ fn one_iteration_a_step_goes_on_converging() {
     assert!(error < 1e-2);
 }
 
-/// A curtain that hangs for a second and a half with up to 64 iterations: the iterations of its last substep, its
-/// greatest stretch, and its hash.
+/// Lets a curtain hang for a second and a half with up to 64 iterations. Returns the iterations of the last substep, the
+/// greatest stretch, and the hash.
 fn hang_within(tolerance: f32) -> (u32, f64, u64) {
     let settings = SolverSettings { substeps: 4, iterations: 64, tolerance, ..SolverSettings::default() };
     let curtain = ClothBuilder::new(1.0, 1.0, 24, 24).pin_edge(Edge::Top).build(settings).expect("valid");
@@ -62,12 +62,12 @@ fn hang_within(tolerance: f32) -> (u32, f64, u64) {
     (island.iterations_taken(), stretch(&island).max, hash)
 }
 
-/// S16: relaxation stops early once every structural stick is within the tolerance, and not before.
+/// S16: relaxation stops early when every structural stick is within the tolerance, and not before.
 #[test]
 fn relaxation_stops_early_within_the_tolerance() {
     let (all, stretched, bits) = hang_within(0.0);
     assert_eq!(all, 64);
-    // What is never reached costs the same and changes nothing; what is always reached stops at once.
+    // A tolerance that is never reached changes nothing; one that is always reached stops at once.
     assert_eq!(hang_within(1e-7), (64, stretched, bits));
     assert_eq!(hang_within(1.0).0, 1);
     let (taken, stretched, _) = hang_within(0.01);
@@ -104,7 +104,7 @@ fn substeps_buy_more_stiffness_than_iterations() {
     assert!(sub < 0.3 * iter, "{sub} with substeps, {iter} with iterations");
 }
 
-/// S9: a heavy and a light particle on a stick whirl about their common centre of mass.
+/// S9: a heavy and a light particle on a stick revolve about their common centre of mass.
 #[test]
 fn a_dumbbell_turns_about_its_centre_of_mass() {
     let settings = SolverSettings { substeps: 8, ..bare() };
@@ -125,7 +125,7 @@ fn a_dumbbell_turns_about_its_centre_of_mass() {
     assert_close("relative speed", speed.into(), 2.0, 0.05);
 }
 
-/// S8, S9: a pendulum swings with the period of the textbook, whatever the mass.
+/// S8, S9: a pendulum swings with the period of the textbook, for any mass.
 #[test]
 fn a_pendulum_keeps_its_period() {
     for inverse_mass in [0.1, 10.0] {
@@ -150,13 +150,12 @@ fn a_pendulum_keeps_its_period() {
     }
 }
 
-/// S13: the kinds of sticks do what they are for: bend sticks straighten a strip that sticks out, shear sticks
-/// keep a square from leaning.
+/// S13: bend sticks straighten an overhanging strip, and shear sticks keep a square from leaning.
 #[test]
 fn bend_and_shear_sticks_resist_what_they_are_named_for() {
     let droop = |bend: f32| {
         let settings = SolverSettings { substeps: 16, drag: 3.0, ..SolverSettings::default() };
-        let mut strip = RopeBuilder::new(Vec3::ZERO, Vec3::X, 6).stiffness(1.0, bend).pin(0).pin(1);
+        let mut strip = RopeBuilder::new(Vec3::ZERO, Vec3::X, 6).bend_stiffness(bend).pin(0).pin(1);
         strip = strip.damping(1.0);
         let mut island = Island::of_body(strip.build(settings).expect("valid"));
         run(&mut island, &gravity(FRAME), 6.0);
@@ -167,7 +166,7 @@ fn bend_and_shear_sticks_resist_what_they_are_named_for() {
 
     let lean = |shear: f32| {
         let settings = SolverSettings { substeps: 8, drag: 3.0, tethers: false, ..SolverSettings::default() };
-        let material = drape_solver::ClothMaterial { shear, ..Default::default() };
+        let material = drape_solver::ClothMaterial { shear_stiffness: shear, ..Default::default() };
         let cloth = ClothBuilder::new(1.0, 1.0, 9, 9).material(material).pin_edge(Edge::Top);
         let mut island = Island::of_body(cloth.build(settings).expect("valid"));
         let mut environment = gravity(FRAME);
@@ -179,7 +178,7 @@ fn bend_and_shear_sticks_resist_what_they_are_named_for() {
     assert!(loose > 0.2 && braced < 0.2 * loose, "{loose} m and {braced} m");
 }
 
-/// S13: damping along the sticks takes the speed at which they stretch as `exp(-damping t)`, in every step.
+/// S13: damping along the sticks lets their stretching speed decay as `exp(-damping t)`, for every time step.
 #[test]
 fn damping_along_a_stick_does_not_depend_on_the_step() {
     for (dt, substeps) in [(1.0 / 30.0, 1), (FRAME, 1), (FRAME, 8), (1.0 / 240.0, 1)] {
@@ -197,8 +196,8 @@ fn damping_along_a_stick_does_not_depend_on_the_step() {
     }
 }
 
-/// S14: a stick whose ends are in one place stays finite, in a whole body and through whole steps; and comes
-/// apart again where something tells the ends apart.
+/// S14: a stick with coinciding ends stays finite through whole steps of a body, and opens again once anything separates
+/// its ends.
 #[test]
 fn collapsed_sticks_stay_finite_and_recover() {
     for projection in [StickProjection::Exact, StickProjection::SquareRootFree] {
@@ -215,7 +214,7 @@ fn collapsed_sticks_stay_finite_and_recover() {
     }
 }
 
-/// S32: a pin target is reached exactly at the end of the step, evenly over the substeps, and pulls the rest.
+/// S32: a pin reaches its target exactly at the end of the step, moves evenly over the substeps, and pulls the rest.
 #[test]
 fn a_pinned_particle_follows_its_target_evenly() {
     use drape_solver::step;
@@ -241,7 +240,7 @@ fn a_pinned_particle_follows_its_target_evenly() {
     assert_eq!(particles(&island).velocity(0), Vec3::ZERO);
     let length = particles(&island).position(1).distance(target);
     assert!((length - 1.0).abs() < 1e-3);
-    // A target for a free particle is no request at all.
+    // A target for a free particle has no effect.
     island.bodies[0].particles.set_pin_target(1, Vec3::splat(50.0));
     run(&mut island, &environment, FRAME);
     assert!(particles(&island).position(1).length() < 2.0);

@@ -1,4 +1,4 @@
-//! Layers, sensors, and what is told of contacts.
+//! Layers, sensors, and reports of contacts.
 
 use drape_solver::glam::Vec3;
 use drape_solver::parry3d::shape::SharedShape;
@@ -13,7 +13,7 @@ use crate::common::*;
 const MINE: Layers = Layers::new(1, 1);
 const THEIRS: Layers = Layers::new(2, 2);
 
-/// A free cloth of one metre by one, level, at this height.
+/// A free, level cloth of one metre by one at this height.
 fn sheet(height: f32) -> Body {
     let settings = SolverSettings { drag: 1.0, ..SolverSettings::default() };
     let at = Vec3::new(-0.5, height, 0.5);
@@ -134,7 +134,7 @@ fn a_rope_tells_the_particle() {
     let all = contacts(&mut island, &ground(), 60);
     assert!(all.iter().all(|contact| matches!(contact.feature, Some(Feature::Particle(0..21)))));
     assert!(all.len() > 30);
-    // A ball that falls on it, a sixth of the way along.
+    // A ball falls on it, a sixth of the way along.
     island.balls.push(ball(Vec3::new(-0.33, 0.3, 0.0), Vec3::ZERO));
     let all = contacts(&mut island, &ground(), 30);
     let hit = all.iter().find(|contact| contact.other == Other::Body(0)).expect("a hit");
@@ -149,7 +149,7 @@ fn two_balls_have_one_contact() {
     let all = contacts(&mut island, &weightless(FRAME), 30);
     let is_theirs = |c: &Contact| (c.party, c.other) == (Party::Ball(0), Other::Ball(1));
     assert!(!all.is_empty() && all.iter().all(is_theirs), "{all:?}");
-    // Each of 2 kg loses its 1 m/s.
+    // Each ball of 2 kg loses its 1 m/s.
     let impulse: f32 = all.iter().map(|contact| contact.impulse).sum();
     assert!((impulse - 2.0).abs() < 1e-3, "{impulse} N s");
     assert!((all[0].time - (0.26 % FRAME)).abs() < 1e-3, "it took 0.26 s to meet: {}", all[0].time);
@@ -184,7 +184,7 @@ fn a_sensor_moves_nothing_and_tells() {
                 environment.obstacles.push(sensor);
             }
             let mut island = Island::of_body(Body { reports_contacts: true, ..sheet(1.5) });
-            // Fast: it crosses the sensor within a few substeps.
+            // So fast that it crosses the sensor within a few substeps.
             island.balls.push(ball(Vec3::new(0.02, 21.0, 0.03), Vec3::NEG_Y * 60.0));
             island.balls[0].set_reports_contacts(true);
             let all = contacts(&mut island, &environment, 60);
@@ -266,7 +266,7 @@ fn two_cloths_have_one_contact_unless_layers_part_them() {
         let of_both: Vec<&Contact> = all.iter().filter(|contact| contact.other == Other::Body(1)).collect();
         assert_eq!(!of_both.is_empty(), is_stopped);
         assert!(of_both.iter().all(|contact| contact.party == Party::Body(0) && contact.normal.y > 0.2));
-        // What does not rest on the other cloth rests on the ground.
+        // The rest of the weight is on the ground.
         let impulse: f32 = all.iter().map(|contact| contact.impulse * contact.normal.y).sum();
         let expected = weight * 30.0 * FRAME;
         assert!((impulse / expected - 1.0).abs() < 0.15, "{impulse} N s instead of {expected}");

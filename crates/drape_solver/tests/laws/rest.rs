@@ -1,11 +1,11 @@
-//! What counts as still: what a body's sleep goes by.
+//! The measure of stillness by which bodies fall asleep.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, SolverSettings};
 
 use crate::common::*;
 
-/// Seconds for which a body and a ball that drift at `speed` m/s count as still after two seconds.
+/// The time in seconds for which a body and a ball that drift at `speed` m/s count as still after two seconds.
 fn still_for(speed: f32) -> [f32; 2] {
     let mut body = loose(&[Vec3::ZERO, Vec3::X], bare());
     (0..2).for_each(|i| body.particles.set_velocity(i, Vec3::Y * speed));
@@ -15,7 +15,7 @@ fn still_for(speed: f32) -> [f32; 2] {
     [island.bodies[0].still_for(), island.balls[0].still_for()]
 }
 
-/// Two centimetres a second is the bound: a half more is motion, a half less is rest, from the first step on.
+/// The bound is two centimetres a second: 1.5 times that is motion, half of it is rest, from the first step on.
 #[test]
 fn what_drifts_slower_than_two_centimetres_a_second_is_still() {
     for seconds in still_for(0.01) {
@@ -26,7 +26,7 @@ fn what_drifts_slower_than_two_centimetres_a_second_is_still() {
     }
 }
 
-/// A curtain that swings is not still for long where it turns, and is in the end.
+/// A swinging curtain is not still for long at its turning points, and is still in the end.
 #[test]
 fn a_curtain_is_still_when_it_has_swung_out_and_not_where_it_turns() {
     let settings = SolverSettings { drag: 1.0, ..SolverSettings::default() };
@@ -41,7 +41,7 @@ fn a_curtain_is_still_when_it_has_swung_out_and_not_where_it_turns() {
     assert!(island.bodies[0].still_for() > 1.0, "it has swung out: {} s", island.bodies[0].still_for());
 }
 
-/// A ball that has rolled out on the ground is still.
+/// A ball that has rolled to a stop is still.
 #[test]
 fn a_ball_that_has_rolled_out_is_still() {
     let material = BallMaterial { rolling_resistance: 0.1, ..BallMaterial::default() };
@@ -53,9 +53,8 @@ fn a_ball_that_has_rolled_out_is_still() {
     assert!(island.balls[0].still_for() > 1.0);
 }
 
-/// The greatest speed of a body is that of one of its particles. Lanes of a grid's cells that hold no particle fell for
-/// ever, and counted: a cloth whose rows do not fill the lanes reached ever farther, and was not the same after it had been saved
-/// and restored.
+/// The greatest speed of a body is that of one of its particles. Lanes without a particle once fell for ever, and counted:
+/// a cloth whose rows do not fill the lanes had ever growing bounds, and changed when it was saved and restored.
 #[test]
 fn the_greatest_speed_is_that_of_a_particle() {
     for (columns, rows) in [(13, 11), (40, 33), (16, 16), (5, 5)] {

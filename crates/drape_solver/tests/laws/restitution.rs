@@ -11,8 +11,8 @@ fn bouncy(radius: f32, mass: f32, restitution: f32) -> BallMaterial {
     BallMaterial { restitution, ..smooth(radius, mass) }
 }
 
-/// Newton's law: the normal speeds after and before are as the coefficient, whatever the masses and the angle, and the
-/// rest of the motion goes on. Momentum is kept, kinetic energy does not rise.
+/// Newton's law: the ratio of normal speeds after and before is the coefficient, for all masses and angles. The tangential
+/// motion continues, momentum is kept, and kinetic energy does not rise.
 #[test]
 fn balls_part_as_fast_as_their_restitution_has_it() {
     for restitution in COEFFICIENTS {
@@ -42,8 +42,8 @@ fn balls_part_as_fast_as_their_restitution_has_it() {
     }
 }
 
-/// S17: what is left of the step after the contact is not lost: the ball is on the way back by then, and its way along
-/// the wall is whole.
+/// S17: the step continues after the contact: by its end the ball is on its way back, and its motion along the wall is
+/// complete.
 #[test]
 fn a_bounce_takes_place_within_the_step() {
     for restitution in COEFFICIENTS {
@@ -66,7 +66,7 @@ fn a_bounce_takes_place_within_the_step() {
     }
 }
 
-/// A racket that comes towards the ball sends it back by its own speed faster.
+/// A racket that moves towards the ball adds its own speed to the ball.
 #[test]
 fn a_moving_wall_strikes_back() {
     let mut island = Island::of_ball(ball(bouncy(0.2, 1.0, 1.0), Vec3::Z * 1.0, Vec3::NEG_Z * 3.0));
@@ -81,7 +81,7 @@ fn a_moving_wall_strikes_back() {
     assert!((island.balls[0].velocity().z - 7.0).abs() < 0.02 * 7.0, "{}", island.balls[0].velocity());
 }
 
-/// A dropped ball bounces to the square of its restitution, and comes to rest in the end.
+/// A dropped ball bounces to the square of its restitution times its height, and comes to rest in the end.
 #[test]
 fn a_bouncing_ball_comes_to_rest() {
     let restitution = 0.8;
@@ -102,8 +102,8 @@ fn a_bouncing_ball_comes_to_rest() {
     assert!((island.balls[0].position().y - 0.1).abs() < 1e-3);
 }
 
-/// Two floors in the same place throw a ball back as one does. The second used to pull where the first had thrown it
-/// faster, its friction then had a push below zero, and the ball was no number any more.
+/// Two floors in the same place throw a ball back as one does. The second once pulled when the first had thrown the ball
+/// faster; its friction then took a negative push, and the ball became NaN.
 #[test]
 fn a_second_floor_in_the_same_place_does_not_pull() {
     for speed in [20.0, 40_000.0] {

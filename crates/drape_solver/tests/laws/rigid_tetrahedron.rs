@@ -1,4 +1,4 @@
-//! S30: rigid bodies of four particles and six sticks, which touch obstacles with the corners of a mesh that they carry.
+//! S30: rigid bodies of four particles and six sticks that touch obstacles with the corners of an embedded mesh.
 
 use drape_solver::build::rigid_tetrahedron::placement_of;
 use drape_solver::glam::{DVec3, Quat, Vec3};
@@ -20,13 +20,13 @@ fn brick(placement: Placement, settings: SolverSettings) -> Body {
     RigidTetrahedronBuilder::cuboid(6.0, HALF).placed(placement).build(settings).expect("valid")
 }
 
-/// Where a brick is that was built with `placement_of` its particles.
+/// The placement of a brick from its particles, by `placement_of`.
 fn placement(island: &Island) -> Placement {
     let rest = RigidTetrahedronBuilder::cuboid(6.0, HALF).particles().expect("valid");
     placement_of(rest, core::array::from_fn(|i| particles(island).position(i))).expect("it is not flat")
 }
 
-/// Mass, centre and inertia are those that were asked for.
+/// Mass, centre of mass and inertia have the given values.
 #[test]
 fn four_particles_have_the_mass_centre_and_inertia_of_the_box() {
     let centre = Vec3::new(1.0, 2.0, 3.0);
@@ -61,8 +61,8 @@ fn a_body_that_cannot_be_is_refused() {
     );
 }
 
-/// Without forces it flies on and spins on: momentum is kept, and angular momentum but for what projection takes of a spin
-/// (`w^2 h` a second, as for every tetrahedron of sticks).
+/// Without forces it flies and spins on. It keeps momentum, and angular momentum except for the part `w^2 h` that projection
+/// takes each second, as from every tetrahedron of sticks.
 #[test]
 fn a_free_box_keeps_its_momentum_and_its_spin() {
     let (velocity, spin) = (Vec3::new(1.0, 0.5, -2.0), Vec3::new(0.0, 0.0, 2.0));
@@ -84,8 +84,7 @@ fn a_free_box_keeps_its_momentum_and_its_spin() {
     law_of_error("way of a free box in m", f64::from(centre.distance(velocity)), 1e-4);
 }
 
-/// A push on a corner acts at that corner: the change of momentum is the push, and the change of angular momentum its
-/// moment, whatever the masses.
+/// A push acts at its corner: momentum changes by the push, and angular momentum by its moment, for all masses.
 #[test]
 fn a_contact_gives_the_momentum_and_the_moment_of_a_push_at_the_point() {
     let tilt = Quat::from_rotation_z(0.5) * Quat::from_rotation_x(0.3);
@@ -97,7 +96,7 @@ fn a_contact_gives_the_momentum_and_the_moment_of_a_push_at_the_point() {
         body.particles.set_inverse_mass(i, 1.0 / mass);
         body.particles.set_velocity(i, Vec3::NEG_Y * 3.0);
     }
-    // Its lowest corner, just above the ground.
+    // Its lowest corner is just above the ground.
     let places = |body: &Body| core::array::from_fn(|i| body.particles.position(i));
     let height = |point: &EmbeddedPoint, body: &Body| point.position(places(body)).y;
     let points = body.topology.embedded().to_vec();
@@ -110,13 +109,13 @@ fn a_contact_gives_the_momentum_and_the_moment_of_a_push_at_the_point() {
     let push = measure::momentum(particles(&island)) - before.0;
     let moment = measure::angular_momentum(particles(&island)) - before.1;
     assert!(push.y > 0.5 && push.x.abs() < 1e-4 && push.z.abs() < 1e-4, "{push}");
-    // Places are those at the end of the step, at which momenta are taken: the corner has moved less than 5 cm.
+    // Momenta are taken at the end of the step; by then the corner has moved less than 5 cm.
     let expected = corner.as_dvec3().cross(push);
     let off = (moment - expected).length() / expected.length();
     law_of_error("moment of a push at a corner, parts", off, 0.35);
 }
 
-/// A brick set down on the ground stays as it is, and comes to rest.
+/// A brick that is set down on the ground keeps its placement, and comes to rest.
 #[test]
 fn a_box_at_rest_stays_and_sleeps() {
     let start = Placement::at(Vec3::Y * (HALF.y + 0.005));
@@ -130,7 +129,7 @@ fn a_box_at_rest_stays_and_sleeps() {
     assert!(island.bodies[0].still_for() > 2.0, "still for {} s", island.bodies[0].still_for());
 }
 
-/// Dropped on an edge it tumbles, comes to lie on one of its sides, with no corner in the ground, and rests.
+/// A brick dropped on an edge tumbles, and comes to rest on one of its sides, with no corner in the ground.
 #[test]
 fn a_box_that_is_dropped_comes_to_lie_on_a_side() {
     for tilt in [Quat::from_rotation_z(0.6), Quat::from_rotation_x(0.9) * Quat::from_rotation_z(0.4)] {
@@ -187,7 +186,7 @@ fn a_box_slides_on_an_incline_as_coulomb_has_it() {
     }
 }
 
-/// Down a flight of stairs: nothing is stuck in a step, and it comes to rest below.
+/// A brick tumbles down a flight of stairs without getting stuck, and comes to rest below.
 #[test]
 fn a_box_tumbles_down_stairs_and_rests_below() {
     let mut obstacles = vec![Obstacle::ground()];
@@ -209,7 +208,7 @@ fn a_box_tumbles_down_stairs_and_rests_below() {
     assert!(island.bodies[0].still_for() > 1.0, "still for {} s", island.bodies[0].still_for());
 }
 
-/// A thin plate does not stop it by chance: what flies fast at a thin wall is stopped by it.
+/// A thin wall stops a fast brick.
 #[test]
 fn a_fast_box_does_not_pass_a_thin_wall() {
     for speed in [10.0_f32, 30.0] {
@@ -223,7 +222,7 @@ fn a_fast_box_does_not_pass_a_thin_wall() {
     }
 }
 
-/// An obstacle that is moved by what hits it takes the momentum that the box loses.
+/// A dynamic obstacle takes the momentum that the box loses.
 #[test]
 fn a_box_and_a_dynamic_obstacle_share_momentum() {
     let body = RigidBody::new(3.0, Vec3::splat(0.1)).expect("valid");

@@ -9,16 +9,16 @@ use drape_solver::{
 use crate::common::*;
 use SelfContact::{Off, Particles, Triangles};
 
-/// Metres that two layers keep between their middles in these tests.
+/// Distance in metres between the middles of two layers in these tests.
 const APART: f32 = 0.04;
 
 fn settings(self_contact: SelfContact) -> SolverSettings {
     SolverSettings { thickness: 0.5 * APART, self_contact, ..SolverSettings::default() }
 }
 
-/// Soft enough to fold.
+/// A cloth soft enough to fold.
 fn silk() -> ClothMaterial {
-    ClothMaterial { bend: 0.05, ..ClothMaterial::default() }
+    ClothMaterial { bend_stiffness: 0.05, ..ClothMaterial::default() }
 }
 
 /// A sheet of 0.9 m and `size` x `size` particles on edge above the ground, leaning a little.
@@ -56,16 +56,16 @@ fn hash(island: &Island) -> u64 {
     hasher.finish()
 }
 
-/// Ten thousand random edits of a world found it: pairs that an island keeps from step to step name bodies by their place in it. Where a
-/// body without self-contact came before those with it, they named particles of that one, and read beyond its last.
+/// Found by random edits of a world. Pairs that an island keeps from step to step name bodies by their index. If a body
+/// without self-contact came before those with it, pairs named its particles, and the solver read beyond the last.
 #[test]
 fn a_body_that_comes_before_others_does_not_get_their_contacts() {
     for kind in [Particles, Triangles] {
         let mut island = Island::of_body(on_edge(13, settings(kind)));
-        // Until it hardly moves, so that its pairs hold for long.
+        // Runs until it hardly moves, so that its pairs stay valid for long.
         run(&mut island, &over_ground(), 4.0);
         assert!(island.self_contact_pairs() > 0);
-        // The same without a memory.
+        // The same without pairs from earlier steps.
         let mut fresh = Island::of_body(island.bodies[0].clone());
         for island in [&mut island, &mut fresh] {
             island.bodies.insert(0, loose(&[Vec3::X * 50.0], bare()));
@@ -75,7 +75,7 @@ fn a_body_that_comes_before_others_does_not_get_their_contacts() {
     }
 }
 
-/// Issue 4, acceptance 5: a cloth dropped on its edge lies down in folds whose layers keep their distance.
+/// A cloth dropped on its edge lies down in folds whose layers keep their distance.
 #[test]
 fn a_cloth_dropped_on_its_edge_folds_in_layers() {
     let folded = |self_contact| {
@@ -97,8 +97,8 @@ fn a_cloth_dropped_on_its_edge_folds_in_layers() {
     assert!(without < 0.5, "the cloth must have folded onto itself, but {without}");
 }
 
-/// Particles displaced at random by some spacings: the tangle is pulled straight by its sticks, and what contacts do
-/// to it never makes more energy than the sticks' pull has.
+/// Particles are displaced at random by some spacings. Sticks pull the tangle straight, and contacts never add more energy
+/// than the sticks had.
 #[test]
 fn a_random_tangle_never_explodes() {
     for seed in 0..3 {
@@ -127,7 +127,7 @@ fn a_random_tangle_never_explodes() {
     }
 }
 
-/// Two halves of a free cloth fly at each other: contacts and friction keep the momentum of what they join.
+/// Two halves of a free cloth fly at each other: contacts and friction keep momentum.
 #[test]
 fn a_free_cloth_that_folds_onto_itself_keeps_its_momentum() {
     let mut sheet = ClothBuilder::new(0.9, 0.9, 31, 31)
@@ -136,7 +136,7 @@ fn a_free_cloth_that_folds_onto_itself_keeps_its_momentum() {
         .expect("valid");
     for i in 0..sheet.particles.len() {
         let side = sheet.particles.position(i).x - 0.45;
-        // A wing beat about the middle, and a drift to measure against.
+        // The halves fold about the middle, and the whole drifts, so that momentum is not zero.
         sheet.particles.set_velocity(i, Vec3::new(0.5, 0.0, 1.0 + 8.0 * side.abs()));
     }
     let mut island = Island::of_body(sheet);
@@ -151,7 +151,7 @@ fn a_free_cloth_that_folds_onto_itself_keeps_its_momentum() {
     assert!(least < 1.05 * APART, "the wings must have met, but kept {least} m");
 }
 
-/// Two sheets of one island, the upper one sliding on the lower, which is pinned: it stops where there is friction.
+/// A sheet slides on a pinned one in the same island, and stops if there is friction.
 #[test]
 fn friction_holds_one_layer_on_another() {
     let slid = |friction| {
@@ -185,7 +185,7 @@ fn friction_holds_one_layer_on_another() {
     assert!(smooth.abs() > 2.0 * rough.abs(), "{smooth} m without friction, {rough} m with");
 }
 
-/// Cloth that never meets itself has the bits of cloth that cannot; so has a body without thickness that does.
+/// Self-contact changes no bit of a cloth that never touches itself, nor of one without thickness that does.
 #[test]
 fn where_nothing_meets_nothing_changes() {
     let hang = |self_contact, thickness| {
@@ -209,7 +209,7 @@ fn where_nothing_meets_nothing_changes() {
     assert_eq!(fold(Triangles), without);
 }
 
-/// However the step is run, the bits are the same.
+/// Whole steps and single stages give the same bits on every instruction set.
 #[test]
 fn every_way_of_stepping_gives_the_same_bits() {
     let folded = |level, isa, take: &dyn Fn(&mut Island, &Environment)| {
@@ -247,7 +247,7 @@ fn every_way_of_stepping_gives_the_same_bits() {
     }
 }
 
-/// Refined with its thickness, a folded cloth has as many pairs to watch per particle as before: the cost is linear.
+/// A folded cloth refined together with its thickness has as many pairs per particle as before: the cost is linear.
 #[test]
 fn pairs_per_particle_do_not_grow_with_the_cloth() {
     let pairs = |level, size: u32, thickness: f32| {

@@ -13,10 +13,10 @@ fn settings(thickness: f32) -> SolverSettings {
 }
 
 fn silk() -> ClothMaterial {
-    ClothMaterial { bend: 0.05, ..ClothMaterial::default() }
+    ClothMaterial { bend_stiffness: 0.05, ..ClothMaterial::default() }
 }
 
-/// A triangle of the island: its body, the numbers of its corners there, and where they are.
+/// A triangle of the island: its body, and the indices and positions of its corners.
 struct Triangle {
     body: usize,
     numbers: [u32; 3],
@@ -33,7 +33,7 @@ fn triangles(island: &Island) -> Vec<Triangle> {
     island.bodies.iter().enumerate().flat_map(of_body).collect()
 }
 
-/// Whether a segment goes through a triangle.
+/// True if a segment crosses a triangle.
 fn pierces(p: DVec3, q: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let volume = |p: DVec3, q: DVec3, r: DVec3, s: DVec3| (q - p).cross(r - p).dot(s - p);
     if volume(a, b, c, p) * volume(a, b, c, q) >= 0.0 {
@@ -43,7 +43,7 @@ fn pierces(p: DVec3, q: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0)
 }
 
-/// Pairs of triangles without a common corner that cross, by trying all.
+/// Pairs of crossing triangles without a common corner, found by trying all.
 fn crossings(island: &Island) -> usize {
     let all = triangles(island);
     let edges = |t: &Triangle| [0, 1, 2].map(|k| [t.corners[k], t.corners[(k + 1) % 3]]);
@@ -60,7 +60,7 @@ fn crossings(island: &Island) -> usize {
     (0..all.len()).map(|i| (0..i).filter(|&j| cross(&all[i], &all[j])).count()).sum()
 }
 
-/// Issue 4, acceptance 5: a thin cloth that is dropped on its edge lies down in layers, none through another.
+/// A thin cloth that is dropped on its edge lies down in layers, and none passes through another.
 #[test]
 fn a_thin_cloth_dropped_on_its_edge_folds_in_layers() {
     let thickness = 0.008;
@@ -95,7 +95,7 @@ fn a_thin_cloth_dropped_on_its_edge_folds_in_layers() {
     assert!(high < 0.3, "it must have fallen over itself, but is {high} m high");
 }
 
-/// Issue 4, acceptance 5: a towel is twisted by two turns at each end, and held: no layer passes through another.
+/// A towel is twisted by two turns at each end, and held: no layer passes through another.
 #[test]
 fn a_twisted_towel_holds() {
     let (columns, rows) = (9, 33);
@@ -173,7 +173,7 @@ fn free_sheets_shot_at_each_other_do_not_pass() {
     assert!(!shot(SelfContact::Off, 0.004, 0.3).1, "without contact they pass");
 }
 
-/// A corner of one sheet is stuck through another when the scene begins: it comes free, and nothing is thrown.
+/// A corner of one sheet is stuck through another when the scene begins. It comes free, and nothing is thrown.
 #[test]
 fn layers_that_cross_come_apart() {
     let sheet = |origin: Vec3, right: Vec3, down: Vec3| {
@@ -201,7 +201,7 @@ fn layers_that_cross_come_apart() {
     assert!(fastest < 3.0, "{fastest} m/s");
 }
 
-/// A rope falls across another, coarser than it is thick: it is caught between two particles.
+/// A rope falls across another whose particles are farther apart than its thickness, and is caught between two of them.
 #[test]
 fn a_rope_does_not_fall_through_a_rope() {
     let lowest = |self_contact| {
@@ -224,12 +224,12 @@ fn a_rope_does_not_fall_through_a_rope() {
     assert!(with > -0.5, "{with} m");
 }
 
-/// A sheet that lies on another keeps the sum of the two thicknesses from it, whichever way the two meet.
+/// A sheet that lies on another keeps the sum of the two thicknesses from it, in contacts by particles and by triangles.
 #[test]
 fn a_sheet_lies_on_another_at_the_sum_of_their_thicknesses() {
     for (self_contact, tolerance) in [(SelfContact::Particles, 1e-6), (SelfContact::Triangles, 6e-4)] {
         let settings = SolverSettings { self_contact, ..settings(0.02) };
-        // A third of a spacing beside each other's particles by triangles, and right above each other by particles.
+        // By triangles the sheets are a third of a spacing out of line; by particles, particles lie above particles.
         let aside = if self_contact == SelfContact::Triangles { 0.013 } else { 0.0 };
         let sheet = |count: u32, at: Vec3| {
             let size = 0.04 * (count - 1) as f32;
@@ -245,8 +245,8 @@ fn a_sheet_lies_on_another_at_the_sum_of_their_thicknesses() {
     }
 }
 
-/// A sheet that is held everywhere is carried into one that is held by three of its corners, right beside the line between two of
-/// them. The push came on the fourth alone, at a lever of fifty: it flew off at thousands of metres a second.
+/// A pinned sheet moves into one that is pinned at three corners, right beside the line between two of them. The push came
+/// on the fourth corner alone, with a leverage of fifty: it flew off at thousands of metres a second.
 #[test]
 fn a_push_beside_pinned_corners_does_not_throw_the_free_one() {
     let sheet = |at: Vec3| ClothBuilder::new(1.0, 1.0, 2, 2).placed(at, Vec3::X, Vec3::Z);
@@ -268,8 +268,8 @@ fn a_push_beside_pinned_corners_does_not_throw_the_free_one() {
     assert!(fastest < 10.0, "{fastest} m/s");
 }
 
-/// A rope in an overhand knot, loosely laid, with a weight of `load` kilograms at its end: the polynomial trefoil of Shastri 1992 ("Polynomial
-/// representations of knots"), its corners at even distances.
+/// A rope in a loose overhand knot, with a weight of `load` kilograms at its end: the polynomial trefoil of Shastri 1992
+/// ("Polynomial representations of knots"), with particles at even distances.
 fn knotted(settings: SolverSettings, load: f32) -> Island {
     let curve =
         |t: f64| DVec3::new(t.powi(3) - 3.0 * t, t.powi(4) - 4.0 * t * t, 0.25 * (t.powi(5) - 10.0 * t));
@@ -286,7 +286,7 @@ fn knotted(settings: SolverSettings, load: f32) -> Island {
     let straight = RopeBuilder::new(Vec3::ZERO, Vec3::NEG_Y * ROPE_LENGTH as f32, 121).pin_start();
     let mut rope = straight.build(settings).expect("valid");
     for i in 0..121 {
-        // The ends lie apart along Z: down.
+        // The knot's ends lie apart along Z, which becomes down.
         let [x, y, z] = place(i as f64 / 120.0).to_array();
         rope.particles.set_position(i, Vec3::new(x, -z, y));
     }
@@ -297,7 +297,7 @@ fn knotted(settings: SolverSettings, load: f32) -> Island {
 /// Length of the rope in metres.
 const ROPE_LENGTH: f64 = 2.4;
 
-/// How far apart the ends are in the end, in metres.
+/// The final distance between the ends in metres.
 fn ends_apart(settings: SolverSettings, load: f32) -> f64 {
     let mut island = knotted(settings, load);
     let mut fastest = 0.0_f32;
@@ -311,19 +311,19 @@ fn ends_apart(settings: SolverSettings, load: f32) -> f64 {
     f64::from(apart)
 }
 
-/// A knot draws tight and holds, by self-contact alone; without it the rope passes through itself and hangs straight.
+/// A knot draws tight and holds by self-contact alone. Without it the rope passes through itself and hangs straight.
 #[test]
 fn a_knot_holds() {
     let settings = SolverSettings { friction: 0.3, substeps: 16, ..settings(0.006) };
     let with = ends_apart(settings, 0.2);
     let without = ends_apart(SolverSettings { self_contact: SelfContact::Off, ..settings }, 0.2);
     assert!((without - ROPE_LENGTH).abs() < 0.01, "{without} m");
-    // Some ten diameters of rope are in the knot.
+    // The knot takes up about ten diameters of rope.
     assert!(with < ROPE_LENGTH - 0.1 && with > 0.5 * ROPE_LENGTH, "{with} m");
 }
 
-/// Ropes met themselves once a substep only, after all iterations: a knot gave way to a weight of twice the rope's own, or where the
-/// rope was thick, and the strands passed through each other at 20 m/s and more.
+/// Self-contact of ropes once ran only once in a substep, after all iterations. Knots then opened under twice the rope's own
+/// weight, or in a thick rope, and strands passed through each other at 20 m/s and more.
 #[test]
 fn knots_hold_in_thin_and_thick_ropes_under_twice_their_weight() {
     for (substeps, iterations) in [(12, 4), (16, 4)] {

@@ -1,4 +1,4 @@
-//! Soft balls, soft solids and balloons (S26; pressure): they keep their volume, and come back to their shape.
+//! Soft balls, soft solids and balloons (S26; pressure) keep their volume, and return to their shape.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use drape_solver::{
 
 use crate::common::*;
 
-/// A balloon of 0.3 m: a skin of 0.2 kg/m^2 with some air in it.
+/// A balloon of 0.3 m in radius: a skin of 0.2 kg/m^2 with some air in it.
 fn balloon(height: f32, pressure: f32) -> Body {
     let (places, faces) = sphere(Vec3::Y * height, 0.3, 20, 12);
     let mass = 0.2 * 4.0 * PI * 0.09 / places.len() as f32;
@@ -43,8 +43,8 @@ fn own_volume(body: &Body) -> f64 {
     volume(&body.particles, &body.topology)
 }
 
-/// How far particles are from where they were at rest, moved and turned as a whole: root mean square of the differences of
-/// all distances, in parts of the size.
+/// Deformation from the rest shape, apart from motion as a whole: root mean square of the differences of all distances
+/// between particles, as a part of the size.
 fn deformation(body: &Body, size: f32) -> f32 {
     let at_rest = SolidRest::of(body);
     let particles = &body.particles;
@@ -60,7 +60,7 @@ fn deformation(body: &Body, size: f32) -> f32 {
     (sum / count).sqrt() as f32 / size
 }
 
-/// Places at rest, as they were when the body was built.
+/// Rest positions of the built body in metres.
 struct SolidRest(Vec<Vec3>);
 
 impl SolidRest {
@@ -69,7 +69,7 @@ impl SolidRest {
     }
 }
 
-/// The volume of a mesh of a sphere, and that of what is not closed.
+/// The volume of a mesh of a sphere, and of an open mesh.
 #[test]
 fn the_volume_of_a_closed_mesh_is_that_inside() {
     let body = balloon(1.0, 0.0);
@@ -94,7 +94,7 @@ fn what_is_dropped_keeps_its_volume_and_comes_back_to_its_shape() {
             (least, most) = (least.min(part), most.max(part));
             squeezed = squeezed.max(deformation(&island.bodies[0], 0.6));
         });
-        // Lying there, a balloon is flat below; let go, it is a ball again.
+        // A balloon on the ground is flat below; when released it is a ball again.
         run(&mut island, &weightless(FRAME), 3.0);
         let left = deformation(&island.bodies[0], 0.6);
         println!(
@@ -106,7 +106,7 @@ fn what_is_dropped_keeps_its_volume_and_comes_back_to_its_shape() {
     }
 }
 
-/// Without air, a balloon that is dropped does not keep its volume.
+/// A dropped balloon without air does not keep its volume.
 #[test]
 fn a_balloon_without_air_collapses() {
     let mut island = Island::of_body(balloon(0.35, 0.0));
@@ -115,8 +115,8 @@ fn a_balloon_without_air_collapses() {
     assert!(part < 0.8, "{part} of the volume");
 }
 
-/// Pressure moves nothing as a whole: momentum and angular momentum stay, as the volume grows by half. (Spin fades with the
-/// substep in any case: `tetrahedron_spin.rs`.)
+/// Pressure keeps momentum and angular momentum while the volume grows by half. (Spin always fades with the substep:
+/// `tetrahedron_spin.rs`.)
 #[test]
 fn pressure_keeps_momentum() {
     let mut body = balloon(0.0, 1.0);
@@ -139,7 +139,7 @@ fn pressure_keeps_momentum() {
     assert!((after.1 - before.1).length() < 3e-2 * before.1.length(), "{} and was {}", after.1, before.1);
 }
 
-/// S26: ring k of n has radius R (k + 1) / n and 10 (k + 1) particles; the area is filled with triangles once.
+/// S26: ring k of n has radius R (k + 1) / n and 10 (k + 1) particles; triangles cover the area exactly once.
 #[test]
 fn a_soft_ball_has_its_rings_and_its_area() {
     for rings in [1, 2, 5] {
@@ -164,7 +164,7 @@ fn a_soft_ball_has_its_rings_and_its_area() {
     }
 }
 
-/// Sum of the faces' areas in the XY plane, each counted with its sense.
+/// Sum of the faces' signed areas in the XY plane in m^2.
 fn area(body: &Body) -> f32 {
     let of_face = |face: &[u32; 3]| {
         let [p, q, r] = face.map(|corner| body.particles.local_position(corner as usize));
@@ -173,7 +173,7 @@ fn area(body: &Body) -> f32 {
     body.topology.faces().iter().map(of_face).sum()
 }
 
-/// A soft ball that is dropped from 2 m keeps its area within 5 %, and is round again when it lies.
+/// A soft ball dropped from 2 m keeps its area within 5 %, and is round again at rest.
 #[test]
 fn a_soft_ball_that_is_dropped_is_round_again() {
     let builder = SoftBallBuilder::new(Vec3::Y * 2.3, 0.3, 4).stiffness(0.9999).damping(3.0);
@@ -192,7 +192,7 @@ fn a_soft_ball_that_is_dropped_is_round_again() {
     assert!(left < 0.01, "{left}");
 }
 
-/// The mesh that a solid carries is where it was built, and goes where the solid goes and turns.
+/// The mesh that a solid carries starts at its own place, and follows the motion and rotation of the solid.
 #[test]
 fn the_mesh_of_a_solid_follows_it() {
     let (places, faces) = sphere(Vec3::new(5.0, 1.0, -2.0), 0.3, 24, 16);
@@ -216,7 +216,7 @@ fn the_mesh_of_a_solid_follows_it() {
     assert!(mass < ball && mass > 0.95 * ball, "{mass} kg of a mesh inside a ball of {ball} kg");
 }
 
-/// However a mesh is turned, mirrored and scaled, its lattice lies along its own axes, fits its box, and weighs what it should.
+/// The lattice of a rotated, mirrored or scaled mesh lies along the mesh's own axes, fits its box, and has the right mass.
 #[test]
 fn a_solid_is_built_along_the_axes_of_its_mesh() {
     let corners = (0..8_u8).map(|i| Vec3::new(f32::from(i & 1), f32::from(i >> 1 & 1), f32::from(i >> 2)));
@@ -249,14 +249,14 @@ fn a_solid_is_built_along_the_axes_of_its_mesh() {
             let local = to_world.inverse().transform_point3(solid.particles.position(i));
             assert!(local.abs().max_element() < 0.5 + 1e-5, "{local} is outside of the cube");
         }
-        // A point of another mesh goes with the same cells.
+        // A point of another mesh follows the same cells.
         let middle = solid.lattice.embed(&[Vec3::new(0.1, 0.2, -0.3)]).expect("a place");
         let middle = middle.places(|i| solid.particles.position(i), &[]).next().expect("one");
         assert!(middle.distance(to_world.transform_point3(Vec3::new(0.1, 0.2, -0.3))) < 1e-6);
     }
 }
 
-/// Points hang on the nearest triangle, and keep their distance to it as it moves and turns.
+/// Points follow the nearest triangle, and keep their distance to it as it moves and rotates.
 #[test]
 fn points_hang_on_the_nearest_triangle() {
     let mut body = drape_solver::ClothBuilder::new(1.0, 1.0, 5, 5).build(bare()).expect("valid");
@@ -285,7 +285,7 @@ fn points_hang_on_the_nearest_triangle() {
     for (place, point) in shown(&body).into_iter().zip(&points) {
         assert!(place.distance(motion(*point)) < 1e-5, "{place}, expected {}", motion(*point));
     }
-    // Bent to a quarter of a pipe, what was on the cloth is nearer to the pipe than the sides of its triangles are.
+    // The cloth is bent to a quarter of a pipe: its points are nearer to the pipe than the edges of its triangles are.
     let radius = 2.0 / PI;
     for i in 0..body.particles.len() {
         let rest = body.topology.rest_position(i);
@@ -310,7 +310,7 @@ fn points_hang_on_the_nearest_triangle() {
     assert!(Embedding::on_faces(&points, &rope).is_err(), "a rope has no triangles");
 }
 
-/// A ring of 1 m around a hole in which the middle of its box is.
+/// A ring of 1 m; the middle of its box is in the hole.
 fn torus() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let (around, across) = (16_u32, 8_u32);
     let place = |i: u32, j: u32| {
@@ -328,7 +328,7 @@ fn torus() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (places, triangles.collect())
 }
 
-/// What cannot be a solid is refused with the reason.
+/// A mesh that cannot become a solid is rejected with the reason.
 #[test]
 fn a_solid_that_cannot_be_is_refused() {
     let (places, faces) = sphere(Vec3::ZERO, 0.3, 24, 16);
@@ -355,8 +355,8 @@ fn a_solid_that_cannot_be_is_refused() {
     }
 }
 
-/// A balloon with more air than its rigid skin can hold does not turn by itself. Pulls of skin and air, one after the other,
-/// used to spin it up to 6 m/s, and to drive it over the ground.
+/// A balloon with more air than its rigid skin can hold does not spin by itself. The alternating pulls of skin and air once
+/// spun it up to 6 m/s and drove it over the ground.
 #[test]
 fn a_balloon_that_is_blown_up_too_far_does_not_spin() {
     let mut body = balloon(1.0, 1.5);

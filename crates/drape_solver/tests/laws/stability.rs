@@ -1,4 +1,4 @@
-//! The order of relaxation does not gain energy: a hanging sheet only calms down.
+//! The order of relaxation gains no energy: a hanging sheet only calms down.
 
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
@@ -15,7 +15,7 @@ struct Trial {
     violent: bool,
 }
 
-/// Energy gained from step 30 to the end of four seconds, in parts of `m g L`, and the greatest in between.
+/// Energy gained from step 30 to the end of four seconds, as a part of `m g L`, and the greatest gain in between.
 fn gained(trial: &Trial) -> f64 {
     let &Trial { particles: n, corners, substeps, iterations, tethers, violent } = trial;
     let settings = SolverSettings { substeps, iterations, tethers, drag: 0.0, ..SolverSettings::default() };
@@ -66,7 +66,7 @@ fn a_large_hanging_sheet_gains_no_energy() {
     check(&[64, 128]);
 }
 
-/// A sheet thrown at everything at once stays finite and in its place.
+/// A curtain in a storm stays finite, and within its length of its pins.
 #[test]
 fn a_curtain_in_a_storm_stays_within_its_length_of_its_pins() {
     let curtain = ClothBuilder::new(1.0, 1.0, 16, 16).pin_edge(Edge::Top).build(SolverSettings::default());

@@ -1,4 +1,4 @@
-//! Sticks with a bound, and the joints that shared particles make.
+//! Sticks with a bound, and joints of shared particles.
 
 use std::sync::Arc;
 
@@ -15,7 +15,8 @@ fn bounded(bound: StickBound) -> StickMaterial {
     StickMaterial { bound, ..StickMaterial::rigid(StickKind::Structural) }
 }
 
-/// Two particles of 1 and 3 kg whose stick of 1 m has `bound`, `length` metres apart, after a step without forces.
+/// Two particles of 1 and 3 kg after a step without forces. They start `length` metres apart, and a stick of 1 m with `bound`
+/// joins them.
 fn relaxed(bound: StickBound, length: f32, projection: StickProjection) -> [Vec3; 2] {
     let particles =
         Particles::new(Vec3::ZERO, &[Vec3::ZERO, Vec3::X * length], &[1.0, 1.0 / 3.0]).expect("valid");
@@ -28,8 +29,8 @@ fn relaxed(bound: StickBound, length: f32, projection: StickProjection) -> [Vec3
     [0, 1].map(|i| island.bodies[0].particles.position(i))
 }
 
-/// S31: one that sets a least length is no more than air to what is longer, and the rod that it would be to what is
-/// shorter; one that sets a greatest length, the other way about.
+/// S31: a stick with a least length has no effect if it is longer, and acts as a rod if it is shorter. A stick with a
+/// greatest length does the reverse.
 #[test]
 fn a_bound_acts_on_its_side_alone_and_there_as_a_rod_does() {
     for projection in [StickProjection::Exact, StickProjection::SquareRootFree] {
@@ -43,7 +44,7 @@ fn a_bound_acts_on_its_side_alone_and_there_as_a_rod_does() {
     }
 }
 
-/// A weight on a cord of 1 m that is let fall from beside its nail flies free, then swings at the cord's length.
+/// A weight on a cord of 1 m that falls from beside its nail first falls freely, then swings at the cord's length.
 #[test]
 fn a_cord_is_slack_until_it_is_taut() {
     let ends = [Vec3::ZERO, Vec3::new(0.3, 0.0, 0.0)];
@@ -57,7 +58,7 @@ fn a_cord_is_slack_until_it_is_taut() {
     run_with(&mut island, &gravity(FRAME), 3.0, |island, frame| {
         let place = island.bodies[0].particles.position(1);
         longest = longest.max(place.length());
-        // The fall of 0.95 m, until the cord is taut, takes 0.44 s.
+        // The fall of 0.95 m until the cord is taut takes 0.44 s.
         if frame < 25 {
             assert_eq!(place.x, 0.3, "nothing pulls aside in frame {frame}");
         }
@@ -67,10 +68,10 @@ fn a_cord_is_slack_until_it_is_taut() {
     assert!(stretch.max < 1e-6, "slack is no strain: {stretch:?}");
 }
 
-/// The two particles of a hinge and the wings of two plates that share them, all in the plane y = 0.
+/// The two particles of a hinge and the outer corners of two plates that share them, all in the plane y = 0.
 const HINGED: [Vec3; 4] = [Vec3::Z, Vec3::NEG_Z, Vec3::X, Vec3::NEG_X];
 
-/// Two triangles with the edge from 0 to 1 in common, and a stick between the wings with `bound` at `length`.
+/// Two triangles that share the edge from 0 to 1, and a stick with `bound` and `length` between their outer corners.
 fn hinge(limit: Option<(StickBound, f32)>) -> Body {
     let particles = Particles::new(Vec3::ZERO, &HINGED, &[1.0; 4]).expect("valid");
     let mut builder = TopologyBuilder::new(&HINGED);
@@ -83,8 +84,8 @@ fn hinge(limit: Option<(StickBound, f32)>) -> Body {
     Body::new(particles, Arc::new(builder.build().expect("valid")), settings)
 }
 
-/// S31: two particles in common make a hinge. The wings fold about the line through them, which stays the axis: no wing
-/// moves along it, or nearer to it.
+/// S31: two shared particles make a hinge. The plates fold about the line through them: no outer corner moves along this
+/// axis, or nearer to it.
 #[test]
 fn a_hinge_turns_about_its_two_particles_and_keeps_its_axis() {
     let mut body = hinge(None);
@@ -106,7 +107,7 @@ fn a_hinge_turns_about_its_two_particles_and_keeps_its_axis() {
     assert!(folded < 0.8, "the hinge folds: {folded} m");
 }
 
-/// S31: a stick that sets a least length between the wings stops a hinge at an angle.
+/// S31: a stick with a least length between the outer corners stops a hinge at an angle.
 #[test]
 fn a_least_length_between_its_wings_stops_a_hinge() {
     for least in [1.0_f32, 1.6] {
@@ -127,7 +128,7 @@ fn a_least_length_between_its_wings_stops_a_hinge() {
     }
 }
 
-/// S31: one particle in common makes a pin: the arms can turn about it in all directions, and it parts by nothing.
+/// S31: one shared particle makes a ball joint: the arms can rotate about it in all directions, and it never opens.
 #[test]
 fn a_pin_lets_all_directions_turn() {
     for way in [Vec3::Y, Vec3::Z, Vec3::new(0.0, 1.0, -1.0).normalize()] {
@@ -149,8 +150,7 @@ fn a_pin_lets_all_directions_turn() {
     }
 }
 
-/// A heap of cords and rods falls to the same bits on every instruction set; a body that is all rods is what it was before
-/// there were bounds.
+/// A heap of cords and rods falls to the same bits on every instruction set.
 #[test]
 fn bounds_give_the_same_bits_on_every_instruction_set() {
     let count = 400_u32;

@@ -1,4 +1,4 @@
-//! S13: stiffness means the same in every step, number of substeps and number of iterations.
+//! S13: stiffness means the same for every time step, number of substeps and number of iterations.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{Island, SolverSettings, StickKind, StickMaterial, StickProjection};
@@ -9,7 +9,7 @@ fn soft(stiffness: f32) -> StickMaterial {
     StickMaterial { stiffness, damping: 0.0, ..StickMaterial::rigid(StickKind::Structural) }
 }
 
-/// How far a mass on a soft stick of 1 m hangs below its rest length.
+/// The distance in metres by which a mass on a soft stick of 1 m hangs below its rest length.
 fn sag(stiffness: f32, dt: f32, settings: SolverSettings) -> f64 {
     let ends = [Vec3::ZERO, Vec3::NEG_Y];
     let body = joined_by(soft(stiffness), &ends, &[0.0, 1.0], &[[0, 1]], settings);
@@ -19,7 +19,7 @@ fn sag(stiffness: f32, dt: f32, settings: SolverSettings) -> f64 {
     f64::from(-particles(&island).position(1).y) - 1.0
 }
 
-/// S13: a mass on a soft stick sags by `g h0^2 (1 - s) / s` whatever the step, the substeps and the iterations.
+/// S13: a mass on a soft stick sags by `g h0^2 (1 - s) / s` for every time step and any number of substeps and iterations.
 #[test]
 fn the_sag_of_a_mass_on_a_soft_stick_does_not_depend_on_the_solver() {
     for stiffness in [0.02, 0.1, 0.3] {
@@ -37,7 +37,7 @@ fn the_sag_of_a_mass_on_a_soft_stick_does_not_depend_on_the_solver() {
     }
 }
 
-/// S10, S13: the square-root-free form is as soft at small strain.
+/// S10, S13: the square-root-free form has the same softness at small strain.
 #[test]
 fn both_forms_of_the_stick_are_equally_soft_at_small_strain() {
     let settings = SolverSettings { substeps: 4, drag: 4.0, ..bare() };
@@ -46,7 +46,7 @@ fn both_forms_of_the_stick_are_equally_soft_at_small_strain() {
     assert_close("sag", free, exact, 0.02);
 }
 
-/// S13: a mass on a soft stick swings up and down with the period of its spring, once the substep resolves it.
+/// S13: a mass on a soft stick swings up and down with the period of its spring if the substep resolves it.
 #[test]
 fn a_soft_stick_swings_with_the_period_of_its_spring() {
     let stiffness = 0.01_f32;

@@ -7,8 +7,8 @@ use drape_solver::{
 
 use crate::common::*;
 
-/// A sheet on two corners in the wind above the ground, which a spinning ball hits and a sphere that moves sweeps.
-/// `mirror` has the signs that components take in the mirror.
+/// A sheet on two corners in the wind above the ground. A spinning ball hits it, and a moving sphere sweeps it. `mirror` has
+/// the signs of components in the mirror.
 fn scene(mirror: Vec3, settings: SolverSettings) -> (Island, Environment) {
     let sheet = ClothBuilder::new(1.2, 1.0, 25, 21)
         .placed(Vec3::new(-0.61, 1.4, 0.03) * mirror, Vec3::X * mirror, Vec3::NEG_Y * mirror)
@@ -17,7 +17,7 @@ fn scene(mirror: Vec3, settings: SolverSettings) -> (Island, Environment) {
     let mut island = Island::of_body(sheet.build(settings).expect("valid"));
     let material = BallMaterial { radius: 0.12, mass: 0.7, ..BallMaterial::default() };
     let mut shot = ball(material, Vec3::new(0.2, 0.9, 1.0) * mirror, Vec3::new(-0.4, 1.0, -6.0) * mirror);
-    // Spin is an axial vector: a mirror keeps what stands square to it and turns round what lies in it.
+    // Spin is an axial vector: a mirror keeps the component along its normal and reverses those in its plane.
     shot.set_spin(Vec3::new(2.0, -3.0, 1.0) * mirror * mirror.element_product());
     island.balls.push(shot);
     let mut environment = gravity(FRAME);
@@ -49,9 +49,9 @@ fn greatest_error(mirror: Vec3, settings: SolverSettings) -> f32 {
     greatest
 }
 
-/// Mirrored in any plane, or in a point, the scene gives the mirrored result: to the last bit, as signs have no part in how
-/// numbers are rounded. (Not so where faces meet corners of obstacles, whose nearest points parry looks for along fixed
-/// axes, and where cloth meets itself.)
+/// Mirrored in any plane, or in a point, the scene gives the mirrored result to the last bit, as rounding does not depend on
+/// signs. (Not tested: contacts of faces with corners of obstacles, as parry searches their nearest points along fixed axes,
+/// and self-contact.)
 #[test]
 fn a_mirrored_scene_gives_the_mirrored_result() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {

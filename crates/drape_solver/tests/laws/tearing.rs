@@ -1,4 +1,4 @@
-//! Tears and cuts (S24, S25): what parts is whole on both sides, and mass and momentum stay.
+//! Tears and cuts (S24, S25): both sides are valid bodies, and mass and momentum stay.
 
 use std::collections::BTreeMap;
 
@@ -20,13 +20,13 @@ fn sheet(columns: u32, rows: u32) -> Body {
         .expect("valid")
 }
 
-/// A blade as wide as the sheets along Z, from one point to another.
+/// A blade from one point to another, as wide as the sheets along Z.
 fn blade(from: Vec3, to: Vec3) -> [[Vec3; 3]; 2] {
     let wide = Vec3::Z * 2.0;
     [[from - wide, to - wide, to + wide], [from - wide, to + wide, from + wide]]
 }
 
-/// A cut all the way down at `x`.
+/// A cut from top to bottom at `x`.
 fn down(x: f32) -> [[Vec3; 3]; 2] {
     blade(Vec3::new(x, 2.0, 0.0), Vec3::new(x, -2.0, 0.0))
 }
@@ -35,7 +35,7 @@ fn cut(body: &mut Body, blade: &[[Vec3; 3]]) -> Option<Torn> {
     body.cut(blade).expect("can be cut")
 }
 
-/// Every edge has one face or two, and the faces around a particle hang together by edges.
+/// Every edge has one or two faces, and edges join all faces around a particle.
 fn assert_manifold(body: &Body) {
     let mut edges: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     let mut around: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
@@ -62,7 +62,7 @@ fn assert_manifold(body: &Body) {
     }
 }
 
-/// Sticks and tethers join particles of the body, and no stick is there twice.
+/// Sticks and tethers join particles of the body, and no stick occurs twice.
 fn assert_joined_well(body: &Body) {
     let topology = &body.topology;
     let mut ends: Vec<[u32; 2]> = (0..topology.stick_count()).map(|i| topology.stick(i)).collect();
@@ -87,7 +87,7 @@ fn face_count(bodies: &[Body]) -> usize {
     bodies.iter().map(|body| body.topology.faces().len()).sum()
 }
 
-/// A thousand random cuts and tears of sheets of every layout and of a mesh: faces keep their number, what is left is
+/// A thousand random cuts and tears of sheets of every layout and of a mesh: the number of faces stays, the pieces are
 /// manifold, and mass and momentum are the same to 1e-5.
 #[test]
 fn a_thousand_cuts_and_tears_leave_manifold_pieces_of_the_same_mass_and_momentum() {
@@ -117,7 +117,7 @@ fn a_thousand_cuts_and_tears_leave_manifold_pieces_of_the_same_mass_and_momentum
             let mut place = || low + (high - low) * Vec3::from([(); 3].map(|()| dice.unit()));
             let (from, to) = (place(), place());
             let aside = dice.vector(1.0);
-            // Somebody pulls at a particle, for a moment.
+            // Pulls at one particle for a moment, so that sticks tear.
             let (pulled, pull) =
                 ((dice.unit() * bodies[chosen].particles.len() as f32) as usize, dice.vector(0.3));
             let body = &mut bodies[chosen];
@@ -147,7 +147,7 @@ fn a_thousand_cuts_and_tears_leave_manifold_pieces_of_the_same_mass_and_momentum
         assert!((after.0 - before.0).abs() < 1e-5 * before.0, "{} kg, before {} kg", after.0, before.0);
         assert!((after.1 - before.1).length() < 1e-5 * size, "{} Ns, before {} Ns", after.1, before.1);
         assert!((after.2 - before.2).length() < 1e-5 * size, "{} Nms, before {} Nms", after.2, before.2);
-        // What is left can be stepped.
+        // The pieces can be stepped.
         let mut island = Island { bodies, ..Island::default() };
         run(&mut island, &gravity(FRAME), 0.2);
     }
@@ -155,7 +155,7 @@ fn a_thousand_cuts_and_tears_leave_manifold_pieces_of_the_same_mass_and_momentum
     assert!((200..=800).contains(&cuts), "of both kinds");
 }
 
-/// Puts the particle that was number `i` back where it was, with its copies.
+/// Puts particle `i` and its copies back to their old place.
 fn put_back(body: &mut Body, origins: Option<&Vec<u32>>, i: usize, place: Vec3) {
     for now in 0..body.particles.len() {
         if origins.map_or(now, |origins| origins[now] as usize) == i {
@@ -187,7 +187,7 @@ fn what_is_cut_off_falls_as_a_free_body() {
         );
         let environment = gravity(FRAME);
         run(&mut island, &environment, 0.5);
-        // Above the middle, so that the piece that hangs on is the smaller one.
+        // The cut is above the middle, so that the hanging piece is the smaller one.
         let cut = cut(&mut island.bodies[0], &blade(Vec3::new(-2.0, 0.1, 0.0), Vec3::new(2.0, 0.1, 0.0)));
         let torn = cut.expect("cut through");
         assert_eq!(torn.pieces.len(), 1);
@@ -208,7 +208,7 @@ fn what_is_cut_off_falls_as_a_free_body() {
         let speed = momentum / measure::mass(&island.bodies[0].particles);
         run(&mut island, &environment, 0.5);
         let fallen = centre(&island) - start - speed * 0.5;
-        // The substeps' own parabola: h/2 later, as displacements begin with a whole substep's gravity.
+        // The parabola of the substeps is h/2 ahead, as displacements begin with a whole substep's gravity.
         let substep = f64::from(FRAME) / f64::from(island.bodies[0].settings.substeps);
         let expected = -0.5 * f64::from(G) * 0.5 * (0.5 + substep);
         println!("law: fall of what is cut off {} m, expected {expected} m", fallen.y);
@@ -219,7 +219,7 @@ fn what_is_cut_off_falls_as_a_free_body() {
     }
 }
 
-/// No stick, and no tether, goes through a cut: all that still joins the two sides goes round its end.
+/// No stick and no tether crosses a cut: those that still join the two sides go around its end.
 #[test]
 fn a_cut_opens_and_nothing_holds_its_sides_together() {
     for (columns, rows) in [(40, 40), (20, 20), (9, 9)] {
@@ -234,7 +234,7 @@ fn a_cut_opens_and_nothing_holds_its_sides_together() {
         let torn =
             cut(&mut body, &blade(Vec3::new(-0.2, line, 0.0), Vec3::new(2.0, line, 0.0))).expect("cut");
         assert!(torn.pieces.is_empty(), "it still hangs together at the left");
-        // A particle is on the side where its faces are.
+        // A particle is on the same side as its faces.
         let mut side = vec![0.0; body.particles.len()];
         for &face in body.topology.faces() {
             let centre =
@@ -270,7 +270,7 @@ fn a_cut_opens_and_nothing_holds_its_sides_together() {
     }
 }
 
-/// A torn sheet goes on as it was where nothing is torn: one that is cut where nothing pulls moves as a whole one does.
+/// A cut changes nothing away from itself: a sheet that is cut where no force acts moves like a whole one.
 #[test]
 fn a_sheet_that_is_cut_in_free_fall_falls_as_before() {
     let mut whole = Island::of_body(sheet(40, 33));
@@ -285,7 +285,7 @@ fn a_sheet_that_is_cut_in_free_fall_falls_as_before() {
     }
 }
 
-/// Where nothing is too long, nothing tears, whatever a step does.
+/// A sheet without overlong sticks does not tear.
 #[test]
 fn nothing_tears_below_the_limit() {
     let mut island = Island::of_body(sheet(20, 20));
@@ -297,7 +297,7 @@ fn nothing_tears_below_the_limit() {
     assert!(std::sync::Arc::ptr_eq(&body.topology, &before.topology));
 }
 
-/// A sheet that is pulled apart at two edges tears right across, and comes to rest in two pieces.
+/// A sheet that is pulled apart at two edges tears from side to side, and comes to rest in two pieces.
 #[test]
 fn a_sheet_that_is_pulled_apart_tears_across() {
     let cloth = ClothBuilder::new(1.0, 1.0, 24, 24)
@@ -330,7 +330,7 @@ fn a_sheet_that_is_pulled_apart_tears_across() {
     assert!(greatest < 0.4, "the pull is gone: {greatest}");
 }
 
-/// A rope that is torn is two ropes, of as many links as before.
+/// A torn rope becomes two ropes, with as many links in all as before.
 #[test]
 fn a_rope_tears_into_two_ropes() {
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::NEG_Y, 41).pin_start();
@@ -355,7 +355,7 @@ fn a_rope_tears_into_two_ropes() {
     assert_eq!(cut.map(|torn| torn.pieces.len()), Some(1));
 }
 
-/// A torn curtain is stepped to the same bits on every instruction set and any number of threads.
+/// A torn curtain gives the same bits on every instruction set and any number of threads.
 #[test]
 fn torn_cloth_moves_to_the_same_bits_everywhere() {
     let torn = |isa: Isa, take: &dyn Fn(&mut Island)| {

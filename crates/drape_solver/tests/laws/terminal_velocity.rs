@@ -1,4 +1,4 @@
-//! What falls through air comes to the speed at which drag carries its weight.
+//! Bodies that fall through air reach the speed at which drag carries their weight.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ fn linear_drag_ends_at_gravity_over_drag() {
     }
 }
 
-/// A level plate: one face, as heavy in each corner.
+/// A level plate: one face with equal masses at its corners.
 fn plate(mass: f32, velocity: Vec3) -> Body {
     let corners = [Vec3::ZERO, Vec3::X * 0.6, Vec3::Z * 0.8];
     let particles = Particles::new(Vec3::ZERO, &corners, &[3.0 / mass; 3]).expect("valid");
@@ -41,8 +41,8 @@ fn plate(mass: f32, velocity: Vec3) -> Body {
     body
 }
 
-/// Drag of moving air, `1/2 rho c A v^2`, ends a plate's fall at `sqrt(2 m g / (rho c A))`; on the way there its speed is
-/// `v tanh(g t / v)` (Newton's Principia, book 2, proposition 9). It falls in an updraft, and is let go at its speed.
+/// Drag of moving air, `1/2 rho c A v^2`, ends a plate's fall at `v = sqrt(2 m g / (rho c A))`; before that its speed is
+/// `v tanh(g t / v)` (Newton's Principia, book 2, proposition 9). The plate falls in an updraft, and starts at its speed.
 #[test]
 fn quadratic_drag_ends_at_the_root_of_twice_the_weight() {
     for mass in [0.05_f32, 0.2, 1.0] {

@@ -4,7 +4,7 @@ use drape_solver::{ClothBuilder, ClothMaterial, Edge, Island, SolverSettings};
 
 use crate::common::*;
 
-/// How far the lowest particle of a hanging sheet of 2 m is below its place at rest.
+/// The distance in metres of the lowest particle of a hanging sheet of 2 m below its rest position, and the stretch.
 fn sag(corners: bool, tethers: bool) -> (f32, f64) {
     let settings =
         SolverSettings { substeps: 4, iterations: 1, drag: 2.0, tethers, ..SolverSettings::default() };
@@ -16,7 +16,7 @@ fn sag(corners: bool, tethers: bool) -> (f32, f64) {
     (lowest - 2.0, stretch(&island).rms)
 }
 
-/// A sheet held along its top stretches several times less with tethers than without.
+/// Tethers lessen the stretch of a sheet that hangs from its top edge several times.
 #[test]
 fn tethers_take_the_sag_out_of_a_curtain() {
     let ((loose, loose_stretch), (held, held_stretch)) = (sag(false, false), sag(false, true));
@@ -33,13 +33,18 @@ fn tethers_take_the_stretch_out_of_a_sheet_on_two_corners() {
     assert!(held < 0.6 * loose, "{held} with, {loose} without");
 }
 
-/// A tether only pulls: within its length a particle moves freely, as on a slack string.
+/// A tether only pulls: within its length a particle moves freely.
 #[test]
 fn a_slack_tether_does_nothing() {
     let fall = |tethers: bool| {
         let settings = SolverSettings { tethers, ..SolverSettings::default() };
-        // Its sticks hold nothing, and it is squeezed to half its length: all tethers are slack.
-        let material = ClothMaterial { structural: 0.0, shear: 0.0, bend: 0.0, ..ClothMaterial::default() };
+        // Its sticks have no stiffness, and it is compressed to half its length: all tethers are slack.
+        let material = ClothMaterial {
+            stretch_stiffness: 0.0,
+            shear_stiffness: 0.0,
+            bend_stiffness: 0.0,
+            ..ClothMaterial::default()
+        };
         let sheet = ClothBuilder::new(1.0, 1.0, 9, 9).pin_edge(Edge::Top).material(material);
         let mut island = Island::of_body(sheet.build(settings).expect("valid"));
         for i in 9..81 {

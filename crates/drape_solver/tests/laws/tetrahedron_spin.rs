@@ -1,11 +1,11 @@
-//! A free rigid body spins on about its axis, and slows no faster than the substep makes it.
+//! A free rigid body spins on about its axis, and slows only by the damping of the substep.
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{Island, SolverSettings};
 
 use crate::common::*;
 
-/// A regular tetrahedron of four particles of 1 kg and six sticks, which spins about `axis` with `spin` rad/s.
+/// A regular tetrahedron of four particles of 1 kg and six sticks that spins about `axis` with `spin` rad/s.
 fn tetrahedron(axis: Vec3, spin: f32, settings: SolverSettings) -> Island {
     let corners =
         [Vec3::ONE, Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0)];
@@ -18,9 +18,9 @@ fn tetrahedron(axis: Vec3, spin: f32, settings: SolverSettings) -> Island {
     Island::of_body(body)
 }
 
-/// Projection takes `w^2 h` of the spin each second, as `dw/dt = -w^3 h`: for what little is lost, `exp(-w^2 h t)`. A body
-/// whose moments of inertia are all equal spins about any axis, which stays. (In short substeps the rounding of places shows:
-/// what a slow spin turns by in one is little.)
+/// Projection takes the part `w^2 h` of the spin each second (`dw/dt = -w^3 h`); for small losses, `exp(-w^2 h t)` is left.
+/// A body with equal moments of inertia keeps its axis, whichever it is. (Short substeps show the rounding of positions, as
+/// a slow spin rotates little in each.)
 #[test]
 fn the_spin_of_a_tetrahedron_decays_with_its_square_and_the_substep() {
     for axis in [Vec3::Y, Vec3::new(1.0, 2.0, -0.5).normalize()] {

@@ -1,4 +1,4 @@
-//! Issue 2, acceptance 3: halving dt changes gravity, drag, stiffness and friction by at most 2 %.
+//! Halving dt changes gravity, drag, stiffness and friction by at most 2 %.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{Environment, Island, Obstacle, SolverSettings, StickKind, StickMaterial};
@@ -11,7 +11,7 @@ fn halved(what: &str, measure: impl Fn(f32) -> f64) {
     }
 }
 
-/// S1: the way fallen in a second.
+/// S1: the distance fallen in a second.
 #[test]
 fn halving_dt_keeps_gravity() {
     halved("fall", |dt| {
@@ -47,7 +47,7 @@ fn halving_dt_keeps_stiffness() {
     });
 }
 
-/// S7: the way to a stop by friction.
+/// S7: the stopping distance under friction.
 #[test]
 fn halving_dt_keeps_friction() {
     halved("way", |dt| {

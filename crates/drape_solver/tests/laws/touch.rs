@@ -44,13 +44,13 @@ fn a_ball_meets_a_wall_when_the_closed_form_says() {
     }
 }
 
-/// S17: and a curtain, whose plane is met a thickness earlier.
+/// S17: a ball meets a curtain a thickness before its plane.
 #[test]
 fn a_ball_meets_a_curtain_when_the_closed_form_says() {
     for speed in [12.0, 25.0] {
         let velocity = Vec3::new(0.0, 4.0, -speed);
         let mut island = shot(velocity, FRAME);
-        // Straight and weightless, so that it waits in its plane: every particle of the rim is pinned.
+        // Without gravity and with a pinned rim, so that it stays in its plane.
         let settings = SolverSettings { drag: 50.0, ..SolverSettings::default() };
         let curtain = ClothBuilder::new(4.0, 4.0, 33, 33)
             .placed(Vec3::new(-2.0, 4.0, -10.0), Vec3::X, Vec3::NEG_Y)
@@ -93,7 +93,7 @@ fn the_reported_impulse_is_the_change_of_momentum() {
     assert_close("impulse", impulse.into(), 20.0, 1e-3);
 }
 
-/// A ball that lies on the ground touches it in every step, with the impulse of its weight.
+/// A ball at rest on the ground touches it in every step, with the impulse of its weight.
 #[test]
 fn a_resting_ball_weighs_on_the_ground() {
     let mut island = Island::of_ball(ball(smooth(0.15, 2.0), Vec3::Y * 0.15, Vec3::ZERO));

@@ -1,14 +1,15 @@
-//! Cloth that is not alike in all directions, or not everywhere.
+//! Cloth whose stiffness differs by direction or from place to place.
 
 use drape_solver::glam::{Vec2, Vec3};
 use drape_solver::{ClothMaterial, Island, MeshClothBuilder, SolverSettings, Weave};
 
 use crate::common::*;
 
-/// Squares along a side of the sheets.
+/// The number of squares along a side of the sheets.
 const SIDE: u32 = 16;
 
-/// A sheet of 1 m x 1 m that hangs by its upper edge, its diagonals in turns; V points down the sheet turned by `degrees`.
+/// A sheet of 1 m x 1 m with alternating diagonals that hangs by its upper edge. The texture's V points downwards, rotated by
+/// `degrees`.
 fn sheet(degrees: f32) -> (MeshClothBuilder, Vec<Vec2>) {
     let at = |column: u32, row: u32| row * (SIDE + 1) + column;
     let place = |column: u32, row: u32| Vec2::new(column as f32, row as f32) / SIDE as f32;
@@ -23,12 +24,13 @@ fn sheet(degrees: f32) -> (MeshClothBuilder, Vec<Vec2>) {
         if (column + row).is_multiple_of(2) { [[a, c, d], [a, d, b]] } else { [[a, c, b], [b, c, d]] }
     };
     let faces = (0..SIDE).flat_map(|row| (0..SIDE).flat_map(move |column| square(column, row)));
-    let material = ClothMaterial { structural: 0.999, bend: 0.1, ..ClothMaterial::default() };
+    let material =
+        ClothMaterial { stretch_stiffness: 0.999, bend_stiffness: 0.1, ..ClothMaterial::default() };
     let builder = MeshClothBuilder::new(positions, faces.collect()).material(material);
     ((0..=SIDE).fold(builder, |builder, column| builder.pin(at(column, 0))), coordinates)
 }
 
-/// How far the lower edge and the middle have come down when the sheet hangs at rest, in metres.
+/// The sag in metres of the lower edge and of the middle of the sheet at rest.
 fn sag(builder: MeshClothBuilder) -> [f32; 2] {
     let settings = SolverSettings { substeps: 64, drag: 6.0, tethers: false, ..SolverSettings::default() };
     let mut island = Island::of_body(builder.build(settings).expect("valid"));
@@ -42,25 +44,25 @@ fn sag(builder: MeshClothBuilder) -> [f32; 2] {
     [way(Vec3::new(0.5, -1.0, 0.0)), way(Vec3::new(0.5, -0.5, 0.0))]
 }
 
-/// The weft gives way where it carries, and the warp where that does; on the bias the cloth gives way most.
+/// A sheet that hangs by its soft weft sags more than by its warp, and on the bias it sags most.
 #[test]
 fn a_sheet_hangs_lower_by_its_softer_threads() {
     let woven = |degrees: f32| {
         let (builder, coordinates) = sheet(degrees);
-        sag(builder.weave(Weave { coordinates, weft: 0.99, bias: 0.9 }))[0]
+        sag(builder.weave(Weave { coordinates, weft_stiffness: 0.99, bias_stiffness: 0.9 }))[0]
     };
     let alike = sag(sheet(0.0).0)[0];
     let [warp, bias, weft] = [0.0, 45.0, 90.0].map(woven);
     println!(
         "law: a sheet sags by {alike} m; woven {warp} m by its warp, {weft} m by its weft, {bias} m on the bias"
     );
-    // Ten times the compliance.
+    // The weft has ten times the compliance.
     assert!(weft > 3.0 * warp, "{weft} m by the weft, {warp} m by the warp");
     assert!(bias > 1.5 * weft, "{bias} m on the bias");
     assert!(warp > alike, "what lies aslant helps less");
 }
 
-/// Painted black below the middle, the lower half hangs down and the upper one does not.
+/// In a sheet painted black below the middle the lower half sags, and the upper half does not.
 #[test]
 fn a_sheet_gives_way_where_it_is_painted_dark() {
     let paint = |dark: f32| {

@@ -10,7 +10,7 @@ use drape_solver::{
 
 use crate::common::*;
 
-/// A plate of 1 m x 1 m around the origin, square to Z, pinned at every particle.
+/// A plate of 1 m x 1 m around the origin, normal to Z, pinned at every particle.
 fn plate() -> Body {
     let cloth = ClothBuilder::new(1.0, 1.0, 11, 11).placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y);
     cloth.pin_where(|_, _, _| true).build(bare()).expect("valid")
@@ -20,7 +20,7 @@ fn air(wind: Wind) -> Environment {
     Environment { wind, ..weightless(FRAME) }
 }
 
-/// F = 1/2 rho c A u^2 (Newton's law of resistance) on a plate square to the wind, whatever the lift coefficient.
+/// F = 1/2 rho c A u^2 (Newton's law of resistance) on a plate normal to the wind, for any lift coefficient.
 #[test]
 fn the_drag_of_a_plate_grows_with_the_square_of_the_speed() {
     for (speed, lift_coefficient) in [(1.0, 0.0), (5.0, 0.0), (20.0, 0.0), (5.0, 1.5)] {
@@ -32,7 +32,7 @@ fn the_drag_of_a_plate_grows_with_the_square_of_the_speed() {
     }
 }
 
-/// Lift is at right angles to the wind, F = 1/2 rho c A u^2 sin(a) cos(a), and points to the side that the plate leans to.
+/// Lift is at right angles to the wind, F = 1/2 rho c A u^2 sin(a) cos(a), and points to the side to which the plate leans.
 #[test]
 fn lift_is_at_right_angles_to_the_wind() {
     for degrees in [0.0_f32, 5.0, 20.0, 45.0, 70.0, 90.0] {
@@ -65,7 +65,7 @@ fn speed(island: &Island) -> f32 {
     measure::mean_square_speed(particles(island)).sqrt()
 }
 
-/// A flag flutters in a steady wind for as long as it blows, and comes to rest in still air, where nothing gives it energy.
+/// A flag flutters in a steady wind as long as it blows, and comes to rest in still air.
 #[test]
 fn a_flag_flutters_in_the_wind_and_not_without() {
     for lift_coefficient in [0.0, 1.0] {
@@ -81,8 +81,8 @@ fn a_flag_flutters_in_the_wind_and_not_without() {
     }
 }
 
-/// What soft sticks have taken up, in joules: the stiffness `s` stands for a spring of `s / (1 - s)` over the ends' inverse masses and the
-/// square of 1/60 s. Rigid ones take up nothing.
+/// Energy in joules stored in soft sticks. A stiffness `s` is a spring of `s / (1 - s)`, divided by the sum of the ends'
+/// inverse masses and by the square of 1/60 s. Rigid sticks store nothing.
 fn elastic_energy(island: &Island) -> f64 {
     let (particles, topology) = (particles(island), &island.bodies[0].topology);
     let mut energy = 0.0;
@@ -105,8 +105,8 @@ fn elastic_energy(island: &Island) -> f64 {
     energy
 }
 
-/// In still air nothing gives a flag energy: that of one let go level only falls, with what its soft sticks have taken up. What is left is
-/// of rigid sticks that are not all at their length after a sweep.
+/// In still air a flag gains no energy: released level, its energy with that of its soft sticks only falls. The tolerance is
+/// for rigid sticks that a sweep leaves stretched.
 #[test]
 fn the_energy_of_a_flag_in_still_air_only_falls() {
     let mut island = Island::of_body(flag());
@@ -129,13 +129,14 @@ fn the_energy_of_a_flag_in_still_air_only_falls() {
     assert!(highest[0] <= start && highest[1] < 0.5 * (highest[0] + least), "{highest:?}");
 }
 
-/// What the wind does to a flag that flies in it, beside the same cloth spread out square to it: a flag gives way. Its curve is reported.
+/// The drag of a flag that flies in the wind, and of the same cloth spread out normal to it: the flag has far less. Prints
+/// the curve.
 #[test]
 fn the_drag_of_a_flag_by_the_speed_of_the_wind() {
     let mut parts = Vec::new();
     for speed in [3.0, 6.0, 12.0, 24.0_f32] {
         let mut island = Island::of_body(flag());
-        // A little aslant: right along the flag it would stay flat.
+        // At a small angle, as wind exactly along the flag would leave it flat.
         let windy = Environment { wind: Wind::new(Vec3::new(1.0, 0.0, 0.08) * speed), ..gravity(FRAME) };
         run(&mut island, &windy, 4.0);
         let mut force = Vec3::ZERO;
@@ -153,7 +154,7 @@ fn the_drag_of_a_flag_by_the_speed_of_the_wind() {
     assert!(parts.iter().all(|&part| part > 0.0 && part < 0.5), "{parts:?}");
 }
 
-/// The gusts' root mean square is what was asked for, their mean is the wind; a seed is a day.
+/// The gusts have the given root mean square, and the wind as their mean. A seed repeats them.
 #[test]
 fn gusts_are_as_strong_as_asked_for_and_the_same_in_every_run() {
     let wind = |seed| Wind {
@@ -162,7 +163,7 @@ fn gusts_are_as_strong_as_asked_for_and_the_same_in_every_run() {
         air_density: 2.0,
         ..Wind::new(Vec3::Z * 20.0)
     };
-    // A plate feels (20 + w)^2 = 400 + 40 w for gusts that are weak against the wind.
+    // The force on a plate goes with (20 + w)^2, about 400 + 40 w for gusts w that are weak against the wind.
     let small = || {
         let cloth = ClothBuilder::new(0.1, 0.1, 2, 2).placed(Vec3::ZERO, Vec3::X, Vec3::NEG_Y);
         cloth.pin_where(|_, _, _| true).build(bare()).expect("valid")
@@ -177,7 +178,7 @@ fn gusts_are_as_strong_as_asked_for_and_the_same_in_every_run() {
             count += 1.0;
         }
     }
-    // One of three axes.
+    // One of three axes of the gusts.
     let (mean, strength) = (sum / count, (3.0 * squares / count).sqrt());
     println!("law: gusts of {strength} m/s, expected 2 m/s, about a mean of {mean} m/s");
     assert!((strength - 2.0).abs() < 0.2 && mean.abs() < 0.2);
@@ -186,7 +187,7 @@ fn gusts_are_as_strong_as_asked_for_and_the_same_in_every_run() {
     assert!((gust(7, 12.5) - gust(7, 12.6)).abs() < 0.3 * gust(7, 12.5), "they come and go smoothly");
 }
 
-/// A zone's wind is there, falls off towards its rim, turns with it, and is nowhere else.
+/// A zone's wind blows only inside it, falls off towards its rim, and rotates with it.
 #[test]
 fn a_zone_blows_within_its_region() {
     let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
@@ -226,7 +227,7 @@ fn a_zone_blows_within_its_region() {
     assert_eq!(wind_force(&plate(), &zones(there)), Vec3::ZERO);
 }
 
-/// What stands behind a wall feels what the shelter leaves of the wind.
+/// Cloth behind a wall gets only the part of the wind that the shelter leaves.
 #[test]
 fn a_wall_shelters() {
     let wall = obstacle(Shape::Cuboid { half_extents: Vec3::new(3.0, 3.0, 0.1) }, Vec3::NEG_Z * 2.0, 0.0);

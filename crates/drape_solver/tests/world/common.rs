@@ -59,7 +59,7 @@ pub fn settle(world: &mut World, member: impl Into<MemberId>) {
     panic!("{member:?} never fell asleep");
 }
 
-/// Asserts that `member` wakes in the next step and then has the time to pick up speed.
+/// Asserts that `member` wakes in the next step, and stays awake long enough to gain speed.
 #[track_caller]
 pub fn assert_wakes(world: &mut World, member: impl Into<MemberId>) {
     let member = member.into();
@@ -80,12 +80,12 @@ pub fn sleeping_curtain() -> (World, BodyId) {
     (world, curtain)
 }
 
-/// A fingerprint of a body's state.
+/// The hash of a body's state.
 pub fn hash(body: &Body) -> u64 {
     StateHasher::new().particles(&body.particles).finish()
 }
 
-/// Mean place of all particles.
+/// Mean position of all particles in metres.
 pub fn centre(body: &Body) -> Vec3 {
     body.particles.positions().sum::<Vec3>() / body.particles.len() as f32
 }

@@ -1,4 +1,4 @@
-//! Bodies that left the play area are culled, and those that sleep far from every viewer.
+//! Bodies outside the play area are culled, and so are sleeping bodies far from every viewer.
 
 use drape_solver::Activity;
 use drape_solver::World;
@@ -18,7 +18,7 @@ fn a_ball_that_leaves_the_play_area_is_culled_where_it_is() {
     assert!(place.y < -10.0 && place.y > -11.0, "{place}");
     steps(&mut world, 60);
     assert_eq!(world[ball].position(), place);
-    // A wider area brings it back.
+    // A larger area brings it back.
     world.rules.play_area_min = Vec3::splat(-100.0);
     steps(&mut world, 2);
     assert_eq!(world.activity(ball), Some(Activity::Active));
@@ -36,7 +36,7 @@ fn sleepers_far_from_every_viewer_are_culled_until_one_comes_near() {
     steps(&mut world, 1);
     assert_eq!(world.activity(curtain), Some(Activity::Resting));
     assert_eq!(hash(&world[curtain]), before);
-    // And it can be woken as before.
+    // It can wake again as before.
     world.add_ball(ball(Vec3::new(0.0, 1.5, -0.25), Vec3::Z * 5.0));
     steps(&mut world, 1);
     assert_eq!(world.activity(curtain), Some(Activity::Active));

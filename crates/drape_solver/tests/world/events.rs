@@ -1,4 +1,4 @@
-//! A world tells what touched what, by name.
+//! A world reports contacts by the names of the two sides.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{MemberId, Obstacle, Placement, Shape, WorldId};
@@ -8,7 +8,7 @@ use crate::common::*;
 #[test]
 fn touches_contacts_and_reactions_have_names() {
     let mut world = on_ground();
-    // Another ball is older, so that indices in islands are others than places in the world.
+    // An earlier ball makes indices in islands differ from those in the world.
     world.add_ball(ball(Vec3::new(9.0, 50.0, 0.0), Vec3::ZERO));
     let table = Shape::Cuboid { half_extents: Vec3::new(1.0, 0.05, 1.0) };
     let table = Obstacle::new(table, Placement::at(Vec3::Y * 0.95), 0.5).expect("valid");

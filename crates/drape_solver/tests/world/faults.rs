@@ -1,4 +1,4 @@
-//! Bodies and balls that cannot be stepped are left out and named, and the rest goes on.
+//! A world leaves out and names members that cannot be stepped; the rest goes on.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::common::*;
 
 #[test]
 fn a_bad_body_is_left_out_and_the_rest_goes_on_as_without_it() {
-    // In one island: the ball lies on both curtains.
+    // The ball lies on both curtains, so all are in one island.
     let run = |breaks: bool| {
         let mut world = World::new();
         let [good, bad] = [0.0, 0.1].map(|z| world.add_body(curtain(Vec3::new(0.0, 2.0, z))));

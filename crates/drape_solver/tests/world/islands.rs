@@ -1,4 +1,4 @@
-//! Islands do not depend on each other, nor on order or threads.
+//! The result of an island depends neither on other islands, nor on order or threads.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
@@ -28,7 +28,7 @@ fn two_far_bodies_are_stepped_as_if_each_were_alone() {
     let places = [Vec3::Y * 1.2, Vec3::new(5.0, 0.5, 0.0)];
     let mut world = on_ground();
     let curtains = places.map(|top| world.add_body(curtain(top)));
-    // Awake all the time, as a lone island knows no sleep.
+    // Keeps all awake, as a lone island has no sleep.
     world.rules.sleeping = false;
     steps(&mut world, 120);
     assert_eq!(world.island_count(), 2);
@@ -61,7 +61,7 @@ fn two_far_hits_do_not_know_of_each_other() {
     }
 }
 
-/// Hashes of eight curtains, each with a ball thrown at it, that were added in the order of `places`; by place.
+/// Hashes by place of eight curtains, each hit by a ball. They were added in the order of `places`.
 fn hashes(places: [usize; 8], threads: &dyn Threads) -> [u64; 8] {
     let mut world = on_ground();
     let mut ids = [None; 8];
@@ -109,7 +109,7 @@ fn what_can_touch_is_in_one_island() {
     assert_eq!(world.island_count(), 2, "the ball touches both of the first");
 }
 
-/// A rod that flies touches both ends: what one end does to it, the other must know.
+/// A dynamic rod between two balls joins their islands, as a push at one end moves the other end.
 #[test]
 fn a_dynamic_obstacle_joins_what_it_touches_and_keeps_momentum() {
     let mut world = World::new();

@@ -1,4 +1,4 @@
-//! Obstacles that appear, move, change or vanish wake what is near.
+//! Obstacles that appear, move, change or vanish wake nearby bodies.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{Activity, BodyId, Obstacle, ObstacleId, Placement, Shape, World};
@@ -13,7 +13,7 @@ fn sphere(radius: f32, centre: Vec3) -> Obstacle {
     Obstacle::new(Shape::Sphere { radius }, Placement::at(centre), 0.5).expect("valid")
 }
 
-/// A cloth asleep on a table of 1 m, and the table.
+/// A cloth asleep on a table 1 m high, and the table.
 fn cloth_on_table() -> (World, BodyId, ObstacleId) {
     let mut world = World::new();
     let table = world.add_obstacle(cuboid(Vec3::new(1.0, 0.05, 1.0), Vec3::Y * 0.95));
@@ -42,6 +42,13 @@ fn an_obstacle_that_moves_wakes_and_stands_still_after_the_step() {
     assert!(!world[table].is_moving());
     settle(&mut world, cloth);
     assert!((centre(&world[cloth]).y - 1.06).abs() < 5e-3, "{}", centre(&world[cloth]));
+}
+
+#[test]
+fn a_new_obstacle_wakes() {
+    let (mut world, cloth, _) = cloth_on_table();
+    world.add_obstacle(sphere(0.1, Vec3::Y * 1.05));
+    assert_wakes(&mut world, cloth);
 }
 
 #[test]
@@ -80,7 +87,7 @@ fn an_obstacle_that_moves_in_wakes_and_pushes() {
     assert!(gaps.fold(f32::INFINITY, f32::min) > 0.195, "it is pushed aside");
 }
 
-/// The last obstacle takes the index of one that is taken out: names must not mind.
+/// The last obstacle takes the index of a removed one. Names stay valid.
 #[test]
 fn names_outlive_the_removal_of_others() {
     let mut world = World::new();

@@ -1,4 +1,4 @@
-//! Forces, edits and what moves wake what is at rest.
+//! Forces, edits and moving bodies wake bodies at rest.
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
@@ -47,12 +47,12 @@ fn another_gravity_and_another_wind_wake() {
 #[test]
 fn nothing_sleeps_in_gusts() {
     let (mut world, curtain) = sleeping_curtain();
-    // Too weak to move anything.
+    // The force is too weak to move anything.
     world.wind.turbulence = Turbulence { speed: 1e-3, ..Turbulence::default() };
     assert_wakes(&mut world, curtain);
     for _ in 0..600 {
         world.step().expect("a good step");
-        // It falls asleep at the end of a step and wakes at the beginning of the next: each step moves it.
+        // It falls asleep at the end of a step and wakes at the start of the next, so that each step moves it.
         assert_eq!(world.island_count(), 1);
     }
 }
@@ -80,7 +80,7 @@ fn a_ball_wakes_before_it_touches() {
     }
     let (touched_in, time) = touched_at.expect("a hit");
     assert!(woken_at.expect("it wakes") <= touched_in);
-    // As soon as in the plane of the curtain: 5.85 m at 15 m/s, from when the ball was added.
+    // The ball reaches the curtain's plane after 5.85 m at 15 m/s.
     let start = world.time() - 1.0;
     assert!((time - start - 5.845 / 15.0).abs() < 0.01, "hit after {} s", time - start);
 }
@@ -111,6 +111,20 @@ fn a_whole_row_of_balls_wakes_at_once() {
     world.add_ball(ball(Vec3::new(-0.5, 0.15, 0.0), Vec3::X * 20.0));
     world.step().expect("a good step");
     assert!(row.iter().all(|&id| world.activity(id) == Some(Activity::Active)));
+}
+
+#[test]
+fn a_sheet_wakes_when_the_ball_below_it_goes() {
+    let mut world = on_ground();
+    let below = world.add_ball(ball(Vec3::Y * 0.15, Vec3::ZERO));
+    let sheet = world.add_body(sheet(Vec3::Y * 0.32));
+    settle(&mut world, sheet);
+    assert_eq!(world.activity(below), Some(Activity::Resting));
+    assert!(world.remove_ball(below).is_some() && world.ball(below).is_none());
+    assert_wakes(&mut world, sheet);
+    settle(&mut world, sheet);
+    let highest = world[sheet].particles.positions().map(|p| p.y).fold(0.0, f32::max);
+    assert!(highest < 0.1, "it lies on the ground: {highest} m");
 }
 
 #[test]

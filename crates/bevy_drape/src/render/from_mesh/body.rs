@@ -1,4 +1,4 @@
-//! Builds bodies from the meshes of their entities, and hangs the meshes on them.
+//! Builds bodies from the meshes of their entities.
 
 use std::sync::Arc;
 
@@ -21,20 +21,20 @@ use crate::render::surface::Surface;
 use crate::render::vertices::Vertices;
 use crate::transform::moved_by_frame::MovedByFrame;
 
-/// A component that makes a body of the entity's mesh.
+/// A component that makes a body from the entity's mesh.
 pub(crate) trait MeshDescription: Component {
-    /// What it is called in the log.
+    /// Name in the log.
     const NAME: &'static str;
 
-    /// What the entity gets besides body and surface, and loses with them.
+    /// Components that the entity gets with body and surface, and loses with them.
     type Parts: Bundle;
 
-    /// Whether the mesh's vertex colours are for it to read, and not to be seen.
+    /// True if vertex colours are paint that is read, and must not be drawn.
     fn takes_colours(&self) -> bool {
         false
     }
 
-    /// The body of `mesh`, whose parts these are, at `transform`.
+    /// Builds the body of `mesh`, which has these parts, at `transform`.
     fn build(
         &self,
         mesh: &Mesh,
@@ -44,24 +44,25 @@ pub(crate) trait MeshDescription: Component {
     ) -> Result<MeshBody<Self::Parts>, MeshFault>;
 }
 
-/// What a mesh has become.
+/// The body that a mesh has become.
 pub(crate) struct MeshBody<P> {
     pub particles: drape_solver::Particles,
     pub topology: Arc<Topology>,
     pub vertices: Vertices,
-    /// What took the mesh's own coordinates to where its particles rest.
+    /// Transform from the mesh's coordinates to the rest positions of the particles.
     pub rest: Affine3A,
     pub pose: Option<AnimatedPose>,
     pub parts: P,
-    /// What was put right in it.
+    /// Description of the repairs to the mesh, if there were any.
     pub repairs: Option<String>,
 }
 
-/// The skin that a body follows. A renderer refuses to draw a [`SkinnedMesh`] whose mesh has no joints, as the shown copy has none.
+/// The skin that a body follows. Renderers do not draw a [`SkinnedMesh`] whose mesh has no joints, and the shown copy
+/// has none.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct SkinOfCloth(SkinnedMesh);
 
-/// Entities with a `D`, and everything that their bodies are made of.
+/// Entities with a `D`, and everything that their bodies are made from.
 type DescribedMeshes<'w, 's, D> = Query<
     'w,
     's,
@@ -75,7 +76,8 @@ type DescribedMeshes<'w, 's, D> = Query<
     ),
 >;
 
-/// Builds what was inserted or changed since the last step, what was given another mesh or skin, and what waited for its mesh.
+/// Builds bodies whose component, mesh or skin was inserted or changed since the last step, and those that waited for
+/// their mesh.
 pub(crate) fn build_mesh_bodies<D: MeshDescription>(
     mut commands: Commands,
     mut changed: ChangedMeshes<D>,
@@ -89,7 +91,7 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
     mut refusals: ResMut<Refusals>,
     mut to_build: Local<Vec<Entity>>,
 ) {
-    // What waits for its mesh is in the list still.
+    // The list still has the entities that wait for their mesh.
     changed.collect(&mut to_build);
     collect_changed(&not_built, &mut to_build);
     collect_changed(&skins, &mut to_build);
@@ -154,7 +156,7 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
     to_build.append(&mut later);
 }
 
-/// The body of a mesh, what is known of its surface, and the mesh that will show it.
+/// Builds the body of a mesh, its surface, and the mesh that shows it.
 fn build<D: MeshDescription>(
     description: &D,
     mesh: &Mesh,
@@ -172,7 +174,7 @@ fn build<D: MeshDescription>(
     Ok((body, surface, copy))
 }
 
-/// Has a new cloth follow its animation, if it has one.
+/// Lets a new cloth follow its animation, if it has one.
 fn follow_pose(commands: &mut Commands, entity: Entity, pose: Option<AnimatedPose>, is_skinned: bool) {
     let mut cloth = commands.entity(entity);
     let Some(pose) = pose else {
@@ -180,7 +182,7 @@ fn follow_pose(commands: &mut Commands, entity: Entity, pose: Option<AnimatedPos
         return;
     };
     if is_skinned {
-        // Bounds are those of the simulated mesh, and pins follow the joints instead of the entity.
+        // The simulated mesh gives the bounds, and pins follow the joints instead of the entity.
         cloth.remove::<DynamicSkinnedMeshBounds>();
         cloth.entry::<BodyState>().and_modify(|mut state| state.pins.clear());
         let joints = pose.joints.clone();
@@ -193,7 +195,7 @@ fn follow_pose(commands: &mut Commands, entity: Entity, pose: Option<AnimatedPos
     }
 }
 
-/// Takes off an entity that loses its `D` what was put there besides the body. The mesh stays as it is.
+/// Removes everything but the body from an entity that loses its `D`. The mesh stays.
 pub(crate) fn remove_mesh_body<D: MeshDescription>(removed: On<Remove, D>, mut commands: Commands) {
     commands
         .entity(removed.entity)

@@ -6,29 +6,29 @@ use bevy::prelude::*;
 use drape_solver::{ClothMaterial, MeshCloth, MeshClothBuilder, MeshRepairs, Weave};
 
 use crate::render::from_mesh::body::{MeshBody, MeshDescription};
-use crate::render::from_mesh::paint::{ClothPaint, paint};
+use crate::render::from_mesh::paint::{ClothPaint, paint, painted_above};
 use crate::render::from_mesh::reading::{MeshFault, faces, positions, texture_coordinates};
 use crate::render::from_mesh::skin::ClothSkin;
 use crate::render::from_mesh::source::MeshParts;
 use crate::render::vertex_map::VertexMap;
 use crate::render::vertices::Vertices;
 
-/// Makes a cloth of the entity's [`Mesh3d`]: cape, skirt, tent, balloon; from a modelling tool, or made in code.
+/// Makes a cloth from the entity's [`Mesh3d`]: a cape, skirt, tent or balloon, modelled or made in code.
 ///
-/// It is built in the first step after the mesh has loaded, and anew when the component, the mesh or its asset changes.
-/// Vertices in the same place are one particle, so that the cloth does not open along seams of texture coordinates and
-/// normals; vertices, indices and texture coordinates stay the mesh's own, and positions and normals are written back into
-/// a copy of it. Edges become structural sticks, which resist skewing too, and the corners across an edge are joined by a bend stick.
-/// A mesh that is no cloth is refused with the reason in the log and in [`Refusals`](crate::refusal::Refusals); one that is odd is
-/// put right, with a warning.
+/// The first step after the mesh has loaded builds the cloth; a change of the component, the mesh or its asset rebuilds
+/// it. Vertices in the same place are one particle, so that the cloth does not open along seams of texture coordinates
+/// and normals. Vertices, indices and texture coordinates stay as they are; positions and normals are written to a copy
+/// of the mesh. Edges become structural sticks, which resist skewing too; bend sticks join the corners across each
+/// edge. Invalid meshes are refused with the reason in the log and in [`Refusals`](crate::refusal::Refusals). Small
+/// faults are repaired with a warning.
 ///
-/// Particles that are painted are pinned: by default those with a vertex colour of more red than a half. Pins stay fixed to the
-/// entity. How far the others may go can be painted as well: see [`ClothPaint::max_distance`].
+/// Painted particles are pinned: by default those whose vertex colour has more than half of red. Pins stay fixed to the
+/// entity. Paint motion limits for the other particles with [`ClothPaint::max_distance`].
 ///
-/// Where the entity has a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), pins and limits follow its joints. The pose is worked out in each
-/// step, by the joints' transforms of that step, and the mesh that is shown is the simulated one: it has no skin any more, and the cloth takes
-/// the `SkinnedMesh` off its entity. Insert another to have it follow that.
-/// Joints get a [`MovedByFrame`](crate::transform::moved_by_frame::MovedByFrame).
+/// With a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), pins and limits follow its joints. Each step computes the
+/// pose from the joints' transforms. The simulated mesh is drawn without a skin, so the cloth removes the `SkinnedMesh`
+/// from its entity; insert another one to follow that. Joints get a
+/// [`MovedByFrame`](crate::transform::moved_by_frame::MovedByFrame).
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -45,31 +45,32 @@ pub struct ClothMesh {
     /// Mass per area in kg/m^2.
     pub areal_density: f32,
     /// Stiffness of the edges, 0 (slack) to 1 (rigid): resists stretching and skewing.
-    pub structural_stiffness: f32,
+    pub stretch_stiffness: f32,
     /// Stiffness across the edges, 0 to 1: resists folding.
     pub bend_stiffness: f32,
     /// Damping along all sticks in 1/s.
     pub damping: f32,
-    /// How near vertices have to be in the world to become one particle, in metres; 0 for the very same place. None: a
+    /// Distance in metres, in the world, within which vertices become one particle; 0 for equal positions only. None: a
     /// hundred-thousandth of the mesh's length.
     pub weld_distance: Option<f32>,
-    /// Vertices that are pinned besides those that are painted, by their index in the mesh.
+    /// Pinned vertices, in addition to painted ones, by their index in the mesh.
     pub pins: Vec<u32>,
-    /// What colours and other attributes of vertices mean.
+    /// Meaning of vertex colours and other attributes.
     pub paint: ClothPaint,
     /// Stiffness by direction, for a mesh with texture coordinates; none by default.
     pub weave: Option<ClothWeave>,
 }
 
-/// Stiffness by direction: the threads of the warp run along V of the mesh's first texture coordinates, and have
-/// [`ClothMesh::structural_stiffness`]; those of the weft run along U. In between it changes as in an orthotropic plate
+/// Stiffness by direction. The warp runs along V of the mesh's first texture coordinates and has
+/// [`ClothMesh::stretch_stiffness`]; the weft runs along U. In between, stiffness changes as in an orthotropic plate
 /// ([`drape_solver::Weave`]).
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub struct ClothWeave {
     /// Stiffness of edges along U, above 0 (slack) to 1 (rigid); 0.999 by default.
     pub weft_stiffness: f32,
-    /// Stiffness of edges at 45 degrees, likewise; 0.98 by default: cloth of threads gives way on the bias.
+    /// Stiffness of edges at 45 degrees, above 0 (slack) to 1 (rigid); 0.98 by default: woven cloth stretches on the
+    /// bias.
     pub bias_stiffness: f32,
 }
 
@@ -81,11 +82,12 @@ impl Default for ClothWeave {
 
 impl Default for ClothMesh {
     fn default() -> Self {
-        let ClothMaterial { areal_density, structural, bend, damping, .. } = ClothMaterial::default();
+        let ClothMaterial { areal_density, stretch_stiffness, bend_stiffness, damping, .. } =
+            ClothMaterial::default();
         Self {
             areal_density,
-            structural_stiffness: structural,
-            bend_stiffness: bend,
+            stretch_stiffness,
+            bend_stiffness,
             damping,
             weld_distance: None,
             pins: Vec::new(),
@@ -102,37 +104,36 @@ impl ClothMesh {
         self
     }
 
-    /// The cloth of `mesh` at `transform`.
+    /// Builds the cloth of `mesh` at `transform`.
     ///
     /// # Errors
-    /// [`MeshFault`] naming what cannot be used.
+    /// [`MeshFault`] naming the invalid part.
     pub fn build(&self, mesh: &Mesh, transform: &GlobalTransform) -> Result<MeshCloth, MeshFault> {
         let positions: Vec<Vec3> =
             positions(mesh)?.iter().map(|&position| transform.transform_point(position.into())).collect();
         let vertices = positions.len();
         let mut faces = faces(mesh, vertices)?;
         if transform.affine().matrix3.determinant() < 0.0 {
-            // In a mirror they turn the other way.
+            // A mirrored mesh has reversed faces.
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
-        let painted = match &self.paint.pins {
-            Some(channel) => paint(mesh, channel, vertices)?,
-            None => Vec::new(),
-        };
-        let painted =
-            (0..).zip(painted).filter(|&(_, value)| value > self.paint.threshold).map(|(vertex, _)| vertex);
+        let painted = painted_above(mesh, self.paint.pins.as_ref(), self.paint.threshold, vertices)?;
         let mut builder = MeshClothBuilder::new(positions, faces).material(ClothMaterial {
             areal_density: self.areal_density,
-            structural: self.structural_stiffness,
-            bend: self.bend_stiffness,
+            stretch_stiffness: self.stretch_stiffness,
+            bend_stiffness: self.bend_stiffness,
             damping: self.damping,
             ..ClothMaterial::default()
         });
         if let Some(channel) = &self.paint.stiffness {
             builder = builder.painted_stiffness(paint(mesh, channel, vertices)?);
         }
-        if let Some(ClothWeave { weft_stiffness: weft, bias_stiffness: bias }) = self.weave {
-            builder = builder.weave(Weave { coordinates: texture_coordinates(mesh)?, weft, bias });
+        if let Some(ClothWeave { weft_stiffness, bias_stiffness }) = self.weave {
+            builder = builder.weave(Weave {
+                coordinates: texture_coordinates(mesh)?,
+                weft_stiffness,
+                bias_stiffness,
+            });
         }
         if let Some(distance) = self.weld_distance {
             builder = builder.weld_distance(distance);
@@ -143,7 +144,7 @@ impl ClothMesh {
         Ok(cloth)
     }
 
-    /// Gives free particles the limits that are painted: of several vertices in one place the least.
+    /// Gives free particles their painted limits. Of several vertices in one place the least limit counts.
     fn limit(&self, cloth: &mut MeshCloth, mesh: &Mesh) -> Result<(), MeshFault> {
         let Some(channel) = &self.paint.max_distance else { return Ok(()) };
         if !(self.paint.full_distance >= 0.0 && self.paint.full_distance.is_finite()) {
@@ -195,7 +196,7 @@ impl MeshDescription for ClothMesh {
     }
 }
 
-/// Which particle each vertex of the mesh belongs to that a [`ClothMesh`] shows. Comes with its
+/// The particle of each vertex of a [`ClothMesh`]'s mesh. Comes with its
 /// [`Particles`](crate::body::particles::Particles).
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(opaque)]
@@ -210,22 +211,22 @@ impl WeldedVertices {
         Self { particles, repairs }
     }
 
-    /// Of a piece of a cloth that was torn.
+    /// The vertices of a piece of a torn cloth.
     pub(crate) fn torn(particles: Arc<[Option<u32>]>) -> Self {
         Self::new(particles, MeshRepairs::default())
     }
 
-    /// The particle of a vertex; none if no triangle with an area has it for a corner.
+    /// Returns the particle of a vertex; none if it is not a corner of any triangle with an area.
     pub fn particle(&self, vertex: usize) -> Option<usize> {
         self.particles.get(vertex).copied().flatten().map(|particle| particle as usize)
     }
 
-    /// The number of vertices.
+    /// Returns the number of vertices.
     pub fn vertex_count(&self) -> usize {
         self.particles.len()
     }
 
-    /// What was put right in the mesh.
+    /// Returns the repairs to the mesh.
     pub fn repairs(&self) -> MeshRepairs {
         self.repairs
     }

@@ -19,26 +19,24 @@ use crate::refusal::Refusals;
 use crate::render::from_mesh::reading::MeshFault;
 use crate::render::from_mesh::soft_body::SolidCells;
 use crate::render::from_mesh::source::{ChangedMeshes, MeshParts, MeshSource, called, show_copy};
-use crate::render::smoothing::SmoothingGroups;
 use crate::render::surface::Surface;
 use crate::render::vertices::{EmbeddedVertices, Vertices};
 use crate::render::visibility::HiddenByCulling;
 
-/// Has the entity's [`Mesh3d`] follow the body of another entity: a detailed jacket that goes with a coarse cloth, a bunny of
-/// many triangles on a jelly of few cells.
+/// Lets the entity's [`Mesh3d`] follow the body of another entity: a detailed jacket on a coarse cloth, a bunny of many
+/// triangles on a jelly of few cells.
 ///
-/// Each vertex hangs on the nearest triangle of the body at rest, and stays as far off as it was, along the normal; where the body is bent, its
-/// triangles count as round, so that the mesh shows no creases. Where that is folded sharply it so leaves the flat triangles, by less
-/// than half of their sides. On a
-/// [`SoftBody`](crate::render::from_mesh::soft_body::SoftBody) it goes with the cell that it is in. Where the mesh lies on the body is told by the
-/// [`Transform`]s of the two entities: place it as it fits the body as that was made. Once it is bound, vertices are
-/// written to where the body has them, wherever the entity is. Texture coordinates and indices stay the mesh's own, and so does the mesh: a
-/// copy is shown.
+/// Each vertex is bound to the nearest triangle of the body at rest and keeps its distance along the normal. Bent
+/// triangles count as curved, so that the mesh shows no creases; at sharp folds the mesh leaves the flat triangles by
+/// less than half their sides. On a [`SoftBody`](crate::render::from_mesh::soft_body::SoftBody) a vertex follows its
+/// cell. The [`Transform`]s of the two entities place the mesh on the body: align it with the body at rest. Once bound,
+/// vertices follow the body, wherever the entity is. Texture coordinates and indices stay as they are; a copy of the
+/// mesh is shown.
 ///
-/// It is bound after the first step in which there are body and mesh, and anew when the component, the mesh, its asset or the body
-/// is changed. When the driver is gone the mesh stays as it is. The driver need not be shown: leave out its
-/// `MeshMaterial3d` rather than hide it, so that pointers still meet it. Where the driver [tears](crate::body::tearable::Tearable), the mesh
-/// does not: it goes on with what is left of the driver.
+/// It is bound after the first step with both body and mesh, and again after a change of the component, the mesh, its
+/// asset or the body. After the driver is despawned the mesh stays as it is. To draw only the mesh, leave out the
+/// driver's `MeshMaterial3d` rather than hide the driver, so that pointers still hit it. A driver may
+/// [tear](crate::body::tearable::Tearable), but the mesh does not: it follows the rest of the driver.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -52,20 +50,21 @@ use crate::render::visibility::HiddenByCulling;
 #[reflect(Component, Debug, Clone, PartialEq)]
 #[require(Transform)]
 pub struct DrivenMesh {
-    /// The entity with the body: a [`Cloth`](crate::build::cloth::Cloth), a [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh), a
-    /// [`SoftBody`](crate::render::from_mesh::soft_body::SoftBody), a [`SoftBall`](crate::build::soft_ball::SoftBall).
+    /// The entity with the body: a [`Cloth`](crate::build::cloth::Cloth),
+    /// [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh),
+    /// [`SoftBody`](crate::render::from_mesh::soft_body::SoftBody) or [`SoftBall`](crate::build::soft_ball::SoftBall).
     #[entities]
     pub driver: Entity,
 }
 
-/// What a mesh was bound to, or could not be.
+/// The body that a mesh was bound to, or could not be bound to.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct Binding {
     driver: Entity,
     topology: Arc<Topology>,
 }
 
-/// Binds what was inserted or changed since the last step, and what has got another driver.
+/// Binds meshes that were inserted or changed since the last step, or that have another driver or driver's body.
 pub(crate) fn build_driven_meshes(
     mut commands: Commands,
     mut changed: ChangedMeshes<DrivenMesh>,
@@ -91,7 +90,7 @@ pub(crate) fn build_driven_meshes(
             later.push(entity);
             continue;
         };
-        // Into the driver's own coordinates.
+        // From the mesh into the driver's coordinates.
         let to_driver = from.affine().inverse() * transform.affine();
         let bound = if to_driver.is_finite() {
             let embed = |points: &[Vec3]| match cells {
@@ -126,7 +125,7 @@ pub(crate) fn build_driven_meshes(
     to_bind.append(&mut later);
 }
 
-/// How the vertices of a mesh follow what `embed` binds them to, and the copy that shows it.
+/// Binds the vertices of a mesh with `embed`, and copies the mesh to show it.
 fn bind(
     mesh: &Mesh,
     embed: impl Fn(&[[f32; 3]]) -> Result<Embedding, MeshFault>,
@@ -139,13 +138,11 @@ fn bind(
             return Err(MeshError::NoSuchVertex { face, vertex, count }.into());
         }
     }
-    let embedding = embed(positions)?;
-    let points = embedding.firsts().iter().copied().map(Some);
-    let groups = SmoothingGroups::new(points, positions, *normals, faces);
-    Ok((EmbeddedVertices { embedding, groups }, parts.copy_to_show(mesh)))
+    let vertices = EmbeddedVertices::new(embed(positions)?, positions, *normals, faces);
+    Ok((vertices, parts.copy_to_show(mesh)))
 }
 
-/// Notes where the step left the drivers.
+/// Records the drivers after a step.
 pub(crate) fn record_driven_surfaces(
     mut driven: Query<(&DrivenMesh, &mut Surface), Without<Particles>>,
     bodies: Query<Ref<Particles>>,
@@ -158,7 +155,7 @@ pub(crate) fn record_driven_surfaces(
     }
 }
 
-/// Hides what goes with a culled body, and shows it again when that comes back.
+/// Hides meshes with culled drivers, and shows them again when the drivers return.
 pub(crate) fn hide_driven(
     mut commands: Commands,
     mut driven: Query<(Entity, &DrivenMesh, &mut Visibility, Option<&HiddenByCulling>), Without<Activity>>,
@@ -177,7 +174,7 @@ pub(crate) fn hide_driven(
     }
 }
 
-/// Takes off an entity that loses its [`DrivenMesh`] what was put there. The mesh stays as it is.
+/// Removes everything that an entity got for its lost [`DrivenMesh`]. The mesh stays.
 pub(crate) fn remove_driven_mesh(removed: On<Remove, DrivenMesh>, mut commands: Commands) {
     commands.entity(removed.entity).try_remove::<(Surface, Binding, MeshSource, NoAutoAabb)>();
 }

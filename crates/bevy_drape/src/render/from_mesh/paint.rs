@@ -5,52 +5,54 @@ use bevy::prelude::*;
 
 use crate::render::from_mesh::reading::MeshFault;
 
-/// What is read from the vertices of a mesh, so that it can be painted in a modelling tool.
+/// Channels that a cloth reads from the vertices of its mesh, to be painted in a modelling tool.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub struct ClothPaint {
-    /// Where it is said which vertices are pinned: those with a value above [`threshold`](Self::threshold). None: nowhere.
+    /// Pins vertices with a value above [`threshold`](Self::threshold). None: no painted pins.
     pub pins: Option<PaintChannel>,
-    /// The value above which a vertex is pinned; 0.5 by default.
+    /// Value above which a vertex is pinned; 0.5 by default.
     pub threshold: f32,
-    /// Where it is said how far a vertex may be from where the animation has it: from its skinned pose, or from its place on the
-    /// entity. Black is 0, which follows the animation; see [`full_distance`](Self::full_distance). None, the default: without limits.
+    /// Limits the distance of a vertex from its animated position: from its skinned pose, or from its place on the
+    /// entity. Black, 0, follows the animation exactly; 1 stands for [`full_distance`](Self::full_distance). None, the
+    /// default: no limits.
     pub max_distance: Option<PaintChannel>,
-    /// The distance, in metres, that a value of 1 stands for; 1 by default, 0 or more.
+    /// Distance in metres that a value of 1 stands for, 0 or more; 1 by default.
     pub full_distance: f32,
-    /// Where it is said how stiff the cloth is: white as its fields say, the darker the softer. 0.9 makes a rigid edge 0.999 stiff, 0.5 makes
-    /// it 0.89, black 0.5 ([`painted_stiffness`](MeshClothBuilder::painted_stiffness)). None, the default: alike everywhere.
+    /// Scales stiffness: white for the stiffness of the fields, darker for softer. On a rigid edge 0.9 gives 0.999, 0.5
+    /// gives 0.89, black gives 0.5 ([`painted_stiffness`](MeshClothBuilder::painted_stiffness)). None, the default: the
+    /// same stiffness everywhere.
     pub stiffness: Option<PaintChannel>,
-    /// Whether vertex colours that something is read from are seen as well: renderers multiply the material's colour by them. False, the
-    /// default: the mesh that shows the cloth has no colours then. Those that nothing is read from are always seen.
+    /// True to draw vertex colours that are read as paint: renderers multiply the material's colour by them. False, the
+    /// default, removes them from the shown mesh. Colours that are not read are always drawn.
     pub is_seen: bool,
 }
 
-/// A number that each vertex of a mesh has.
+/// A number at each vertex of a mesh.
 #[derive(Reflect, Clone, Debug, PartialEq, Eq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub enum PaintChannel {
-    /// Red of the vertex colour. A mesh without colours has none.
+    /// Red of the vertex colour. Meshes without colours have no paint.
     Red,
-    /// Green, likewise.
+    /// Green of the vertex colour.
     Green,
-    /// Blue, likewise.
+    /// Blue of the vertex colour.
     Blue,
-    /// Alpha, likewise.
+    /// Alpha of the vertex colour.
     Alpha,
-    /// The first number of the attribute with this name, which the mesh must have.
+    /// First number of the attribute with this name, which the mesh must have.
     Attribute(String),
 }
 
 impl PaintChannel {
-    /// Whether it is of the vertex colours.
+    /// True for a channel of the vertex colours.
     pub(crate) fn is_colour(&self) -> bool {
         !matches!(self, Self::Attribute(_))
     }
 }
 
 impl ClothPaint {
-    /// Whether vertex colours are paint, and nothing else.
+    /// True if vertex colours are paint only.
     pub(crate) fn takes_colours(&self) -> bool {
         let channels = [&self.pins, &self.max_distance, &self.stiffness];
         !self.is_seen && channels.into_iter().flatten().any(PaintChannel::is_colour)
@@ -70,7 +72,7 @@ impl Default for ClothPaint {
     }
 }
 
-/// What is painted on the vertices; nothing on a mesh without colours.
+/// Returns the numbers painted on the vertices; none for a mesh without colours.
 pub(crate) fn paint(mesh: &Mesh, channel: &PaintChannel, vertices: usize) -> Result<Vec<f32>, MeshFault> {
     let (name, number) = match channel {
         PaintChannel::Red => (Mesh::ATTRIBUTE_COLOR.name, 0),
@@ -90,7 +92,18 @@ pub(crate) fn paint(mesh: &Mesh, channel: &PaintChannel, vertices: usize) -> Res
     }
 }
 
-/// One number of each vertex, whole ones of eight or sixteen bits as parts of the greatest where that is what they stand for.
+/// Returns the vertices on which `channel` is painted above `threshold`; none without a channel.
+pub(crate) fn painted_above(
+    mesh: &Mesh,
+    channel: Option<&PaintChannel>,
+    threshold: f32,
+    vertices: usize,
+) -> Result<impl Iterator<Item = u32> + use<>, MeshFault> {
+    let painted = channel.map(|channel| paint(mesh, channel, vertices)).transpose()?.unwrap_or_default();
+    Ok((0..).zip(painted).filter(move |&(_, value)| value > threshold).map(|(vertex, _)| vertex))
+}
+
+/// Returns one number of each vertex. Normalized integers are scaled to 0 to 1.
 fn numbers(values: &VertexAttributeValues, number: usize) -> Option<Vec<f32>> {
     fn pick<T: Copy, const N: usize>(
         values: &[[T; N]],

@@ -1,65 +1,65 @@
-//! What a cloth needs to know of a mesh: places, triangles, paint.
+//! Reads meshes: positions, triangles, texture coordinates, skins.
 
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use drape_solver::MeshError;
 use thiserror::Error;
 
-/// Why nothing can be made from a mesh.
+/// Reason why no body can be made from a mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum MeshFault {
-    /// The data are with the renderer alone.
+    /// The data are only in the renderer.
     #[error("its data are with the renderer: load it with `RenderAssetUsages::MAIN_WORLD` too")]
     NotInMainWorld,
-    /// The mesh says nowhere where its vertices are.
+    /// The mesh has no positions.
     #[error("it has no positions, each of three numbers")]
     NoPositions,
-    /// The mesh is made of points or lines.
+    /// The mesh consists of points or lines.
     #[error("it is a {0:?}: a cloth needs triangles")]
     NoTriangles(PrimitiveTopology),
-    /// The number of indices of a list of triangles is no multiple of three.
+    /// The number of indices of a triangle list is not a multiple of three.
     #[error("its {0} indices are no whole number of triangles")]
     BrokenTriangle(usize),
-    /// The attribute that says what is pinned is not there.
+    /// A named attribute is missing.
     #[error("it has no attribute “{0}”")]
     NoAttribute(String),
-    /// Joints and weights are not four of each for each vertex.
+    /// A vertex does not have four joints and four finite weights.
     #[error("its joints and weights are not four of each, all finite, for each vertex")]
     BrokenSkin,
-    /// A vertex names a joint that the skin does not have.
+    /// A vertex refers to a missing joint.
     #[error("a vertex goes with joint {joint}, but its skin has {count}")]
     NoSuchJoint {
         /// The joint.
         joint: usize,
-        /// Joints that there are, with an inverse bind pose.
+        /// The number of joints with an inverse bind pose.
         count: usize,
     },
     /// `ClothPaint::full_distance` is out of range.
     #[error("full_distance of its paint must be finite and 0 or more, but is {0}")]
     BadFullDistance(f32),
-    /// What is painted is no number between vertices, or there are too few.
+    /// A painted attribute does not have numbers, or not one for each vertex.
     #[error("its attribute “{0}” is not a number, or some numbers, for each vertex")]
     NoNumbers(String),
-    /// A soft solid has a skin.
+    /// A soft solid cannot have a skin.
     #[error("it goes with the joints of a skin, which a solid cannot: take off its `SkinnedMesh`")]
     SkinnedSolid,
-    /// What a mesh should be bound to has no triangles.
+    /// The driver of a mesh has no triangles.
     #[error("its driver {0} has no triangles to hang it on")]
     NoFacesToDrive(Entity),
-    /// The triangles make no cloth or solid, or a field of the component is out of range.
+    /// The triangles do not form a cloth or solid, or a field of the component is out of range.
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
 
-/// Where the vertices are, in the mesh's own coordinates.
+/// Returns the positions of the vertices in the mesh's coordinates.
 pub(crate) fn positions(mesh: &Mesh) -> Result<&[[f32; 3]], MeshFault> {
     let values =
         mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).map_err(|_| MeshFault::NotInMainWorld)?;
     values.and_then(VertexAttributeValues::as_float3).ok_or(MeshFault::NoPositions)
 }
 
-/// The first texture coordinates of the vertices.
+/// Returns the first texture coordinates of the vertices.
 pub(crate) fn texture_coordinates(mesh: &Mesh) -> Result<Vec<Vec2>, MeshFault> {
     let values = mesh.try_attribute_option(Mesh::ATTRIBUTE_UV_0).map_err(|_| MeshFault::NotInMainWorld)?;
     match values {
@@ -69,7 +69,7 @@ pub(crate) fn texture_coordinates(mesh: &Mesh) -> Result<Vec<Vec2>, MeshFault> {
     }
 }
 
-/// The triangles of a list or strip, with or without indices.
+/// Returns the triangles of a list or strip, with or without indices.
 pub(crate) fn faces(mesh: &Mesh, vertices: usize) -> Result<Vec<[u32; 3]>, MeshFault> {
     let indices: Vec<u32> = match mesh.try_indices_option().map_err(|_| MeshFault::NotInMainWorld)? {
         Some(Indices::U16(indices)) => indices.iter().copied().map(u32::from).collect(),
@@ -89,11 +89,11 @@ pub(crate) fn faces(mesh: &Mesh, vertices: usize) -> Result<Vec<[u32; 3]>, MeshF
     }
 }
 
-/// The joints that a vertex goes with.
+/// The joints that a vertex follows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VertexSkin {
     pub joints: [u16; 4],
-    /// They sum up to one.
+    /// Weights of the joints; their sum is one.
     pub weights: [f32; 4],
 }
 
@@ -104,13 +104,13 @@ impl Default for VertexSkin {
 }
 
 impl VertexSkin {
-    /// Joints and weights that count.
+    /// Joints with weights above zero.
     pub fn used(&self) -> impl Iterator<Item = (u16, f32)> + '_ {
         self.joints.iter().copied().zip(self.weights).filter(|&(_, weight)| weight > 0.0)
     }
 }
 
-/// The skin of the vertices; none if the mesh has none.
+/// Returns the skin of the vertices; none without joints and weights.
 pub(crate) fn skin(mesh: &Mesh) -> Result<Option<Vec<VertexSkin>>, MeshFault> {
     let attribute = |id| mesh.try_attribute_option(id).map_err(|_| MeshFault::NotInMainWorld);
     let joints = attribute(Mesh::ATTRIBUTE_JOINT_INDEX)?;

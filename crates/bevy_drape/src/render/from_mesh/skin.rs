@@ -1,4 +1,4 @@
-//! The animation that a cloth's mesh has: its skin, or just its entity.
+//! The animation of a cloth's mesh: its skin, or only its entity.
 
 use bevy::math::Affine3A;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
@@ -8,7 +8,7 @@ use drape_solver::MeshCloth;
 use crate::attach::animated_pose::{AnimatedPose, PosedParticle};
 use crate::render::from_mesh::reading::{MeshFault, VertexSkin, positions, skin};
 
-/// What a cloth's mesh is animated by.
+/// The skin of a cloth's mesh, or its entity, as joints.
 pub(crate) struct ClothSkin {
     vertices: Vec<VertexSkin>,
     is_skinned: bool,
@@ -17,10 +17,10 @@ pub(crate) struct ClothSkin {
 }
 
 impl ClothSkin {
-    /// Reads the skin of `mesh`; that of a mesh without one is its entity. None while something has not loaded yet.
+    /// Reads the skin of `mesh`. A mesh without a skin follows its entity. None while something has not loaded yet.
     ///
     /// # Errors
-    /// [`MeshFault`] naming what is wrong with it.
+    /// [`MeshFault`] naming the fault of the skin.
     pub fn read<'a>(
         entity: Entity,
         mesh: &Mesh,
@@ -56,24 +56,25 @@ impl ClothSkin {
         for (joint, weight) in vertices.iter().flat_map(VertexSkin::used) {
             shares[usize::from(joint)] += weight;
         }
-        // The first of equal ones.
+        // The first of equals.
         let most = shares.iter().copied().fold(0.0, f32::max);
         pose.main = shares.iter().position(|&share| share == most).unwrap_or_default();
         Ok(Some(Self { vertices, is_skinned: true, pose, matrices }))
     }
 
-    /// Whether joints move it.
+    /// True if joints move it.
     pub fn is_skinned(&self) -> bool {
         self.is_skinned
     }
 
-    /// What takes the mesh to where it rests: where its main joint has it, or its entity, at `transform`.
+    /// Returns the transform of the mesh at rest: that of its main joint, or of its entity.
     pub fn rest(&self, transform: &GlobalTransform) -> Affine3A {
         let main = self.matrices.get(self.pose.main).filter(|_| self.is_skinned);
         main.copied().unwrap_or(transform.affine())
     }
 
-    /// The cloth, at rest as the mesh is, and posed as the joints are; and the pose, if something of the cloth follows it.
+    /// Builds the cloth, at rest as in the mesh, posed by the joints. Returns its pose too if a part of it follows the
+    /// animation.
     pub fn build(
         mut self,
         mesh: &Mesh,
@@ -86,7 +87,7 @@ impl ClothSkin {
             let pose = has_limits.then(|| self.pose_of(&built, mesh)).transpose()?;
             return Ok((built, pose));
         }
-        // Undeformed, but as large as it is in the world.
+        // Undeformed, but at its scale in the world.
         let main = self.matrices.get(self.pose.main).copied().unwrap_or_default();
         let mut built = build(&main.into())?;
         let pose = self.pose_of(&built, mesh)?;

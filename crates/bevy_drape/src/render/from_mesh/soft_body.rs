@@ -1,4 +1,4 @@
-//! Soft solids: jelly, rubber, fruit; from any closed mesh.
+//! Soft solids from closed meshes: jelly, rubber, fruit.
 
 use bevy::prelude::*;
 use drape_solver::{Embedding, MeshError, SoftBodyBuilder, SoftLattice, SoftSolid};
@@ -6,24 +6,23 @@ use drape_solver::{Embedding, MeshError, SoftBodyBuilder, SoftLattice, SoftSolid
 use crate::body::pressure::Pressure;
 use crate::body::tearable::Untearable;
 use crate::render::from_mesh::body::{MeshBody, MeshDescription};
-use crate::render::from_mesh::paint::{PaintChannel, paint};
+use crate::render::from_mesh::paint::{PaintChannel, painted_above};
 use crate::render::from_mesh::reading::{MeshFault, faces, positions};
 use crate::render::from_mesh::skin::ClothSkin;
 use crate::render::from_mesh::source::MeshParts;
-use crate::render::smoothing::SmoothingGroups;
 use crate::render::vertices::{EmbeddedVertices, Vertices};
 
-/// Makes a soft solid of the entity's [`Mesh3d`], which must be closed: jelly, rubber, fruit.
+/// Makes a soft solid from the entity's [`Mesh3d`], which must be closed: jelly, rubber, fruit.
 ///
-/// The box around the mesh is divided into cells, along the axes of the mesh however the entity is turned. Those with their middle inside
-/// are the body: particles at their corners, sticks along their edges and diagonals. The mesh is carried by the cells, so it may be as
-/// detailed as you like, and what is hit is the cells: take smaller ones where it has to lie on the ground exactly.
-/// [`Pressure`] keeps its volume; more of it puffs it up.
+/// The box around the mesh is divided into cells along the axes of the mesh. Cells with their centre inside form the
+/// body: particles at their corners, sticks along their edges and diagonals. The cells carry the mesh, so it may have
+/// any detail. Contacts are with the cells: use smaller ones if it must lie on the ground exactly. [`Pressure`] keeps
+/// its volume; more pressure inflates it.
 ///
-/// It is built in the first step after the mesh has loaded, and anew when the component, the mesh or its asset changes. Vertices in
-/// the same place go together, so that seams of texture coordinates and normals stay closed; positions and normals are written
-/// into a copy of the mesh. A mesh with a hole is refused with the reason in the log and in
-/// [`Refusals`](crate::refusal::Refusals). Solids do not tear, and blades pass through them.
+/// The first step after the mesh has loaded builds the solid; a change of the component, the mesh or its asset rebuilds
+/// it. Vertices in the same place move together, so that seams of texture coordinates and normals stay closed.
+/// Positions and normals are written to a copy of the mesh. A mesh with a hole is refused with the reason in the log
+/// and in [`Refusals`](crate::refusal::Refusals). Solids do not tear, and blades pass through them.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -37,19 +36,19 @@ use crate::render::vertices::{EmbeddedVertices, Vertices};
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, Pressure)]
 pub struct SoftBody {
-    /// The greatest width of a cell in the world, in metres; at most 128 cells lie along an axis. None, the default: a sixth of the
-    /// longest side of the mesh.
+    /// Greatest width of a cell in the world in metres; at most 128 cells lie along an axis. None, the default: a sixth
+    /// of the longest side of the mesh.
     pub spacing: Option<f32>,
     /// Mass per volume in kg/m^3, above 0; 100 by default. Water has 1000.
     pub density: f32,
     /// Stiffness of all sticks, 0 (slack) to 1 (rigid); 0.95 by default. Large and heavy solids need more, or they sag.
     pub stiffness: f32,
-    /// Damping along all sticks in 1/s, 0 or more; 3 by default. How soon it stops to quiver.
+    /// Damping along all sticks in 1/s, 0 or more; 3 by default. More stops quivering sooner.
     pub damping: f32,
-    /// Vertices that are pinned, with the cell that they are in, by their index in the mesh. Pins stay fixed to the entity.
+    /// Pinned vertices by their index in the mesh. Their cells stay fixed to the entity.
     pub pins: Vec<u32>,
-    /// Where it is painted which vertices are pinned: those with a value above a half. None, the default: nowhere. Vertex colours that are
-    /// read are not seen: the mesh that shows the solid has none then.
+    /// Pins vertices with a value above a half. None, the default: no painted pins. Vertex colours that are read are
+    /// removed from the shown mesh.
     pub painted_pins: Option<PaintChannel>,
 }
 
@@ -66,13 +65,13 @@ impl Default for SoftBody {
     }
 }
 
-/// Cells along the longest side of a mesh, unless their width is said.
+/// Default number of cells along the longest side of a mesh.
 const CELLS: f32 = 6.0;
-/// The value above which a painted vertex is pinned.
+/// Value above which a painted vertex is pinned.
 const PINNED: f32 = 0.5;
 
 impl SoftBody {
-    /// Of cells of at most `spacing` metres.
+    /// A solid of cells at most `spacing` metres wide.
     pub fn new(spacing: f32) -> Self {
         Self { spacing: Some(spacing), ..Self::default() }
     }
@@ -83,18 +82,14 @@ impl SoftBody {
         self
     }
 
-    /// The solid of `mesh` at `transform`.
+    /// Builds the solid of `mesh` at `transform`.
     ///
     /// # Errors
-    /// [`MeshFault`] naming what cannot be used.
+    /// [`MeshFault`] naming the invalid part.
     pub fn build(&self, mesh: &Mesh, transform: &GlobalTransform) -> Result<SoftSolid, MeshFault> {
         let vertices: Vec<Vec3> = positions(mesh)?.iter().copied().map(Vec3::from_array).collect();
         let faces = faces(mesh, vertices.len())?;
-        let painted = match &self.painted_pins {
-            Some(channel) => paint(mesh, channel, vertices.len())?,
-            None => Vec::new(),
-        };
-        let painted = (0..).zip(painted).filter(|&(_, value)| value > PINNED).map(|(vertex, _)| vertex);
+        let painted = painted_above(mesh, self.painted_pins.as_ref(), PINNED, vertices.len())?;
         let to_world = transform.affine();
         let spacing = self.spacing.unwrap_or_else(|| longest_side(&vertices, transform) / CELLS);
         let builder = SoftBodyBuilder::new(&vertices, &faces, spacing)
@@ -107,8 +102,8 @@ impl SoftBody {
     }
 }
 
-/// The longest side of the box around a mesh, along its own axes, as long as it is in the world; 1 for what has none, which is refused
-/// for another reason.
+/// Returns the longest side, in the world, of the box around a mesh along its own axes. Empty or invalid meshes give 1
+/// and are refused later.
 fn longest_side(vertices: &[Vec3], transform: &GlobalTransform) -> f32 {
     let low = vertices.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = vertices.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -122,7 +117,7 @@ fn longest_side(vertices: &[Vec3], transform: &GlobalTransform) -> f32 {
 pub(crate) struct SolidCells(SoftLattice);
 
 impl SolidCells {
-    /// How points, in the mesh's own coordinates, go with the cells.
+    /// Binds points in the mesh's coordinates to the cells.
     pub fn embed(&self, points: &[Vec3]) -> Result<Embedding, MeshError> {
         self.0.embed(points)
     }
@@ -148,12 +143,10 @@ impl MeshDescription for SoftBody {
         }
         let SoftSolid { particles, topology, lattice, embedding } = self.build(mesh, transform)?;
         let MeshParts { positions, normals, faces } = parts;
-        let points = embedding.firsts().iter().copied().map(Some);
-        let groups = SmoothingGroups::new(points, positions, *normals, faces);
         Ok(MeshBody {
             particles,
             topology: topology.into(),
-            vertices: Vertices::Embedded(EmbeddedVertices { embedding, groups }),
+            vertices: Vertices::Embedded(EmbeddedVertices::new(embedding, positions, *normals, faces)),
             rest: transform.affine(),
             pose: None,
             parts: (SolidCells(lattice), Untearable),

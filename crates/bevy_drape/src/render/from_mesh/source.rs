@@ -1,4 +1,4 @@
-//! The mesh that a body or its shape was made of, and the copy that shows it.
+//! Meshes that bodies are made from, and the copies that show them.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoAutoAabb;
@@ -11,16 +11,16 @@ use crate::change_detection::collect_changed;
 use crate::render::from_mesh::reading::{MeshFault, faces, positions};
 use crate::render::surface::{EntitySpace, Surface};
 
-/// The mesh that a component made something of, which stays as it is, and the copy that shows it.
+/// The mesh that a body was made from, which stays unchanged, and the copy that is shown.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct MeshSource {
     pub source: Handle<Mesh>,
-    /// None if nothing was ever made of it.
+    /// None if no body was ever made from it.
     pub shown: Option<AssetId<Mesh>>,
 }
 
 impl MeshSource {
-    /// The mesh that an entity was given: that behind the copy, if it shows one.
+    /// Returns the mesh that an entity was given: the source of the copy, if it shows one.
     pub fn of(given: &Mesh3d, made: Option<&Self>) -> Handle<Mesh> {
         match made {
             Some(made) if made.shown == Some(given.id()) => made.source.clone(),
@@ -28,21 +28,21 @@ impl MeshSource {
         }
     }
 
-    /// That of an entity of whose mesh nothing can be made. It may go on showing the copy of what it was, which is not what it is made of.
+    /// The source of an entity whose mesh is refused. It may still show an older copy.
     pub fn refused(given: &Mesh3d, made: Option<&Self>) -> Self {
         let shown = made.and_then(|made| made.shown).filter(|&shown| shown == given.id());
         Self { source: Self::of(given, made), shown }
     }
 }
 
-/// Marks each `D` whose mesh has changed since this last ran, as if it had changed itself. Runs in every tick: Bevy forgets messages after
-/// two, and a game may be paused for longer.
+/// Marks each `D` as changed if its mesh has changed since the last run. It runs in every tick: Bevy drops messages
+/// after two, and a game may be paused for longer.
 pub(crate) fn mark_modified<D: Component<Mutability = Mutable>>(
     mut changes: MessageReader<AssetEvent<Mesh>>,
     mut made: Query<(&MeshSource, &mut D)>,
     mut modified: Local<Vec<AssetId<Mesh>>>,
 ) {
-    // Most of these are the copies, which are written each frame.
+    // Most of these are shown copies, which are written each frame.
     modified.clear();
     modified.extend(changes.read().filter_map(|change| match change {
         AssetEvent::Modified { id } => Some(*id),
@@ -59,7 +59,7 @@ pub(crate) fn mark_modified<D: Component<Mutability = Mutable>>(
     }
 }
 
-/// The entities with a `D` whose `D` or mesh has changed.
+/// Entities whose `D` or mesh has changed.
 #[derive(SystemParam)]
 pub(crate) struct ChangedMeshes<'w, 's, D: Component> {
     components: Query<'w, 's, (Entity, Ref<'static, D>)>,
@@ -69,8 +69,8 @@ pub(crate) struct ChangedMeshes<'w, 's, D: Component> {
 }
 
 impl<D: Component> ChangedMeshes<'_, '_, D> {
-    /// Appends to `found` the entities whose component was inserted, changed or [marked](mark_modified) since the last step, and those that
-    /// were given another mesh.
+    /// Appends to `found` the entities whose component was inserted, changed or [marked](mark_modified) since the last
+    /// step, and those with another mesh.
     pub fn collect(&mut self, found: &mut Vec<Entity>) {
         collect_changed(&self.components, found);
         collect_changed(&self.given, &mut self.swapped);
@@ -81,20 +81,20 @@ impl<D: Component> ChangedMeshes<'_, '_, D> {
     }
 }
 
-/// What a mesh consists of.
+/// The parts of a mesh.
 pub(crate) struct MeshParts<'a> {
-    /// In the mesh's own coordinates.
+    /// Positions in the mesh's coordinates.
     pub positions: &'a [[f32; 3]],
-    /// One for each position, if it has any.
+    /// One normal for each position, if the mesh has normals.
     pub normals: Option<&'a [[f32; 3]]>,
     pub faces: Vec<[u32; 3]>,
 }
 
 impl<'a> MeshParts<'a> {
-    /// Those of `mesh`.
+    /// Reads the parts of `mesh`.
     ///
     /// # Errors
-    /// [`MeshFault`] naming what is missing.
+    /// [`MeshFault`] naming the missing part.
     pub fn of(mesh: &'a Mesh) -> Result<Self, MeshFault> {
         let positions = positions(mesh)?;
         let normals = mesh.try_attribute_option(Mesh::ATTRIBUTE_NORMAL).ok().flatten();
@@ -104,7 +104,7 @@ impl<'a> MeshParts<'a> {
         Ok(Self { positions, normals, faces: faces(mesh, positions.len())? })
     }
 
-    /// A copy of the mesh, to be written each frame: a list of triangles with normals, and not to be skinned again.
+    /// Copies the mesh to be written each frame: a triangle list with normals, and without a skin.
     pub fn copy_to_show(&self, mesh: &Mesh) -> Mesh {
         let mut copy = if mesh.primitive_topology() == PrimitiveTopology::TriangleList {
             mesh.clone()
@@ -138,7 +138,7 @@ pub(crate) fn show_copy(
     entity.insert((Mesh3d(shown), state, surface, NoAutoAabb, bounds.unwrap_or_default()));
 }
 
-/// A strip as a list, which can be torn.
+/// Converts a strip into a list, which can be torn.
 fn list_of_triangles(strip: &Mesh, faces: &[[u32; 3]]) -> Mesh {
     let mut list = Mesh::new(PrimitiveTopology::TriangleList, strip.asset_usage);
     for (&attribute, values) in strip.attributes() {
@@ -147,7 +147,7 @@ fn list_of_triangles(strip: &Mesh, faces: &[[u32; 3]]) -> Mesh {
     list.with_inserted_indices(Indices::U32(faces.as_flattened().to_vec()))
 }
 
-/// A mesh by the path that it was loaded from.
+/// Names a mesh by the path that it was loaded from.
 pub(crate) fn called(mesh: &Handle<Mesh>) -> String {
     mesh.path().map_or_else(|| "a mesh made in code".into(), |path| format!("mesh “{path}”"))
 }

@@ -55,7 +55,7 @@ impl<'a> Checker<'a> {
         let is_numbered = number.parse().is_ok_and(|number: u32| number > 0);
         match self.kind(group)? {
             Kind::Cannon | Kind::Balls if is_numbered => Some(Kind::Balls),
-            // A piece has no more particles than the whole had, but for those that were split.
+            // A piece has no more particles than the whole body, apart from those that were split.
             whole @ Kind::Particles(_) if is_numbered && self.can_be_cut(group) => Some(whole),
             _ => None,
         }
@@ -96,7 +96,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The longest that the scene may run, in seconds: its timeline may change that.
+    /// The longest duration of the scene in seconds, as its timeline may prolong it.
     pub fn greatest_duration(&self) -> f64 {
         let set = self.script.timeline.iter().filter_map(|event| match &event.action {
             Action::Set(path, value) if path == "settings.duration" => value.as_str().parse().ok(),
@@ -105,7 +105,7 @@ impl<'a> Checker<'a> {
         set.fold(self.script.settings.duration.get(), f64::max)
     }
 
-    /// Whether the scene comes to this time at all.
+    /// Checks that the scene reaches `time`, in seconds.
     pub fn within_duration(&self, field: &str, time: f64) -> Result<(), SceneError> {
         let (duration, dt) = (self.greatest_duration(), self.script.settings.dt.get());
         if time <= duration + 0.5 * dt {

@@ -1,4 +1,4 @@
-//! Checks of what happens: events and their actions.
+//! Checks of events and their actions.
 
 use super::checker::{Checker, Kind, fail, in_range, point};
 use crate::load::replaced;

@@ -1,4 +1,4 @@
-//! Checks of what is expected: probes, and when they are looked at.
+//! Checks of expectations: probes, and when they are evaluated.
 
 use super::checker::{Checker, Kind, fail, point};
 use crate::scene::{Action, Axis, Body, Expected, Names, Probe, SceneScript, SelfContact, When, whole};
@@ -69,30 +69,7 @@ impl Checker<'_> {
                 "expected something that moves, and a wind is felt only by what it moves",
             );
         }
-        let is_word = matches!(probe, Probe::Activity { .. } | Probe::StateHash { .. });
-        match (is_word, expect) {
-            (true, Expected::Is(word)) => {
-                let known = ["Active", "Resting", "Frozen", "Culled"];
-                if matches!(probe, Probe::Activity { .. }) && !known.contains(&word.as_str()) {
-                    let what = format!("an activity is no `{word}`");
-                    return fail(&format!("{field}.expect"), unknown(&what, word, &known));
-                }
-            }
-            (_, Expected::Reported) => {}
-            (true, _) => {
-                return fail(
-                    &format!("{field}.expect"),
-                    "expected `Is(\"..\")`, as this probe measures a word",
-                );
-            }
-            (false, Expected::Is(_)) => {
-                return fail(&format!("{field}.expect"), "expected numbers, as this probe measures one");
-            }
-            (false, Expected::Between(least, greatest)) if least > greatest => {
-                return fail(&format!("{field}.expect"), "expected the lesser number first");
-            }
-            _ => {}
-        }
+        expected_type(field, probe, expect)?;
         match probe {
             Probe::Position { of, point: of_point, .. } | Probe::Velocity { of, point: of_point, .. } => {
                 if of.len() != 1 {
@@ -116,16 +93,13 @@ impl Checker<'_> {
             Probe::Hits { of, .. }
                 if kinds[..of.len()].iter().any(|kind| !matches!(kind, Kind::Balls | Kind::Cannon)) =>
             {
-                fail(
-                    &format!("{on_probe}.of"),
-                    "expected balls or a cannon; what others touch `Contacts` tells",
-                )
+                fail(&format!("{on_probe}.of"), "expected balls or a cannon; use `Contacts` for others")
             }
-            Probe::Contacts { of, on } | Probe::Touching { of, on } if !self.is_told_of_contacts(of, on) => {
-                fail(&on_probe, "nothing here tells its contacts: give one of the two `contacts: true`")
+            Probe::Contacts { of, on } | Probe::Touching { of, on } if !self.reports_contacts(of, on) => {
+                fail(&on_probe, "no contacts are reported here: give one of the two `contacts: true`")
             }
             Probe::Contacts { of, on } | Probe::Touching { of, on }
-                if let Some(name) = self.does_not_touch_its_like(of, on) =>
+                if let Some(name) = self.without_body_contact(of, on) =>
             {
                 let problem = "does not touch other cloths and ropes: give both `self_contact: Particles` in their `solver`";
                 fail(&on_probe, format!("`{name}` {problem}"))
@@ -144,27 +118,28 @@ impl Checker<'_> {
         }
     }
 
-    /// Whether contacts between these are told at all; an empty list stands for everything.
-    fn is_told_of_contacts(&self, of: &Names, on: &Names) -> bool {
+    /// True if contacts between these are reported at all. An empty list stands for everything.
+    fn reports_contacts(&self, of: &Names, on: &Names) -> bool {
         let SceneScript { bodies, obstacles, cannons, .. } = self.script;
         if of.is_empty() || on.is_empty() {
-            return bodies.iter().any(|(_, body)| body.tells_contacts())
+            return bodies.iter().any(|(_, body)| body.reports_contacts())
                 || obstacles.iter().any(|(_, obstacle)| obstacle.contacts)
                 || cannons.iter().any(|(_, cannon)| cannon.ball.contacts);
         }
         of.iter().chain(on.iter()).any(|name| {
             let whole = whole(name);
-            bodies.get(whole).is_some_and(Body::tells_contacts)
+            bodies.get(whole).is_some_and(Body::reports_contacts)
                 || obstacles.get(whole).is_some_and(|obstacle| obstacle.contacts)
                 || cannons.get(whole).is_some_and(|cannon| cannon.ball.contacts)
         })
     }
 
-    /// Of two bodies of particles that are to touch each other, one that has no contacts with its like.
-    fn does_not_touch_its_like<'n>(&self, of: &'n Names, on: &'n Names) -> Option<&'n str> {
+    /// Of bodies of particles that are expected to touch each other, one that has no contacts with other bodies of
+    /// particles.
+    fn without_body_contact<'n>(&self, of: &'n Names, on: &'n Names) -> Option<&'n str> {
         let is_soft =
             |name: &String| self.script.bodies.get(whole(name)).is_some_and(|body| body.solver().is_some());
-        // Where one of many may be something else, nobody knows.
+        // Lists with other things may be touched by those.
         if of.is_empty() || on.is_empty() || !of.iter().chain(on.iter()).all(is_soft) {
             return None;
         }
@@ -177,7 +152,7 @@ impl Checker<'_> {
         of.iter().chain(on.iter()).find(|name| !has_contact(name)).map(String::as_str)
     }
 
-    /// Whether the timeline changes how a body is solved.
+    /// True if the timeline may change the body's self-contact.
     fn is_set_later(&self, name: &str) -> bool {
         self.script.timeline.iter().any(|event| match &event.action {
             Action::Set(path, _) => path.contains("self_contact") || path.starts_with(name),
@@ -186,7 +161,29 @@ impl Checker<'_> {
     }
 }
 
-/// Whether the faces of a body are closed, so that it has a volume.
+/// Checks that a word is expected of a probe that measures words, and numbers of all others.
+fn expected_type(field: &str, probe: &Probe, expect: &Expected) -> Result<(), SceneError> {
+    let on_expect = format!("{field}.expect");
+    let is_word = matches!(probe, Probe::Activity { .. } | Probe::StateHash { .. });
+    match (is_word, expect) {
+        (true, Expected::Is(word)) => {
+            let known = ["Active", "Resting", "Frozen", "Culled"];
+            if matches!(probe, Probe::Activity { .. }) && !known.contains(&word.as_str()) {
+                return fail(&on_expect, unknown(&format!("an activity is no `{word}`"), word, &known));
+            }
+            Ok(())
+        }
+        (_, Expected::Reported) => Ok(()),
+        (true, _) => fail(&on_expect, "expected `Is(\"..\")`, as this probe measures a word"),
+        (false, Expected::Is(_)) => fail(&on_expect, "expected numbers, as this probe measures one"),
+        (false, Expected::Between(least, greatest)) if least > greatest => {
+            fail(&on_expect, "expected the lesser number first")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// True if the faces of a body are closed, so that it has a volume.
 fn is_closed(script: &SceneScript, name: &str) -> bool {
     match script.bodies.get(name) {
         Some(Body::ClothMesh(cloth)) => {

@@ -10,11 +10,11 @@ use crate::scene::{Copies, Fraction, Layers, NonNegative, Positive, Vector};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Balls {
-    /// Where it is, or the middle of the array, in metres; (0, 0, 0) by default.
+    /// Position of the ball, or of the centre of the array, in metres; (0, 0, 0) by default.
     pub at: Vector,
     /// Velocity at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
-    /// How many, and how far apart; one by default.
+    /// Number and spacing; one ball by default.
     pub copies: Copies,
     /// Name of their material, for pictures; none by default.
     pub material: Option<String>,
@@ -32,11 +32,11 @@ pub struct Balls {
     pub restitution: Fraction,
     /// Rolling resistance: on level ground a rolling ball slows by 5/7 g times this; 0.05 by default.
     pub rolling_resistance: NonNegative,
-    /// Which layers they are in and which they touch; all by default.
+    /// Their collision layers and those that they touch; all by default.
     pub layers: Option<Layers>,
-    /// Whether their contacts are told; false by default. Hits are, always.
+    /// True to report their contacts; false by default. Hits are always reported.
     pub contacts: bool,
-    /// Whether they are there at the start, and not only once they are spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 

@@ -27,22 +27,29 @@ pub enum Body {
     Balls(Balls),
 }
 
-impl Body {
-    /// Whether it is there when the scene begins.
-    pub fn is_present(&self) -> bool {
-        match self {
-            Self::Cloth(cloth) => cloth.present,
-            Self::Rope(rope) => rope.present,
-            Self::ClothMesh(cloth) => cloth.present,
-            Self::SoftBall(ball) => ball.present,
-            Self::SoftBody(solid) => solid.present,
-            Self::Rig(rig) => rig.present,
-            Self::Balls(balls) => balls.present,
+/// The same expression for every kind of body.
+macro_rules! of_each {
+    ($self:ident, $body:ident => $value:expr) => {
+        match $self {
+            Self::Cloth($body) => $value,
+            Self::Rope($body) => $value,
+            Self::ClothMesh($body) => $value,
+            Self::SoftBall($body) => $value,
+            Self::SoftBody($body) => $value,
+            Self::Rig($body) => $value,
+            Self::Balls($body) => $value,
         }
+    };
+}
+
+impl Body {
+    /// Returns true if it exists from the start.
+    pub fn is_present(&self) -> bool {
+        of_each!(self, body => body.present)
     }
 
-    /// Whether its contacts are told.
-    pub fn tells_contacts(&self) -> bool {
+    /// Returns true if it reports its contacts.
+    pub fn reports_contacts(&self) -> bool {
         match self {
             Self::Cloth(cloth) => cloth.contacts,
             Self::Rope(rope) => rope.contacts,
@@ -56,18 +63,10 @@ impl Body {
 
     /// The name of its material, if it has one.
     pub fn material(&self) -> Option<&str> {
-        match self {
-            Self::Cloth(cloth) => cloth.material.as_deref(),
-            Self::Rope(rope) => rope.material.as_deref(),
-            Self::ClothMesh(cloth) => cloth.material.as_deref(),
-            Self::SoftBall(ball) => ball.material.as_deref(),
-            Self::SoftBody(solid) => solid.material.as_deref(),
-            Self::Rig(rig) => rig.material.as_deref(),
-            Self::Balls(balls) => balls.material.as_deref(),
-        }
+        of_each!(self, body => body.material.as_deref())
     }
 
-    /// How it is solved, if it says so itself.
+    /// Its solver settings; none for balls.
     pub fn solver(&self) -> Option<&Solver> {
         match self {
             Self::Cloth(cloth) => Some(&cloth.solver),
@@ -80,7 +79,7 @@ impl Body {
         }
     }
 
-    /// When it tears, if it does.
+    /// Its tearing limits, if it tears.
     pub fn tearable(&self) -> Option<&Tearable> {
         match self {
             Self::Cloth(cloth) => cloth.tearable.as_ref(),
@@ -91,12 +90,12 @@ impl Body {
         }
     }
 
-    /// Whether a cut may part it.
+    /// Returns true if it can be cut.
     pub fn can_be_cut(&self) -> bool {
         matches!(self, Self::Cloth(_) | Self::Rope(_) | Self::ClothMesh(_) | Self::SoftBall(_))
     }
 
-    /// The mesh that it is made of, if it is made of one.
+    /// The mesh that it is built from, if there is one.
     pub fn mesh(&self) -> Option<&MeshSource> {
         match self {
             Self::ClothMesh(cloth) => Some(&cloth.mesh),
@@ -105,7 +104,7 @@ impl Body {
         }
     }
 
-    /// Where it is and how it is turned, if it says so as a whole.
+    /// Position and rotation; none for ropes, rigs and balls, which have no place as a whole.
     pub fn place(&self) -> Option<(Vector, &Turn)> {
         match self {
             Self::Cloth(cloth) => Some((cloth.at, &cloth.turn)),
@@ -116,7 +115,7 @@ impl Body {
         }
     }
 
-    /// Velocity of its free particles at the start.
+    /// Velocity of its free particles at the start in m/s.
     pub fn velocity(&self) -> Vector {
         match self {
             Self::Cloth(cloth) => cloth.velocity,
@@ -129,16 +128,8 @@ impl Body {
         }
     }
 
-    /// Its layers, if they are others than all.
+    /// Its collision layers; none stands for all.
     pub fn layers(&self) -> Option<&Layers> {
-        match self {
-            Self::Cloth(cloth) => cloth.layers.as_ref(),
-            Self::Rope(rope) => rope.layers.as_ref(),
-            Self::ClothMesh(cloth) => cloth.layers.as_ref(),
-            Self::SoftBall(ball) => ball.layers.as_ref(),
-            Self::SoftBody(solid) => solid.layers.as_ref(),
-            Self::Rig(rig) => rig.layers.as_ref(),
-            Self::Balls(balls) => balls.layers.as_ref(),
-        }
+        of_each!(self, body => body.layers.as_ref())
     }
 }

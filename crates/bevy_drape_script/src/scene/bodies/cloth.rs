@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::bracketed;
 use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Turn, Vector, Whole};
 
-/// A rectangular cloth. Untouched by `turn` it hangs in the XY plane, centred at `at`, facing +Z.
+/// A rectangular cloth. Without a `turn` it hangs in the XY plane, centred at `at`, facing +Z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cloth {
@@ -21,7 +21,7 @@ pub struct Cloth {
     /// Mass per area in kg/m^2; 0.25 by default.
     pub areal_density: Positive,
     /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching.
-    pub structural_stiffness: Fraction,
+    pub stretch_stiffness: Fraction,
     /// Stiffness of shear sticks, 0 to 1: resists skewing.
     pub shear_stiffness: Fraction,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
@@ -30,27 +30,27 @@ pub struct Cloth {
     pub damping: NonNegative,
     /// Which particles are fixed; the top edge by default.
     pub pins: Pins,
-    /// Where its middle is, in metres; (0, 0, 0) by default.
+    /// Position of its centre in metres; (0, 0, 0) by default.
     pub at: Vector,
-    /// How it is turned; not at all by default.
+    /// Rotation; none by default.
     pub turn: Turn,
     /// Velocity of its free particles at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
-    /// When it tears; never by default.
+    /// Tearing limits; never tears by default.
     pub tearable: Option<Tearable>,
-    /// How it is solved; as the scene's settings have it by default.
+    /// Solver settings; those of the scene by default.
     pub solver: Solver,
-    /// Which layers it is in and which it touches; all by default.
+    /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
-    /// Whether its contacts are told; false by default.
+    /// True to report its contacts; false by default.
     pub contacts: bool,
     /// Name of its material, for pictures; none by default.
     pub material: Option<String>,
-    /// Whether it is there at the start, and not only once it is spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 
-/// Which particles of a cloth are fixed. They are counted row by row from the top left.
+/// The fixed particles of a cloth. Particles are numbered row by row from the top left.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Pins {
     /// None: the cloth is free.
@@ -74,7 +74,7 @@ impl Default for Cloth {
             size: (Positive::known(plain.size.x), Positive::known(plain.size.y)),
             particles: (Whole::known(plain.particles.x), Whole::known(plain.particles.y)),
             areal_density: Positive::known(plain.areal_density),
-            structural_stiffness: Fraction::known(plain.structural_stiffness),
+            stretch_stiffness: Fraction::known(plain.stretch_stiffness),
             shear_stiffness: Fraction::known(plain.shear_stiffness),
             bend_stiffness: Fraction::known(plain.bend_stiffness),
             damping: NonNegative::known(plain.damping),
@@ -98,7 +98,7 @@ impl From<&Cloth> for drape::Cloth {
             size: Vec2::new(cloth.size.0.get(), cloth.size.1.get()),
             particles: UVec2::new(cloth.particles.0.get(), cloth.particles.1.get()),
             areal_density: cloth.areal_density.get(),
-            structural_stiffness: cloth.structural_stiffness.get(),
+            stretch_stiffness: cloth.stretch_stiffness.get(),
             shear_stiffness: cloth.shear_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
             damping: cloth.damping.get(),

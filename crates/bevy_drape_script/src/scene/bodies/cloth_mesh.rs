@@ -21,7 +21,7 @@ pub struct ClothMesh {
     /// Mass per area in kg/m^2; 0.25 by default.
     pub areal_density: Positive,
     /// Stiffness of the edges, 0 (slack) to 1 (rigid): resists stretching and skewing.
-    pub structural_stiffness: Fraction,
+    pub stretch_stiffness: Fraction,
     /// Stiffness across the edges, 0 to 1: resists folding.
     pub bend_stiffness: Fraction,
     /// Damping along the sticks in 1/s.
@@ -30,29 +30,30 @@ pub struct ClothMesh {
     pub pins: Vec<u32>,
     /// The channel in which vertices above a half are fixed; red by default.
     pub painted_pins: Option<PaintChannel>,
-    /// The channel that says how far a vertex may get from its place, in parts of `full_distance`; none by default: without limits.
+    /// The channel that limits the distance of vertices from their places, as a fraction of `full_distance`; none, no
+    /// limits, by default.
     pub painted_limits: Option<PaintChannel>,
     /// The distance in metres that a value of 1 stands for; 1 by default.
     pub full_distance: Positive,
-    /// What volume a closed one keeps, in parts of that at rest, 0 to 1000: 1.2 blows up a balloon; none by default.
+    /// Target volume of a closed mesh, in units of the rest volume, 0 to 1000: 1.2 inflates a balloon; none by default.
     pub pressure: Option<Pressure>,
-    /// Where its mesh's origin is, in metres; (0, 0, 0) by default.
+    /// Position of its mesh's origin in metres; (0, 0, 0) by default.
     pub at: Vector,
-    /// How it is turned; not at all by default.
+    /// Rotation; none by default.
     pub turn: Turn,
     /// Velocity of its free particles at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
-    /// When it tears; never by default.
+    /// Tearing limits; never tears by default.
     pub tearable: Option<Tearable>,
-    /// How it is solved; as the scene's settings have it by default.
+    /// Solver settings; those of the scene by default.
     pub solver: Solver,
-    /// Which layers it is in and which it touches; all by default.
+    /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
-    /// Whether its contacts are told; false by default.
+    /// True to report its contacts; false by default.
     pub contacts: bool,
     /// Name of its material, for pictures; none by default.
     pub material: Option<String>,
-    /// Whether it is there at the start, and not only once it is spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 
@@ -62,7 +63,7 @@ impl Default for ClothMesh {
         Self {
             mesh: MeshSource::default(),
             areal_density: Positive::known(plain.areal_density),
-            structural_stiffness: Fraction::known(plain.structural_stiffness),
+            stretch_stiffness: Fraction::known(plain.stretch_stiffness),
             bend_stiffness: Fraction::known(plain.bend_stiffness),
             damping: NonNegative::known(plain.damping),
             pins: Vec::new(),
@@ -84,10 +85,10 @@ impl Default for ClothMesh {
 }
 
 impl ClothMesh {
-    /// What the plugin will make of it.
+    /// Builds it as the plugin will.
     ///
     /// # Errors
-    /// What is wrong with its mesh, in words.
+    /// The problem with its mesh, in words.
     pub(crate) fn build(&self, files: &MeshFiles) -> Result<MeshCloth, String> {
         let place = Transform::from_translation(self.at.get()).with_rotation(self.turn.quaternion());
         let mesh = self.mesh.mesh(files)?;
@@ -99,7 +100,7 @@ impl From<&ClothMesh> for drape::ClothMesh {
     fn from(cloth: &ClothMesh) -> Self {
         Self {
             areal_density: cloth.areal_density.get(),
-            structural_stiffness: cloth.structural_stiffness.get(),
+            stretch_stiffness: cloth.stretch_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
             damping: cloth.damping.get(),
             pins: cloth.pins.clone(),

@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 use crate::scene::bracketed;
 use crate::scene::{NonNegative, Vector, Whole};
 
-/// How many there are of something, in a block around its place.
+/// Number and spacing of equal things, in a block around their position.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Copies {
-    /// How many along X, Y and Z, 1 to 100 each; (1, 1, 1) by default.
+    /// Number along X, Y and Z, 1 to 100 each; (1, 1, 1) by default.
     #[serde(deserialize_with = "bracketed")]
     pub count: (Whole<1, 100>, Whole<1, 100>, Whole<1, 100>),
-    /// How far they are apart along each axis, in metres; (0.5, 0.5, 0.5) by default.
+    /// Spacing along each axis in metres; (0.5, 0.5, 0.5) by default.
     pub spacing: Vector,
-    /// How far each may be off its place along each axis, in metres, by the scene's seed; 0 by default.
+    /// Greatest random displacement along each axis in metres, drawn by the scene's seed; 0 by default.
     pub scatter: NonNegative,
 }
 
@@ -31,13 +31,13 @@ impl Default for Copies {
 }
 
 impl Copies {
-    /// How many there are in all.
+    /// Number in all.
     pub fn total(&self) -> u32 {
         let (x, y, z) = self.count;
         x.get() * y.get() * z.get()
     }
 
-    /// Their places from the middle of the block, X first, then Y, then Z.
+    /// Their positions relative to the centre of the block in metres: along X first, then Y, then Z.
     pub fn offsets(&self, seed: u64) -> impl Iterator<Item = Vec3> + '_ {
         let (x, y, z) = self.count;
         let middle = (UVec3::new(x.get(), y.get(), z.get()).as_vec3() - 1.0) * 0.5;

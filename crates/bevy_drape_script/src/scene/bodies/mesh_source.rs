@@ -8,16 +8,15 @@ use crate::mesh::{MeshFiles, icosphere, triangle_mesh};
 use crate::scene::bracketed;
 use crate::scene::{Positive, Vector, Whole};
 
-/// Where the mesh of a body comes from.
+/// The source of a body's mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum MeshSource {
-    /// A mesh of a glTF file in its binary form (`.glb`), in its own coordinates: the transforms of the file's nodes do not
-    /// count.
+    /// A mesh of a glTF file in its binary form (`.glb`), in its own coordinates: the transforms of nodes are ignored.
     File {
-        /// The file, from the folder of the scene that is opened.
+        /// The file, relative to the folder of the scene that is opened.
         path: String,
-        /// Name of the mesh; may be left out where the file has only one.
+        /// Name of the mesh; may be left out if the file has only one.
         #[serde(default)]
         name: Option<String>,
     },
@@ -25,7 +24,7 @@ pub enum MeshSource {
     Sphere {
         /// Radius in metres.
         radius: Positive,
-        /// How often an icosahedron is divided, 0 to 6: 2 has 162 corners, each more four times as many.
+        /// Number of subdivisions of an icosahedron, 0 to 6: 2 gives 162 corners, each more four times as many.
         divisions: Whole<0, 6>,
     },
     /// A box.
@@ -38,7 +37,7 @@ pub enum MeshSource {
     Triangles {
         /// Corners in metres.
         vertices: Vec<Vector>,
-        /// Three numbers of corners each, counter-clockwise as seen from the front.
+        /// The numbers of their three corners, counted from 0, counter-clockwise as seen from the front.
         triangles: Vec<[u32; 3]>,
     },
 }
@@ -50,10 +49,10 @@ impl Default for MeshSource {
 }
 
 impl MeshSource {
-    /// The mesh itself, if it is of a file, from `files`.
+    /// The mesh itself, taken from `files` if it is in a file.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// The problem, in words.
     pub(crate) fn mesh(&self, files: &MeshFiles) -> Result<Mesh, String> {
         Ok(match self {
             Self::File { path, name } => files.mesh(path, name.as_deref())?,

@@ -14,15 +14,15 @@ pub struct Rig {
     pub particles: Named<RigParticle>,
     /// The sticks that join them.
     pub sticks: Vec<RigStick>,
-    /// Where the rig's origin is, in metres; (0, 0, 0) by default.
+    /// Position of the rig's origin in metres; (0, 0, 0) by default.
     pub at: Vector,
-    /// How it is solved; as the scene's settings have it by default.
+    /// Solver settings; those of the scene by default.
     pub solver: Solver,
-    /// Which layers it is in and which it touches; all by default.
+    /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
     /// Name of its material, for pictures; none by default.
     pub material: Option<String>,
-    /// Whether it is there at the start, and not only once it is spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 
@@ -44,11 +44,11 @@ impl Default for Rig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RigParticle {
-    /// Where it is, from the rig's origin, in metres; (0, 0, 0) by default.
+    /// Position relative to the rig's origin in metres; (0, 0, 0) by default.
     pub at: Vector,
     /// Mass in kilograms; 1 by default.
     pub mass: Positive,
-    /// Whether it is held where it is; false by default.
+    /// True to fix it; false by default.
     pub pinned: bool,
     /// Velocity at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
@@ -75,19 +75,19 @@ pub struct RigStick {
     pub a: String,
     /// Name of the particle at the other end.
     pub b: String,
-    /// Length in metres that it keeps; the distance between its ends by default.
+    /// Rest length in metres; the distance between its ends by default.
     #[serde(default)]
     pub rest_length: Option<Positive>,
-    /// From 0 (slack) to 1 (rigid, the default).
+    /// Stiffness from 0 (slack) to 1 (rigid, the default).
     #[serde(default = "rigid")]
     pub stiffness: Fraction,
     /// Damping along the stick in 1/s; 0 by default.
     #[serde(default)]
     pub damping: NonNegative,
-    /// What it is for; `Structural` by default.
+    /// Its purpose; `Structural` by default.
     #[serde(default)]
     pub kind: StickKind,
-    /// Which lengths it allows; `Exact` by default.
+    /// The lengths that it allows; `Exact` by default.
     #[serde(default)]
     pub bound: StickBound,
 }
@@ -96,7 +96,7 @@ fn rigid() -> Fraction {
     Fraction::known(1.0)
 }
 
-/// What a stick is for.
+/// The purpose of a stick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StickKind {
     /// Carries load.
@@ -104,7 +104,7 @@ pub enum StickKind {
     Structural,
     /// A diagonal.
     Shear,
-    /// Keeps a chain from folding; balls pass it.
+    /// Keeps a chain from folding. Balls pass through it.
     Bend,
 }
 
@@ -118,7 +118,7 @@ impl From<StickKind> for drape::StickKind {
     }
 }
 
-/// Which lengths a stick allows.
+/// The lengths that a stick allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StickBound {
     /// The rest length alone: a rod.

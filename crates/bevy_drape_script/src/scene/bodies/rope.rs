@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Vector, Whole};
 
-/// A rope, cable or chain, straight between two points at first.
+/// A rope, cable or chain. It begins straight between two points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Rope {
@@ -18,7 +18,7 @@ pub struct Rope {
     pub particles: Whole<2, 65536>,
     /// Mass per length in kg/m; 0.1 by default.
     pub linear_density: Positive,
-    /// Mass in kg that its last end carries besides its own; 0 by default.
+    /// Additional mass of its last end in kg; 0 by default.
     pub end_mass: NonNegative,
     /// Stiffness against stretching, 0 to 1.
     pub stretch_stiffness: Fraction,
@@ -26,23 +26,23 @@ pub struct Rope {
     pub bend_stiffness: Fraction,
     /// Damping along the links in 1/s.
     pub damping: NonNegative,
-    /// Whether the first end is fixed; true by default.
+    /// True to fix the first end; true by default.
     pub pin_start: bool,
-    /// Whether the last end is fixed; false by default.
+    /// True to fix the last end; false by default.
     pub pin_end: bool,
     /// Velocity of its free particles at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
-    /// When it tears; never by default.
+    /// Tearing limits; never tears by default.
     pub tearable: Option<Tearable>,
-    /// How it is solved; as the scene's settings have it by default.
+    /// Solver settings; those of the scene by default.
     pub solver: Solver,
-    /// Which layers it is in and which it touches; all by default.
+    /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
-    /// Whether its contacts are told; false by default.
+    /// True to report its contacts; false by default.
     pub contacts: bool,
     /// Name of its material, for pictures; none by default.
     pub material: Option<String>,
-    /// Whether it is there at the start, and not only once it is spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 

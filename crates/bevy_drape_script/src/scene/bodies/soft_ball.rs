@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Turn, Vector, Whole};
 
-/// A soft ball of rings of particles. Untouched by `turn` it lies in the XY plane, in which it stays.
+/// A two-dimensional soft ball of rings of particles. Without a `turn` it lies in the XY plane, in which it stays.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SoftBall {
@@ -20,25 +20,25 @@ pub struct SoftBall {
     pub stiffness: Fraction,
     /// Damping along the sticks in 1/s; 1 by default.
     pub damping: NonNegative,
-    /// Whether its outmost ring is fixed; false by default.
+    /// True to fix its outermost ring; false by default.
     pub pin_rim: bool,
-    /// Where its middle is, in metres; (0, 0, 0) by default.
+    /// Position of its centre in metres; (0, 0, 0) by default.
     pub at: Vector,
-    /// How it is turned; not at all by default.
+    /// Rotation; none by default.
     pub turn: Turn,
     /// Velocity of its free particles at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
-    /// When it tears; never by default.
+    /// Tearing limits; never tears by default.
     pub tearable: Option<Tearable>,
-    /// How it is solved; as the scene's settings have it by default.
+    /// Solver settings; those of the scene by default.
     pub solver: Solver,
-    /// Which layers it is in and which it touches; all by default.
+    /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
-    /// Whether its contacts are told; false by default.
+    /// True to report its contacts; false by default.
     pub contacts: bool,
     /// Name of its material, for pictures; none by default.
     pub material: Option<String>,
-    /// Whether it is there at the start, and not only once it is spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 
@@ -66,7 +66,7 @@ impl Default for SoftBall {
 }
 
 impl SoftBall {
-    /// How many particles it has.
+    /// Number of particles.
     pub fn particle_count(&self) -> u32 {
         5 * self.rings.get() * (self.rings.get() + 1)
     }

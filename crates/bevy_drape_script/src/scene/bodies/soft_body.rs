@@ -29,23 +29,23 @@ pub struct SoftBody {
     pub pins: Vec<u32>,
     /// The channel in which vertices above a half are fixed; none by default.
     pub painted_pins: Option<PaintChannel>,
-    /// What volume it keeps, in parts of that at rest, 0 to 1000; 1 by default.
+    /// Target volume, in units of the rest volume, 0 to 1000; 1 by default.
     pub pressure: Pressure,
-    /// Where its mesh's origin is, in metres; (0, 0, 0) by default.
+    /// Position of its mesh's origin in metres; (0, 0, 0) by default.
     pub at: Vector,
-    /// How it is turned; not at all by default.
+    /// Rotation; none by default.
     pub turn: Turn,
     /// Velocity of its free particles at the start in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
-    /// How it is solved; as the scene's settings have it by default.
+    /// Solver settings; those of the scene by default.
     pub solver: Solver,
-    /// Which layers it is in and which it touches; all by default.
+    /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
-    /// Whether its contacts are told; false by default.
+    /// True to report its contacts; false by default.
     pub contacts: bool,
     /// Name of its material, for pictures; none by default.
     pub material: Option<String>,
-    /// Whether it is there at the start, and not only once it is spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     pub present: bool,
 }
 
@@ -74,10 +74,10 @@ impl Default for SoftBody {
 }
 
 impl SoftBody {
-    /// What the plugin will make of it.
+    /// Builds it as the plugin will.
     ///
     /// # Errors
-    /// What is wrong with its mesh, in words.
+    /// The problem with its mesh, in words.
     pub(crate) fn build(&self, files: &MeshFiles) -> Result<SoftSolid, String> {
         let place = Transform::from_translation(self.at.get()).with_rotation(self.turn.quaternion());
         let mesh = self.mesh.mesh(files)?;

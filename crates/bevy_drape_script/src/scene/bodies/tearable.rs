@@ -1,4 +1,4 @@
-//! What tears.
+//! Tearing limits.
 
 use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
@@ -6,15 +6,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Positive, Whole};
 
-/// When a body tears. Its pieces are called by its name and their number: `curtain#1` stays, `curtain#2` came off first.
+/// The tearing limits of a body. Pieces have its name and a number: `curtain#1` stays, `curtain#2` is the first that
+/// comes off.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tearable {
-    /// The strain of a structural stick beyond which it tears; 0.5, half as long again, by default.
+    /// The strain beyond which a structural stick tears; 0.5, half as long again, by default.
     pub strain: Positive,
-    /// The most particles that are split in one step, 0 to 65536; 16 by default.
+    /// Greatest number of particles that are split in one step, 0 to 65536; 16 by default.
     pub most_at_once: Whole<0, 65536>,
-    /// Pieces of fewer particles vanish, 0 to 65536; 4 by default.
+    /// Least number of particles of a piece, 0 to 65536; 4 by default. Smaller pieces are despawned.
     pub least_particles: Whole<0, 65536>,
 }
 

@@ -1,4 +1,4 @@
-//! How obstacles move.
+//! Motions of obstacles.
 
 use bevy::prelude::*;
 use bevy_drape::prelude as drape;
@@ -7,54 +7,54 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Number, Positive, Seconds, Shape, Turn, Vector};
 
-/// How an obstacle moves. What it touches is carried along.
+/// The motion of an obstacle, which carries bodies along by friction.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum Motion {
-    /// Not at all.
+    /// Stands still.
     #[default]
     Static,
-    /// At a steady velocity, and turning steadily about its own middle.
+    /// A constant velocity, and a constant rotation about its own centre.
     Steady(Steady),
-    /// Evenly from key to key.
+    /// Linear interpolation from key to key.
     Keyframes(Keyframes),
-    /// By itself: it flies, falls, and is pushed back by what it touches.
+    /// A rigid body that flies, falls, and is pushed by the bodies that it touches.
     Dynamic(Dynamic),
 }
 
-/// A steady motion.
+/// A motion of constant velocity.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Steady {
     /// Velocity in m/s; (0, 0, 0) by default.
     pub velocity: Vector,
-    /// How far it turns in a second, about the axis of the obstacle's own `turn`, in degrees; 0 by default.
+    /// Rotation in degrees per second, about the axis of the obstacle's own `turn`; 0 by default.
     pub degrees_per_second: Number,
 }
 
-/// A motion from key to key, evenly in between. Before the first key it is there, and after the last.
+/// A motion that is interpolated linearly from key to key. Before the first key and after the last it stands still.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Keyframes {
     /// The keys, in the order of their times.
     pub keys: Vec<Keyframe>,
-    /// Whether it starts over after the last key; false by default.
+    /// True to start over after the last key; false by default.
     pub repeat: bool,
 }
 
-/// Where an obstacle is at a time.
+/// Position and rotation of an obstacle at a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Keyframe {
-    /// When, in seconds.
+    /// Time in seconds.
     pub time: Seconds,
-    /// Where, in metres.
+    /// Position in metres.
     pub at: Vector,
-    /// How turned; not at all by default. From key to key the angle changes, about the axis of the later one.
+    /// Rotation; none by default. Between keys the angle is interpolated, about the axis of the later key.
     #[serde(default)]
     pub turn: Turn,
 }
 
-/// A motion by itself.
+/// The motion of a rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Dynamic {
@@ -66,7 +66,7 @@ pub struct Dynamic {
     pub velocity: Vector,
     /// Angular velocity at the start in rad/s, in world axes; (0, 0, 0) by default.
     pub angular_velocity: Vector,
-    /// How much of gravity it feels; 1 by default.
+    /// Factor on gravity; 1 by default.
     pub gravity_scale: Number,
 }
 
@@ -83,7 +83,7 @@ impl Default for Dynamic {
 }
 
 impl Dynamic {
-    /// The plugin's component for a solid of this shape; none if its moments of inertia are not known.
+    /// The plugin's component for a solid of this shape; none if its moments of inertia are unknown.
     pub fn component(&self, shape: &Shape) -> Option<drape::DynamicObstacle> {
         let mass = self.mass.get();
         let still = match (&self.inertia, shape) {
@@ -104,7 +104,7 @@ impl Dynamic {
 }
 
 impl Keyframes {
-    /// Where the obstacle is, and how turned, at `time` in seconds; none without keys.
+    /// Position and rotation of the obstacle at `time` in seconds; none without keys.
     pub(super) fn place_at(&self, time: f64) -> Option<(Vec3, Quat)> {
         let (first, last) = (self.keys.first()?, self.keys.last()?);
         let period = last.time.get();

@@ -11,15 +11,15 @@ use crate::scene::{Fraction, Layers, Motion, NonNegative, Number, Shape, Turn, V
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Obstacle {
-    /// Its form.
+    /// Its shape.
     pub shape: Shape,
-    /// Where it is at the start, in metres; (0, 0, 0) by default.
+    /// Position at the start in metres; (0, 0, 0) by default.
     #[serde(default)]
     pub at: Vector,
-    /// How it is turned at the start; not at all by default.
+    /// Rotation at the start; none by default.
     #[serde(default)]
     pub turn: Turn,
-    /// How it moves; not at all by default.
+    /// Its motion; none by default.
     #[serde(default)]
     pub motion: Motion,
     /// Coulomb friction coefficient; 0.5 by default. Two surfaces in contact use the mean of theirs.
@@ -31,19 +31,19 @@ pub struct Obstacle {
     /// Coefficient of restitution against balls, 0 (no bounce, the default) to 1. The mean of this and the ball's counts.
     #[serde(default)]
     pub restitution: Fraction,
-    /// Whether it moves nothing and only tells what touches it; false by default.
+    /// True to report contacts without stopping anything; false by default.
     #[serde(default)]
     pub sensor: bool,
-    /// Which layers it is in and which it touches; all by default.
+    /// Its collision layers and those that it touches; all by default.
     #[serde(default)]
     pub layers: Option<Layers>,
-    /// Whether its contacts are told; false by default.
+    /// True to report its contacts; false by default.
     #[serde(default)]
     pub contacts: bool,
     /// Name of its material, for pictures; none by default.
     #[serde(default)]
     pub material: Option<String>,
-    /// Whether it is there at the start, and not only once it is spawned; true by default.
+    /// True to exist from the start, false to wait for `Spawn`; true by default.
     #[serde(default = "present")]
     pub present: bool,
 }
@@ -57,7 +57,7 @@ fn present() -> bool {
 }
 
 impl Obstacle {
-    /// Where it is, and how turned, `time` seconds after the start; none if it moves by itself or not at all.
+    /// Position and rotation `time` seconds after the start; none for static and dynamic obstacles.
     pub fn place_at(&self, time: f64) -> Option<(Vec3, Quat)> {
         match &self.motion {
             Motion::Static | Motion::Dynamic(_) => None,

@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 use crate::scene::bracketed;
 use crate::scene::{Number, Positive, Turn, Vector};
 
-/// Most cubes of voxels, and the farthest of them from the origin.
+/// The greatest number of voxel cubes, and their greatest distance from the origin, in cubes.
 const MOST_CUBES: usize = 65_536;
 const FARTHEST_CUBE: u32 = 10_000;
 
-/// The form of an obstacle, about its own origin.
+/// The shape of an obstacle, about its own origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Shape {
@@ -44,7 +44,7 @@ pub enum Shape {
         #[serde(deserialize_with = "bracketed")]
         size: (Positive, Positive, Positive),
     },
-    /// The inside of a box, which nothing leaves.
+    /// The inside of a box, which keeps everything in.
     Container {
         /// Its sides in metres.
         #[serde(deserialize_with = "bracketed")]
@@ -72,19 +72,19 @@ pub enum Shape {
         /// Radius of its edges in metres.
         radius: Positive,
     },
-    /// The least convex solid that holds some points.
+    /// The convex hull of some points.
     ConvexHull {
-        /// The points in metres, 4 at least.
+        /// At least 4 points in metres.
         points: Vec<Vector>,
     },
-    /// Triangles. Where they close, the inside is solid; else they are a thin sheet.
+    /// Triangles. A closed mesh is solid inside; any other is a thin sheet.
     Mesh {
         /// Corners in metres.
         vertices: Vec<Vector>,
-        /// Three numbers of corners each.
+        /// The numbers of their three corners, counted from 0.
         triangles: Vec<[u32; 3]>,
     },
-    /// Land with heights on a grid, solid below, centred.
+    /// Terrain with heights on a centred grid, solid below.
     HeightField {
         /// Size along X and Z in metres.
         #[serde(deserialize_with = "bracketed")]
@@ -96,7 +96,7 @@ pub enum Shape {
     Voxels {
         /// Side of a cube in metres.
         side: Positive,
-        /// The cubes that there are, each counted from the obstacle's origin, where the cube (0, 0, 0) has its least corner.
+        /// Coordinates of the cubes. The cube (0, 0, 0) has its least corner at the obstacle's origin.
         cubes: Vec<[i32; 3]>,
     },
     /// Several shapes as one.
@@ -110,12 +110,12 @@ pub enum Shape {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// Its form.
+    /// Its shape.
     pub shape: Shape,
-    /// Where it is, from the compound's origin, in metres; (0, 0, 0) by default.
+    /// Position relative to the compound's origin in metres; (0, 0, 0) by default.
     #[serde(default)]
     pub at: Vector,
-    /// How it is turned; not at all by default.
+    /// Rotation; none by default.
     #[serde(default)]
     pub turn: Turn,
 }
@@ -124,15 +124,15 @@ impl Shape {
     /// The solver's shape.
     ///
     /// # Errors
-    /// [`BuildError`] telling what cannot be.
+    /// [`BuildError`] with the reason.
     pub fn build(&self) -> Result<drape_solver::Shape, BuildError> {
         use drape_solver::Shape as Solid;
         let half = |(x, y, z): &(Positive, Positive, Positive)| Vec3::new(x.get(), y.get(), z.get()) * 0.5;
         let shape = match self {
             Self::Ground => Solid::HalfSpace { normal: Vec3::Y },
             Self::HalfSpace { normal } => {
-                let bad = BuildError::BadShape { reason: "the normal of a half-space has no length" };
-                Solid::HalfSpace { normal: normal.try_normalize().ok_or(bad)? }
+                let normal = normal.try_normalize().ok_or(bad("the normal of a half-space has no length"))?;
+                Solid::HalfSpace { normal }
             }
             Self::Sphere { radius } => Solid::Sphere { radius: radius.get() },
             Self::Capsule { radius, length } => {
@@ -146,10 +146,8 @@ impl Shape {
         Ok(shape)
     }
 
-    /// The same as a shape of parry.
+    /// The shape of parry.
     fn parry(&self) -> Result<SharedShape, BuildError> {
-        let bad = |reason| BuildError::BadShape { reason };
-        let points = |vectors: &[Vector]| vectors.iter().map(|vector| vector.get()).collect::<Vec<_>>();
         Ok(match self {
             Self::Sphere { radius } => SharedShape::ball(radius.get()),
             Self::Capsule { radius, length } => SharedShape::capsule_y(length.get() * 0.5, radius.get()),
@@ -167,70 +165,72 @@ impl Shape {
             }
             Self::ConvexHull { points: corners } => SharedShape::convex_hull(&points(corners))
                 .ok_or(bad("the points of a convex hull enclose no space"))?,
-            Self::Mesh { vertices, triangles } => {
-                let count = vertices.len();
-                if triangles.iter().flatten().any(|&corner| corner as usize >= count) {
-                    return Err(bad("a triangle of a mesh names a corner that there is not"));
-                }
-                SharedShape::trimesh_with_flags(points(vertices), triangles.clone(), TriMeshFlags::ORIENTED)
-                    .or_else(|_| SharedShape::trimesh(points(vertices), triangles.clone()))
-                    .map_err(|_| bad("a mesh has no triangles, or none with an area"))?
-            }
-            Self::HeightField { size: (x, z), heights } => {
-                let columns = heights.first().map_or(0, Vec::len);
-                if heights.len() < 2 || columns < 2 || heights.iter().any(|row| row.len() != columns) {
-                    return Err(bad(
-                        "a height field has two rows at least, and all of them are equally long",
-                    ));
-                }
-                // parry counts down the columns first.
-                let data = (0..columns)
-                    .flat_map(|column| heights.iter().map(move |row| row[column].get()))
-                    .collect();
-                SharedShape::heightfield(
-                    Array2::new(heights.len(), columns, data),
-                    Vec3::new(x.get(), 1.0, z.get()),
-                )
-            }
-            Self::Voxels { side, cubes } => {
-                if cubes.is_empty() {
-                    return Err(bad("voxels without a cube"));
-                }
-                // The solver makes triangles of them, and counts cubes in 32 bits.
-                if cubes.len() > MOST_CUBES
-                    || cubes.iter().flatten().any(|cube| cube.unsigned_abs() > FARTHEST_CUBE)
-                {
-                    return Err(bad(
-                        "voxels are 65536 cubes at most, none farther than 10000 from the origin",
-                    ));
-                }
-                let cubes: Vec<IVector> = cubes.iter().map(|&[x, y, z]| IVector::new(x, y, z)).collect();
-                SharedShape::voxels(Vec3::splat(side.get()), &cubes)
-            }
+            Self::Mesh { vertices, triangles } => triangle_mesh(vertices, triangles)?,
+            Self::HeightField { size, heights } => height_field(size, heights)?,
+            Self::Voxels { side, cubes } => voxels(*side, cubes)?,
             Self::Compound { parts } => {
                 if parts.is_empty() {
                     return Err(bad("a compound has no parts"));
                 }
-                let part = |part: &Part| {
-                    if matches!(
-                        part.shape,
-                        Self::Mesh { .. }
-                            | Self::HeightField { .. }
-                            | Self::Voxels { .. }
-                            | Self::Compound { .. }
-                    ) {
-                        return Err(bad(
-                            "a part of a compound is one solid: no mesh, height field, voxels or compound",
-                        ));
-                    }
-                    let pose = Pose::from_parts(part.at.get(), part.turn.quaternion());
-                    Ok((pose, part.shape.parry()?))
-                };
-                SharedShape::compound(parts.iter().map(part).collect::<Result<_, BuildError>>()?)
+                SharedShape::compound(parts.iter().map(Part::parry).collect::<Result<_, _>>()?)
             }
             Self::Ground | Self::HalfSpace { .. } | Self::Container { .. } => {
-                return Err(bad("what has no end cannot be a part of a compound"));
+                return Err(bad("a shape without end cannot be a part of a compound"));
             }
         })
     }
+}
+
+impl Part {
+    /// Its shape and pose of parry.
+    fn parry(&self) -> Result<(Pose, SharedShape), BuildError> {
+        if matches!(
+            self.shape,
+            Shape::Mesh { .. } | Shape::HeightField { .. } | Shape::Voxels { .. } | Shape::Compound { .. }
+        ) {
+            return Err(bad("a part of a compound is one solid: no mesh, height field, voxels or compound"));
+        }
+        Ok((Pose::from_parts(self.at.get(), self.turn.quaternion()), self.shape.parry()?))
+    }
+}
+
+fn bad(reason: &'static str) -> BuildError {
+    BuildError::BadShape { reason }
+}
+
+fn points(vectors: &[Vector]) -> Vec<Vec3> {
+    vectors.iter().map(|vector| vector.get()).collect()
+}
+
+fn triangle_mesh(vertices: &[Vector], triangles: &[[u32; 3]]) -> Result<SharedShape, BuildError> {
+    let count = vertices.len();
+    if triangles.iter().flatten().any(|&corner| corner as usize >= count) {
+        return Err(bad("a triangle of a mesh names a corner that does not exist"));
+    }
+    SharedShape::trimesh_with_flags(points(vertices), triangles.to_vec(), TriMeshFlags::ORIENTED)
+        .or_else(|_| SharedShape::trimesh(points(vertices), triangles.to_vec()))
+        .map_err(|_| bad("a mesh has no triangles, or none with an area"))
+}
+
+fn height_field((x, z): &(Positive, Positive), heights: &[Vec<Number>]) -> Result<SharedShape, BuildError> {
+    let columns = heights.first().map_or(0, Vec::len);
+    if heights.len() < 2 || columns < 2 || heights.iter().any(|row| row.len() != columns) {
+        return Err(bad("a height field has two rows at least, and all of them are equally long"));
+    }
+    // parry's arrays are column-major.
+    let data = (0..columns).flat_map(|column| heights.iter().map(move |row| row[column].get())).collect();
+    let scale = Vec3::new(x.get(), 1.0, z.get());
+    Ok(SharedShape::heightfield(Array2::new(heights.len(), columns, data), scale))
+}
+
+fn voxels(side: Positive, cubes: &[[i32; 3]]) -> Result<SharedShape, BuildError> {
+    if cubes.is_empty() {
+        return Err(bad("voxels without a cube"));
+    }
+    // The solver turns them into triangles, and counts cubes in 32 bits.
+    if cubes.len() > MOST_CUBES || cubes.iter().flatten().any(|cube| cube.unsigned_abs() > FARTHEST_CUBE) {
+        return Err(bad("voxels are 65536 cubes at most, none farther than 10000 from the origin"));
+    }
+    let cubes: Vec<IVector> = cubes.iter().map(|&[x, y, z]| IVector::new(x, y, z)).collect();
+    Ok(SharedShape::voxels(Vec3::splat(side.get()), &cubes))
 }

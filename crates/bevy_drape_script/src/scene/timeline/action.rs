@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Aim, Literal, Names, NonNegative, Point, Positive, Seconds, Vector};
 
-/// What an event does.
+/// The action of an event.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Action {
@@ -15,7 +15,7 @@ pub enum Action {
     Aim {
         /// Its name.
         cannon: String,
-        /// Where it aims from now on.
+        /// Its aim from now on.
         aim: Aim,
         /// Speed of its balls from now on, in m/s; as before if left out.
         #[serde(default)]
@@ -23,43 +23,44 @@ pub enum Action {
     },
     /// The wind has this velocity in m/s from now on.
     SetWind(Vector),
-    /// Particles are held where they are.
+    /// Particles are fixed where they are.
     Pin {
-        /// Of which body.
+        /// Name of the body.
         of: String,
-        /// Which; all by default.
+        /// The particles; all by default.
         #[serde(default)]
         particles: Selection,
     },
     /// Particles are let go.
     Unpin {
-        /// Of which body.
+        /// Name of the body.
         of: String,
-        /// Which; all by default.
+        /// The particles; all by default.
         #[serde(default)]
         particles: Selection,
     },
     /// A particle and those around it are dragged along a path, and let go at its end.
     Drag {
-        /// Of which body.
+        /// Name of the body.
         of: String,
-        /// Which particle: `First`, `Middle`, `Last` or `Particle(number)`.
+        /// The particle: `First`, `Middle`, `Last` or `Particle(number)`.
         point: Point,
-        /// How far from that particle others are held too, in metres; 0.1 by default.
+        /// Radius around that particle in metres, within which others are held too; 0.1 by default.
         #[serde(default = "arm")]
         radius: NonNegative,
-        /// Where to: seconds since the beginning of the drag, and metres from where the particle was then; evenly in between.
+        /// Path: seconds since the beginning of the drag, and metres relative to the particle's position then; linear
+        /// in between.
         path: Vec<(Seconds, Vector)>,
-        /// Whether the path is places of the scene instead, reached evenly from where the particle was; false by default.
+        /// True if the path gives positions in the scene instead; false by default.
         #[serde(default)]
         absolute: bool,
-        /// The greatest force of the hand in newtons; none by default: what it holds is where it is, whatever that takes.
+        /// Greatest force of the hand in newtons; none by default: the particles follow it, whatever force that takes.
         #[serde(default)]
         greatest_force: Option<Positive>,
     },
-    /// A blade cuts what it passes through: a straight edge that moves from one place to another in no time.
+    /// A blade cuts everything that it passes through: a straight edge that moves at once from one place to another.
     Cut {
-        /// Of which bodies, with their pieces; of all if left out.
+        /// Names of the bodies, which stand for their pieces, too; all bodies if left out.
         #[serde(default)]
         of: Names,
         /// Hilt and tip at the beginning of the stroke, in metres.
@@ -67,29 +68,29 @@ pub enum Action {
         /// Hilt and tip at its end, in metres.
         to: (Vector, Vector),
     },
-    /// Something gets an impulse in newton seconds, its particles each their part by mass.
+    /// An impulse in newton seconds, distributed over particles by their mass.
     Push {
-        /// What.
+        /// Name of the body, ball or obstacle.
         of: String,
         /// The impulse in newton seconds.
         impulse: Vector,
-        /// Which particles; all by default.
+        /// The particles; all by default.
         #[serde(default)]
         particles: Selection,
     },
-    /// A value of the scene is changed by its path, as from a command line: `Set("ground.friction", 0)`. A body whose form is
-    /// changed by this is built anew.
+    /// A value of the scene is replaced by its path, as on the command line: `Set("ground.friction", 0)`. A body whose
+    /// shape this changes is rebuilt.
     Set(String, Literal),
-    /// Something that was not present, or was despawned, appears.
+    /// Something that was not present, or was despawned, is spawned.
     Spawn(String),
-    /// Something vanishes.
+    /// Something is despawned.
     Despawn(String),
-    /// The simulation stands still for a while, in seconds.
+    /// The simulation pauses for this time in seconds.
     Pause(Seconds),
-    /// A picture is taken by the camera of this name, where there is something to draw it with.
+    /// The camera of this name takes a picture, if the app can render.
     Picture(String),
-    /// The state is saved under this name, as it is before all that happens at this time. What has torn by then cannot be gone on
-    /// from.
+    /// A checkpoint of this name is taken, before all other events of this time. A checkpoint of torn bodies cannot be
+    /// resumed.
     Checkpoint(String),
     /// The scene ends.
     Stop,
@@ -99,7 +100,7 @@ fn arm() -> NonNegative {
     NonNegative::known(0.1)
 }
 
-/// Which particles of a body.
+/// Particles of a body.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Selection {
@@ -113,7 +114,7 @@ pub enum Selection {
 }
 
 impl Action {
-    /// Everything in the scene that it names.
+    /// All names of the scene that it uses.
     pub fn names(&self) -> Vec<&str> {
         match self {
             Self::Fire(name) | Self::Spawn(name) | Self::Despawn(name) | Self::Picture(name) => vec![name],

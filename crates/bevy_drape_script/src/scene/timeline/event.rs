@@ -1,41 +1,41 @@
-//! The timeline: what happens, and when.
+//! Events of the timeline.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::{Action, Bound, Expected, Names, Positive, Probe, Seconds, Whole};
 
-/// Something that happens: at a time, or as soon as something is the case.
+/// An event: an action at a time, or as soon as a trigger fires.
 ///
 /// `(at: 1.5, do: Fire("cannon"))` or `(when: Resting("curtain"), do: Stop)`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
-    /// When, in seconds. It happens at the start of the step that begins then.
+    /// Time in seconds. The event happens at the start of the step that begins then.
     #[serde(default)]
     pub at: Option<Seconds>,
-    /// What sets it off: it happens at the start of the step after. Of `at` and `when` there is one.
+    /// Trigger: the event happens at the start of the next step. Give either `at` or `when`.
     #[serde(default)]
     pub when: Option<Trigger>,
-    /// How often it is done again after that; not at all by default.
+    /// Repetition; none by default.
     #[serde(default)]
     pub repeat: Option<Repeat>,
-    /// What is done.
+    /// The action.
     #[serde(rename = "do")]
     pub action: Action,
 }
 
-/// How often an event is repeated.
+/// The repetition of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Repeat {
-    /// Seconds from one time to the next.
+    /// Period in seconds.
     pub every: Positive,
-    /// How many times it happens in all, 1 to 100000.
+    /// Number of times in all, 1 to 100000.
     pub times: Whole<1, 100_000>,
 }
 
-/// What sets an event off. Each does so once.
+/// A trigger of an event. It fires once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Trigger {
@@ -43,24 +43,24 @@ pub enum Trigger {
     Resting(Names),
     /// A ball touches something.
     Hit {
-        /// Which ball, or a cannon with all of its balls; any if left out.
+        /// A ball, or a cannon with all of its balls; any if left out.
         #[serde(default)]
         of: Names,
-        /// What it touches; anything if left out.
+        /// The thing that it touches; anything if left out.
         #[serde(default)]
         on: Names,
     },
-    /// A probe measures what is expected.
+    /// A probe measures an expected value.
     Measured {
-        /// What is measured.
+        /// The probe.
         probe: Probe,
-        /// What is expected of it.
+        /// The expected value.
         expect: Expected,
     },
 }
 
 impl Trigger {
-    /// The same as a probe and what is expected of it.
+    /// The trigger as a probe and its expected value.
     pub fn as_probe(&self) -> (Probe, Expected) {
         match self {
             Self::Resting(of) => (Probe::Activity { of: of.clone() }, Expected::Is("Resting".to_string())),

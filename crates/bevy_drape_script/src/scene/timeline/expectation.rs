@@ -1,4 +1,4 @@
-//! Expectations: what a scene must do.
+//! Expectations: values that a scene must reach or keep.
 
 use core::fmt;
 
@@ -7,23 +7,23 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Expected, Probe, Seconds};
 
-/// Something that a scene must do: a probe, when it is looked at, and what is expected of it.
+/// An expectation: a probe, the time of its measurement, and the expected value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Expectation {
-    /// What it says, in words, for the report; the probe itself if left out.
+    /// Name in reports; the probe itself if left out.
     #[serde(default)]
     pub name: String,
-    /// When it is looked at; at the end by default.
+    /// When it is evaluated; at the end by default.
     #[serde(default)]
     pub when: When,
-    /// What is measured.
+    /// The probe.
     pub probe: Probe,
-    /// What is expected.
+    /// The expected value.
     pub expect: Expected,
 }
 
-/// When an expectation is looked at.
+/// When an expectation is evaluated.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum When {
@@ -36,12 +36,13 @@ pub enum When {
     Always,
     /// After every step from one time to another, in seconds.
     During(Seconds, Seconds),
-    /// After every step, until it holds once; it fails if it does not until then.
+    /// After every step until it holds once; it fails if it never does.
     Eventually {
-        /// By when, in seconds from the beginning; until the end if left out.
+        /// Latest time in seconds from the beginning; the end if left out.
         #[serde(default)]
         within: Option<Seconds>,
-        /// Not before this time, in seconds from the beginning; from the beginning if left out. What is to come to rest after a push was at rest before it.
+        /// Earliest time in seconds from the beginning; the beginning if left out. For a body that has to come to rest
+        /// after a push, but was at rest before it.
         #[serde(default)]
         after: Option<Seconds>,
     },
@@ -66,7 +67,7 @@ impl fmt::Display for When {
 }
 
 impl Expectation {
-    /// What it is called in reports.
+    /// Its name in reports.
     pub fn title(&self) -> String {
         if self.name.is_empty() { self.probe.to_string() } else { self.name.clone() }
     }

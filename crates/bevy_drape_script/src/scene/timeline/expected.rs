@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Bound, Tolerance};
 
-/// What is expected of a measured value.
+/// The expectation of a measured value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Expected {
-    /// This value, and no more than the tolerance away.
+    /// Within a tolerance of a value.
     Near {
         /// The value.
         value: Bound,
@@ -41,15 +41,15 @@ pub enum Measured {
 }
 
 impl Expected {
-    /// How far `measured` is beyond what is expected: below zero, it has that much room; infinite for words that differ and
-    /// for what is no number.
+    /// The distance of `measured` beyond the expectation: negative if there is room left, infinite for words that
+    /// differ and for NaN.
     pub fn excess(&self, measured: &Measured) -> f64 {
         let excess = match (self, measured) {
             (Self::Reported, _) => f64::NEG_INFINITY,
             (Self::Near { value, tolerance }, Measured::Number(number)) => {
                 (number - value.get()).abs() - tolerance.get()
             }
-            // `max` would lose what is not a number.
+            // `max` would drop the NaN.
             (Self::Between(..), Measured::Number(number)) if number.is_nan() => f64::INFINITY,
             (Self::Between(least, greatest), Measured::Number(number)) => {
                 (least.get() - number).max(number - greatest.get())
@@ -79,7 +79,7 @@ impl fmt::Display for Expected {
 impl fmt::Display for Measured {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            // Seven digits are all that single precision has.
+            // Single precision has no more than seven digits.
             Self::Number(number) if number.abs() >= 1e-3 && number.abs() < 1e7 || *number == 0.0 => {
                 let digits = (6 - number.abs().max(1e-3).log10().floor() as i32).clamp(0, 9) as usize;
                 let text = format!("{number:.digits$}");

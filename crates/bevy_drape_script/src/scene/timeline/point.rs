@@ -9,27 +9,28 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Point {
-    /// The centre of mass of what is free; of an obstacle, its origin.
+    /// The centre of mass of all free particles; of an obstacle, its origin.
     #[default]
     Centre,
-    /// A particle by its number: of cloths row by row from the top left, of ropes from the start, of rigs in the order of
-    /// their names.
+    /// A particle by its number, from 0: of cloths row by row from the top left, of ropes from the start, of rigs in
+    /// the order of their names.
     Particle(u32),
     /// The first particle.
     First,
-    /// The particle in the middle: of a whole cloth that of the middle row and column, of all else half way from the first to the last.
+    /// The middle particle: of a whole cloth that of the middle row and column, of all other bodies half way from the
+    /// first to the last.
     Middle,
     /// The last particle.
     Last,
 }
 
-/// A point of something.
+/// A point of something in the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Place {
-    /// Whose.
+    /// Name of the body, ball or obstacle.
     pub of: String,
-    /// Which point of it; the centre of mass by default.
+    /// The point; the centre of mass by default.
     #[serde(default)]
     pub point: Point,
 }

@@ -7,36 +7,36 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Names, Place, Point, Seconds};
 
-/// What is measured, at the end of a step. `of` is a name or a list of names; of several, what can be summed is summed, and
-/// of the rest the greatest is taken.
+/// A measurement at the end of a step. `of` is a name or a list of names; of several, extensive quantities are summed,
+/// and of all others the greatest value counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Probe {
     /// Position of a point along an axis, in metres.
     Position {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
-        /// Which point of it; the centre of mass by default.
+        /// The point; the centre of mass by default.
         #[serde(default)]
         point: Point,
-        /// Along which axis; `Length`, the distance from the origin, by default.
+        /// Axis; `Length`, the distance from the origin, by default.
         #[serde(default)]
         axis: Axis,
-        /// A time in seconds whose value is taken off: how far it has come since then.
+        /// A time in seconds, whose value is subtracted; none by default.
         #[serde(default)]
         since: Option<Seconds>,
     },
-    /// Velocity of a point along an axis, in m/s: as Verlet has it, that in the middle of the last substep.
+    /// Velocity of a point along an axis, in m/s. Verlet integration gives that in the middle of the last substep.
     Velocity {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
-        /// Which point of it; the centre of mass by default.
+        /// The point; the centre of mass by default.
         #[serde(default)]
         point: Point,
-        /// Along which axis; `Length`, the speed, by default.
+        /// Axis; `Length`, the speed, by default.
         #[serde(default)]
         axis: Axis,
-        /// A time in seconds whose value is taken off: how much it has changed since then.
+        /// A time in seconds, whose value is subtracted; none by default.
         #[serde(default)]
         since: Option<Seconds>,
     },
@@ -49,97 +49,97 @@ pub enum Probe {
     },
     /// Root mean square speed of all free particles, in m/s; of balls, the speed.
     Speed {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
     },
     /// Size of the box around it along an axis, in metres.
     Extent {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
-        /// Along which axis; `Length`, the diagonal, by default.
+        /// Axis; `Length`, the diagonal, by default.
         #[serde(default)]
         axis: Axis,
     },
     /// Least coordinate of its particles (of balls: of their surface) along an axis, in metres.
     Least {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
-        /// Along which axis: X, Y or Z.
+        /// Axis: X, Y or Z.
         axis: Axis,
     },
     /// Greatest coordinate of its particles (of balls: of their surface) along an axis, in metres.
     Greatest {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
-        /// Along which axis: X, Y or Z.
+        /// Axis: X, Y or Z.
         axis: Axis,
     },
     /// Stretch of the structural sticks, as a fraction of their rest length.
     Stretch {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
-        /// Which figure of all its sticks; `Max` by default.
+        /// Statistic over all sticks; `Max` by default.
         #[serde(default)]
         measure: Measure,
     },
-    /// The volume inside a closed body, in parts of that at rest; of several, the farthest from 1.
+    /// Volume inside a closed body, in units of the rest volume; of several, the farthest from 1.
     Volume {
-        /// Whose: of what is made of a closed mesh.
+        /// Name or names of bodies with closed meshes.
         of: Names,
     },
-    /// How deep its deepest particle (of balls: their surface) lies in an obstacle or a ball, in metres; 0 where it touches
-    /// nothing.
+    /// Greatest penetration depth of particles (of balls: their surface) into an obstacle or a ball, in metres; 0
+    /// without contact.
     Penetration {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
     },
-    /// Energy in joules; balls with their spin.
+    /// Energy in joules, with the spin of balls.
     Energy {
-        /// Whose; of everything that moves by itself, if left out.
+        /// Its name, or several names; everything that moves by itself, if left out.
         #[serde(default)]
         of: Names,
-        /// Which energy; `Mechanical`, the sum, by default.
+        /// Kind of energy; `Mechanical`, the sum, by default.
         #[serde(default)]
         kind: Energy,
-        /// A time in seconds whose value is taken off: how much it has changed since then.
+        /// A time in seconds, whose value is subtracted; none by default.
         #[serde(default)]
         since: Option<Seconds>,
     },
-    /// Linear momentum of what is free along an axis, in kg m/s.
+    /// Linear momentum of free particles, balls and dynamic obstacles along an axis, in kg m/s.
     Momentum {
-        /// Whose; of everything that moves by itself, if left out.
+        /// Its name, or several names; everything that moves by itself, if left out.
         #[serde(default)]
         of: Names,
-        /// Along which axis; `Length` by default.
+        /// Axis; `Length` by default.
         #[serde(default)]
         axis: Axis,
     },
-    /// Angular momentum of the particles about the origin along an axis, in kg m^2/s; balls without their spin.
+    /// Angular momentum about the origin along an axis, in kg m^2/s, without the spin of balls.
     AngularMomentum {
-        /// Whose; of everything that moves by itself, if left out.
+        /// Its name, or several names; everything that moves by itself, if left out.
         #[serde(default)]
         of: Names,
-        /// Along which axis; `Length` by default.
+        /// Axis; `Length` by default.
         #[serde(default)]
         axis: Axis,
     },
-    /// Whether it is `Active`, `Resting` or `Culled`: a word, to be expected with `Is`.
+    /// Activity: `Active`, `Resting`, `Frozen` or `Culled`. A word, to be compared by `Is`.
     Activity {
-        /// Whose; of several, that of the liveliest.
+        /// Its name, or several names: the liveliest counts.
         of: Names,
     },
-    /// A number of bodies and balls.
+    /// Number of bodies and balls.
     Count(Counted),
-    /// How often balls began to touch something.
+    /// Number of times that balls began to touch something.
     Hits {
-        /// Which balls, or a cannon with all of its balls; all if left out.
+        /// Balls, or cannons with all of their balls; all balls if left out.
         #[serde(default)]
         of: Names,
-        /// What they touched; anything if left out.
+        /// The things that they touched; anything if left out.
         #[serde(default)]
         on: Names,
     },
-    /// How many pairs began to touch, of what has `contacts: true` or touches something that has.
+    /// Number of pairs that began to touch. One of each pair needs `contacts: true`.
     Contacts {
         /// One of the two; anything if left out.
         #[serde(default)]
@@ -148,8 +148,8 @@ pub enum Probe {
         #[serde(default)]
         on: Names,
     },
-    /// How many pairs touch now, of what has `contacts: true` or touches something that has. They go on touching for a tenth of a
-    /// second after they parted.
+    /// Number of pairs that touch now. One of each pair needs `contacts: true`. Contacts last a tenth of a second
+    /// longer than the touch.
     Touching {
         /// One of the two; anything if left out.
         #[serde(default)]
@@ -158,29 +158,29 @@ pub enum Probe {
         #[serde(default)]
         on: Names,
     },
-    /// Of how many pieces a body is: 1 until something comes off it. Those that were too small to be kept do not count.
+    /// Number of pieces of a body: 1 until something comes off. Pieces that were too small to be kept do not count.
     Pieces {
-        /// Whose.
+        /// Its name, or several names.
         of: Names,
     },
-    /// How many sticks were torn or cut.
+    /// Number of sticks that were torn or cut.
     Torn {
-        /// Whose; of everything, if left out.
+        /// Its name, or several names; everything, if left out.
         #[serde(default)]
         of: Names,
     },
-    /// A word of 16 hexadecimal digits that tells two states apart, to be expected with `Is`.
+    /// Hash of the state, 16 hexadecimal digits. A word, to be compared by `Is`.
     StateHash {
-        /// Whose; of everything that moves by itself, if left out.
+        /// Its name, or several names; everything that moves by itself, if left out.
         #[serde(default)]
         of: Names,
     },
-    /// How long a step takes with one body as a multiple of a step with another, each in a scene without the other. It is
-    /// reported and never fails, as a clock is no law.
+    /// Ratio of the step times with one body and with another, each without the other. It is only reported, as no clock
+    /// decides whether a scene passes.
     StepTimeRatio {
         /// The body.
         of: String,
-        /// What it is compared with.
+        /// The body that it is compared with.
         against: String,
     },
 }
@@ -199,12 +199,12 @@ pub enum Axis {
     Length,
 }
 
-/// A figure of the stretch of all sticks.
+/// A statistic of the stretch of all sticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Measure {
     /// Root of the mean square.
     Rms,
-    /// What 99 of 100 stay below.
+    /// The 99th percentile.
     P99,
     /// The greatest.
     #[default]
@@ -214,30 +214,30 @@ pub enum Measure {
 /// A kind of energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Energy {
-    /// Of motion.
+    /// Kinetic energy.
     Kinetic,
-    /// Of height, from the origin.
+    /// Potential energy of height, relative to the origin.
     Potential,
     /// The sum.
     #[default]
     Mechanical,
 }
 
-/// What is counted.
+/// The bodies and balls that are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Counted {
     /// All bodies and balls.
     Bodies,
-    /// Those that are simulated.
+    /// Simulated ones.
     Active,
-    /// Those at rest.
+    /// Resting ones.
     Resting,
-    /// Those that are culled.
+    /// Culled ones.
     Culled,
 }
 
 impl Probe {
-    /// Everything that it names.
+    /// All names that it uses.
     pub fn names(&self) -> Vec<&str> {
         match self {
             Self::Position { of, .. }
@@ -265,7 +265,7 @@ impl Probe {
         }
     }
 
-    /// The time from which on it counts, if it counts from one.
+    /// The time whose value is subtracted, in seconds.
     pub fn since(&self) -> Option<Seconds> {
         match self {
             Self::Position { since, .. } | Self::Velocity { since, .. } | Self::Energy { since, .. } => {
@@ -275,7 +275,7 @@ impl Probe {
         }
     }
 
-    /// The unit of what it measures; empty for what has none.
+    /// The unit of its values; empty if they have none.
     pub fn unit(&self) -> &'static str {
         match self {
             Self::Position { .. }

@@ -7,7 +7,7 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-/// Some values in brackets: round ones, as in `(2, 1.5)`, or square ones, as in `[2, 1.5]`.
+/// Deserializes values in round brackets, as in `(2, 1.5)`, or in square ones, as in `[2, 1.5]`.
 pub(crate) fn bracketed<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<T, D::Error> {

@@ -1,4 +1,4 @@
-//! Values as they are written.
+//! Values in the text of a file.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -9,8 +9,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::ser::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A value as it is written in a scene file: `0.5`, `(0, 1, 0)`, `High`, `Indices([1, 2])`. What it may be depends on where it
-/// is put.
+/// A value as it is written in a scene file: `0.5`, `(0, 1, 0)`, `High`, `Indices([1, 2])`. Its type depends on the
+/// place where it is put.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Literal(String);
 
@@ -26,8 +26,7 @@ impl Literal {
         RawValue::from_ron(text).map(|_| Self(text.to_string()))
     }
 
-    /// What it may be read as, the likeliest first: where a text is expected, quotes may be left out, and where a choice is
-    /// expected, it may stand in quotes.
+    /// The texts that it may stand for, the likeliest first: a string may lack its quotes, and a variant may have some.
     pub(crate) fn readings(&self) -> Vec<String> {
         let is_word = |text: &str| {
             text.starts_with(char::is_alphabetic)

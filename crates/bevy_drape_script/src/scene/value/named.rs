@@ -1,4 +1,4 @@
-//! Things with names, in the order of their names.
+//! Maps by name, in the order of names.
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -10,9 +10,9 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// Things by name: `{ "curtain": .., "ground": .. }`. A name has letters, digits, `_` and `-`; none is given twice.
+/// A map by name: `{ "curtain": .., "ground": .. }`. Names consist of letters, digits, `_` and `-`, and are unique.
 ///
-/// They are kept, and built, in the order of their names, so that the order in which a file tells them does not matter.
+/// Entries are kept and built in the order of their names, so their order in the file does not matter.
 #[derive(Clone, Debug, PartialEq, Deref, DerefMut, Serialize)]
 #[serde(transparent)]
 pub struct Named<T>(pub BTreeMap<String, T>);
@@ -74,7 +74,7 @@ impl<T: JsonSchema> JsonSchema for Named<T> {
     }
 }
 
-/// Whether a text can be a name.
+/// True if a text can be a name.
 fn is_name(text: &str) -> bool {
     let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
     !text.is_empty() && text.chars().all(is_part)

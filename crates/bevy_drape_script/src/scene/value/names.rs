@@ -8,8 +8,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// One name, or a list of names. What a cannon shot has its name and number: `cannon#1` is its first ball. So have the pieces of a
-/// body: of a torn `curtain`, `curtain#1` is the piece that stayed, `curtain#2` the first that came off.
+/// One name, or a list of names. Balls of a cannon are numbered: `cannon#1` is the first. So are pieces of a body: of a
+/// torn `curtain`, `curtain#1` is the piece that stayed, `curtain#2` the first that came off.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deref, DerefMut)]
 pub struct Names(pub Vec<String>);
 

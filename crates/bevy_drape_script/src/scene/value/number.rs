@@ -1,4 +1,4 @@
-//! Numbers that know their range: what is outside of it is refused where it stands in the file.
+//! Numbers that know their range: the parser rejects others with line and column.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::text::{ENDLESS, range_in_words};
 
-/// A number that is not in its range.
+/// The error of a number outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("expected a number{}, found {found}", range_in_words(*least, *greatest))]
 pub struct OutOfRange {
@@ -17,7 +17,7 @@ pub struct OutOfRange {
     pub least: f64,
     /// The greatest that is allowed.
     pub greatest: f64,
-    /// What was found.
+    /// The number that was found.
     pub found: f64,
 }
 
@@ -34,10 +34,10 @@ macro_rules! number {
             /// The greatest value.
             pub const GREATEST: $inner = $greatest;
 
-            /// This number, if it is in the range.
+            /// Checks that the number is in the range.
             ///
             /// # Errors
-            /// [`OutOfRange`], also for what is not a number.
+            /// [`OutOfRange`], also for NaN.
             pub fn new(value: $inner) -> Result<Self, OutOfRange> {
                 if (Self::LEAST..=Self::GREATEST).contains(&value) {
                     Ok(Self::known(value))
@@ -115,27 +115,27 @@ number! {
     Fraction(f32): 0.0, 1.0
 }
 number! {
-    /// A volume in parts of that at rest, from 0 to 1000.
+    /// A volume in units of the rest volume, from 0 to 1000.
     Pressure(f32): 0.0, 1.0e3
 }
 number! {
-    /// Seconds of simulated time, from 0 to 10^5: a day and some hours.
+    /// Seconds of simulated time, from 0 to 10^5.
     Seconds(f64): 0.0, 1.0e5
 }
 number! {
-    /// What a measured value is held against: a number from -10^15 to 10^15, in the unit of the probe.
+    /// A bound for measured values: a number from -10^15 to 10^15, in the unit of the probe.
     Bound(f64): -ENDLESS, ENDLESS
 }
 number! {
-    /// How far a measured value may be from the expected one: from 0 to 10^15, in the unit of the probe.
+    /// The greatest distance of a measured value from the expected one: from 0 to 10^15, in the unit of the probe.
     Tolerance(f64): 0.0, ENDLESS
 }
 number! {
-    /// The length of a step in seconds, from a hundred thousandth to a tenth.
+    /// The length of a step in seconds, from 10^-5 to 0.1.
     StepLength(f64): 1.0e-5, 0.1
 }
 
-/// A number in double precision that prints as the shortest decimal number which is the same in its own.
+/// Converts a number to double precision so that it prints with as few digits as in its own.
 fn shortest<T: fmt::Display>(value: T) -> f64 {
     value.to_string().parse().unwrap_or(f64::NAN)
 }

@@ -1,4 +1,4 @@
-//! How something is turned.
+//! Rotations.
 
 use bevy::prelude::*;
 use schemars::JsonSchema;
@@ -10,9 +10,9 @@ use crate::scene::{Number, Vector};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Turn {
-    /// The axis, of any length but zero; Y, upwards, by default.
+    /// The axis, of any length but zero; (0, 1, 0), upwards, by default.
     pub axis: Vector,
-    /// The angle in degrees, to the left seen from the axis' tip; 0 by default.
+    /// The angle in degrees, counter-clockwise as seen from the tip of the axis; 0 by default.
     pub degrees: Number,
 }
 
@@ -23,7 +23,7 @@ impl Default for Turn {
 }
 
 impl Turn {
-    /// The rotation, the same to the bit on every machine. An axis without length is no turn.
+    /// The rotation as a quaternion, with equal bits on every machine. An axis without length gives the identity.
     pub fn quaternion(&self) -> Quat {
         let half = f64::from(self.degrees.get()).to_radians() * 0.5;
         let axis = self.axis.as_dvec3();
@@ -35,7 +35,7 @@ impl Turn {
         Quat::from_xyzw((axis.x * sine) as f32, (axis.y * sine) as f32, (axis.z * sine) as f32, cosine as f32)
     }
 
-    /// Part `part` of the way from this turn to `to`, about the axis of `to`.
+    /// Interpolates the angle from this turn (`part` 0) to `to` (`part` 1), about the axis of `to`.
     pub(crate) fn towards(&self, to: &Self, part: f32) -> Self {
         let [from, end] = [self, to].map(|turn| turn.degrees.get());
         Self { axis: to.axis, degrees: Number::known(from + (end - from) * part) }

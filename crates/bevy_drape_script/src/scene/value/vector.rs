@@ -20,10 +20,10 @@ impl<'de> Deserialize<'de> for Vector {
 }
 
 impl Vector {
-    /// This vector, if it is in the range.
+    /// Checks that all components are in the range.
     ///
     /// # Errors
-    /// [`OutOfRange`], naming the first component that is not.
+    /// [`OutOfRange`] with the first component that is not.
     pub fn new(vector: Vec3) -> Result<Self, OutOfRange> {
         for component in vector.to_array() {
             Number::new(component)?;

@@ -13,7 +13,7 @@ use crate::scene::OutOfRange;
 pub struct Whole<const LEAST: u32, const GREATEST: u32>(u32);
 
 impl<const LEAST: u32, const GREATEST: u32> Whole<LEAST, GREATEST> {
-    /// This number, if it is in the range.
+    /// Checks that the number is in the range.
     ///
     /// # Errors
     /// [`OutOfRange`].

@@ -1,4 +1,6 @@
 //! The builder of cloths from any mesh.
+//!
+//! Design: docs/design/cloth_from_meshes.md.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,18 +21,18 @@ use crate::state::settings::SolverSettings;
 use crate::state::tethers::Tethers;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
-/// A cloth of the triangles of any mesh.
+/// Builds a cloth from the triangles of any mesh.
 ///
-/// Vertices in the same place are one particle, so that the cloth does not open where a mesh has its seams of texture
-/// coordinates and normals. Edges are structural sticks (and resist shear, which has no sticks of its own); the corners that face
-/// each other across an edge are joined by a bend stick. Each triangle gives a third of its mass to each of its corners.
+/// Vertices in the same place become one particle, so that the cloth does not open at seams of texture coordinates and
+/// normals. Edges become structural sticks, which resist shear too. A bend stick joins the corners that face each other
+/// across an edge. Each triangle gives a third of its mass to each of its corners.
 ///
 /// ```
 /// use drape_solver::glam::Vec3;
 /// use drape_solver::{MeshClothBuilder, SolverSettings};
 ///
 /// # fn main() -> Result<(), drape_solver::MeshError> {
-/// // Two triangles with four corners of their own, two of which are in the same places.
+/// // Two triangles that share an edge, with three vertices each.
 /// let [a, b, c, d] = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::X + Vec3::Y];
 /// let cloth = MeshClothBuilder::new(vec![a, b, c, d, c, b], vec![[0, 1, 2], [3, 4, 5]]).pin(2).build_parts()?;
 /// assert_eq!(cloth.particles.len(), 4);
@@ -49,22 +51,21 @@ pub struct MeshClothBuilder {
     paint: Vec<f32>,
 }
 
-/// What a mesh has become.
+/// The parts of a cloth that was built from a mesh.
 #[derive(Clone, Debug)]
 pub struct MeshCloth {
-    /// The particles, in the order in which triangles name them first.
+    /// The particles, in the order in which triangles first name them.
     pub particles: Particles,
-    /// How they are joined.
+    /// The sticks, faces and tethers of the particles.
     pub topology: Topology,
-    /// The particle of each vertex of the mesh; none for a vertex that no triangle with an area has for a corner.
+    /// The particle of each vertex of the mesh; none if the vertex is not a corner of a triangle with an area.
     pub particle_of_vertex: Vec<Option<u32>>,
-    /// What was put right.
+    /// Faults of the mesh that were repaired.
     pub repairs: MeshRepairs,
 }
 
 impl MeshClothBuilder {
-    /// A cloth of triangles `faces` between vertices at `positions` (world, in metres), counter-clockwise seen from the
-    /// front.
+    /// A cloth of triangles `faces`, counter-clockwise seen from the front, between vertices at `positions` (world, metres).
     pub fn new(positions: Vec<Vec3>, faces: Vec<[u32; 3]>) -> Self {
         Self {
             positions,
@@ -77,14 +78,14 @@ impl MeshClothBuilder {
         }
     }
 
-    /// Sets density and stiffness.
+    /// Sets density, stiffness and damping. Shear stiffness has no effect.
     pub fn material(mut self, material: ClothMaterial) -> Self {
         self.material = material;
         self
     }
 
-    /// Sets how near vertices have to be to become one particle, in metres; 0 for the very same place. Without this, a
-    /// hundred-thousandth of the mesh's length.
+    /// Sets the distance in metres within which vertices become one particle; 0 welds only exactly equal positions. By default
+    /// a hundred-thousandth of the mesh's length.
     pub fn weld_distance(mut self, distance: f32) -> Self {
         self.weld_distance = Some(distance);
         self
@@ -96,24 +97,24 @@ impl MeshClothBuilder {
         self
     }
 
-    /// Makes edges as stiff as their direction in the weave asks for; without this they are alike.
+    /// Gives edges the stiffness of their direction in the weave. Without a weave all edges are alike.
     pub fn weave(mut self, weave: Weave) -> Self {
         self.weave = Some(weave);
         self
     }
 
-    /// Makes the cloth softer where `paint`, a number from 0 to 1 for each vertex, is less than 1: edges and bends have
-    /// `(1 - paint)^3` more of compliance, `(1 - s) / s` of a stiffness `s`. So 0.9 makes a rigid edge 0.999 stiff, 0.5 makes it
-    /// 0.89, and 0 makes it 0.5. Fifteen shades are told apart.
+    /// Softens the cloth by `paint`, a number from 0 (softest) to 1 (unchanged) for each vertex. It adds `(1 - paint)^3` to the
+    /// compliance of edges and bends, where a stiffness `s` has the compliance `(1 - s) / s`. So 0.9 makes a rigid edge 0.999
+    /// stiff, 0.5 makes it 0.89, and 0 makes it 0.5. Paint is rounded to fifteenths.
     pub fn painted_stiffness(mut self, paint: Vec<f32>) -> Self {
         self.paint = paint;
         self
     }
 
-    /// Builds particles, topology, and the way from vertices to particles.
+    /// Builds particles, topology, and the map from vertices to particles.
     ///
     /// # Errors
-    /// [`MeshError`] naming what cannot be built.
+    /// [`MeshError`] that names the fault.
     pub fn build_parts(self) -> Result<MeshCloth, MeshError> {
         let used = self.validate()?;
         let extent = extent(&self.positions, &used)?;
@@ -147,19 +148,19 @@ impl MeshClothBuilder {
     /// Builds a body with these settings.
     ///
     /// # Errors
-    /// [`MeshError`] naming what cannot be built.
+    /// [`MeshError`] that names the fault.
     pub fn build(self, settings: SolverSettings) -> Result<Body, MeshError> {
         settings.validate()?;
         let MeshCloth { particles, topology, .. } = self.build_parts()?;
         Ok(Body::new(particles, Arc::new(topology), settings))
     }
 
-    /// Checks all that was given. Returns the vertices that are corners of triangles, in the order of these.
+    /// Checks all values. Returns the vertices that are corners of triangles, in the order of the triangles.
     fn validate(&self) -> Result<Vec<u32>, MeshError> {
         let count = self.positions.len();
         positive("areal_density", self.material.areal_density)?;
-        in_range("structural stiffness", self.material.structural, 0.0, 1.0)?;
-        in_range("bend stiffness", self.material.bend, 0.0, 1.0)?;
+        in_range("stretch stiffness", self.material.stretch_stiffness, 0.0, 1.0)?;
+        in_range("bend stiffness", self.material.bend_stiffness, 0.0, 1.0)?;
         in_range("damping", self.material.damping, 0.0, MAX_MAGNITUDE)?;
         if let Some(distance) = self.weld_distance {
             in_range("weld_distance", distance, 0.0, MAX_MAGNITUDE)?;
@@ -198,7 +199,7 @@ impl MeshClothBuilder {
         sums.into_iter().map(|(sum, vertices)| if vertices > 0.0 { sum / vertices } else { 1.0 }).collect()
     }
 
-    /// Sticks family by family: the order in which relaxation does not gain energy.
+    /// Adds the sticks family by family: in this order relaxation does not gain energy.
     fn topology(
         &self,
         positions: &[Vec3],
@@ -218,11 +219,14 @@ impl MeshClothBuilder {
             .unwrap_or_default();
         let paint = self.paint_of_particles(positions.len(), particle_of_vertex);
         for (class, edges) in by_class(&surface.edges, &paint, &directions) {
-            let stiffness = class.stiffness(self.material.structural, weave);
+            let stiffness = class.stiffness(self.material.stretch_stiffness, weave);
             builder.family(material(StickKind::Structural, stiffness), edges)?;
         }
         for (class, bends) in by_class(&surface.bends, &paint, &BTreeMap::new()) {
-            builder.family(material(StickKind::Bend, class.stiffness(self.material.bend, None)), bends)?;
+            builder.family(
+                material(StickKind::Bend, class.stiffness(self.material.bend_stiffness, None)),
+                bends,
+            )?;
         }
         builder.faces(surface.faces.iter().copied())?;
         let edges =
@@ -232,8 +236,8 @@ impl MeshClothBuilder {
     }
 }
 
-/// Numbers for the corners of a surface, in the order in which its triangles name them: the same however the vertices of the mesh
-/// are split.
+/// Numbers the corners of a surface in the order in which its triangles name them. Split vertices do not change the
+/// numbers.
 struct Numbering {
     /// The number of each vertex that is a corner.
     numbers: Vec<Option<u32>>,
@@ -242,7 +246,7 @@ struct Numbering {
 }
 
 impl Numbering {
-    /// Numbers the corners, and puts the numbers in the place of the vertices.
+    /// Numbers the corners, and replaces the vertices of `surface` by their numbers.
     fn new(surface: &mut MeshSurface, vertex_count: usize) -> Self {
         let mut numbering = Self { numbers: vec![None; vertex_count], vertices: Vec::new() };
         let MeshSurface { faces, edges, bends, .. } = surface;

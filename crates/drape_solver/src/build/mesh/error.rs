@@ -1,4 +1,6 @@
-//! What can be wrong with a mesh, and what was put right.
+//! Errors of meshes that cannot be built, and repairs of those that can.
+//!
+//! Design: docs/design/cloth_from_meshes.md.
 
 use core::fmt;
 
@@ -7,7 +9,7 @@ use thiserror::Error;
 
 use crate::error::BuildError;
 
-/// Why no cloth or solid can be made from a mesh.
+/// The reason why a mesh cannot become a cloth or a solid.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -20,22 +22,22 @@ pub enum MeshError {
         /// The number of its vertices.
         vertices: usize,
     },
-    /// A triangle has a corner that is no vertex.
+    /// A triangle names a vertex that does not exist.
     #[error("triangle {face} has vertex {vertex} for a corner, but the mesh has {count}")]
     NoSuchVertex {
-        /// The triangle, by its place in the list.
+        /// Index of the triangle.
         face: usize,
-        /// The index at fault.
+        /// Index of the missing vertex.
         vertex: u32,
         /// The number of vertices.
         count: usize,
     },
-    /// A corner of a triangle is at no place, or too far away to compute with.
+    /// A corner of a triangle is not finite, or too far away.
     #[error("vertex {vertex} is at {position}: coordinates must be finite and below 1e6 m")]
     NotFinite {
-        /// The vertex, by index.
+        /// Index of the vertex.
         vertex: u32,
-        /// Where it is said to be.
+        /// Its position in metres.
         position: Vec3,
     },
     /// The mesh is smaller than a tenth of a millimetre: not in metres, or scaled down to nothing.
@@ -45,7 +47,7 @@ pub enum MeshError {
     TooSmall {
         /// The longest side of its box in metres.
         extent: f32,
-        /// The least that it may be in metres.
+        /// The least length in metres.
         least: f32,
     },
     /// All triangles are points or lines.
@@ -54,13 +56,13 @@ pub enum MeshError {
         /// The number of its triangles.
         faces: usize,
     },
-    /// A solid was to be made of a mesh with a hole.
+    /// The mesh of a solid has a hole.
     #[error("the mesh is not closed, as a solid must be: {edges} of its edges are not between two triangles")]
     NotClosed {
         /// The number of edges at holes.
         edges: usize,
     },
-    /// A solid would have too many cells.
+    /// The solid would have too many cells.
     #[error(
         "cells of {spacing} m are too small for the mesh: {cells:.0} of them along an axis, of which there may be {most}"
     )]
@@ -72,39 +74,39 @@ pub enum MeshError {
         /// The greatest number allowed.
         most: u32,
     },
-    /// A solid would have no cells.
+    /// The solid would have no cells.
     #[error("no cell of at most {spacing} m has its middle inside the mesh: take a smaller spacing")]
     NoCells {
         /// The greatest width of a cell in metres.
         spacing: f32,
     },
-    /// A number is out of range, or a pin is no vertex.
+    /// A number is out of range, or a pin names a vertex that does not exist.
     #[error(transparent)]
     Build(#[from] BuildError),
 }
 
-/// What was put right in a mesh, or is odd about it, when a cloth was made from it.
+/// Repairs and oddities of a mesh, counted when a cloth is built from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MeshRepairs {
-    /// Triangles without an area, which were left out. Where their edges join what is part of the cloth, sticks do still.
+    /// Triangles without an area, left out. Their edges still become sticks where they join particles of the cloth.
     pub empty_faces: usize,
-    /// Triangles with the corners of another, whichever way they turn, which were left out: the back of a sheet with two sides.
+    /// Triangles with the same three corners as another, left out: the back of a sheet with two sides.
     pub repeated_faces: usize,
-    /// Triangles that turned the other way than their neighbours, and were turned.
+    /// Triangles whose winding differed from their neighbours, and was reversed.
     pub turned_faces: usize,
-    /// Pieces with one side only, as a Möbius strip has: their triangles turn as they did.
+    /// Pieces with one side only, such as a Möbius strip. Their triangles keep their winding.
     pub one_sided_pieces: usize,
-    /// Edges of more than two triangles. They hold together, and fold without resistance.
+    /// Edges of more than two triangles. They stay joined, and fold without resistance.
     pub crowded_edges: usize,
-    /// Vertices in which pieces touch that have no edge in common there. They hold together.
+    /// Vertices that join pieces without a common edge there. They stay joined.
     pub bow_ties: usize,
     /// Vertices that belong to no triangle with an area. They are not part of the cloth.
     pub unused_vertices: usize,
 }
 
 impl MeshRepairs {
-    /// Whether there was nothing to put right.
+    /// True if there was nothing to repair.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }

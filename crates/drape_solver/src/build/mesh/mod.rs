@@ -1,4 +1,4 @@
-//! Cloth from triangle meshes: checks, repairs, welding, and the cloth itself.
+//! Builds cloth from triangle meshes: checks, welds and repairs them first.
 //!
 //! Imports: the builders beside it and the floors below. Callers: users and the plugin.
 

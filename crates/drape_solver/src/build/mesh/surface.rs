@@ -1,4 +1,6 @@
-//! The surface of a mesh, put right: which triangles there are, how they are joined, which way they turn.
+//! The repaired surface of a mesh: its triangles, their edges and bends, and one winding for all.
+//!
+//! Design: docs/design/cloth_from_meshes.md.
 
 use std::collections::{HashMap, HashSet};
 
@@ -7,26 +9,27 @@ use glam::Vec3;
 use crate::build::mesh::error::MeshRepairs;
 use crate::union_find::Groups;
 
-/// A triangle whose height is this part of its longest edge, or less, is a line.
+/// A triangle whose height is at most this part of its longest edge counts as a line.
 const LEAST_HEIGHT: f64 = 1e-5;
 
-/// Triangles between welded vertices, each with an area, each once.
+/// The surface of a mesh with welded vertices.
 pub(crate) struct MeshSurface {
+    /// Triangles that have an area, each once.
     pub faces: Vec<[u32; 3]>,
-    /// Edges in the order in which triangles name them, first those of triangles that have an area.
+    /// Edges in the order in which triangles name them; those of triangles with an area come first.
     pub edges: Vec<[u32; 2]>,
-    /// Corners that face each other across an edge of two triangles, where no edge joins them.
+    /// Pairs of corners that face each other across an edge of two triangles, unless an edge joins them.
     pub bends: Vec<[u32; 2]>,
-    /// Triangles without an area, as they were.
+    /// Triangles without an area, unchanged.
     pub lines: Vec<[u32; 3]>,
     pub repairs: MeshRepairs,
 }
 
-/// The triangles at an edge, as (triangle, corner that it begins from).
+/// The triangles at an edge, each with the corner at which the edge begins in the triangle's winding.
 type EdgeFaces = Vec<(usize, u32)>;
 
 impl MeshSurface {
-    /// The surface of `faces`, whose corners are welded already.
+    /// The surface of `faces` with welded corners.
     pub fn new(positions: &[Vec3], faces: impl IntoIterator<Item = [u32; 3]>) -> Self {
         let (mut kept, mut lines) = (Vec::new(), Vec::new());
         let mut seen = HashSet::new();
@@ -51,7 +54,7 @@ impl MeshSurface {
         surface
     }
 
-    /// The number of edges that an odd number of triangles is at: those around holes.
+    /// The number of edges that an odd number of triangles share: those around holes.
     pub fn open_edges(&self) -> usize {
         let faces = self.faces.iter().chain(&self.lines).copied();
         let edges = faces.flat_map(sides).filter(|[from, to]| from != to).map(unordered);
@@ -90,12 +93,12 @@ impl MeshSurface {
         joints
     }
 
-    /// Turns the fewer triangles of each piece so that all of it turns one way.
+    /// Gives all triangles of each piece the same winding, and reverses as few as possible.
     fn turn(&mut self, joints: &[EdgeFaces]) {
         let mut neighbours: Vec<Vec<(usize, bool)>> = vec![Vec::new(); self.faces.len()];
         for joint in joints {
             if let [(a, from), (b, other)] = joint[..] {
-                // Two triangles that turn alike run along their edge in opposite directions.
+                // Two triangles of the same winding traverse their common edge in opposite directions.
                 neighbours[a].push((b, from == other));
                 neighbours[b].push((a, from == other));
             }
@@ -137,7 +140,7 @@ impl MeshSurface {
 
     /// The number of vertices whose triangles are not all joined by edges at that vertex.
     fn bow_ties(&self, joints: &[EdgeFaces]) -> usize {
-        // Corner `k` of triangle `f` is number `3 f + k`; those joined are in one group.
+        // Corner `k` of triangle `f` has the number `3 f + k`. Corners that an edge joins form a group.
         let mut groups = Groups::new(3 * self.faces.len());
         let corner = |face: usize, vertex: u32| {
             (3 * face + self.faces[face].iter().position(|&corner| corner == vertex).unwrap_or_default())
@@ -163,8 +166,8 @@ impl MeshSurface {
         torn.len()
     }
 
-    /// Adds the edges of triangles without an area, where they join vertices of the others: what lies on both sides of such
-    /// a line holds together by it.
+    /// Adds edges of triangles without an area if they join vertices of other triangles, so that both sides of such a line
+    /// stay joined.
     fn join_lines(&mut self) {
         let corners: HashSet<u32> = self.faces.iter().flatten().copied().collect();
         let mut joined: HashSet<[u32; 2]> =
@@ -181,7 +184,7 @@ impl MeshSurface {
     }
 }
 
-/// Twice the area of a triangle in m^2, which single precision may not tell from zero.
+/// Twice the area of a triangle in m^2, in double precision, as small areas vanish in single precision.
 pub(crate) fn double_area(corners: [Vec3; 3]) -> f64 {
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a).cross(c - a).length()
@@ -201,7 +204,7 @@ fn unordered([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// The corner of a triangle that is not on `edge`.
+/// The corner of a triangle opposite to `edge`.
 fn opposite(face: [u32; 3], edge: [u32; 2]) -> u32 {
     face.into_iter().find(|corner| !edge.contains(corner)).unwrap_or(face[0])
 }

@@ -4,29 +4,25 @@
 //!   x0 o---C0---o x1 ---C1---o x2 --- ...      C_i = |x_{i+1} - x_i| - r,   n_i = (x_{i+1} - x_i) / |x_{i+1} - x_i|
 //! ```
 //!
-//! MovingColumns the particles by `w_i (lambda_i n_i - lambda_{i-1} n_{i-1})` brings every `C_i` to zero, to first order, if
+//! Moving the particles by `w_i (lambda_i n_i - lambda_{i-1} n_{i-1})` brings every `C_i` to zero, to first order, if
 //!
 //! ```text
 //!   - w_i n_{i-1}.n_i lambda_{i-1}  +  (w_i + w_{i+1}) lambda_i  -  w_{i+1} n_i.n_{i+1} lambda_{i+1}  =  C_i
 //! ```
 //!
-//! which is a tridiagonal system: one elimination down the chain and one substitution back up (Thomas). Sweeps carry a
+//! This is a tridiagonal system: one elimination down the chain and one substitution back up (Thomas). Sweeps carry a
 //! pull by a few sticks; this carries it through the whole chain. It is the projection onto the manifold of the
-//! constraints of Goldenthal et al. 2007, "Efficient Simulation of Inextensible Cloth", equation 9, with one Newton step,
-//! for a matrix that needs no sparse solver.
+//! constraints of Goldenthal et al. 2007, "Efficient Simulation of Inextensible Cloth", equation 9, with one Newton
+//! step, for a matrix that needs no sparse solver.
+//!
+//! Design: `docs/design/line_solves.md`.
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
-use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP};
-use crate::constraint::stick::Projection;
+use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP, GREATEST_INVERSE_MASS, LEAST_WEIGHT};
+use crate::constraint::projection::Projection;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
-
-/// Inverse masses beyond this count as this: the end of single precision is as far again.
-pub(crate) const GREATEST_INVERSE_MASS: f32 = 1e30;
-
-/// Sticks whose ends have less inverse mass than this together count as pinned at both.
-pub(crate) const LEAST_WEIGHT: f32 = 1e-30;
 
 /// Sixteen chains: particle `i` of the chain in lane `l` is in lane `l` of cell `first + i stride`.
 ///
@@ -36,19 +32,19 @@ pub(crate) struct Chains<'a> {
     pub inverse_mass: &'a [[f32; LANES]],
     pub first: usize,
     pub stride: usize,
-    /// Particles of a chain.
+    /// The number of particles in a chain.
     pub count: usize,
 }
 
-/// What a solve keeps of the stick below each particle.
+/// Scratch of the stick below each particle.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 struct ChainSticks {
-    /// One over its length: what makes a direction of its separation.
+    /// One over its length: the factor from separation to direction.
     scale: [f32; LANES],
-    /// Of the eliminated system: the factor of the next multiplier, and the right-hand side.
+    /// Factor of the next multiplier in the eliminated system.
     upper: [f32; LANES],
-    /// On the way down the right-hand side; on the way up the multiplier, times the scale.
+    /// The right-hand side on the way down; the multiplier times the scale on the way up.
     right: [f32; LANES],
 }
 
@@ -75,8 +71,8 @@ impl ChainScratch {
 impl Chains<'_> {
     /// One Newton step on all sticks of these chains, of length `rest` (metres) at rest.
     ///
-    /// Where the step is too long for the sticks to be taken as straight, a chain goes only a part of the way, and its
-    /// sticks are relaxed one by one from there.
+    /// If the step is too long for the sticks to count as straight, a chain takes only a part of it, and its sticks are
+    /// relaxed one by one from there.
     pub fn solve<S: Simd>(
         &mut self,
         simd: S,
@@ -112,7 +108,7 @@ impl Chains<'_> {
         }
     }
 
-    /// Down the chain: leaves `lambda_i = right_i + upper_i lambda_{i+1}`, and the direction of each stick.
+    /// Elimination down the chain: leaves `lambda_i = right_i + upper_i lambda_{i+1}`, and the direction of each stick.
     #[inline(always)]
     fn eliminate<S: Simd>(&self, simd: S, scratch: &mut ChainScratch, rest: f32) {
         let zero = f32x16::splat(simd, 0.0);
@@ -129,7 +125,7 @@ impl Chains<'_> {
             let delta = b.minus(a);
             let length = delta.dot(delta).sqrt();
             let weight = wa + wb;
-            // Without a length there is no direction, and where both ends are pinned nothing to be done.
+            // A stick without length has no direction, and one pinned at both ends does not move.
             let has_length: mask32x16<S> = length.simd_gt(zero);
             let is_free: mask32x16<S> = weight.simd_gt(least);
             let scale = has_length.select(one / length, zero);
@@ -150,8 +146,8 @@ impl Chains<'_> {
         sticks[self.count - 2].upper = [0.0; LANES];
     }
 
-    /// Up the chain: leaves each multiplier, times the scale of its stick. Gives the square of the most that any stick's
-    /// two ends would move against each other.
+    /// Substitution up the chain: leaves each multiplier times the scale of its stick. Returns the square of the
+    /// greatest move of a stick's two ends against each other.
     #[inline(always)]
     fn substitute<S: Simd>(&self, simd: S, scratch: &mut ChainScratch) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
@@ -165,7 +161,7 @@ impl Chains<'_> {
             multiplier = load(simd, &sticks[i].right) + load(simd, &sticks[i].upper) * multiplier;
             let scaled = multiplier * load(simd, &sticks[i].scale);
             sticks[i].right = scaled.to_array();
-            // The particle below is pulled down by the stick that was before, and up by this one.
+            // The stick of the previous round pulls the particle below down, and this one pulls it up.
             let pull_up = b.minus(a).times(scaled);
             let step = pull.minus(pull_up).times(self.inverse_mass(simd, i + 1));
             if i + 2 < self.count {
@@ -178,7 +174,7 @@ impl Chains<'_> {
         greatest.max(turn.dot(turn))
     }
 
-    /// Down again: moves each particle by `part` of its step.
+    /// Moves each particle by `part` of its step.
     #[inline(always)]
     fn apply<S: Simd>(&mut self, simd: S, scratch: &ChainScratch, part: f32x16<S>) {
         let zero = f32x16::splat(simd, 0.0);
@@ -197,7 +193,7 @@ impl Chains<'_> {
         }
     }
 
-    /// Every second stick, then the others, in the lanes that `is_swept` has.
+    /// Relaxes every second stick, then the others, in the lanes of `is_swept`.
     #[inline(always)]
     fn sweep<S: Simd>(&mut self, simd: S, is_swept: mask32x16<S>, rest: f32, projection: impl Projection) {
         let zero = f32x16::splat(simd, 0.0);
@@ -234,7 +230,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
-    use crate::constraint::stick::Exact;
+    use crate::constraint::projection::Exact;
     use crate::simd::isa::{Isa, Kernel};
 
     const REST: f32 = 0.1;
@@ -246,7 +242,7 @@ mod tests {
         let sticks = position.len() - 1;
         let delta = |i: usize| position[i + 1] - position[i];
         let n: Vec<DVec3> = (0..sticks).map(|i| delta(i).normalize_or_zero()).collect();
-        // Gauss on the whole matrix: slow, and with no thought about its shape.
+        // Gaussian elimination of the whole matrix: slow, and without regard to its shape.
         let mut rows = vec![vec![0.0; sticks + 1]; sticks];
         for i in 0..sticks {
             let weight = w[i] + w[i + 1];

@@ -2,17 +2,19 @@
 //!
 //! ```text
 //!   columns, patches side by side         rows, the same                         patches in a square
-//!   lane = column: solved in place        sixteen rows at a time are turned:     sixteen lines at a time are
-//!                                         lane = row; solved; turned back        gathered, solved, scattered
+//!   lane = column: solved in place        sixteen rows at a time are transposed:     sixteen lines at a time are
+//!                                         lane = row; solved; transposed back        gathered, solved, scattered
 //! ```
 //!
 //! Ropes, and other grids of very few lines, are solved one [line](crate::constraint::direct::lone_chain) at a time.
+//!
+//! Design: `docs/design/line_solves.md`.
 
 use fearless_simd::{Simd, prelude::*};
 
 use crate::constraint::direct::chain::{ChainScratch, Chains};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
-use crate::constraint::stick::{Exact, Projection, SquareRootFree};
+use crate::constraint::projection::{Exact, Projection, SquareRootFree};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::load;
@@ -22,7 +24,7 @@ use crate::state::layout::{Grid, Layout};
 use crate::state::settings::{SolverSettings, StickProjection, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
 
-/// Which lines of a grid.
+/// The rows or the columns of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lines {
     Rows,
@@ -30,8 +32,8 @@ pub(crate) enum Lines {
 }
 
 impl Lines {
-    /// The lines that the sticks of `batch` make, where they are to be solved as such: structural sticks of a grid that
-    /// lose all of their error, at a stiffness of `stiffness` an iteration.
+    /// The lines that the sticks of `batch` form, if they are to be solved directly: structural sticks of a grid that
+    /// lose all of their error at a `stiffness` per iteration.
     pub fn of(batch: &StickBatch, stiffness: f32, settings: &SolverSettings) -> Option<Self> {
         if settings.structural == StructuralSolve::Sweeps
             || batch.material.kind != StickKind::Structural
@@ -49,7 +51,7 @@ impl Lines {
         }
     }
 
-    /// The length at rest of the sticks of these lines, in metres; none where there are no such sticks to be solved.
+    /// Rest length in metres of the sticks of these lines; none if none are to be solved directly.
     pub fn rest_length(
         self,
         topology: &Topology,
@@ -65,7 +67,7 @@ impl Lines {
         })
     }
 
-    /// Number of lines, and of particles in a line.
+    /// The number of lines, and of particles in a line.
     fn size(self, grid: Grid) -> (usize, usize) {
         match self {
             Self::Rows => (grid.rows, grid.columns),
@@ -73,11 +75,11 @@ impl Lines {
         }
     }
 
-    fn way(self, grid: Grid) -> LineStorage {
+    fn storage(self, grid: Grid) -> LineStorage {
         match self {
             _ if self.size(grid).0 < LEAST_BUNDLED_LINES => LineStorage::Lone,
             _ if !Layout::Grid(grid).has_whole_rows() => LineStorage::Gathered,
-            Self::Rows => LineStorage::Turned,
+            Self::Rows => LineStorage::Transposed,
             Self::Columns => LineStorage::InPlace,
         }
     }
@@ -91,23 +93,23 @@ impl Lines {
     }
 }
 
-/// How lines come into the lanes.
+/// The way that lines come into the lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LineStorage {
-    /// Columns, each of which is in a lane already.
+    /// Columns: each is in a lane already.
     InPlace,
-    /// Rows, which run through all lanes.
-    Turned,
+    /// Rows: they run through all lanes.
+    Transposed,
     /// Lines that run through some of the lanes.
     Gathered,
-    /// Not at all: there are too few of them.
+    /// Solved one by one, because there are too few of them.
     Lone,
 }
 
-/// Fewest lines that are solved side by side.
+/// Least number of lines that are solved side by side.
 const LEAST_BUNDLED_LINES: usize = 4;
 
-/// What line solves keep. Only its memory outlives a solve, and the list of slots the step.
+/// Scratch of line solves. Only its memory outlives a solve, and only the list of slots the step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LineScratch {
     chain: ChainScratch,
@@ -115,8 +117,8 @@ pub(crate) struct LineScratch {
     position: Vec<Cell>,
     inverse_mass: Vec<[f32; LANES]>,
     lone: Vec<LoneStick>,
-    /// Where lines are gathered, or lone: the slots of their first particles, then of their second, and so on, for up to sixteen
-    /// lines at a time.
+    /// Slots of gathered and lone lines: those of their first particles, then of their second, and so on, for up to
+    /// sixteen lines at a time.
     slots: [Vec<u32>; 2],
     grid: Option<Grid>,
 }
@@ -132,16 +134,17 @@ impl LineScratch {
         }
         for lines in [Lines::Rows, Lines::Columns] {
             let (_, count) = lines.size(grid);
-            let way = lines.way(grid);
-            // Rows are turned with the ghosts at their end.
-            let turned = if way == LineStorage::Turned { grid.across * grid.width } else { count };
-            match way {
+            let storage = lines.storage(grid);
+            // Transposed rows include the ghosts at their end.
+            let transposed =
+                if storage == LineStorage::Transposed { grid.across * grid.width } else { count };
+            match storage {
                 LineStorage::Lone => grow(&mut self.lone, count),
                 LineStorage::InPlace => self.chain.reserve(count),
-                LineStorage::Turned | LineStorage::Gathered => {
+                LineStorage::Transposed | LineStorage::Gathered => {
                     self.chain.reserve(count);
-                    grow(&mut self.position, turned);
-                    grow(&mut self.inverse_mass, turned);
+                    grow(&mut self.position, transposed);
+                    grow(&mut self.inverse_mass, transposed);
                 }
             }
             self.slots[lines as usize] = slots(grid, lines);
@@ -162,12 +165,12 @@ fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
     values.resize(count.max(values.len()), T::default());
 }
 
-/// The slots of the particles of all lines, where they must be gathered.
+/// The slots of the particles of all lines that must be gathered.
 fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
-    let lanes = match lines.way(grid) {
+    let lanes = match lines.storage(grid) {
         LineStorage::Gathered => LANES,
         LineStorage::Lone => 1,
-        LineStorage::InPlace | LineStorage::Turned => return Vec::new(),
+        LineStorage::InPlace | LineStorage::Transposed => return Vec::new(),
     };
     let (number, count) = lines.size(grid);
     let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
@@ -214,8 +217,9 @@ struct LineSolve<'a> {
     grid: Grid,
     position: &'a mut [Cell],
     inverse_mass: &'a [[f32; LANES]],
-    /// Newton steps on each lone line. A rope that is taut between two pins has hardly a curve to pull straight, so that its pull is far too
-    /// strong for the smallest waves on it: one step in a substep leaves them humming, the second takes them back.
+    /// The number of Newton steps on each lone line. A rope that is taut between two pins has hardly a curve to pull
+    /// straight, so its pull is far too strong for the smallest waves on it: one step in a substep leaves them
+    /// oscillating, a second removes them.
     lone_steps: u32,
     scratch: &'a mut LineScratch,
 }
@@ -224,9 +228,9 @@ impl LineSolve<'_> {
     /// Solves all `lines`, whose sticks are `rest` metres long at rest.
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
-        match lines.way(self.grid) {
+        match lines.storage(self.grid) {
             LineStorage::InPlace => self.columns_in_place(simd, rest, projection),
-            LineStorage::Turned => self.turned_rows(simd, rest, projection),
+            LineStorage::Transposed => self.transposed_rows(simd, rest, projection),
             LineStorage::Gathered => self.gathered(simd, lines, rest, projection),
             LineStorage::Lone => self.lone(lines, rest, projection),
         }
@@ -257,22 +261,22 @@ impl LineSolve<'_> {
     }
 
     #[inline(always)]
-    fn turned_rows<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
+    fn transposed_rows<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
         for first in (0..self.grid.rows).step_by(LANES) {
-            self.turn(simd, first);
+            self.transpose_rows(simd, first);
             let LineScratch { chain, position, inverse_mass, .. } = &mut *self.scratch;
             Chains { position, inverse_mass, first: 0, stride: 1, count: self.grid.columns }
                 .solve(simd, chain, rest, projection);
-            self.turn_back(simd, first);
+            self.transpose_back(simd, first);
         }
     }
 
-    /// Sixteen rows from row `first` on become chains side by side. Lanes to spare take the last row again.
+    /// Transposes sixteen rows from row `first` on into chains side by side. Spare lanes repeat the last row.
     ///
-    /// Each place in a patch is a cell of every row; after the turn, each patch is a cell of the chains.
-    fn turn<S: Simd>(&mut self, simd: S, first: usize) {
+    /// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
+    fn transpose_rows<S: Simd>(&mut self, simd: S, first: usize) {
         let Self { grid, position, inverse_mass, scratch, .. } = self;
-        let LineScratch { position: turned, inverse_mass: turned_mass, .. } = &mut **scratch;
+        let LineScratch { position: transposed, inverse_mass: transposed_mass, .. } = &mut **scratch;
         let (width, last) = (grid.width, grid.rows - 1);
         simd.vectorize(
             #[inline(always)]
@@ -285,7 +289,7 @@ impl LineSolve<'_> {
                             |row| load(simd, position[cell(row)].axes()[axis]),
                             #[inline(always)]
                             |patch, of_rows| {
-                                *turned[patch * width + column].axes_mut()[axis] = of_rows.to_array();
+                                *transposed[patch * width + column].axes_mut()[axis] = of_rows.to_array();
                             },
                         );
                     }
@@ -293,17 +297,17 @@ impl LineSolve<'_> {
                         #[inline(always)]
                         |row| load(simd, &inverse_mass[cell(row)]),
                         #[inline(always)]
-                        |patch, of_rows| turned_mass[patch * width + column] = of_rows.to_array(),
+                        |patch, of_rows| transposed_mass[patch * width + column] = of_rows.to_array(),
                     );
                 }
             },
         );
     }
 
-    /// The way back.
-    fn turn_back<S: Simd>(&mut self, simd: S, first: usize) {
+    /// The inverse of [`transpose_rows`](Self::transpose_rows).
+    fn transpose_back<S: Simd>(&mut self, simd: S, first: usize) {
         let Self { grid, position, scratch, .. } = self;
-        let turned = &scratch.position;
+        let transposed = &scratch.position;
         let (width, rows) = (grid.width, grid.rows);
         simd.vectorize(
             #[inline(always)]
@@ -312,7 +316,7 @@ impl LineSolve<'_> {
                     for axis in 0..3 {
                         transpose(
                             #[inline(always)]
-                            |patch| load(simd, turned[patch * width + column].axes()[axis]),
+                            |patch| load(simd, transposed[patch * width + column].axes()[axis]),
                             #[inline(always)]
                             |row, of_patches| {
                                 if first + row < rows {
@@ -338,7 +342,7 @@ impl LineSolve<'_> {
             let lanes = LANES.min(number - first);
             let bundle;
             (bundle, slots) = slots.split_at(lanes * count);
-            // Lanes to spare keep what is in them, and nobody looks.
+            // Spare lanes keep their old values, which nothing reads.
             for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
                     let (from, in_lane) = (slot as usize / LANES, slot as usize % LANES);

@@ -1,21 +1,22 @@
-//! One chain, stick by stick: what [`chain`](crate::constraint::direct::chain) does in each of its lanes, to the bit. Ropes run this, which
-//! have no other chains to fill the lanes with.
+//! One chain in scalar code: the same as [`chain`](crate::constraint::direct::chain) in each of its lanes, to the bit.
+//! Ropes use it, as they have no other chains to fill the lanes.
+//!
+//! Design: `docs/design/line_solves.md`.
 
 use glam::Vec3;
 
-use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP};
-use crate::constraint::direct::chain::{GREATEST_INVERSE_MASS, LEAST_WEIGHT};
-use crate::constraint::stick::Projection;
+use crate::constants::{CHAIN_REGULARISER, CHAIN_STEP, GREATEST_INVERSE_MASS, LEAST_WEIGHT};
+use crate::constraint::projection::Projection;
 use crate::simd::columns::{Cell, LANES};
 
-/// What a solve keeps of a stick.
+/// Scratch of a stick.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LoneStick {
     /// One over its length.
     scale: f32,
-    /// Of the eliminated system: the factor of the next multiplier, and the right-hand side.
+    /// Factor of the next multiplier in the eliminated system.
     upper: f32,
-    /// On the way down the right-hand side; on the way up the multiplier, times the scale.
+    /// The right-hand side on the way down; the multiplier times the scale on the way up.
     right: f32,
 }
 

@@ -1,0 +1,18 @@
+//! One experiment per file: measurements with a question of their own, and Table 1 of the founding paper.
+//!
+//! Imports `solvers`, `scenes`, `collision` and medians of `measure`. The program runs one per subcommand; the cannon demo
+//! runs `table1`.
+
+pub mod bombardment;
+#[cfg(feature = "plugin")]
+pub mod broad;
+pub mod contact_cost;
+pub mod golden;
+pub mod oracle;
+pub mod presets;
+pub mod shots;
+pub mod stability;
+#[cfg(feature = "plugin")]
+pub mod street;
+pub mod table1;
+pub mod torn;

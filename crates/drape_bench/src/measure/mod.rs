@@ -1,0 +1,8 @@
+//! Runs solvers on scenes, and measures time, stretch and memory.
+//!
+//! Imports `solvers` and `scenes`. Called by the program, by `report` and, for medians, by experiments.
+
+pub mod job;
+pub mod median;
+pub mod memory_pass;
+pub mod stretch;

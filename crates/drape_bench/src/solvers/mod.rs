@@ -1,0 +1,14 @@
+//! The solvers: this project's, alone and in Bevy, and two scalar loops to compare with.
+//!
+//! Import `scenes`. [`Solver`](solver::Solver) finds one by name and loads a scene; called by `measure` and experiments.
+
+pub mod coloured;
+pub mod drape;
+pub mod naive;
+pub mod options;
+#[cfg(feature = "plugin")]
+pub mod plugin;
+pub mod scalar;
+pub mod simulation;
+pub mod solver;
+pub mod threads;
