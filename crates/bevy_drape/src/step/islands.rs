@@ -17,7 +17,7 @@ use crate::step::island_run::IslandRun;
 pub(crate) struct Islands {
     slots: Vec<IslandRun>,
     live: usize,
-    /// What is to be grouped: active bodies and balls, and dynamic obstacles.
+    /// Everything that is to be grouped: active bodies and balls, and dynamic obstacles.
     pub grouping: Grouping<Entity>,
     /// Memory that bodies are stepped in on one thread, one island after another.
     pub bodies: Vec<Body>,

@@ -7,7 +7,7 @@ use crate::error::BuildError;
 use crate::state::obstacle_motion::Reaction;
 use crate::world::id::{BallId, BodyId, MemberId, ObstacleId, WorldId};
 
-/// What happened in the last step of a [`World`](crate::World).
+/// Everything that happened in the last step of a [`World`](crate::World).
 #[derive(Clone, Debug, Default)]
 pub struct Events {
     /// Touches of balls, island by island.
@@ -29,7 +29,7 @@ pub struct Events {
 pub struct BallTouch {
     /// The ball.
     pub ball: BallId,
-    /// What it touched.
+    /// The other side.
     pub other: WorldId,
     /// Time, place and impulse. The indices in it are those of the island.
     pub touch: Touch,
@@ -40,13 +40,13 @@ pub struct BallTouch {
 pub struct ReportedContact {
     /// The body or ball that touched something.
     pub party: MemberId,
-    /// What it touched.
+    /// The other side.
     pub other: WorldId,
     /// Time, place and impulse. The indices in it are those of the island.
     pub contact: Contact,
 }
 
-/// What one island did to an obstacle.
+/// The push of one island on an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObstacleReaction {
     /// The obstacle.

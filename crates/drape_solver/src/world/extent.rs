@@ -1,4 +1,4 @@
-//! Where a body or ball is, and where it can get within a step.
+//! The boxes of bodies and balls, now and through a step.
 
 use crate::state::ball::Ball;
 use crate::state::particles::Particles;
@@ -6,7 +6,7 @@ use crate::state::settings::SolverSettings;
 use crate::state::topology::Topology;
 use crate::world::bounds::Bounds;
 
-/// Where the particles of a body are, and how fast.
+/// The box of a body's particles, and their speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extent {
     /// The box around them, and around what they carry.
@@ -27,7 +27,7 @@ impl Extent {
         self.bounds.grown(settings.thickness)
     }
 
-    /// Where the surface of the body can get within a step of `dt` seconds under a gravity of size `gravity` (m/s^2).
+    /// The box that the surface of the body does not leave within a step of `dt` seconds under a gravity of size `gravity` (m/s^2).
     pub fn reach(&self, settings: &SolverSettings, dt: f32, gravity: f32) -> Bounds {
         self.bounds.grown(settings.thickness + (self.greatest_speed + gravity * dt) * dt)
     }
@@ -38,7 +38,7 @@ pub fn ball_bounds(ball: &Ball) -> Bounds {
     Bounds::of_sphere(ball.position(), ball.material().radius)
 }
 
-/// Where a ball can get within a step of `dt` seconds under a gravity of size `gravity` (m/s^2).
+/// The box that a ball does not leave within a step of `dt` seconds under a gravity of size `gravity` (m/s^2).
 pub fn ball_reach(ball: &Ball, dt: f32, gravity: f32) -> Bounds {
     Bounds::of_sphere(ball.position(), ball.reach(dt, gravity))
 }

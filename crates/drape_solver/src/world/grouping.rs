@@ -14,9 +14,9 @@ pub struct Member<K> {
     pub order: u64,
     /// The name that the caller knows it by.
     pub key: K,
-    /// What it is. Obstacles join what they touch, and are in no island themselves.
+    /// Its kind. Obstacles join what they touch, and are in no island themselves.
     pub kind: Kind,
-    /// Where it can get within the step.
+    /// The box that it does not leave within the step.
     pub bounds: Bounds,
 }
 

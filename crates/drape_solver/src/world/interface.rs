@@ -193,7 +193,7 @@ impl World {
         self.island_count
     }
 
-    /// What happened in the last step.
+    /// Everything that happened in the last step.
     pub fn events(&self) -> &Events {
         &self.events
     }

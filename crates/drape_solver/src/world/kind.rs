@@ -2,7 +2,7 @@
 
 use crate::state::settings::SolverSettings;
 
-/// What something is, as far as that decides what it can touch.
+/// Body, ball or obstacle, as far as that decides what it can touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A cloth, rope or rig.

@@ -23,7 +23,7 @@ pub(crate) struct Pace {
     pub gravity: f32,
 }
 
-/// What a world keeps about a body or ball.
+/// Facts that a world keeps about a body or ball.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MemberState {
     /// Its place in the order of creation.

@@ -2,7 +2,7 @@
 //!
 //! The top floor: it may import all others, and nothing in this crate imports it. [`World`] is for whoever uses the
 //! solver without an engine. An engine with a store of its own, such as the Bevy plugin, calls the pieces instead: they
-//! decide over keys, boxes and flags, and own no body.
+//! decide over keys, boxes and flags, and own no body. `docs/design/world.md` tells why.
 
 pub mod activity;
 pub mod activity_rules;

@@ -40,7 +40,7 @@ pub struct StagedIsland {
     pub island: Island,
     /// Time in seconds that all members have been slower than the threshold of rest; known once the step is done.
     pub still_for: f32,
-    /// Where the bodies are and how fast; known once the step is done, empty before that.
+    /// Boxes and speeds of the bodies; known once the step is done, empty before that.
     pub extents: Vec<Extent>,
     /// Why the next stage cannot be run. Nothing goes on while there is a reason.
     pub error: Option<StepError>,

@@ -17,7 +17,7 @@ pub struct Proxy {
     pub bounds: Bounds,
     /// Its layers.
     pub layers: Layers,
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
 }
 
@@ -46,7 +46,7 @@ pub fn is_roused(activity: Activity, disturbed: bool, mended: bool) -> bool {
     mended || activity == Activity::Resting && disturbed
 }
 
-/// What rests, and what disturbs it in the coming step.
+/// Boxes of all that rests, and of all that disturbs it in the coming step.
 #[derive(Clone)]
 pub struct Waking<K> {
     disturbances: Vec<Proxy>,

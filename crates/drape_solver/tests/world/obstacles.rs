@@ -45,6 +45,13 @@ fn an_obstacle_that_moves_wakes_and_stands_still_after_the_step() {
 }
 
 #[test]
+fn a_new_obstacle_wakes() {
+    let (mut world, cloth, _) = cloth_on_table();
+    world.add_obstacle(sphere(0.1, Vec3::Y * 1.05));
+    assert_wakes(&mut world, cloth);
+}
+
+#[test]
 fn an_obstacle_that_changes_its_shape_wakes() {
     let (mut world, cloth, table) = cloth_on_table();
     *world.obstacle_mut(table).expect("it is there") = sphere(0.05, Vec3::Y * 0.95);

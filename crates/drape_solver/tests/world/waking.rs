@@ -114,6 +114,20 @@ fn a_whole_row_of_balls_wakes_at_once() {
 }
 
 #[test]
+fn a_sheet_wakes_when_the_ball_below_it_goes() {
+    let mut world = on_ground();
+    let below = world.add_ball(ball(Vec3::Y * 0.15, Vec3::ZERO));
+    let sheet = world.add_body(sheet(Vec3::Y * 0.32));
+    settle(&mut world, sheet);
+    assert_eq!(world.activity(below), Some(Activity::Resting));
+    assert!(world.remove_ball(below).is_some() && world.ball(below).is_none());
+    assert_wakes(&mut world, sheet);
+    settle(&mut world, sheet);
+    let highest = world[sheet].particles.positions().map(|p| p.y).fold(0.0, f32::max);
+    assert!(highest < 0.1, "it lies on the ground: {highest} m");
+}
+
+#[test]
 fn what_lay_on_something_that_is_taken_away_or_lifted_wakes() {
     for lifted in [false, true] {
         let mut world = on_ground();
