@@ -1,4 +1,8 @@
 //! Wakes resting bodies and balls.
+//!
+//! A body wakes by itself (an edit, a force, changed settings or layers, changed gravity or wind, gusts), by something
+//! active whose box reaches it, or by a [wake region](crate::environment::wake_regions): an obstacle that moved, appeared
+//! or vanished there. [`drape_solver::world::waking`] has the rule.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;

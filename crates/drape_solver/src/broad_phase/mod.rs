@@ -1,4 +1,4 @@
-//! The broad phase lists the pairs that could touch within a step.
+//! The broad phase: searches for the pairs that could touch within a step. `detect` of each kind of contact calls them.
 //!
 //! Imports: `constraint` and below. Callers: `contact` and `step`.
 

@@ -1,4 +1,4 @@
-//! Balls against cloth: by vertex, edge and face, two-way.
+//! Balls against cloth: by vertex, edge and face, two-way, with [friction](crate::state::friction).
 //!
 //! The nearest point of a triangle to the ball's centre has barycentric weights `b_i`: one of them is 1 at a
 //! vertex, two are above 0 on an edge, three on the face. The same formula then serves all three:

@@ -1,4 +1,5 @@
-//! The rules by which bodies and balls fall asleep and are culled.
+//! The rules by which bodies and balls fall asleep and are culled. `motion/rest.rs` counts the time at rest: below 2 cm/s, root
+//! mean square.
 
 use glam::Vec3;
 
