@@ -3,7 +3,7 @@
 //! Imports `view`. The examples and their tests use it, and `showcase`, which shows all of them.
 
 mod command_line;
-mod example;
+pub(crate) mod example;
 mod headless;
 #[cfg(feature = "render")]
 pub(crate) mod materials;

@@ -12,6 +12,7 @@ use crate::feature::materials::FeatureMaterialsPlugin;
 use crate::feature::picture::FIELD_OF_VIEW;
 use crate::showcase::film::FrameRecorderPlugin;
 use crate::showcase::panel::ShowcasePanelPlugin;
+use crate::showcase::selection::Showcase;
 use crate::view::clock_keys::control_clock;
 use crate::view::orbit::Orbit;
 use crate::view::pointer::PointerPlugin;
