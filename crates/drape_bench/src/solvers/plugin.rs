@@ -50,7 +50,7 @@ impl Plugin {
         for i in 0..scene.bodies {
             let particles = Particles(drape::particles(&scene.model, scene.offset(i))?);
             let drag = if is_asleep { RESTING_DRAG } else { 0.0 };
-            let settings = SolverSettings { drag, ..drape::settings(options).into() };
+            let settings = SolverSettings { drag, ..drape::settings(options) };
             bodies.push(app.world_mut().spawn((particles, Sticks(Arc::clone(&topology)), settings)).id());
         }
         let mut plugin = Self { app, bodies };
