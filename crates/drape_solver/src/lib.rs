@@ -12,11 +12,11 @@
 //! tearing/     sticks tear, blades cut, bodies fall into pieces
 //! build/       builders of cloths, ropes, soft bodies, ragdolls; cloth from meshes
 //! substep/     the order of a substep, and the ways to walk it
-//! contact/     the narrow phase: one file for each kind of contact
+//! contact/     the narrow phase: a file for each kind of contact, and helpers
 //! broad_phase/ the pairs that could touch
 //! constraint/  sticks, direct solves, tethers, volume, limits on motion
 //! motion/      forces, wind, Verlet integration, rest
-//! state/       bodies, particles, topology, balls, obstacles, settings
+//! state/       bodies, particles, topology, balls, obstacles, settings, state hashes
 //! geometry/    shapes, poses, nearest points
 //! parallel/    threads and workers
 //! simd/        columns, lanes, instruction sets

@@ -107,7 +107,7 @@ pub(crate) fn can_be_swept(island: &Island) -> bool {
     is_alone && island.bodies.iter().zip(&contacts.bodies).all(|(body, of)| sweep::can_be_swept(body, of))
 }
 
-/// One substep: the three spans that a schedule may run one by one.
+/// One substep: the three phases that a schedule may run one by one.
 pub fn substep(island: &mut Island, environment: &Environment) {
     integrate(island, environment);
     relax(island, environment);
@@ -206,12 +206,12 @@ fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
     dynamic_obstacle::detect(contacts, obstacles);
 }
 
-/// Span 1 of a substep: particles and balls fly freely for one substep.
+/// Phase 1 of a substep: particles and balls fly freely for one substep.
 pub fn integrate(island: &mut Island, environment: &Environment) {
     walk(island, environment, island.context.order.integrate());
 }
 
-/// Span 2 of a substep: N times contacts, sticks, tethers, lines. Stop after any iteration; the next step continues from
+/// Phase 2 of a substep: N times contacts, sticks, tethers, lines. Stop after any iteration; the next step continues from
 /// there.
 pub fn relax(island: &mut Island, environment: &Environment) {
     let (order, iterations) = (island.context.order, island.iterations());
@@ -225,8 +225,8 @@ pub fn relax(island: &mut Island, environment: &Environment) {
     walk(island, environment, order.relaxed(iterations));
 }
 
-/// Span 3 of a substep: contacts set the final positions. Then velocities follow, with restitution, friction, impact
-/// zones for balls that would have passed through a cloth, and limits on motion.
+/// Phase 3 of a substep: projects contacts once more. Then velocities follow, with restitution, friction and impact zones
+/// for balls that would have passed through a cloth; limits on motion come last.
 pub fn project_collisions(island: &mut Island, environment: &Environment) {
     walk(island, environment, island.context.order.project_collisions(island.iterations()));
     island.context.substep_index += 1;

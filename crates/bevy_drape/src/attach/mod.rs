@@ -1,6 +1,8 @@
 //! Ties between particles and entities: pins, attachments, skinned poses, hands, winches, inherited motion.
 //!
 //! Imports the bodies and obstacles below. The plugin runs these systems before waking and stepping.
+//!
+//! Design: `docs/design/characters.md`, `docs/design/interaction.md` and `docs/design/ropes.md`.
 
 pub(crate) mod animated_pose;
 pub mod attachment;

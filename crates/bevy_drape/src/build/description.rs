@@ -1,4 +1,4 @@
-//! Builds bodies from their descriptions.
+//! Builds bodies from their descriptions: inserts particles, sticks, activity and state as components.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;

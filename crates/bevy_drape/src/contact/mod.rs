@@ -1,6 +1,8 @@
 //! Messages about contacts: hits of balls, beginnings and ends of contacts.
 //!
 //! Reads the contacts that the solver has left in the islands of `step/`. The plugin runs these systems after the substeps.
+//!
+//! Design: `docs/design/contact_reports.md` and `docs/design/dynamic_obstacles.md`.
 
 pub(crate) mod contact_pairs;
 pub mod events;

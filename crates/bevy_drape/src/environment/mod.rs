@@ -2,6 +2,8 @@
 //!
 //! Imports `body/`. The plugin brings the components into the environment at the start of a step; `step/` hands the
 //! environment to the solver.
+//!
+//! Design: `docs/design/wind.md`, `docs/design/dynamic_obstacles.md` and `docs/design/broad_phase.md`.
 
 pub mod dynamic_obstacle;
 pub(crate) mod fly_obstacles;

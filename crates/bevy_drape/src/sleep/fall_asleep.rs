@@ -1,4 +1,4 @@
-//! Puts resting islands to sleep.
+//! Puts resting islands to sleep, by the rule of `falls_asleep` (solver, `world/activity_rules.rs`).
 
 use bevy::prelude::*;
 

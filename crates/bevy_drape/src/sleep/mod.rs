@@ -1,7 +1,11 @@
-//! Sleeping, waking and culling.
+//! Sleeping, waking and culling, by the rules of the solver's `world/activity_rules.rs` and `world/waking.rs`.
+//!
+//! `waking.rs`, `cull.rs` and `fall_asleep.rs` have one system each. `candidates.rs` lists the bodies that they check.
 //!
 //! Imports bodies, balls and the environment. The plugin runs these systems before the islands are formed and after they have
 //! been stepped.
+//!
+//! Design: `docs/design/rest_and_islands.md`.
 
 pub mod activity_counts;
 pub(crate) mod candidates;

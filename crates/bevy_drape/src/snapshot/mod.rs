@@ -26,6 +26,8 @@
 //! your own components: add them when they appear, as you do when a cannon fires.
 //!
 //! The feature `serde` writes snapshots in any format.
+//!
+//! Design: `docs/design/snapshots.md`.
 
 pub(crate) mod attachments;
 pub(crate) mod bodies;

@@ -1,4 +1,4 @@
-//! Moves bodies and balls between components and islands.
+//! The components that islands take bodies and balls from (`IslandRun::take`), and bodies that are refused.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;

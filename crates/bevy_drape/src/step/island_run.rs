@@ -1,4 +1,4 @@
-//! One island's run through a step.
+//! One island's run through a step: makes the solver's bodies and balls of their components, steps them, moves them back.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

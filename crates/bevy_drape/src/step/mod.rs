@@ -1,7 +1,11 @@
 //! Takes the active bodies and balls through the solver.
 //!
-//! Groups them into islands, moves their columns into the solver and back. Imports the data below; only the schedule of a step
-//! calls these systems.
+//! `form_islands.rs` groups them into islands. `island_run.rs` makes the solver's `Body` of the components and moves it back
+//! (`take`, `give_back`). `advance.rs` has the systems, `run.rs` runs the schedule.
+//!
+//! Imports the data below; only the schedule of a step calls these systems.
+//!
+//! Design: `docs/design/schedule.md` and `docs/design/rest_and_islands.md`.
 
 pub(crate) mod advance;
 pub(crate) mod components;

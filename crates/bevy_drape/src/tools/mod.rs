@@ -1,6 +1,8 @@
 //! Tools for players and developers: picking, gestures, ray casts, gizmos, diagnostics.
 //!
 //! Imports any floor below; nothing below knows of them.
+//!
+//! Design: `docs/design/interaction.md`.
 
 pub mod diagnostics;
 pub mod gestures;

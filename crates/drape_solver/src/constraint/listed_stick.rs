@@ -5,6 +5,8 @@
 //! blocks that its sticks reach. Each particle thus sees its sticks in the order of the batches, as if each batch went
 //! through the whole body; but only a [window](crate::simd::rows) of the body is in use at a time.
 //!
+//! `project_group` corrects eight sticks, `project` one; the formula of the error is in `projection.rs`.
+//!
 //! Design: `docs/design/listed_sticks.md`.
 
 use fearless_simd::{Simd, f32x4, f32x8, prelude::*};

@@ -1,5 +1,8 @@
 //! Constraints of a body on itself: sticks, lines of sticks, tethers, volume and limits on motion.
 //!
+//! The formula of a stick's error is in `projection.rs`. `stick.rs`, `listed_stick.rs` and `direct/` move the ends of grid
+//! sticks, listed sticks and lines; `tether.rs` pulls particles back to their pins.
+//!
 //! Imports: `motion` and below. Callers: `substep`, `step` and the builders.
 
 pub(crate) mod angular_momentum;

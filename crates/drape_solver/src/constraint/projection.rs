@@ -1,5 +1,7 @@
 //! Formulas for the error of a stick: with a square root, or without; on both sides of its rest length, or on one.
 //!
+//! Each formula stands three times, for one stick, eight and sixteen; the kernels of sticks and tethers call them.
+//!
 //! Design: `docs/design/relaxation.md`.
 
 use fearless_simd::{Simd, f32x8, f32x16, prelude::*};

@@ -9,6 +9,9 @@
 //! the rest length (Jakobsen 2001, section 5). Printed copies of the latter have a sign reversed; the one here
 //! takes a stick of length `e` rest lengths to `1 - (e - 1)^2 / (1 + e^2)`.
 //!
+//! Both formulas stand in `projection.rs`. Here, `project_lanes` moves the ends of a grid's sticks. Listed sticks have
+//! kernels of their own, and loose ones the same scalar code (`listed_stick.rs`); lines are solved at once (`direct/`).
+//!
 //! Design: `docs/design/relaxation.md`.
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};

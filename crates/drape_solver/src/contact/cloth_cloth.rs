@@ -2,10 +2,10 @@
 //!
 //! Two bodies that both ask for [triangles](crate::SelfContact::Triangles) touch by faces and edges
 //! (`triangle_triangle.rs`), all others by particles (`particle_particle.rs`). Both keep lists of pairs near each
-//! other. A list has a skin, and holds until something has moved through the skin (Verlet 1967, "Computer experiments
-//! on classical fluids"). Within a list each pair sleeps until enough motion has added up (`relative_motion.rs`). The
-//! places of the particles alone decide which pairs touch and in which order they are projected, so the age of a list
-//! never changes the bits.
+//! other, made by the function `list` of each. A list has a skin, and holds until something has moved through the skin
+//! (Verlet 1967, "Computer experiments on classical fluids"). Within a list each pair sleeps until enough motion has
+//! added up (`relative_motion.rs`). The places of the particles alone decide which pairs touch and in which order they
+//! are projected, so the age of a list never changes the bits.
 //!
 //! Design: `docs/design/self_contact.md`.
 

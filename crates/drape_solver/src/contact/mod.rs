@@ -1,4 +1,31 @@
-//! The narrow phase: each file handles one kind of contact, from detection to projection and friction.
+//! The narrow phase. A file for each kind of contact has its detection, projection and friction:
+//!
+//! ```text
+//! particle_obstacle   particles against obstacles, sixteen at a time
+//! particle_dynamic    particles against obstacles that contacts push
+//! face_obstacle       faces and links against obstacles that slip between particles
+//! embedded_obstacle   corners of a rigid body's collision mesh against obstacles
+//! ball_obstacle       balls against obstacles
+//! ball_ball           balls against balls
+//! ball_cloth          balls against cloth and ropes
+//! impact_zone         the last stage of balls and cloth: nothing has passed through a face
+//! particle_particle   cloth against itself and other cloth, by particles
+//! triangle_triangle   the same by corners, faces and edges
+//! ```
+//!
+//! The other files help them:
+//!
+//! ```text
+//! island_contacts, body_contacts, cloth_cloth    the kinds of an island, of a body with obstacles, of self-contact
+//! carried_point                                  a contact of face_obstacle and embedded_obstacle
+//! cloth_contact                                  a contact of particle_particle and triangle_triangle
+//! triangle_pair, ccd, untangle                   parts of triangle_triangle
+//! mover, dynamic_obstacle, obstacle_push         obstacles that contacts push
+//! depenetration, effective_mass, restitution     formulas
+//! hit_substeps                                   the substeps that fast or heavy things need
+//! event, report, reaction                        what contacts report
+//! ball_cloth_query, limit_conflict               overlaps that are only counted or listed
+//! ```
 //!
 //! Imports: `broad_phase` and below. A contact owns its scratch and is handed the bodies and balls that it works on.
 //! Callers: `substep` and `step`.

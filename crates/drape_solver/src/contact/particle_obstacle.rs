@@ -10,6 +10,8 @@
 //!      x
 //! ```
 //!
+//! `apply_friction` repeats `Friction::slip_taken` (`state/friction.rs`) in lanes.
+//!
 //! Design: `docs/design/contacts.md`.
 
 use core::ops::Range;

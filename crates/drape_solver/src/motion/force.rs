@@ -1,5 +1,7 @@
 //! Forces: sums gravity, wind and the caller's forces to accelerations once a step.
 //!
+//! `push_on` has the force of the wind on a face or link, `wind.rs` the velocity of the air.
+//!
 //! Design: `docs/design/wind.md`.
 
 use glam::Vec3;

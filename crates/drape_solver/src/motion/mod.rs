@@ -1,5 +1,7 @@
 //! Free motion: forces, wind, the Verlet step, moving frames, and time at rest.
 //!
+//! `force.rs` has the forces, that of the wind too; `integrate.rs` the Verlet step; `rest.rs` the time at rest.
+//!
 //! Imports: `state` and below. Callers: `substep` and `step`.
 
 pub mod ballistics;

@@ -1,5 +1,7 @@
 //! Moving air: a wind, its gusts, and zones with a wind of their own.
 //!
+//! `Air::velocity_at` returns the velocity of the air; `push_on` (`force.rs`) makes a force of it.
+//!
 //! Design: `docs/design/wind.md`.
 
 use core::f64::consts::TAU;

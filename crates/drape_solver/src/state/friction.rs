@@ -6,6 +6,9 @@
 //!
 //! A contact sticks if static friction can stop it within the substep; otherwise it slides against kinetic friction.
 //!
+//! `Friction::slip_taken` is the rule. `ObstacleRows::apply_friction` (`contact/particle_obstacle.rs`) repeats it in
+//! lanes, for particles on obstacles that nothing pushes: change both. All other contacts call it.
+//!
 //! Design: `docs/design/contacts.md`.
 
 use glam::Vec3;

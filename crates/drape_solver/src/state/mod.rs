@@ -1,4 +1,5 @@
-//! Data of bodies, balls and obstacles. Nothing here moves anything: kernels stand on the floors above.
+//! Data of bodies, balls and obstacles, and hashes of their state. Nothing here moves anything: kernels stand on the floors
+//! above.
 //!
 //! Imports: `geometry`, `simd` and the ground. Callers: everything above.
 

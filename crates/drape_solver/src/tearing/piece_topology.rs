@@ -1,4 +1,4 @@
-//! Builds the topology of a piece.
+//! Builds the topology of a piece, from the sticks that `Split::joined` (`split.rs`) keeps.
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 
@@ -86,7 +86,7 @@ impl<'a> PieceTopology<'a> {
                 continue;
             };
             let stick = |&i: &usize| rejoined.batch.place_in_family(i, severed) as u32;
-            let mut gone: Vec<u32> = rejoined.gone.iter().map(stick).collect();
+            let mut gone: Vec<u32> = rejoined.near_cracks.iter().map(stick).collect();
             for &(ends, rest_length) in &rejoined.changed {
                 let slots = ends.map(|end| torn.slot(end as usize));
                 let stick = batch.stick_between(slots).filter(|_| torn.are_home(ends));

@@ -1,5 +1,7 @@
 //! Opens the cracks of a body and separates it into pieces, each a body of its own.
 //!
+//! `Split::joined` (`split.rs`) decides which sticks stay.
+//!
 //! Design: `docs/design/tears_and_cuts.md`.
 
 use std::sync::Arc;
@@ -73,18 +75,18 @@ pub(crate) fn part(body: &mut Body, cracks: &Cracks) -> Result<Option<Parted>, B
 pub(crate) struct Rejoined<'a> {
     pub batch: &'a StickBatch,
     topology: &'a Topology,
-    /// The sticks near cracks in order, which are removed.
-    pub gone: Vec<usize>,
-    /// The sticks that replace them: particles and rest length in metres.
+    /// The sticks near cracks, in order.
+    pub near_cracks: Vec<usize>,
+    /// The sticks that take their place: particles and rest length in metres. Many are the same as before.
     pub changed: Vec<([u32; 2], f32)>,
 }
 
 impl<'a> Rejoined<'a> {
     fn new(split: &Split<'a>, batch: &'a StickBatch, severed: &mut Vec<usize>) -> Self {
         let topology = split.adjacency.topology();
-        let mut rejoined = Self { batch, topology, gone: near(split, batch), changed: Vec::new() };
+        let mut rejoined = Self { batch, topology, near_cracks: near(split, batch), changed: Vec::new() };
         let mut joined = Vec::new();
-        for &i in &rejoined.gone {
+        for &i in &rejoined.near_cracks {
             split.joined(topology.stick(i), &mut joined);
             rejoined.changed.extend(joined.iter().map(|&ends| (ends, topology.rest_length(i))));
             if joined.is_empty() {
@@ -94,10 +96,10 @@ impl<'a> Rejoined<'a> {
         rejoined
     }
 
-    /// All sticks after the split; those that did not change come first.
+    /// All sticks after the split; those away from cracks come first.
     pub fn sticks(&self) -> impl Iterator<Item = ([u32; 2], f32)> + '_ {
-        let mut gone = self.gone.iter().peekable();
-        let unchanged = self.batch.range().filter(move |i| gone.next_if_eq(&i).is_none());
+        let mut near_cracks = self.near_cracks.iter().peekable();
+        let unchanged = self.batch.range().filter(move |i| near_cracks.next_if_eq(&i).is_none());
         let unchanged = unchanged.map(|i| (self.topology.stick(i), self.topology.rest_length(i)));
         unchanged.chain(self.changed.iter().copied())
     }

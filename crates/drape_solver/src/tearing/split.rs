@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Faces around a particle stay together if they share an edge without a crack. Each group of faces gets a particle of its
-//! own, so that no face is lost and no two faces join at a corner alone.
+//! own, so that no face is lost and no two faces join at a corner alone. `Split::joined` decides which sticks stay.
 //!
 //! Design: `docs/design/tears_and_cuts.md`.
 

@@ -2,8 +2,8 @@
 //!
 //! A stick that is stretched beyond a limit splits its weaker end, at right angles to itself (S24). All sticks that are too
 //! long are marked first, and then their particles are split together, so that the result does not depend on the order of
-//! sticks. The cloth opens along the edges of its faces; no face is lost. Torn sticks are missing from the topology that
-//! `piece_topology.rs` makes.
+//! sticks. The cloth opens along the edges of its faces; no face is lost. The stretched stick stays; its end is split.
+//! Sticks across the crack are removed (`split.rs`, `Split::joined`).
 //!
 //! ```text
 //!   pulled to the right         o---o---o

@@ -1,5 +1,7 @@
-//! The rules by which bodies and balls fall asleep and are culled. `motion/rest.rs` counts the time at rest: below 2 cm/s, root
-//! mean square.
+//! The rules by which bodies and balls fall asleep and are culled.
+//!
+//! `motion/rest.rs` counts the time at rest: below 2 cm/s, root mean square. `World::finish` (`world_step.rs`) puts to sleep and
+//! `Members::cull` (`members.rs`) culls; in the plugin, `sleep/fall_asleep.rs` and `sleep/cull.rs`.
 
 use glam::Vec3;
 

@@ -1,4 +1,5 @@
-//! The bodies and balls of a world, and what they are doing.
+//! The bodies and balls of a world, and what they are doing: `wake` and `cull` change it, by the rules of `waking.rs` and
+//! `activity_rules.rs`.
 
 use glam::Vec3;
 

@@ -1,7 +1,10 @@
-//! Wakes what is at rest in the way of what moves.
+//! Finds what is at rest in the way of what moves.
 //!
 //! Whatever moves, appears or vanishes in a step disturbs a box. What rests in that box and can touch it wakes up, and
 //! disturbs a box itself: so a whole pile wakes at once.
+//!
+//! `Proxy::wakes` is the rule. `Waking::wake` lists what wakes; its callers make that active: `Members::wake`
+//! (`members.rs`) in a `World`, `sleep/waking.rs` in the plugin.
 
 use crate::state::layers::Layers;
 use crate::state::obstacle::Obstacle;

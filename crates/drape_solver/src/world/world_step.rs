@@ -3,6 +3,8 @@
 //! ```text
 //! surroundings -> obstacles fly -> wake -> cull -> form islands -> step each -> fall asleep -> obstacles land
 //! ```
+//!
+//! `members.rs` wakes and culls, `grouping.rs` forms the islands, `finish` here puts to sleep.
 
 use crate::constants::CONTACT_MARGIN;
 use crate::contact::event::{Other, Party};

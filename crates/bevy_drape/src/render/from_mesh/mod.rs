@@ -1,6 +1,8 @@
 //! Bodies made from meshes: cloths, soft solids and meshes that follow a cloth.
 //!
 //! Reads a mesh, builds the body, and shows it by a copy of the mesh.
+//!
+//! Design: `docs/design/cloth_from_meshes.md`.
 
 pub(crate) mod body;
 pub mod cloth_mesh;
