@@ -1,0 +1,32 @@
+//! Time of the processor: what a process has computed, without the time for which it waited for a core.
+
+use std::fs;
+use std::time::Duration;
+
+/// Time that all threads of this process have run so far, as Linux counts it: late by up to a tick of the scheduler, so it
+/// is for seconds rather than for single steps. `None` where the system does not tell.
+pub fn cpu_time() -> Option<Duration> {
+    let threads = fs::read_dir("/proc/self/task").ok()?;
+    let mut sum = Duration::ZERO;
+    for thread in threads {
+        // A thread that ends meanwhile is left out.
+        if let Ok(text) = fs::read_to_string(thread.ok()?.path().join("schedstat")) {
+            sum += Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?);
+        }
+    }
+    Some(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_of_the_processor_does_not_run_backwards() {
+        let [before, after] = [(); 2].map(|()| {
+            core::hint::black_box((0..1_000_000_u64).fold(0, |sum, i| sum ^ i.wrapping_mul(i)));
+            cpu_time()
+        });
+        assert!(before <= after, "{before:?} {after:?}");
+    }
+}
