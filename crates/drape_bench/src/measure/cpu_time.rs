@@ -22,11 +22,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn time_of_the_processor_does_not_run_backwards() {
-        let [before, after] = [(); 2].map(|()| {
+    fn a_thread_that_computes_is_seen_to() {
+        let Some(before) = cpu_time() else { return };
+        let passes = || {
             core::hint::black_box((0..1_000_000_u64).fold(0, |sum, i| sum ^ i.wrapping_mul(i)));
-            cpu_time()
-        });
-        assert!(before <= after, "{before:?} {after:?}");
+            cpu_time() > Some(before)
+        };
+        assert!((0..1000).any(|_| passes()), "{before:?}, and no more");
     }
 }

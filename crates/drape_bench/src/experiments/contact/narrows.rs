@@ -38,7 +38,7 @@ const STEEPNESS: f32 = 55.0 * PI / 180.0;
 /// [`Failure`] if the solver refuses a sheet.
 pub fn filled_box(count: u32, n: u32, settings: SolverSettings) -> Result<Setup, Failure> {
     let [half, depth] = BOX;
-    let mut sheets = level_sheets(count, 0.6, n, f64::from(depth) + 0.05, settings)?;
+    let mut sheets = level_sheets(count, 0.6, n, f64::from(depth) + 0.1, settings)?;
     for particles in sheets.iter_mut().map(|sheet| &mut sheet.particles) {
         (0..particles.len()).for_each(|i| particles.set_velocity(i, Vec3::NEG_Y * 3.0));
     }
