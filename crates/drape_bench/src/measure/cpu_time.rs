@@ -3,8 +3,8 @@
 use std::fs;
 use std::time::Duration;
 
-/// Time that all threads of this process have run so far, as Linux counts it: late by up to a tick of the scheduler, so it
-/// is for seconds rather than for single steps. `None` where the system does not tell.
+/// Time that the present threads of this process have run so far, as Linux counts it: late by up to a tick of the scheduler,
+/// so it is for seconds rather than for single steps. `None` where the system does not tell.
 pub fn cpu_time() -> Option<Duration> {
     let threads = fs::read_dir("/proc/self/task").ok()?;
     let mut sum = Duration::ZERO;
