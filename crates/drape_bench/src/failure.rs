@@ -64,6 +64,9 @@ pub enum Failure {
     /// The solver refused the bodies: a bug in one of the two.
     #[error("{0}")]
     Build(#[from] drape_solver::BuildError),
+    /// The solver refused a mesh.
+    #[error("{0}")]
+    Mesh(#[from] drape_solver::MeshError),
     /// The solver refused the step.
     #[error("{0}")]
     Step(#[from] StepError),

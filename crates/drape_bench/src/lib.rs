@@ -6,8 +6,9 @@
 //!
 //! `stability` checks that no choice of settings gains energy; `hashes` prints state hashes that must be equal on every
 //! machine; `shots` counts the balls that pass through a curtain; `broad` measures many cloths among many obstacles,
-//! `contacts` the cost per particle of each kind of contact, `street` the savings by levels of detail, `torn` tearing and
-//! torn cloth, `presets` the named materials.
+//! `contacts` the cost per particle of each kind of contact, `contact` cloth and ropes against themselves, with the edges that
+//! pass through triangles, `street` the savings by levels of detail, `torn` tearing and torn cloth, `presets` the named
+//! materials.
 //!
 //! This is also a library, so that the peers that need an old Bevy can be compiled separately, in `peers`: they pass their
 //! own [`Solver`](solver::Solver)s to [`main_with`].
@@ -24,12 +25,14 @@
 //! solvers/      this project's solver, alone and in Bevy, and scalar loops
 //! failure       failures of solvers and experiments
 //! collision/    collision detection of balls and cloth by five methods
+//! crossings     edges that pass through triangles, counted in double precision
 //! scenes/       the named scenes as data
 //! random        random numbers that are equal on every machine
 //! ```
 
 pub mod collision;
 mod command;
+pub mod crossings;
 pub mod experiments;
 mod failure;
 pub mod measure;

@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 #[cfg(feature = "plugin")]
 use crate::experiments::broad::BroadArguments;
+use crate::experiments::contact::report::ContactRuns;
 use crate::experiments::contact_cost::ContactArguments;
 use crate::experiments::shots::ShotArguments;
 #[cfg(feature = "plugin")]
@@ -53,6 +54,8 @@ pub enum Task {
     Street(StreetArguments),
     /// Measures the cost per particle of each kind of contact.
     Contacts(ContactArguments),
+    /// Measures cloth and ropes against themselves: times, and edges that pass through triangles.
+    Contact(ContactRuns),
     /// Measures the cost of torn cloth, and of tearing.
     Torn(TornArguments),
     /// Measures drape and stretch of the named materials.

@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::command::arguments::{Arguments, Command, Task};
 #[cfg(feature = "plugin")]
 use crate::experiments::{broad, street};
-use crate::experiments::{contact_cost, golden, presets, shots, stability, torn};
+use crate::experiments::{contact, contact_cost, golden, presets, shots, stability, torn};
 use crate::failure::Failure;
 use crate::measure::job::Job;
 use crate::report::outcome::{Outcome, fill_ratios};
@@ -39,6 +39,7 @@ fn run(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         #[cfg(feature = "plugin")]
         Task::Street(street) => street::report(street)?,
         Task::Contacts(trials) => contact_cost::report(trials)?,
+        Task::Contact(runs) => contact::report::report(runs)?,
         Task::Torn(cuts) => torn::report(cuts)?,
         Task::Presets => presets::report()?,
         Task::Hashes { golden, threads } => {

@@ -1,11 +1,12 @@
 //! One experiment per file: measurements with a question of their own, and Table 1 of the founding paper.
 //!
-//! Imports `solvers`, `scenes`, `collision` and medians of `measure`. The program runs one per subcommand; the cannon demo
-//! runs `table1`.
+//! Imports `solvers`, `scenes`, `collision`, `crossings`, and medians and times of `measure`. The program runs one per
+//! subcommand; the cannon demo runs `table1`.
 
 pub mod bombardment;
 #[cfg(feature = "plugin")]
 pub mod broad;
+pub mod contact;
 pub mod contact_cost;
 pub mod golden;
 pub mod oracle;

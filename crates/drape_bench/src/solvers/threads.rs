@@ -25,7 +25,7 @@ pub fn on_threads<R: Send>(threads: u32, work: impl FnOnce() -> R + Send) -> Res
 }
 
 /// The threads of the current pool.
-pub(super) struct RayonPool;
+pub struct RayonPool;
 
 impl Threads for RayonPool {
     fn count(&self) -> usize {

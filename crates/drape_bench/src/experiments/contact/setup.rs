@@ -1,0 +1,97 @@
+//! A scene that is ready to be stepped.
+
+use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::{Body, Environment, Island, Obstacle};
+
+use crate::crossings::CrossingCounter;
+use crate::scenes::world::{GRAVITY, STEP};
+
+/// The place in metres, some seconds after the start, of a pin that began at the first argument.
+pub type PinPath = fn(Vec3, f32) -> Vec3;
+
+/// An island, its obstacles, and the way of its pins.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The bodies.
+    pub island: Island,
+    /// Step, gravity and obstacles.
+    pub environment: Environment,
+    path: Option<PinPath>,
+    /// Body, particle and first place of each pin that moves.
+    pins: Vec<(usize, usize, Vec3)>,
+}
+
+impl Setup {
+    /// These bodies among these obstacles.
+    pub fn new(bodies: Vec<Body>, obstacles: Vec<Obstacle>) -> Self {
+        let island = Island { bodies, ..Island::default() };
+        let environment =
+            Environment { dt: STEP, gravity: GRAVITY, obstacles: obstacles.into(), ..Environment::default() };
+        Self { island, environment, path: None, pins: Vec::new() }
+    }
+
+    /// Returns the scene with all pins of its bodies on this way.
+    #[must_use]
+    pub fn with_moving_pins(mut self, path: PinPath) -> Self {
+        self.path = Some(path);
+        for (number, body) in self.island.bodies.iter().enumerate() {
+            let pins = (0..body.particles.len()).filter(|&i| body.particles.is_pinned(i));
+            self.pins.extend(pins.map(|i| (number, i, body.particles.position(i))));
+        }
+        self
+    }
+
+    /// Sends each moving pin to its place `seconds` after the start, where the next step takes it.
+    pub fn move_pins(&mut self, seconds: f32) {
+        let Some(path) = self.path else { return };
+        for &(body, particle, start) in &self.pins {
+            self.island.bodies[body].particles.set_pin_target(particle, path(start, seconds));
+        }
+    }
+
+    /// Makes each body at least as thick as this part of its shortest stick at rest.
+    pub fn thicken_to(&mut self, part: f32) {
+        for body in &mut self.island.bodies {
+            let lengths = (0..body.topology.stick_count()).map(|stick| body.topology.rest_length(stick));
+            let shortest = lengths.reduce(f32::min).unwrap_or(0.0);
+            body.settings.thickness = body.settings.thickness.max(part * shortest);
+        }
+    }
+
+    /// Greatest thickness of a body in metres.
+    pub fn thickness(&self) -> f32 {
+        self.island.bodies.iter().map(|body| body.settings.thickness).fold(0.0, f32::max)
+    }
+
+    /// The number of particles.
+    pub fn particle_count(&self) -> usize {
+        self.island.bodies.iter().map(|body| body.particles.len()).sum()
+    }
+
+    /// The number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.island.bodies.iter().map(|body| body.topology.faces().len()).sum()
+    }
+
+    /// Positions of all particles in metres, body by body.
+    pub fn positions(&self) -> Vec<DVec3> {
+        let of_body = |body: &Body| {
+            let origin = body.particles.origin().as_dvec3();
+            let local = |i| body.particles.local_position(i).as_dvec3();
+            (0..body.particles.len()).map(|i| origin + local(i)).collect::<Vec<_>>()
+        };
+        self.island.bodies.iter().flat_map(of_body).collect()
+    }
+
+    /// A counter of crossings of all bodies, by the numbers of [`positions`](Self::positions).
+    pub fn crossing_counter(&self) -> CrossingCounter {
+        let (mut triangles, mut segments) = (Vec::new(), Vec::new());
+        let mut first = 0;
+        for body in &self.island.bodies {
+            triangles.extend(body.topology.faces().iter().map(|face| face.map(|i| first + i)));
+            segments.extend(body.topology.segments().iter().map(|ends| ends.map(|i| first + i)));
+            first += body.particles.len() as u32;
+        }
+        CrossingCounter::new(triangles, &segments)
+    }
+}
