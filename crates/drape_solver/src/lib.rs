@@ -7,7 +7,7 @@
 //! ```text
 //! world/       bodies, balls and obstacles by name: islands, sleep, wake and culling
 //! drape_test   Cusick's drape test, and stretch by weight
-//! step         the whole step on one screen: start here
+//! step         the whole step, phase by phase: start here
 //! island       bodies and balls that are stepped together, with their scratch
 //! tearing/     sticks tear, blades cut, bodies fall into pieces
 //! build/       builders of cloths, ropes, soft bodies, ragdolls; cloth from meshes
