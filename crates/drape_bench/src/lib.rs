@@ -20,7 +20,7 @@
 //! ```text
 //! command/      the command line and the program
 //! experiments/  measurements with a question of their own, and Table 1
-//! report/       results of jobs: table, CSV, JSON, plot, remarks
+//! report/       results of jobs: table, CSV, JSON, plot, remarks; the progress bar
 //! measure/      runs solvers on scenes; time, stretch, memory
 //! solvers/      this project's solver, alone and in Bevy, and scalar loops
 //! failure       failures of solvers and experiments

@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use drape_solver::Isa;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::command::arguments::{Arguments, Command, Task};
 #[cfg(feature = "plugin")]
@@ -14,7 +13,7 @@ use crate::experiments::{contact, contact_cost, golden, presets, shots, stabilit
 use crate::failure::Failure;
 use crate::measure::job::Job;
 use crate::report::outcome::{Outcome, fill_ratios};
-use crate::report::{plot, remarks, table};
+use crate::report::{plot, progress, remarks, table};
 use crate::solvers::solver::Solver;
 
 /// Runs the program, with these solvers to choose from.
@@ -78,10 +77,7 @@ fn measure(command: &Command, solvers: &[Solver]) -> Result<(), Box<dyn Error>> 
 
 /// Watches each job once, then times all jobs in turns: A B C A B C.
 fn measure_in_turns(jobs: &[Job], repeat: u32) -> Result<Vec<Outcome>, Failure> {
-    let progress = ProgressBar::new(u64::from(repeat + 1) * jobs.len() as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {elapsed} {msg}") {
-        progress.set_style(style);
-    }
+    let progress = progress::bar(u64::from(repeat + 1) * jobs.len() as u64, "runs");
     let announce = |job: &Job| {
         let (scene, solver) = (job.scene.kind.name(), job.solver.name);
         progress.set_message(format!("{scene} {} {solver}", job.scene.n));

@@ -20,6 +20,7 @@ use serde::Serialize;
 use crate::experiments::oracle::{Oracle, Passages};
 use crate::failure::Failure;
 use crate::random::Random;
+use crate::report::table::write_json;
 use crate::scenes::world::{GRAVITY, STEP};
 
 /// Width and height of the curtain, in metres; it hangs in the XY plane about the world's origin.
@@ -228,7 +229,7 @@ pub fn report(range: &ShotArguments) -> Result<(), Box<dyn Error>> {
         println!("worst: {}", serde_json::to_string(worst)?);
     }
     if let Some(path) = &range.json {
-        std::fs::write(path, serde_json::to_string_pretty(&report)?)?;
+        write_json(path, &report)?;
     }
     match report.wrong_side {
         0 => Ok(()),

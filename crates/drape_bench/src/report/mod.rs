@@ -1,8 +1,9 @@
-//! The results of `run` and `compare`: one outcome per job, as table, CSV, JSON, plot and remarks.
+//! The results of `run` and `compare`: one outcome per job, as table, CSV, JSON, plot and remarks; the progress bar.
 //!
-//! Imports the measurements of `measure`. Called by the program.
+//! Imports the measurements of `measure`. Called by the program and, for JSON and the bar, by experiments.
 
 pub mod outcome;
 pub mod plot;
+pub mod progress;
 pub mod remarks;
 pub mod table;

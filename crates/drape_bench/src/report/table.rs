@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::report::outcome::Outcome;
@@ -80,12 +81,12 @@ fn rows(mut writer: csv::Writer<impl io::Write>, outcomes: &[Outcome]) -> Result
     writer.flush()
 }
 
-/// Writes all columns as JSON.
+/// Writes results as JSON.
 ///
 /// # Errors
 /// [`TableError`] naming the file.
-pub fn write_json(path: &Path, outcomes: &[Outcome]) -> Result<(), TableError> {
-    let text = serde_json::to_string_pretty(outcomes).map_err(io::Error::from);
+pub fn write_json(path: &Path, results: &impl Serialize) -> Result<(), TableError> {
+    let text = serde_json::to_string_pretty(results).map_err(io::Error::from);
     text.and_then(|text| fs::write(path, text))
         .map_err(|source| TableError { path: path.to_path_buf(), source })
 }

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::experiments::contact::scene::ContactScene;
 use crate::experiments::contact::trial::{Accuracy, Figures, Mode, Trial, name_of};
 use crate::failure::Failure;
+use crate::report::progress;
+use crate::report::table::write_json;
 
 /// Arguments of `contact`.
 #[derive(Args, Clone, Debug)]
@@ -74,10 +75,7 @@ impl ContactRuns {
 /// If the solver refuses a scene or a step, or the file cannot be written.
 pub fn report(runs: &ContactRuns) -> Result<(), Box<dyn Error>> {
     let trials = runs.trials();
-    let progress = ProgressBar::new(trials.len() as u64 * u64::from(runs.steps));
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} steps, {elapsed} {msg}") {
-        progress.set_style(style);
-    }
+    let progress = progress::bar(trials.len() as u64 * u64::from(runs.steps), "steps");
     let measure = |trial: &Trial| {
         progress.set_message(format!("{} {}", name_of(&trial.scene), name_of(&trial.mode)));
         trial.measure(|| progress.inc(1))
@@ -86,7 +84,7 @@ pub fn report(runs: &ContactRuns) -> Result<(), Box<dyn Error>> {
     progress.finish_and_clear();
     println!("{}", table(&figures));
     if let Some(path) = &runs.json {
-        std::fs::write(path, serde_json::to_string_pretty(&figures)?)?;
+        write_json(path, &figures)?;
     }
     Ok(())
 }

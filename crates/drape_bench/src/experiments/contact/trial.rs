@@ -153,6 +153,7 @@ impl Trial {
         on_threads(self.threads, || self.run(setup, stepped))?
     }
 
+    /// The run on the present threads.
     fn run(&self, mut setup: Setup, stepped: impl Fn()) -> Result<Figures, Failure> {
         let mut counter = setup.crossing_counter();
         let mut times = Vec::new();
@@ -186,25 +187,10 @@ impl Trial {
         }
         let last = &speeds[speeds.len().saturating_sub(LAST_STEPS)..];
         let crossings = (setup.triangle_count() > 0).then_some(counts.as_slice());
-        Ok(Figures {
-            cpu_ms_mean: cpu.sum.map(|sum| milliseconds(sum) / self.steps as f64),
-            pairs: Some(pairs),
-            steps_searched: counts.len(),
-            crossings_max: crossings.and_then(|counts| counts.iter().copied().max()),
-            crossings_end: crossings.and_then(|counts| counts.last().copied()),
-            steps_with_crossings: crossings.map(|counts| counts.iter().filter(|&&count| count > 0).count()),
-            rms_speed_end: last.iter().sum::<f64>() / last.len().max(1) as f64,
-            hash: hash(&setup),
-            ..self.figures(&setup, times)
-        })
-    }
-
-    /// The names, the numbers of the scene, and the times.
-    fn figures(&self, setup: &Setup, mut times: Vec<Duration>) -> Figures {
         times.sort_unstable();
         let mean = times.iter().sum::<Duration>() / times.len().max(1) as u32;
         let at = |place: usize| times.get(place).copied().map_or(0.0, milliseconds);
-        Figures {
+        Ok(Figures {
             scene: name_of(&self.scene),
             mode: name_of(&self.mode),
             quality: name_of(&self.quality),
@@ -216,17 +202,17 @@ impl Trial {
             ms_mean: milliseconds(mean),
             ms_p99: at((times.len() * 99).div_ceil(100).saturating_sub(1)),
             ms_max: at(times.len().saturating_sub(1)),
-            cpu_ms_mean: None,
-            pairs: None,
+            cpu_ms_mean: cpu.sum.map(|sum| milliseconds(sum) / self.steps as f64),
+            pairs: Some(pairs),
             rebuilds: None,
             truncated: None,
-            steps_searched: 0,
-            crossings_max: None,
-            crossings_end: None,
-            steps_with_crossings: None,
-            rms_speed_end: 0.0,
-            hash: String::new(),
-        }
+            steps_searched: counts.len(),
+            crossings_max: crossings.and_then(|counts| counts.iter().copied().max()),
+            crossings_end: crossings.and_then(|counts| counts.last().copied()),
+            steps_with_crossings: crossings.map(|counts| counts.iter().filter(|&&count| count > 0).count()),
+            rms_speed_end: last.iter().sum::<f64>() / last.len().max(1) as f64,
+            hash: hash(&setup),
+        })
     }
 }
 
