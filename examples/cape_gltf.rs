@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_drape::prelude::*;
 use drape_examples::feature::Feature;
+use drape_examples::view::asset_files::AwaitedFile;
 
 /// The example.
 pub const FEATURE: Feature = Feature {
@@ -17,7 +18,8 @@ pub const FEATURE: Feature = Feature {
     target: Vec3::new(2.0, 0.82, -0.2),
     picture_time: 7.4,
     build: |app| {
-        app.add_systems(Startup, setup).add_systems(Update, (go_round, hide_capsules));
+        app.add_systems(Startup, setup);
+        app.add_systems(Update, (enter.run_if(resource_exists::<AwaitedFile>), go_round, hide_capsules));
     },
 };
 
@@ -40,14 +42,19 @@ struct Wearer {
 
 fn setup(mut commands: Commands, assets: Res<AssetServer>) {
     commands.spawn(Obstacle::ground());
-    // All at once, and kept: a file that is loaded again spawns its scenes again.
-    let scene = assets.load(GltfAssetLabel::Scene(0).from_asset(FILE));
-    let [walk, run] = [0, 1].map(|index| assets.load(GltfAssetLabel::Animation(index).from_asset(FILE)));
-    for (clip, speed, x) in [(walk, 1.5, -1.2_f32), (run, 5.0, 3.0)] {
+    // The file as a whole: Bevy loads a file once more for each part that is asked for, and spawns its scenes again each time.
+    commands.insert_resource(AwaitedFile(assets.load(FILE)));
+}
+
+/// Lets two wearers in when the file is there.
+fn enter(file: Res<AwaitedFile>, files: Res<Assets<Gltf>>, mut commands: Commands) {
+    let Some(file) = files.get(&file.0) else { return };
+    for (animation, speed, x) in [(0, 1.5, -1.2_f32), (1, 5.0, 3.0)] {
         let place = Transform::from_xyz(x, 0.0, 0.0).looking_to(Vec3::NEG_Z * x, Vec3::Y);
-        let wearer = (WorldAssetRoot(scene.clone()), Wearer { speed, clip }, place);
-        commands.spawn(wearer).observe(dress).observe(play);
+        let wearer = Wearer { speed, clip: file.animations[animation].clone() };
+        commands.spawn((WorldAssetRoot(file.scenes[0].clone()), wearer, place)).observe(dress).observe(play);
     }
+    commands.remove_resource::<AwaitedFile>();
 }
 
 /// Bones, radius and length of the capsule on each, and how far up the bone its middle is, in metres.

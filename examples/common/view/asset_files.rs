@@ -2,8 +2,8 @@
 
 use core::time::Duration;
 
-use bevy::asset::{AssetPlugin, LoadState};
-use bevy::gltf::GltfPlugin;
+use bevy::asset::{AssetPlugin, LoadState, UntypedHandle};
+use bevy::gltf::{Gltf, GltfPlugin};
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -38,7 +38,11 @@ impl Plugin for MeshFilePlugins {
     }
 }
 
-/// Updates `app` until every requested scene file is spawned. Its clock stands still meanwhile, so that results do not depend
+/// A file of which a system spawns something, once it is loaded. The system then removes this.
+#[derive(Resource, Clone, Debug)]
+pub struct AwaitedFile(pub Handle<Gltf>);
+
+/// Updates `app` until every requested scene file is loaded and spawned. Its clock stands still meanwhile, so that results do not depend
 /// on loading times.
 ///
 /// # Errors
@@ -48,12 +52,12 @@ pub fn wait_for_files(app: &mut App) -> Result<(), FileError> {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
     let mut looks = 0;
     let mut result = Ok(());
-    while let Some(scene) = awaited(app.world_mut()) {
+    while let Some(file) = awaited(app.world_mut()) {
         let files = app.world().resource::<AssetServer>();
-        result = match files.get_load_state(scene.id()) {
+        result = match files.get_load_state(file.id()) {
             Some(LoadState::Failed(error)) => Err(FileError(error.to_string())),
             Some(LoadState::Loaded) if looks == PATIENCE => {
-                Err(FileError(format!("{:?} has nothing in it", scene.path())))
+                Err(FileError(format!("{:?} has nothing in it", file.path())))
             }
             Some(LoadState::Loaded) => {
                 looks += 1;
@@ -71,8 +75,11 @@ pub fn wait_for_files(app: &mut App) -> Result<(), FileError> {
     result
 }
 
-/// A scene that is not spawned yet.
-fn awaited(world: &mut World) -> Option<Handle<WorldAsset>> {
+/// A file that is not loaded yet, or a scene that is not spawned yet.
+fn awaited(world: &mut World) -> Option<UntypedHandle> {
+    if let Some(file) = world.get_resource::<AwaitedFile>() {
+        return Some(file.0.clone().untyped());
+    }
     let mut roots = world.query_filtered::<&WorldAssetRoot, Without<Children>>();
-    roots.iter(world).next().map(|root| root.0.clone())
+    roots.iter(world).next().map(|root| root.0.clone().untyped())
 }
