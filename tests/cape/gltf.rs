@@ -40,6 +40,8 @@ impl File {
         let whole: Handle<Gltf> = assets.load_builder().with_settings(set).load(FILE);
         // However long a busy machine takes to read the file.
         while !app.world().resource::<Assets<Gltf>>().contains(&whole) {
+            let state = app.world().resource::<AssetServer>().load_state(&whole);
+            assert!(!state.is_failed(), "{state:?}");
             std::thread::sleep(Duration::from_millis(1));
             app.update();
         }
