@@ -219,3 +219,24 @@ pub const ROUNDS_OF_LAYERS: u32 = 4;
 
 /// Speed at which layers that cross are led apart, in metres per second.
 pub const UNTANGLING_SPEED: f32 = 0.5;
+
+// Surfaces against each other
+
+/// Contacts of surfaces are those that come nearer than the distance that they keep, times 1 and this more.
+pub const CONTACT_MARGIN_OF_SURFACES: f32 = 0.05;
+
+/// Distance that a corner may be off the way that a list of surface pairs expects, in distances that contacts keep.
+pub const SLACK_OF_SURFACES: f32 = 0.1;
+
+/// Part of their distance that edges keep which lie flat between their faces: corners on faces hold flat layers apart.
+pub const BLUNT_EDGES: f32 = 0.3;
+
+/// Parts of one body keep this part of their distance at rest at most.
+pub const REST_SHARE: f32 = 0.5;
+
+/// Pairs are watched for passing if the plane between them is left a gap narrower than this, in distances that contacts
+/// keep.
+pub const RISKY_GAP: f32 = 0.3;
+
+/// Speed at which surfaces that are too near at the start of a substep are led apart, in metres per second.
+pub const RECOVERY_SPEED: f32 = 0.2;

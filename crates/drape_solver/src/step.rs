@@ -334,6 +334,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
         ..
     } = contacts;
     match stage {
+        IslandStage::NoteStarts => cloth_cloth::note_starts(cloths, bodies, substep),
         IslandStage::BeginMovers => dynamic_obstacle::begin_substep(movers, substep.duration),
         IslandStage::IntegrateBalls => {
             for ball in balls {
@@ -351,7 +352,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
         }
         IslandStage::RopeContacts => {
             if cloth_cloth::is_on_ropes(bodies) {
-                cloth_cloth::project(cloths, bodies, substep);
+                cloth_cloth::project(cloths, bodies, substep, false);
             }
         }
         IslandStage::ClothContacts => project_layers(island, environment),
@@ -385,6 +386,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
             report::gather(report, contacts, bodies, balls, substep);
             reaction::gather(reactions, contacts, bodies, balls, substep);
         }
+        IslandStage::KeepApart => cloths.surfaces.keep_apart(bodies, substep),
     }
 }
 
@@ -393,9 +395,12 @@ fn project_layers(island: &mut Island, environment: &Environment) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, context, .. } = island;
     let IslandContacts { bodies: contacts, cloth_cloth: cloths, movers, .. } = &mut context.contacts;
-    cloth_cloth::project(cloths, bodies, substep);
-    for _ in 1..ROUNDS_OF_LAYERS {
-        if !cloths.is_near() {
+    cloths.surfaces.detect(bodies, substep);
+    let is_near = cloths.is_near();
+    for round in 1..=ROUNDS_OF_LAYERS {
+        let is_last = round == ROUNDS_OF_LAYERS || !is_near;
+        cloth_cloth::project(cloths, bodies, substep, is_last);
+        if is_last {
             return;
         }
         let all = bodies.iter_mut().zip(contacts.iter_mut()).zip(&context.plans);
@@ -404,7 +409,6 @@ fn project_layers(island: &mut Island, environment: &Environment) {
             sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, last);
             particle_dynamic::project(&mut contacts.obstacles, body, substep, movers, false);
         }
-        cloth_cloth::project(cloths, bodies, substep);
     }
 }
 

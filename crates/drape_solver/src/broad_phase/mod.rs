@@ -12,3 +12,4 @@ pub(crate) mod cell_list;
 pub(crate) mod obstacle_search;
 pub(crate) mod relative_motion;
 pub(crate) mod surface_pairs;
+pub(crate) mod swept_box;

@@ -1,135 +1,255 @@
-//! Pairs of elements of surfaces that could touch: boxes around the patches of a [surface tree](crate::state::surface_tree).
+//! Pairs of stars of surfaces that could touch: boxes around the patches of each [surface](crate::state::surface).
 //!
 //! ```text
 //!            root            at each search nodes get boxes from the leaves up, around positions and around
 //!           /    \           normals. A patch in one piece whose normals all lean one way lies flat: it cannot meet
-//!        patch   patch       itself (Volino and Magnenat-Thalmann 1994), and is passed over whole.
+//!        patch   patch       itself (Volino and Magnenat-Thalmann 1994), and is passed over whole. So are near stars
+//!                            within a neighbourhood that lies flat.
 //! ```
 //!
 //! Design: `docs/design/self_contact.md`.
 
+use fearless_simd::Simd;
 use glam::Vec3;
 
+use crate::broad_phase::swept_box::{SweptBox, SweptBoxes};
 use crate::constants::LEAST_FLAT_COSINE;
-use crate::state::surface_tree::{Bounds, SurfaceElement, SurfaceTree};
+use crate::simd::columns::LANES;
+use crate::simd::isa::{Isa, Kernel};
+use crate::state::surface::{Node, Surface};
 
-/// Boxes around the elements and patches of a body.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct PlacedTree {
-    elements: Vec<Bounds>,
-    nodes: Vec<(Bounds, Bounds)>,
-}
+/// A box around unit normals: least values, and greatest ones with their signs turned, so that all are minima.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(crate) struct Lean([f32; 8]);
 
-/// A body's tree and the boxes of its patches.
-#[derive(Clone, Copy)]
-pub(crate) struct PlacedSurface<'a> {
-    pub tree: &'a SurfaceTree,
-    pub at: &'a PlacedTree,
-}
+impl Lean {
+    pub const NOTHING: Self = Self([f32::INFINITY; 8]);
 
-impl SurfaceTree {
-    /// Puts boxes around the patches. `corners` returns the places of an element's corners, now and at the start of the
-    /// substep.
-    pub fn place(&self, at: &mut PlacedTree, corners: impl Fn(&SurfaceElement) -> [[Vec3; 3]; 2]) {
-        at.elements.clear();
-        at.nodes.clear();
-        at.nodes.resize(self.nodes.len(), (Bounds::NOTHING, Bounds::NOTHING));
-        at.elements.extend(self.elements.iter().map(|element| {
-            let [now, start] = corners(element);
-            Bounds::of(&now).and(Bounds::of(&start))
-        }));
-        for (place, node) in self.nodes.iter().enumerate().rev() {
-            at.nodes[place] = if node.right == 0 {
-                let range = node.first as usize..(node.first + node.count) as usize;
-                let boxes = at.elements[range.clone()].iter();
-                let lean = self.elements[range].iter().map(|element| lean(element, corners(element)[1]));
-                (
-                    boxes.fold(Bounds::NOTHING, |all, &b| all.and(b)),
-                    lean.fold(Bounds::NOTHING, |all, n| all.and(Bounds { low: n, high: n })),
-                )
-            } else {
-                let ((a, n), (b, m)) = (at.nodes[place + 1], at.nodes[node.right as usize]);
-                (a.and(b), n.and(m))
-            };
+    /// The box around one unit vector; nothing for a vector that is none.
+    pub fn of(normal: Vec3) -> Self {
+        if normal == Vec3::ZERO {
+            return Self::NOTHING;
         }
+        let Vec3 { x, y, z } = normal;
+        Self([x, y, z, 0.0, -x, -y, -z, 0.0])
+    }
+
+    #[inline(always)]
+    pub fn add(&mut self, other: &Self) {
+        for (own, other) in self.0.iter_mut().zip(other.0) {
+            *own = if other < *own { other } else { *own };
+        }
+    }
+
+    /// True if all directions in the box lean to the same side.
+    pub fn is_flat(&self) -> bool {
+        let [x, y, z, _, u, v, w, _] = self.0;
+        let (low, high) = (Vec3::new(x, y, z), -Vec3::new(u, v, w));
+        let way = low + high;
+        let least = (way * low).min(way * high);
+        least.x + least.y + least.z > LEAST_FLAT_COSINE * way.length()
     }
 }
 
-/// The unit normal of a face, or the direction of a link: a rope whose links all lean one way cannot meet itself either.
-fn lean(element: &SurfaceElement, [a, b, c]: [Vec3; 3]) -> Vec3 {
-    let way = if element.is_face() { (b - a).cross(c - a) } else { b - a };
-    way.normalize_or_zero()
+/// Boxes of the leaves and nodes of one body.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PlacedTree {
+    /// The boxes of each leaf's stars.
+    pub stars: Vec<SweptBoxes>,
+    pub leaves: Vec<SweptBox>,
+    /// For each slot, the lean of all faces around it.
+    pub leans: Vec<Lean>,
+    /// True for leaves whose pairs are looked for; pairs of two others are left out.
+    pub is_active: Vec<bool>,
+    nodes: Vec<PlacedNode>,
+    /// For each star, true if the stars around it lie flat.
+    is_flat: Vec<bool>,
+    /// Leans of wider and wider neighbourhoods.
+    wider: [Vec<Lean>; 2],
 }
 
-/// True if all directions in the box lean to the same side.
-fn is_flat(lean: &Bounds) -> bool {
-    let way = lean.low + lean.high;
-    let least = (way * lean.low).min(way * lean.high);
-    least.x + least.y + least.z > LEAST_FLAT_COSINE * way.length()
+#[derive(Clone, Copy, Debug)]
+struct PlacedNode {
+    bounds: SweptBox,
+    is_flat: bool,
+    is_active: bool,
+}
+
+/// A body's surface and the boxes of its patches.
+#[derive(Clone, Copy)]
+pub(crate) struct PlacedSurface<'a> {
+    pub surface: &'a Surface,
+    pub at: &'a PlacedTree,
+    /// Number of the body's first leaf in the island.
+    pub first_leaf: u32,
+}
+
+impl PlacedTree {
+    /// Puts boxes around all nodes, from those of the leaves.
+    pub fn refit(&mut self, surface: &Surface) {
+        let Self { stars, leaves, leans, is_active, nodes, .. } = self;
+        leaves.clear();
+        leaves.extend(stars.iter().map(SweptBoxes::all));
+        nodes.clear();
+        let nothing = PlacedNode { bounds: SweptBox::NOTHING, is_flat: false, is_active: false };
+        nodes.resize(surface.nodes.len(), nothing);
+        let mut node_leans = core::mem::take(&mut self.wider[0]);
+        node_leans.clear();
+        node_leans.resize(surface.nodes.len(), Lean::NOTHING);
+        for (place, node) in surface.nodes.iter().enumerate().rev() {
+            let mut lean = Lean::NOTHING;
+            let (bounds, active) = if node.right == 0 {
+                let leaf = node.first as usize / LANES;
+                for star in &surface.stars[leaf * LANES..(leaf + 1) * LANES] {
+                    lean.add(&leans[star.centre as usize]);
+                }
+                (leaves[leaf], is_active[leaf])
+            } else {
+                let children = [place + 1, node.right as usize];
+                children.iter().for_each(|&child| lean.add(&node_leans[child].clone()));
+                let [a, b] = children.map(|child| &nodes[child]);
+                (a.bounds.and(&b.bounds), a.is_active || b.is_active)
+            };
+            node_leans[place] = lean;
+            nodes[place] =
+                PlacedNode { bounds, is_flat: node.is_connected && lean.is_flat(), is_active: active };
+        }
+        self.wider[0] = node_leans;
+    }
+
+    /// Finds the stars around which all faces lie flat.
+    pub fn find_flat(&mut self, surface: &Surface) {
+        let Self { leans, wider: [one, two], is_flat, .. } = self;
+        widen(leans, one, surface);
+        widen(one, two, surface);
+        is_flat.clear();
+        is_flat.extend(surface.stars.iter().map(|star| two[star.centre as usize].is_flat()));
+    }
+}
+
+/// Adds to the lean of each slot those at the other ends of its edges.
+fn widen(leans: &[Lean], wider: &mut Vec<Lean>, surface: &Surface) {
+    wider.clear();
+    wider.extend(leans.iter().zip(0..).map(|(lean, slot)| {
+        let mut all = *lean;
+        surface.around_slot(slot).iter().for_each(|&other| all.add(&leans[other as usize]));
+        all
+    }));
 }
 
 impl PlacedSurface<'_> {
-    /// Calls `visit` for any two elements of the body whose boxes, wider by `margin`, overlap, but not within flat
-    /// patches.
-    pub fn own_pairs(&self, margin: f32, visit: &mut impl FnMut(usize, usize)) {
-        if !self.tree.nodes.is_empty() {
-            self.pairs_within(0, margin, visit);
+    /// Appends pairs of leaves of the body that may touch, but not within flat patches.
+    pub fn own_pairs(&self, found: &mut Vec<[u32; 2]>) {
+        if !self.surface.nodes.is_empty() {
+            self.pairs_within(0, found);
         }
     }
 
-    fn pairs_within(&self, place: usize, margin: f32, visit: &mut impl FnMut(usize, usize)) {
-        let node = &self.tree.nodes[place];
-        if node.is_connected && is_flat(&self.at.nodes[place].1) {
+    fn pairs_within(&self, place: usize, found: &mut Vec<[u32; 2]>) {
+        let placed = &self.at.nodes[place];
+        if placed.is_flat || !placed.is_active {
             return;
         }
+        let node = &self.surface.nodes[place];
         if node.right == 0 {
-            for a in node.first..node.first + node.count {
-                for b in a + 1..node.first + node.count {
-                    visit(a as usize, b as usize);
-                }
-            }
+            found.push([leaf(node); 2]);
             return;
         }
         let right = node.right as usize;
-        self.pairs_within(place + 1, margin, visit);
-        self.pairs_within(right, margin, visit);
-        self.pairs_between(place + 1, self, right, margin, visit);
+        self.pairs_within(place + 1, found);
+        self.pairs_within(right, found);
+        self.pairs_between(place + 1, self, right, found);
     }
 
-    /// Calls `visit` for any element of this body and any of another whose boxes, wider by `margin`, overlap.
-    pub fn pairs_with(&self, other: &PlacedSurface, margin: f32, visit: &mut impl FnMut(usize, usize)) {
-        if !self.tree.nodes.is_empty() && !other.tree.nodes.is_empty() {
-            self.pairs_between(0, other, 0, margin, visit);
+    /// Appends pairs of a leaf of this body and one of another that may touch.
+    pub fn pairs_with(&self, other: &PlacedSurface, found: &mut Vec<[u32; 2]>) {
+        if !self.surface.nodes.is_empty() && !other.surface.nodes.is_empty() {
+            self.pairs_between(0, other, 0, found);
         }
     }
 
-    fn pairs_between(
-        &self,
-        here: usize,
-        other: &PlacedSurface,
-        there: usize,
-        margin: f32,
-        visit: &mut impl FnMut(usize, usize),
-    ) {
-        if !self.at.nodes[here].0.grown(margin).meets(&other.at.nodes[there].0) {
+    fn pairs_between(&self, here: usize, other: &PlacedSurface, there: usize, found: &mut Vec<[u32; 2]>) {
+        let (p, q) = (&self.at.nodes[here], &other.at.nodes[there]);
+        if !(p.is_active || q.is_active) || !p.bounds.meets(&q.bounds) {
             return;
         }
-        let (a, b) = (&self.tree.nodes[here], &other.tree.nodes[there]);
+        let (a, b) = (&self.surface.nodes[here], &other.surface.nodes[there]);
         if a.right == 0 && b.right == 0 {
-            for p in a.first..a.first + a.count {
-                let own = self.at.elements[p as usize].grown(margin);
-                for q in b.first..b.first + b.count {
-                    if own.meets(&other.at.elements[q as usize]) {
-                        visit(p as usize, q as usize);
-                    }
-                }
-            }
+            found.push([leaf(a), leaf(b)]);
         } else if b.right == 0 || (a.right != 0 && a.count >= b.count) {
-            self.pairs_between(here + 1, other, there, margin, visit);
-            self.pairs_between(a.right as usize, other, there, margin, visit);
+            self.pairs_between(here + 1, other, there, found);
+            self.pairs_between(a.right as usize, other, there, found);
         } else {
-            self.pairs_between(here, other, there + 1, margin, visit);
-            self.pairs_between(here, other, b.right as usize, margin, visit);
+            self.pairs_between(here, other, there + 1, found);
+            self.pairs_between(here, other, b.right as usize, found);
         }
     }
+
+    /// Appends the pairs of stars, by their numbers in the island, of some pairs of leaves of this body and `other`.
+    pub fn star_pairs(
+        &self,
+        other: &PlacedSurface,
+        leaves: &[[u32; 2]],
+        isa: Isa,
+        found: &mut Vec<[u32; 2]>,
+    ) {
+        let is_one = core::ptr::eq(self.at, other.at);
+        isa.run(StarPairs { own: self, other, is_one, leaves, found });
+    }
+}
+
+fn leaf(node: &Node) -> u32 {
+    node.first / LANES as u32
+}
+
+struct StarPairs<'a> {
+    own: &'a PlacedSurface<'a>,
+    other: &'a PlacedSurface<'a>,
+    is_one: bool,
+    leaves: &'a [[u32; 2]],
+    found: &'a mut Vec<[u32; 2]>,
+}
+
+impl Kernel for StarPairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { own, other, is_one, leaves, found } = self;
+        for &[a, b] in leaves {
+            let (x, y) = (&own.at.stars[a as usize], &other.at.stars[b as usize]);
+            let mut from = x.meets(simd, &other.at.leaves[b as usize]);
+            let to = y.meets(simd, &own.at.leaves[a as usize]);
+            while from != 0 && to != 0 {
+                let lane = from.trailing_zeros();
+                from &= from - 1;
+                let star = a * LANES as u32 + lane;
+                let mut hits = to & y.meets(simd, &x.at(lane as usize));
+                if is_one {
+                    hits &= !flat_neighbours(own, star, b);
+                    if a == b {
+                        hits &= u16::MAX.checked_shl(lane + 1).unwrap_or(0);
+                    }
+                }
+                while hits != 0 {
+                    let partner = b * LANES as u32 + hits.trailing_zeros();
+                    hits &= hits - 1;
+                    let first = [own.first_leaf, other.first_leaf].map(|leaf| leaf * LANES as u32);
+                    found.push([first[0] + star, first[1] + partner]);
+                }
+            }
+        }
+    }
+}
+
+/// Bit mask of the stars of a leaf that lie with a star in a flat neighbourhood.
+#[inline(always)]
+fn flat_neighbours(own: &PlacedSurface, star: u32, leaf: u32) -> u16 {
+    if !own.at.is_flat[star as usize] {
+        return 0;
+    }
+    let first = &own.surface.first_near[star as usize..];
+    let near = &own.surface.near[first[0] as usize..first[1] as usize];
+    near.iter().find(|(other, _)| *other == leaf).map_or(0, |&(_, mask)| mask)
 }

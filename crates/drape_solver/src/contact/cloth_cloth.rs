@@ -1,7 +1,7 @@
 //! Cloth and ropes against themselves and against each other.
 //!
 //! Two bodies that both ask for [triangles](crate::SelfContact::Triangles) touch by faces and edges
-//! (`triangle_triangle.rs`), all others by particles (`particle_particle.rs`). Both keep lists of pairs near each
+//! (`surface/`), all others by particles (`particle_particle.rs`). Both keep lists of pairs near each
 //! other, made by the function `list` of each. A list has a skin, and holds until something has moved through the skin
 //! (Verlet 1967, "Computer experiments on classical fluids"). Within a list each pair sleeps until enough motion has
 //! added up (`relative_motion.rs`). The places of the particles alone decide which pairs touch and in which order they
@@ -12,10 +12,10 @@
 use glam::Vec3;
 
 use crate::broad_phase::relative_motion::RelativeMotion;
-use crate::contact::cloth_contact::ClothContact;
+use crate::contact::cloth_contact::{ClothContact, has_triangles};
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::particle_particle::ParticlePairs;
-use crate::contact::triangle_triangle::TrianglePairs;
+use crate::contact::surface::SurfaceContacts;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
 
@@ -24,7 +24,7 @@ use crate::state::substep::Substep;
 pub(crate) struct SelfContacts {
     motion: RelativeMotion,
     particles: ParticlePairs,
-    triangles: TrianglePairs,
+    pub surfaces: SurfaceContacts,
 }
 
 /// True if a body without faces, such as a rope, has self-contact.
@@ -32,48 +32,56 @@ pub(crate) fn is_on_ropes(bodies: &[Body]) -> bool {
     bodies.iter().any(|body| body.has_self_contact() && body.topology.faces().is_empty())
 }
 
+/// Notes where everything is when a substep begins.
+pub(crate) fn note_starts(contacts: &mut SelfContacts, bodies: &[Body], substep: Substep) {
+    contacts.surfaces.begin_substep(bodies, substep.index == 0);
+}
+
 /// Forgets the contacts of the last substep and finds those of this one. It comes after free flight.
 pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
-    let rate = PushOutRate::of(substep);
-    let SelfContacts { motion, particles, triangles } = contacts;
+    let SelfContacts { motion, particles, surfaces } = contacts;
     if !bodies.iter().any(Body::has_self_contact) {
         particles.clear();
-        triangles.clear();
         motion.forget();
         return;
     }
-    if !motion.follow(bodies, substep.isa, rate.is_first()) {
+    if bodies.iter().filter(|body| body.has_self_contact()).all(has_triangles) {
         particles.clear();
-        triangles.clear();
+        motion.forget();
+    } else {
+        if !motion.follow(bodies, substep.isa, substep.index == 0) {
+            particles.clear();
+        }
+        particles.begin_substep(bodies, &motion.of_lists);
     }
-    particles.begin_substep(bodies, &motion.of_lists);
-    triangles.begin_substep(bodies, motion, rate);
+    if is_on_ropes(bodies) {
+        surfaces.detect(bodies, substep);
+    }
 }
 
-/// Moves overlapping parts apart.
-pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep) {
+/// Moves overlapping parts apart; with friction between surfaces in the last projection of a substep.
+pub(crate) fn project(contacts: &mut SelfContacts, bodies: &mut [Body], substep: Substep, is_last: bool) {
     let rate = PushOutRate::of(substep);
-    let SelfContacts { particles, triangles, .. } = contacts;
+    let SelfContacts { particles, surfaces, .. } = contacts;
     particles.project(bodies, rate);
-    triangles.project(bodies, rate);
+    surfaces.project(bodies, rate, is_last);
 }
 
-/// Friction between all parts that touched, against their slip in this substep.
+/// Friction between all particles that touched, against their slip in this substep.
 pub(crate) fn apply_friction(contacts: &SelfContacts, bodies: &mut [Body]) {
     contacts.particles.apply_friction(bodies);
-    contacts.triangles.apply_friction(bodies);
 }
 
 impl SelfContacts {
     /// Forgets the contacts of a body that was taken out; the next substep makes new lists.
     pub fn forget(&mut self, body: usize) {
         self.particles.forget(body);
-        self.triangles.forget(body);
+        self.surfaces.clear();
     }
 
     /// True if anything may touch in this substep.
     pub fn is_near(&self) -> bool {
-        self.particles.is_near() || self.triangles.is_near()
+        self.particles.is_near() || self.surfaces.is_near()
     }
 
     /// Particles of different bodies that were pushed apart in the last substep: each as its body and slot, the unit
@@ -81,11 +89,11 @@ impl SelfContacts {
     /// and faces count as their nearest particles.
     pub fn pushed_bodies(&self) -> impl Iterator<Item = ([(usize, usize); 2], Vec3, f32)> + '_ {
         let particles = self.particles.near().iter().filter_map(ClothContact::pushed_bodies);
-        particles.chain(self.triangles.near().iter().filter_map(ClothContact::pushed_bodies))
+        particles.chain(self.surfaces.pushed_bodies())
     }
 
     /// The number of pairs that are watched.
     pub fn pair_count(&self) -> usize {
-        self.particles.pair_count() + self.triangles.pair_count()
+        self.particles.pair_count() + self.surfaces.pair_count()
     }
 }

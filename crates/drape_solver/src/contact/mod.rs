@@ -57,6 +57,4 @@ pub(crate) mod particle_particle;
 pub mod reaction;
 pub(crate) mod report;
 pub(crate) mod restitution;
-pub(crate) mod triangle_pair;
-pub(crate) mod triangle_triangle;
-pub(crate) mod untangle;
+pub(crate) mod surface;

@@ -5,6 +5,7 @@
 pub mod compound;
 pub mod mesh;
 pub(crate) mod nearest;
+pub(crate) mod nearest_lanes;
 pub(crate) mod nearest_segments;
 pub(crate) mod nearest_triangle;
 pub(crate) mod pose;

@@ -25,7 +25,7 @@ pub mod settings;
 pub mod snapshot;
 pub(crate) mod stick_list;
 pub(crate) mod substep;
-pub(crate) mod surface_tree;
+pub(crate) mod surface;
 pub mod tethers;
 pub mod topology;
 pub(crate) mod torn_grid;

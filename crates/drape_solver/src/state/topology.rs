@@ -10,7 +10,7 @@ use crate::error::{BuildError, in_range};
 use crate::state::grid::{GridBatch, GridRuns};
 use crate::state::layout::Layout;
 use crate::state::stick_list::{ListedBatch, ListedSticks};
-use crate::state::surface_tree::SurfaceTree;
+use crate::state::surface::Surface;
 use crate::state::tethers::TetherPlan;
 use crate::state::volume::RestVolume;
 
@@ -195,9 +195,9 @@ pub struct Topology {
     pub(crate) rest_volume: RestVolume,
 }
 
-/// The tree of the surface, built at its first use. It follows from the rest data, so any two are equal.
+/// The surface for contacts, built at its first use. It follows from the rest data, so any two are equal.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LazySurface(OnceLock<SurfaceTree>);
+pub(crate) struct LazySurface(OnceLock<Surface>);
 
 impl PartialEq for LazySurface {
     fn eq(&self, _: &Self) -> bool {
@@ -296,9 +296,9 @@ impl Topology {
         size_of_val(&*self.rest) + numbers + self.listed.bytes() + runs + self.tethers.bytes()
     }
 
-    /// The tree of the surface, for contact between triangles.
-    pub(crate) fn surface_tree(&self) -> &SurfaceTree {
-        self.surface.0.get_or_init(|| SurfaceTree::new(self))
+    /// The surface, for contact between triangles.
+    pub(crate) fn surface(&self) -> &Surface {
+        self.surface.0.get_or_init(|| Surface::new(self))
     }
 
     /// The number of blocks of particles that the relaxation of listed sticks uses at once.

@@ -55,6 +55,8 @@ pub(crate) enum BodyStage {
 /// A stage of a substep that concerns the whole island.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum IslandStage {
+    /// Surfaces note where they are, before anything moves.
+    NoteStarts,
     BeginMovers,
     IntegrateBalls,
     BeginContacts,
@@ -73,6 +75,8 @@ pub(crate) enum IslandStage {
     ImpactZones,
     TurnBalls,
     Account,
+    /// Surfaces are kept from passing through each other, whatever came before.
+    KeepApart,
 }
 
 /// Stages that follow each other: of the island, or of each body, one body after another.
@@ -99,6 +103,7 @@ use IslandStage as Island;
 
 /// Bodies, balls and obstacles fly freely.
 const INTEGRATE: &[Stages] = &[
+    Stages::Island(Island::NoteStarts),
     Stages::Island(Island::BeginMovers),
     Stages::Bodies(&[Body::MovePins, Body::Integrate, Body::Carry, Body::NotePins, Body::BeginContacts]),
     Stages::Island(Island::IntegrateBalls),
@@ -145,6 +150,7 @@ const VELOCITIES: &[Stages] = &[
     Stages::Island(Island::TurnBalls),
     Stages::Island(Island::Account),
     Stages::Bodies(&[Body::Limits, Body::Leave]),
+    Stages::Island(Island::KeepApart),
 ];
 
 impl Default for Order {

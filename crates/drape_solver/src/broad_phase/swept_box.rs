@@ -1,0 +1,101 @@
+//! Boxes around things that move, each with the range of their motion.
+//!
+//! Two things come near each other only if the gap between their boxes is no wider than one may close on the other,
+//! along each axis. So what flies together does not meet, however fast it flies.
+//!
+//! ```text
+//!    +---+ ------>        gap g, approach at most fast_a - slow_b: they may meet if g <= that
+//!    | a |    g   +---+
+//!    +---+ <----> | b | -->
+//!                 +---+
+//! ```
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
+
+use crate::simd::columns::LANES;
+use crate::simd::lanes::load;
+
+/// A box around some points at the start, in metres, and around their ways.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SweptBox {
+    pub low: Vec3,
+    pub high: Vec3,
+    pub slow: Vec3,
+    pub fast: Vec3,
+}
+
+impl SweptBox {
+    pub const NOTHING: Self = Self {
+        low: Vec3::INFINITY,
+        high: Vec3::NEG_INFINITY,
+        slow: Vec3::INFINITY,
+        fast: Vec3::NEG_INFINITY,
+    };
+
+    pub fn and(&self, other: &Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+            slow: self.slow.min(other.slow),
+            fast: self.fast.max(other.fast),
+        }
+    }
+
+    /// True if the two may touch on their way.
+    pub fn meets(&self, other: &Self) -> bool {
+        let towards = (other.fast - self.slow).max(Vec3::ZERO);
+        let back = (self.fast - other.slow).max(Vec3::ZERO);
+        ((self.low - other.high).cmple(towards) & (other.low - self.high).cmple(back)).all()
+    }
+}
+
+/// The boxes of sixteen things.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct SweptBoxes {
+    pub low: [[f32; LANES]; 3],
+    pub high: [[f32; LANES]; 3],
+    pub slow: [[f32; LANES]; 3],
+    pub fast: [[f32; LANES]; 3],
+}
+
+impl SweptBoxes {
+    pub const NOTHING: Self = Self {
+        low: [[f32::INFINITY; LANES]; 3],
+        high: [[f32::NEG_INFINITY; LANES]; 3],
+        slow: [[f32::INFINITY; LANES]; 3],
+        fast: [[f32::NEG_INFINITY; LANES]; 3],
+    };
+
+    pub fn at(&self, lane: usize) -> SweptBox {
+        let of = |axes: &[[f32; LANES]; 3]| Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]);
+        SweptBox { low: of(&self.low), high: of(&self.high), slow: of(&self.slow), fast: of(&self.fast) }
+    }
+
+    /// The box around them all.
+    pub fn all(&self) -> SweptBox {
+        (0..LANES).fold(SweptBox::NOTHING, |all, lane| all.and(&self.at(lane)))
+    }
+
+    /// Bit mask of the things that may touch another on their way.
+    #[inline(always)]
+    pub fn meets<S: Simd>(&self, simd: S, other: &SweptBox) -> u16 {
+        let zero = f32x16::splat(simd, 0.0);
+        let mut all = u16::MAX;
+        for axis in 0..3 {
+            let [low, high, slow, fast] =
+                [&self.low, &self.high, &self.slow, &self.fast].map(|axes| &axes[axis]);
+            let towards = load(simd, fast) - f32x16::splat(simd, other.slow[axis]);
+            let towards = towards.simd_gt(zero).select(towards, zero);
+            let back = f32x16::splat(simd, other.fast[axis]) - load(simd, slow);
+            let back = back.simd_gt(zero).select(back, zero);
+            let before = f32x16::splat(simd, other.low[axis]) - load(simd, high);
+            let behind = load(simd, low) - f32x16::splat(simd, other.high[axis]);
+            all &= (before.simd_le(towards) & behind.simd_le(back)).to_bitmask() as u16;
+        }
+        all
+    }
+}

@@ -1,0 +1,153 @@
+//! A contact of two parts of surfaces: its push and its friction.
+//!
+//! The nearest points of the two are weighted means of corners, `sum a_i x_i` and `sum b_i x_i`, and one formula serves
+//! corners on faces and edges on edges:
+//!
+//! ```text
+//!   corner on face          edge on edge           C = n . (sum a_i x_i - sum b_i x_i) - distance
+//!        o                    o                    if C < 0:  l = -C / sum w_i (a_i or b_i)^2
+//!        | n               o--|--o                            x_i += w_i l a_i n   or   x_i -= w_i l b_i n
+//!     /--+--\                 o
+//! ```
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use glam::Vec3;
+
+use crate::contact::effective_mass::effective_inverse_mass;
+use crate::contact::surface::pair::{Kind, Pair};
+use crate::contact::surface::points::Points;
+use crate::geometry::nearest_triangle::weighted;
+use crate::state::body::Body;
+
+/// Two parts that touch or may pass each other in a substep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contact {
+    pub pair: Pair,
+    /// Weights of the nearest points at the start, and the unit vector and the distance in metres between them.
+    pub weights: [f32; 4],
+    pub normal: Vec3,
+    pub at_start: f32,
+    /// False if the pair can only be kept from passing.
+    pub may_push: bool,
+    /// Depth that motion made, summed over the projections, in metres.
+    pub depth: f32,
+}
+
+/// Way along the nearest points, of the length of the distance between them, whose direction still counts as that of the
+/// start: at most 72 degrees off.
+const LEAST_COSINE: f32 = 0.3;
+
+impl Contact {
+    /// Moves the two apart to the distance that they had at the start, or farther by `recovery` metres without a
+    /// velocity, but not farther than the distance that they keep.
+    pub fn push(&mut self, points: &mut Points, recovery: f32) {
+        let Pair { ids, kind, distance, .. } = self.pair;
+        let now = points.ends(ids);
+        let (hard, goal) = (self.at_start.min(distance), (self.at_start + recovery).min(distance));
+        let height = weighted(self.weights, now).dot(self.normal);
+        if height >= goal {
+            return;
+        }
+        let (mut weights, mut normal, mut apart) = (self.weights, self.normal, height);
+        let nearest = kind.nearest(now);
+        let way = weighted(nearest, now);
+        let length = way.length();
+        // A direction that has turned away shows that the two have passed: the start's one leads back.
+        if way.dot(self.normal) > LEAST_COSINE * length {
+            (weights, normal, apart) = (nearest, way / length, length);
+        }
+        let masses = points.inverse_masses(ids);
+        let total = effective_inverse_mass(weights, masses);
+        if apart >= goal || total == 0.0 {
+            return;
+        }
+        let with_velocity = (hard - apart).max(0.0);
+        let position_only = goal - apart.max(hard);
+        self.depth += with_velocity;
+        for k in 0..4 {
+            let share = normal * (weights[k] * masses[k] / total);
+            points.end[ids[k] as usize] += share * (with_velocity + position_only);
+            points.shift[ids[k] as usize] += share * position_only;
+        }
+    }
+
+    /// Friction: shortens the slip of this substep.
+    pub fn apply_friction(&self, points: &mut Points, bodies: &[Body]) {
+        if self.depth == 0.0 {
+            return;
+        }
+        let Pair { ids, .. } = self.pair;
+        let rough = |id: u32| bodies[points.body[id as usize] as usize].settings.surface_friction();
+        let friction = rough(ids[0]).with(rough(ids[3]));
+        let ways = ids.map(|id| points.way(id as usize) - points.shift[id as usize]);
+        let slip = weighted(self.weights, ways);
+        let masses = points.inverse_masses(ids);
+        let total = effective_inverse_mass(self.weights, masses);
+        let push = friction.slip_taken(slip, self.normal, self.depth) / total;
+        for k in 0..4 {
+            points.end[ids[k] as usize] -= push * (self.weights[k] * masses[k]);
+        }
+    }
+
+    /// The corners that are lowest in the first part and highest in the second, along the normal, and the gap between
+    /// them in metres. As long as it is above zero, a plane lies between the two.
+    pub fn gap(&self, points: &Points) -> ([u32; 2], f32) {
+        let Pair { ids, kind, .. } = self.pair;
+        let heights = points.ends(ids).map(|end| end.dot(self.normal));
+        let first = kind.first_corners();
+        let lowest = (1..first).fold(0, |low, k| if heights[k] < heights[low] { k } else { low });
+        let highest = (first + 1..4).fold(first, |high, k| if heights[k] > heights[high] { k } else { high });
+        // Differences of places are finer than differences of heights.
+        let [low, high] = points.ends([ids[lowest], ids[highest]]);
+        ([ids[lowest], ids[highest]], (low - high).dot(self.normal))
+    }
+
+    /// The gap that is left at least, in metres.
+    pub fn least_gap(&self) -> f32 {
+        (0.1 * self.at_start).max(0.002 * self.pair.distance).min(0.9 * self.at_start)
+    }
+
+    /// Particles of the two bodies that were pushed apart, if there are two: the corners of the greatest weights.
+    pub fn pushed_bodies(&self, points: &Points) -> Option<([(usize, usize); 2], Vec3, f32)> {
+        let Pair { ids, kind, .. } = self.pair;
+        let heaviest = |range: core::ops::Range<usize>| {
+            range.reduce(|a, b| if self.weights[b].abs() > self.weights[a].abs() { b } else { a })
+        };
+        let first = kind.first_corners();
+        let ends = [heaviest(0..first)?, heaviest(first..4)?];
+        let particles = ends.map(|k| {
+            let body = points.body[ids[k] as usize];
+            (body as usize, (ids[k] - points.first[body as usize]) as usize)
+        });
+        let are_two = particles[0].0 != particles[1].0;
+        (self.depth > 0.0 && are_two).then_some((particles, self.normal, self.depth))
+    }
+}
+
+/// The contact of two parts whose nearest points at the start have these weights.
+pub(crate) fn contact(pair: Pair, weights: [f32; 4], way: Vec3, may_push: bool) -> Option<Contact> {
+    let at_start = way.length();
+    // Parts at a distance of zero have no direction: contacts around them move them apart.
+    (at_start > LEAST_DISTANCE).then(|| Contact {
+        pair,
+        weights,
+        normal: way / at_start,
+        at_start,
+        may_push,
+        depth: 0.0,
+    })
+}
+
+/// Distance in metres below which the direction between two points is rounding.
+const LEAST_DISTANCE: f32 = 1e-8;
+
+impl Kind {
+    /// Weights of the four corners, from those of the nearest points: of the sides of the face, or along the edges.
+    pub fn weights(self, [s, t]: [f32; 2]) -> [f32; 4] {
+        match self {
+            Self::CornerFace => [1.0, s + t - 1.0, -s, -t],
+            Self::EdgeEdge => [1.0 - s, s, t - 1.0, -t],
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The narrow phase: which of the listed pairs touch in this substep, sixteen at a time.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
+
+use crate::contact::surface::contact::{Contact, contact};
+use crate::contact::surface::pair::{Kind, Pair};
+use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::isa::Kernel;
+use crate::simd::lanes::Lanes3;
+
+/// Turns pairs, all of one kind, into contacts.
+pub(crate) struct Narrow<'a> {
+    pub kind: Kind,
+    pub pairs: &'a [Pair],
+    /// Places of the island's particles when the substep began and now.
+    pub places: [&'a [Vec3]; 2],
+    /// Contacts are those that come nearer than the distance that they keep, times this ...
+    pub touching: f32,
+    /// ... or whose plane is left a gap narrower than that distance times this.
+    pub risky: f32,
+    pub found: &'a mut Vec<Contact>,
+}
+
+impl Kernel for Narrow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { kind, pairs, places, touching, risky, found } = self;
+        for pairs in pairs.chunks(LANES) {
+            let [start, end] = places;
+            let lanes = Gap::of(simd, kind, [corners(simd, pairs, start), corners(simd, pairs, end)]);
+            let mut distances = [0.0; LANES];
+            distances.iter_mut().zip(pairs).for_each(|(distance, pair)| *distance = pair.distance);
+            let distance = f32x16::load_array_ref(simd, &distances);
+            let is_touching = lanes.height.simd_lt(distance * touching);
+            let is_risky = lanes.gap.simd_lt(distance * risky);
+            let touching = is_touching.to_bitmask() as u16;
+            let mut hits = touching | is_risky.to_bitmask() as u16;
+            if pairs.len() < LANES {
+                hits &= (1 << pairs.len()) - 1;
+            }
+            if hits == 0 {
+                continue;
+            }
+            let [s, t] = [lanes.weights[0].to_array(), lanes.weights[1].to_array()];
+            let way = [lanes.way.x.to_array(), lanes.way.y.to_array(), lanes.way.z.to_array()];
+            while hits != 0 {
+                let lane = hits.trailing_zeros() as usize;
+                hits &= hits - 1;
+                let weights = kind.weights([s[lane], t[lane]]);
+                let way = Vec3::new(way[0][lane], way[1][lane], way[2][lane]);
+                found.extend(contact(pairs[lane], weights, way, touching & (1 << lane) != 0));
+            }
+        }
+    }
+}
+
+/// The corners of up to sixteen pairs.
+#[inline(always)]
+fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec3]) -> [Lanes3<S>; 4] {
+    [
+        gather(simd, pairs, places, 0),
+        gather(simd, pairs, places, 1),
+        gather(simd, pairs, places, 2),
+        gather(simd, pairs, places, 3),
+    ]
+}
+
+#[inline(always)]
+fn gather<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec3], corner: usize) -> Lanes3<S> {
+    let mut cell = Cell::default();
+    for (lane, pair) in pairs.iter().enumerate() {
+        cell.set(lane, places[pair.ids[corner] as usize]);
+    }
+    Lanes3::load(simd, &cell)
+}
+
+/// Nearest points at the start, and what is left between the two at the end.
+struct Gap<S: Simd> {
+    weights: [f32x16<S>; 2],
+    /// From the second part to the first, at the start.
+    way: Lanes3<S>,
+    /// Height of the first point above the second at the end, along the way, in metres.
+    height: f32x16<S>,
+    /// Height of the lowest corner of the first part above the highest one of the second.
+    gap: f32x16<S>,
+}
+
+impl<S: Simd> Gap<S> {
+    #[inline(always)]
+    fn of(simd: S, kind: Kind, [start, end]: [[Lanes3<S>; 4]; 2]) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        match kind {
+            Kind::CornerFace => {
+                let (w, later_w) = (start[0].minus(start[1]), end[0].minus(end[1]));
+                let [u, v] = [start[2].minus(start[1]), start[3].minus(start[1])];
+                let [s, t] = TriangleLanes::new(simd, [u, v]).nearest(simd, w);
+                let way = w.minus(u.times(s)).minus(v.times(t));
+                let n = way.times(inverse(simd, way.dot(way)).sqrt());
+                let (a, b) = (n.dot(end[2].minus(end[1])), n.dot(end[3].minus(end[1])));
+                let top = n.dot(later_w);
+                let gap = top - most(zero, most(a, b));
+                Self { weights: [s, t], way, height: top - s * a - t * b, gap }
+            }
+            Kind::EdgeEdge => {
+                let (w, later_w) = (start[0].minus(start[2]), end[0].minus(end[2]));
+                let [u, v] = [start[1].minus(start[0]), start[3].minus(start[2])];
+                let inverses = [inverse(simd, u.dot(u)), inverse(simd, v.dot(v))];
+                let [s, t] = between_segments(simd, w, [u, v], inverses);
+                let way = w.plus(u.times(s)).minus(v.times(t));
+                let n = way.times(inverse(simd, way.dot(way)).sqrt());
+                let (a, b) = (n.dot(end[1].minus(end[0])), n.dot(end[3].minus(end[2])));
+                let foot = n.dot(later_w);
+                let gap = foot + least(zero, a) - most(zero, b);
+                Self { weights: [s, t], way, height: foot + s * a - t * b, gap }
+            }
+        }
+    }
+}
+
+/// Distances at rest between the parts of pairs, all of one kind.
+pub(crate) struct RestDistances<'a> {
+    pub kind: Kind,
+    pub pairs: &'a [Pair],
+    pub rest: &'a [Vec3],
+    pub found: &'a mut Vec<f32>,
+}
+
+impl Kernel for RestDistances<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { kind, pairs, rest, found } = self;
+        for pairs in pairs.chunks(LANES) {
+            let corners = corners(simd, pairs, rest);
+            let way = Gap::of(simd, kind, [corners, corners]).way;
+            found.extend_from_slice(&way.dot(way).sqrt().to_array()[..pairs.len()]);
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! The surfaces of an island, placed in space: their stars in rows and boxes.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use std::sync::{Arc, Weak};
+
+use glam::Vec3;
+
+use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree};
+use crate::broad_phase::swept_box::SweptBoxes;
+use crate::contact::cloth_contact::has_triangles;
+use crate::contact::surface::points::Points;
+use crate::contact::surface::rows::{CORNERS, PlaceStars, Row};
+use crate::simd::columns::LANES;
+use crate::simd::isa::Isa;
+use crate::state::body::Body;
+use crate::state::surface::{EDGES, NONE, Star};
+use crate::state::topology::Topology;
+
+/// The surfaces of an island.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PlacedSurfaces {
+    bodies: Vec<PlacedBody>,
+    /// The stars of all bodies, with the numbers of their particles in the island.
+    pub stars: Vec<Star>,
+    pub rows: Vec<Row>,
+    /// Places of all particles at rest, by number.
+    pub rest: Vec<Vec3>,
+    /// Sharpness of each star's edges, from 0 for a flat one to 1.
+    sharpness: Vec<[f32; EDGES]>,
+    leaf_pairs: Vec<[u32; 2]>,
+}
+
+/// The surface of one body.
+#[derive(Clone, Debug, Default)]
+struct PlacedBody {
+    topology: Weak<Topology>,
+    /// Its index in the island, and its first particle and leaf there.
+    place: usize,
+    first: u32,
+    first_leaf: u32,
+    tree: PlacedTree,
+    leaves: Vec<Leaf>,
+}
+
+/// How far a leaf's corners are from where its pairs expect them, in metres.
+#[derive(Clone, Copy, Debug, Default)]
+struct Leaf {
+    /// From where its rows expect them.
+    deviation: f32,
+    /// The deviations when its rows were written anew without its pairs.
+    drift: f32,
+    is_stale: bool,
+}
+
+/// Cosines between the normals of two faces from which on the edge between them counts as flat, and as sharp: 15 and 45
+/// degrees.
+const FLAT: f32 = 0.966;
+const SHARP: f32 = 0.707;
+
+impl PlacedSurfaces {
+    /// Fits everything to these bodies.
+    pub fn fit(&mut self, bodies: &[Body], points: &Points) {
+        let on = || bodies.iter().enumerate().filter(|(_, body)| has_triangles(body));
+        let is_known = |known: &PlacedBody, (place, body): (usize, &Body)| {
+            known.place == place
+                && known.first == points.first[place]
+                && core::ptr::eq(known.topology.as_ptr(), Arc::as_ptr(&body.topology))
+        };
+        if on().count() == self.bodies.len()
+            && self.bodies.iter().zip(on()).all(|(known, body)| is_known(known, body))
+        {
+            return;
+        }
+        let Self { bodies: known, stars, rest, rows, sharpness, .. } = self;
+        known.resize_with(on().count(), PlacedBody::default);
+        stars.clear();
+        rest.clear();
+        rest.resize(points.start.len(), Vec3::ZERO);
+        for (known, (place, body)) in known.iter_mut().zip(on()) {
+            let topology = &body.topology;
+            let first = points.first[place];
+            known.topology = Arc::downgrade(topology);
+            (known.place, known.first, known.first_leaf) = (place, first, (stars.len() / LANES) as u32);
+            for (index, slot) in topology.layout.slots().enumerate() {
+                rest[first as usize + slot] = topology.rest.get(index).copied().unwrap_or_default();
+            }
+            let surface = topology.surface();
+            stars.extend(surface.stars.iter().map(|star| star.map(|slot| slot + first)));
+            let leaves = surface.stars.len() / LANES;
+            known.tree.stars.resize(leaves, SweptBoxes::NOTHING);
+            known.tree.is_active.resize(leaves, true);
+            known.leaves.resize(leaves, Leaf::default());
+        }
+        rows.resize(stars.len(), Row::NOTHING);
+        sharpness.resize(stars.len(), [0.0; EDGES]);
+    }
+
+    /// Works out how sharp edges are, from where their faces are when a step begins.
+    pub fn sharpen(&mut self, points: &Points) {
+        for (star, sharpness) in self.stars.iter().zip(&mut self.sharpness) {
+            for (k, sharpness) in sharpness.iter_mut().enumerate() {
+                let [third, fourth] = star.sides[k];
+                if third == NONE || fourth == NONE {
+                    *sharpness = 1.0;
+                    continue;
+                }
+                let [a, b, c, d] = points.starts([star.centre, star.ends[k], third, fourth]);
+                let (m, n) = ((b - a).cross(c - a), (d - a).cross(b - a));
+                let scale = (m.length_squared() * n.length_squared()).sqrt();
+                let cosine = if scale > 0.0 { m.dot(n) / scale } else { 0.0 };
+                *sharpness = ((FLAT - cosine) / (FLAT - SHARP)).clamp(0.0, 1.0);
+            }
+        }
+    }
+
+    /// Chooses the leaves that are looked at: those with a corner that is more than `slack` metres from where the rows
+    /// expect it, at this `fraction` of the way. True if there is one.
+    pub fn find_stale(&mut self, points: &Points, fraction: f32, slack: f32) -> bool {
+        let mut is_any = false;
+        for body in &mut self.bodies {
+            for (place, leaf) in (body.first_leaf as usize..).zip(&mut body.leaves) {
+                let own = place * LANES..(place + 1) * LANES;
+                let stars = self.stars[own.clone()].iter().zip(&self.rows[own]);
+                leaf.deviation = greatest_deviation(stars, points, fraction);
+                leaf.is_stale = leaf.drift + leaf.deviation > slack;
+                is_any |= leaf.is_stale;
+            }
+            let stale = body.leaves.iter().map(|leaf| leaf.is_stale);
+            body.tree.is_active.clear();
+            body.tree.is_active.extend(stale);
+        }
+        is_any
+    }
+
+    /// Looks at all leaves.
+    pub fn look_at_all(&mut self) {
+        for body in &mut self.bodies {
+            body.tree.is_active.fill(true);
+            body.leaves.fill(Leaf { is_stale: true, ..Leaf::default() });
+        }
+    }
+
+    /// Places the leaves that are looked at, for ways from the points' starts to `targets`. Boxes are wider by the
+    /// thickness times `factor`, and `slack` metres.
+    pub fn place(
+        &mut self,
+        bodies: &[Body],
+        points: &Points,
+        targets: &[Vec3],
+        [factor, slack]: [f32; 2],
+        isa: Isa,
+    ) {
+        let Self { bodies: placed, stars, rows, sharpness, .. } = self;
+        for body in placed {
+            let first = body.first_leaf as usize * LANES;
+            let own = first..first + body.tree.stars.len() * LANES;
+            let of = &bodies[body.place];
+            let (surface, thickness) = (of.topology.surface(), of.settings.thickness);
+            body.tree.leans.clear();
+            body.tree.leans.resize(of.particles.inverse_mass.len(), Lean::NOTHING);
+            isa.run(PlaceStars {
+                stars: &stars[own.clone()],
+                first: body.first,
+                sharpness: &sharpness[own.clone()],
+                places: [&points.start, targets],
+                thickness,
+                growth: thickness * factor + slack,
+                has_faces: !of.topology.faces.is_empty(),
+                rows: &mut rows[own],
+                tree: &mut body.tree,
+            });
+            body.tree.refit(surface);
+            // The pairs of leaves that are not looked at stay as they were listed.
+            for leaf in &mut body.leaves {
+                leaf.drift = if leaf.is_stale { 0.0 } else { leaf.drift + leaf.deviation };
+            }
+        }
+    }
+
+    /// Finds the pairs of stars that may touch, where one is in a leaf that is looked at.
+    pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, found: &mut Vec<[u32; 2]>) {
+        found.clear();
+        let Self { bodies: placed, leaf_pairs, .. } = self;
+        for a in 0..placed.len() {
+            leaf_pairs.clear();
+            placed[a].surface(bodies).own_pairs(leaf_pairs);
+            if !leaf_pairs.is_empty() {
+                let body = &mut placed[a];
+                body.tree.find_flat(bodies[body.place].topology.surface());
+                let own = placed[a].surface(bodies);
+                own.star_pairs(&own, leaf_pairs, isa, found);
+            }
+            let layers = bodies[placed[a].place].layers;
+            for b in a + 1..placed.len() {
+                if layers.interact(bodies[placed[b].place].layers) {
+                    leaf_pairs.clear();
+                    let [own, other] = [a, b].map(|body| placed[body].surface(bodies));
+                    own.pairs_with(&other, leaf_pairs);
+                    own.star_pairs(&other, leaf_pairs, isa, found);
+                }
+            }
+        }
+    }
+}
+
+/// Greatest distance in metres of the stars' corners from where their rows expect them.
+fn greatest_deviation<'a>(
+    stars: impl Iterator<Item = (&'a Star, &'a Row)>,
+    points: &Points,
+    fraction: f32,
+) -> f32 {
+    let mut most = 0.0_f32;
+    for (star, row) in stars {
+        for corner in 0..CORNERS {
+            let [start, end] = row.places(corner);
+            let expected = start + (end - start) * fraction;
+            most = most.max(points.end[star.corner(corner) as usize].distance_squared(expected));
+        }
+    }
+    most.sqrt()
+}
+
+impl PlacedBody {
+    fn surface<'a>(&'a self, bodies: &'a [Body]) -> PlacedSurface<'a> {
+        let surface = bodies[self.place].topology.surface();
+        PlacedSurface { surface, at: &self.tree, first_leaf: self.first_leaf }
+    }
+}

@@ -1,0 +1,132 @@
+//! The particles of all bodies of an island that touch by their surfaces, in one list.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use glam::Vec3;
+
+use crate::contact::cloth_contact::has_triangles;
+use crate::state::body::Body;
+use crate::state::surface::NONE;
+
+/// Places of particles at the start of a substep and now, relative to the origin of the first body, in metres.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Points {
+    /// For each body the number of its first particle; [`NONE`] if its surface touches nothing.
+    pub first: Vec<u32>,
+    /// The body of each particle.
+    pub body: Vec<u32>,
+    /// In 1/kg.
+    pub inverse_mass: Vec<f32>,
+    pub start: Vec<Vec3>,
+    pub end: Vec<Vec3>,
+    /// Motion in this substep that is not to become velocity.
+    pub shift: Vec<Vec3>,
+    /// The part of `shift` that the bodies know.
+    known_shift: Vec<Vec3>,
+    /// Places as the bodies have them.
+    known: Vec<Vec3>,
+}
+
+impl Points {
+    pub fn clear(&mut self) {
+        self.first.clear();
+        self.start.clear();
+        self.end.clear();
+        self.known.clear();
+        self.body.clear();
+        self.inverse_mass.clear();
+        self.shift.clear();
+        self.known_shift.clear();
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.start.is_empty()
+    }
+
+    /// Reads the particles at the start of a substep, before anything has moved.
+    pub fn begin_substep(&mut self, bodies: &[Body]) {
+        self.clear();
+        for (place, body) in bodies.iter().enumerate() {
+            if has_triangles(body) {
+                self.first.push(self.body.len() as u32);
+                self.inverse_mass.extend_from_slice(&body.particles.inverse_mass);
+                self.body.resize(self.inverse_mass.len(), place as u32);
+            } else {
+                self.first.push(NONE);
+            }
+        }
+        read(bodies, &mut self.start);
+        self.shift.resize(self.start.len(), Vec3::ZERO);
+        self.known_shift.resize(self.start.len(), Vec3::ZERO);
+        self.end.clone_from(&self.start);
+        self.known.clone_from(&self.start);
+    }
+
+    /// Reads where the particles are now.
+    pub fn read(&mut self, bodies: &[Body]) {
+        read(bodies, &mut self.end);
+        self.known.clone_from(&self.end);
+    }
+
+    /// Moves the bodies' particles to where they are now. `move_particle` gets the body, the slot and the way in metres.
+    pub fn write(&mut self, bodies: &mut [Body], mut move_particle: impl FnMut(&mut Body, usize, Vec3)) {
+        for (body, &first) in bodies.iter_mut().zip(&self.first) {
+            if first == NONE {
+                continue;
+            }
+            let own = first as usize..first as usize + body.particles.inverse_mass.len();
+            for (slot, (end, known)) in self.end[own.clone()].iter().zip(&mut self.known[own]).enumerate() {
+                if *end != *known {
+                    move_particle(body, slot, *end - *known);
+                    *known = *end;
+                }
+            }
+        }
+    }
+
+    /// Tells the bodies which motion is not to become velocity.
+    pub fn write_shifts(&mut self, bodies: &mut [Body]) {
+        for (body, &first) in bodies.iter_mut().zip(&self.first) {
+            if first == NONE {
+                continue;
+            }
+            let own = first as usize..first as usize + body.particles.inverse_mass.len();
+            let shifts = self.shift[own.clone()].iter().zip(&mut self.known_shift[own]);
+            for (slot, (shift, known)) in shifts.enumerate() {
+                if *shift != *known {
+                    body.context.integrated.add(slot, *shift - *known);
+                    *known = *shift;
+                }
+            }
+        }
+    }
+
+    /// Places of the particles with these numbers, now.
+    pub fn ends<const N: usize>(&self, ids: [u32; N]) -> [Vec3; N] {
+        ids.map(|id| self.end[id as usize])
+    }
+
+    /// Places of the particles with these numbers when the substep began.
+    pub fn starts<const N: usize>(&self, ids: [u32; N]) -> [Vec3; N] {
+        ids.map(|id| self.start[id as usize])
+    }
+
+    pub fn inverse_masses<const N: usize>(&self, ids: [u32; N]) -> [f32; N] {
+        ids.map(|id| self.inverse_mass[id as usize])
+    }
+
+    /// Way of particle `id` in this substep so far, in metres.
+    pub fn way(&self, id: usize) -> Vec3 {
+        self.end[id] - self.start[id]
+    }
+}
+
+fn read(bodies: &[Body], to: &mut Vec<Vec3>) {
+    to.clear();
+    let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
+    for body in bodies.iter().filter(|body| has_triangles(body)) {
+        let shift = body.particles.origin - origin;
+        let count = body.particles.inverse_mass.len();
+        to.extend((0..count).map(|slot| body.particles.position.get(slot) + shift));
+    }
+}

@@ -1,0 +1,267 @@
+//! Stars as rows of numbers, from which sixteen pairs at a time are tested.
+//!
+//! Places of the centre are absolute, those of all other corners relative to the centre, at the start and at the end.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
+
+use crate::broad_phase::surface_pairs::{Lean, PlacedTree};
+use crate::broad_phase::swept_box::SweptBoxes;
+use crate::geometry::nearest_lanes::{TriangleLanes, inverse, least, most};
+use crate::simd::columns::LANES;
+use crate::simd::isa::Kernel;
+use crate::simd::lanes::{Lanes3, load};
+use crate::simd::transpose::transpose;
+use crate::state::surface::{EDGES, FACES, Star};
+
+/// The columns of a row.
+pub(crate) const CENTRE: [usize; 2] = [0, 3];
+pub(crate) const EDGE: [usize; 2] = [6, 15];
+pub(crate) const FACE: [usize; 2] = [24, 36];
+/// Sharpness of each edge, from 0 to 1; negative where there is no edge.
+pub(crate) const SHARPNESS: usize = 48;
+/// One over the squared length of each edge.
+pub(crate) const EDGE_SCALE: usize = 51;
+/// For each face, one over the squared lengths of its sides from the centre, of the third side, and over the
+/// determinant of the first two; the last is negative where there is no face.
+pub(crate) const FACE_SCALE: usize = 54;
+/// Half the distance to keep, in metres.
+pub(crate) const THICKNESS: usize = 62;
+/// 1 if the centre is tested against faces, else 0.
+pub(crate) const HAS_CENTRE: usize = 63;
+pub(crate) const COLUMNS: usize = 64;
+
+/// The corners of a star.
+pub(crate) const CORNERS: usize = 1 + EDGES + 2 * FACES;
+
+/// The columns of sixteen stars.
+pub(crate) type Columns = [[f32; LANES]; COLUMNS];
+
+/// The numbers of a star.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Row(pub [[f32; LANES]; COLUMNS / LANES]);
+
+impl Row {
+    pub const NOTHING: Self = Self([[0.0; LANES]; COLUMNS / LANES]);
+
+    /// Where the corner of this number is, at the start and at the end: the centre, the other ends of the edges, the other
+    /// corners of the faces.
+    pub fn places(&self, corner: usize) -> [Vec3; 2] {
+        let at = |column: usize| {
+            let of = |column: usize| self.0[column / LANES][column % LANES];
+            Vec3::new(of(column), of(column + 1), of(column + 2))
+        };
+        [0, 1].map(|time| match corner {
+            0 => at(CENTRE[time]),
+            1..=EDGES => at(CENTRE[time]) + at(EDGE[time] + 3 * (corner - 1)),
+            _ => at(CENTRE[time]) + at(FACE[time] + 3 * (corner - 1 - EDGES)),
+        })
+    }
+}
+
+/// Reads three columns.
+#[inline(always)]
+pub(crate) fn vector<S: Simd>(simd: S, columns: &Columns, at: usize) -> Lanes3<S> {
+    Lanes3 {
+        x: load(simd, &columns[at]),
+        y: load(simd, &columns[at + 1]),
+        z: load(simd, &columns[at + 2]),
+    }
+}
+
+/// Columns of the rows at up to sixteen places; of the first where there are fewer.
+#[inline(always)]
+pub(crate) fn gather<S: Simd>(simd: S, rows: &[Row], places: &[usize; LANES], columns: &mut Columns) {
+    for block in 0..COLUMNS / LANES {
+        transpose(
+            #[inline(always)]
+            |row| load(simd, &rows[places[row]].0[block]),
+            #[inline(always)]
+            |column, vector| columns[block * LANES + column] = vector.to_array(),
+        );
+    }
+}
+
+/// Writes the rows and boxes of one body's stars.
+pub(crate) struct PlaceStars<'a> {
+    /// The body's stars, with the numbers of their particles in the island; and the first of these.
+    pub stars: &'a [Star],
+    pub first: u32,
+    /// Sharpness of each star's edges.
+    pub sharpness: &'a [[f32; EDGES]],
+    /// Places of the island's particles at both ends of their ways.
+    pub places: [&'a [Vec3]; 2],
+    pub thickness: f32,
+    /// Distance in metres by which boxes are wider.
+    pub growth: f32,
+    pub has_faces: bool,
+    pub rows: &'a mut [Row],
+    pub tree: &'a mut PlacedTree,
+}
+
+impl Kernel for PlaceStars<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { stars, first, sharpness, places, thickness, growth, has_faces, rows, tree } = self;
+        let mut columns: Columns = [[0.0; LANES]; COLUMNS];
+        for (leaf, stars) in stars.chunks_exact(LANES).enumerate() {
+            for (lane, star) in stars.iter().enumerate() {
+                let centre = places.map(|places| places[star.centre as usize]);
+                for time in 0..2 {
+                    put(&mut columns, CENTRE[time], lane, centre[time]);
+                    let relative = |point: u32| places[time][point as usize] - centre[time];
+                    for (k, &end) in star.ends.iter().enumerate() {
+                        put(&mut columns, EDGE[time] + 3 * k, lane, relative(end));
+                    }
+                    for (k, &corner) in star.faces.as_flattened().iter().enumerate() {
+                        put(&mut columns, FACE[time] + 3 * k, lane, relative(corner));
+                    }
+                }
+                for k in 0..EDGES {
+                    let is_there = k < star.edge_count as usize;
+                    columns[SHARPNESS + k][lane] =
+                        if is_there { sharpness[leaf * LANES + lane][k] } else { -1.0 };
+                }
+                columns[THICKNESS][lane] = thickness;
+                columns[HAS_CENTRE][lane] = f32::from(u8::from(star.has_centre));
+            }
+            scale(simd, &mut columns);
+            for (lane, star) in stars.iter().enumerate() {
+                for k in star.face_count as usize..FACES {
+                    columns[FACE_SCALE + 4 * k + 3][lane] = -1.0;
+                }
+            }
+            let boxes = &mut tree.stars[leaf];
+            put_boxes(simd, &columns, growth, boxes);
+            for (lane, _) in stars.iter().enumerate().filter(|(_, star)| star.is_nothing()) {
+                for axis in 0..3 {
+                    boxes.low[axis][lane] = f32::INFINITY;
+                    boxes.high[axis][lane] = f32::NEG_INFINITY;
+                    boxes.slow[axis][lane] = f32::INFINITY;
+                    boxes.fast[axis][lane] = f32::NEG_INFINITY;
+                }
+            }
+            lean(simd, &columns, stars, first, has_faces, &mut tree.leans);
+            let rows = &mut rows[leaf * LANES..(leaf + 1) * LANES];
+            for block in 0..COLUMNS / LANES {
+                transpose(
+                    #[inline(always)]
+                    |column| load(simd, &columns[block * LANES + column]),
+                    #[inline(always)]
+                    |row, vector| rows[row].0[block] = vector.to_array(),
+                );
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn put(columns: &mut Columns, at: usize, lane: usize, v: Vec3) {
+    columns[at][lane] = v.x;
+    columns[at + 1][lane] = v.y;
+    columns[at + 2][lane] = v.z;
+}
+
+/// Works out the scales of edges and faces.
+#[inline(always)]
+fn scale<S: Simd>(simd: S, columns: &mut Columns) {
+    for k in 0..EDGES {
+        let edge = vector(simd, columns, EDGE[0] + 3 * k);
+        columns[EDGE_SCALE + k] = inverse(simd, edge.dot(edge)).to_array();
+    }
+    for k in 0..FACES {
+        let at = FACE[0] + 6 * k;
+        let face = TriangleLanes::new(simd, [vector(simd, columns, at), vector(simd, columns, at + 3)]);
+        for (i, inverse) in face.inverses.into_iter().enumerate() {
+            columns[FACE_SCALE + 4 * k + i] = inverse.to_array();
+        }
+    }
+}
+
+/// Boxes around all corners of the stars, and around their ways.
+#[inline(always)]
+fn put_boxes<S: Simd>(simd: S, columns: &Columns, growth: f32, boxes: &mut SweptBoxes) {
+    let growth = f32x16::splat(simd, growth);
+    for axis in 0..3 {
+        let [start, end] = [0, 1].map(
+            #[inline(always)]
+            |time: usize| load(simd, &columns[CENTRE[time] + axis]),
+        );
+        let zero = f32x16::splat(simd, 0.0);
+        let (mut low, mut high, mut slow, mut fast) = (zero, zero, zero, zero);
+        for k in 0..EDGES + 2 * FACES {
+            let at = |time: usize| {
+                (if k < EDGES { EDGE[time] + 3 * k } else { FACE[time] + 3 * (k - EDGES) }) + axis
+            };
+            let (place, target) = (load(simd, &columns[at(0)]), load(simd, &columns[at(1)]));
+            let way = target - place;
+            low = least(low, place);
+            high = most(high, place);
+            slow = least(slow, way);
+            fast = most(fast, way);
+        }
+        let way = end - start;
+        boxes.low[axis] = (start + low - growth).to_array();
+        boxes.high[axis] = (start + high + growth).to_array();
+        boxes.slow[axis] = (way + slow).to_array();
+        boxes.fast[axis] = (way + fast).to_array();
+    }
+}
+
+/// Adds the normals of the stars' faces, at the start, half way and at the end, to the leans of their corners.
+#[inline(always)]
+fn lean<S: Simd>(
+    simd: S,
+    columns: &Columns,
+    stars: &[Star],
+    first: u32,
+    has_faces: bool,
+    leans: &mut [Lean],
+) {
+    if !has_faces {
+        lean_links(columns, stars, first, leans);
+        return;
+    }
+    let half = f32x16::splat(simd, 0.5);
+    for k in 0..FACES {
+        let [u, v, later_u, later_v] = [0, 1, 2, 3].map(
+            #[inline(always)]
+            |i: usize| vector(simd, columns, FACE[i / 2] + 6 * k + 3 * (i % 2)),
+        );
+        let middle = [u.plus(later_u).times(half), v.plus(later_v).times(half)];
+        let mut normals = [[[0.0; LANES]; 3]; 3];
+        for (normal, [u, v]) in normals.iter_mut().zip([[u, v], middle, [later_u, later_v]]) {
+            let n = u.cross(v);
+            let n = n.times(inverse(simd, n.dot(n)).sqrt());
+            *normal = [n.x.to_array(), n.y.to_array(), n.z.to_array()];
+        }
+        for (lane, star) in stars.iter().enumerate().filter(|(_, star)| k < star.face_count as usize) {
+            let mut lean = Lean::NOTHING;
+            for normal in &normals {
+                lean.add(&Lean::of(Vec3::new(normal[0][lane], normal[1][lane], normal[2][lane])));
+            }
+            for corner in star.face(k) {
+                leans[(corner - first) as usize].add(&lean);
+            }
+        }
+    }
+}
+
+/// The same for the links of a rope, which cannot meet itself if they all lead one way.
+#[inline(always)]
+fn lean_links(columns: &Columns, stars: &[Star], first: u32, leans: &mut [Lean]) {
+    for (lane, star) in stars.iter().enumerate() {
+        for k in 0..star.edge_count as usize {
+            for at in EDGE {
+                let link = [0, 1, 2].map(|axis| columns[at + 3 * k + axis][lane]);
+                let lean = Lean::of(Vec3::from(link).normalize_or_zero());
+                star.edge(k).into_iter().for_each(|end| leans[(end - first) as usize].add(&lean));
+            }
+        }
+    }
+}

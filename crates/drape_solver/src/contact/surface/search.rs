@@ -1,0 +1,182 @@
+//! The search for corners and faces, and for edges, that may touch: sixteen pairs of stars at a time.
+//!
+//! With the unit vector `n` between the nearest points of two parts at the start, a pair may be left out if, at the end,
+//! the least height of the one part along `n` is above the greatest of the other by more than the reach: heights change
+//! evenly on the way, so a plane keeps the two apart all along.
+//!
+//! ```text
+//!     start  o            end      o            height of the lowest corner of the one
+//!            | n                 ...............
+//!         ---+---              --+--            height of the highest corner of the other
+//! ```
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+
+use crate::contact::surface::pair::{Kind, Pair};
+use crate::contact::surface::rows::{
+    CENTRE, COLUMNS, Columns, EDGE, EDGE_SCALE, FACE, FACE_SCALE, HAS_CENTRE, Row, SHARPNESS, THICKNESS,
+    gather, vector,
+};
+use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, least, most};
+use crate::simd::columns::LANES;
+use crate::simd::isa::Kernel;
+use crate::simd::lanes::{Lanes3, load};
+use crate::state::surface::{EDGES, FACES, Star};
+
+/// How far apart two parts may be to be listed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// Factor of the sum of the thicknesses.
+    pub factor: f32,
+    /// The same for edges that are blunt.
+    pub blunt_factor: f32,
+    /// Metres more.
+    pub slack: f32,
+}
+
+/// Lists the parts of pairs of stars that may touch.
+pub(crate) struct Search<'a> {
+    pub rows: &'a [Row],
+    pub stars: &'a [Star],
+    pub pairs: &'a [[u32; 2]],
+    pub reach: Reach,
+    /// Corners and faces, and edges.
+    pub found: &'a mut [Vec<Pair>; 2],
+}
+
+impl Kernel for Search<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { rows, stars, pairs, reach, found } = self;
+        let mut columns: [Columns; 2] = [[[0.0; LANES]; COLUMNS]; 2];
+        for pairs in pairs.chunks(LANES) {
+            for (side, columns) in columns.iter_mut().enumerate() {
+                let mut places = [pairs[0][side] as usize; LANES];
+                places.iter_mut().zip(pairs).for_each(|(place, pair)| *place = pair[side] as usize);
+                gather(simd, rows, &places, columns);
+            }
+            let live = if pairs.len() == LANES { u16::MAX } else { (1 << pairs.len()) - 1 };
+            let [a, b] = &columns;
+            let batch = Batch { stars, pairs, live };
+            let distance = load(simd, &a[THICKNESS]) + load(simd, &b[THICKNESS]);
+            let [on_faces, on_edges] = &mut *found;
+            edges(simd, [a, b], distance, reach, &batch, on_edges);
+            let bound = distance * reach.factor + reach.slack;
+            corners(simd, [a, b], [0, 1], bound, &batch, on_faces);
+            corners(simd, [b, a], [1, 0], bound, &batch, on_faces);
+        }
+    }
+}
+
+/// The stars in the lanes.
+struct Batch<'a> {
+    stars: &'a [Star],
+    pairs: &'a [[u32; 2]],
+    /// Bit mask of the lanes in use.
+    live: u16,
+}
+
+impl Batch<'_> {
+    /// Appends the pairs in these lanes whose parts do not share a corner.
+    #[inline(always)]
+    fn push(&self, mut lanes: u16, found: &mut Vec<Pair>, pair: impl Fn(usize, [&Star; 2]) -> Pair) {
+        lanes &= self.live;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let pair = pair(lane, self.pairs[lane].map(|star| &self.stars[star as usize]));
+            if !pair.is_joined() {
+                found.push(pair);
+            }
+        }
+    }
+}
+
+/// True where a plane does not keep two parts apart by the `bound`: at the start, with nearest points at `way`, or at the
+/// end, with a `gap` in heights that are `way` long.
+#[inline(always)]
+fn may_meet<S: Simd>(simd: S, way: Lanes3<S>, gap: f32x16<S>, bound: f32x16<S>) -> mask32x16<S> {
+    let squared = bound * bound * way.dot(way);
+    way.dot(way).simd_lt(bound * bound) | gap.simd_le(f32x16::splat(simd, 0.0)) | (gap * gap).simd_lt(squared)
+}
+
+/// The edges of one star and those of another.
+#[inline(always)]
+fn edges<S: Simd>(
+    simd: S,
+    [a, b]: [&Columns; 2],
+    distance: f32x16<S>,
+    reach: Reach,
+    batch: &Batch,
+    found: &mut Vec<Pair>,
+) {
+    let zero = f32x16::splat(simd, 0.0);
+    let w = vector(simd, a, CENTRE[0]).minus(vector(simd, b, CENTRE[0]));
+    let later_w = vector(simd, a, CENTRE[1]).minus(vector(simd, b, CENTRE[1]));
+    for i in 0..EDGES {
+        let sharp = load(simd, &a[SHARPNESS + i]);
+        let (u, later_u) = (vector(simd, a, EDGE[0] + 3 * i), vector(simd, a, EDGE[1] + 3 * i));
+        let scale = load(simd, &a[EDGE_SCALE + i]);
+        for j in 0..EDGES {
+            let sharpness = least(sharp, load(simd, &b[SHARPNESS + j]));
+            let (v, later_v) = (vector(simd, b, EDGE[0] + 3 * j), vector(simd, b, EDGE[1] + 3 * j));
+            let [s, t] = between_segments(simd, w, [u, v], [scale, load(simd, &b[EDGE_SCALE + j])]);
+            let n = w.plus(u.times(s)).minus(v.times(t));
+            let low = n.dot(later_w) + least(zero, n.dot(later_u));
+            let high = most(zero, n.dot(later_v));
+            let factor = sharpness * (reach.factor - reach.blunt_factor) + reach.blunt_factor;
+            let hits = may_meet(simd, n, low - high, distance * factor + reach.slack);
+            let hits = (hits & sharpness.simd_ge(zero)).to_bitmask() as u16;
+            if hits != 0 {
+                let sharpness = sharpness.to_array();
+                batch.push(hits, found, |lane, [p, q]| Pair {
+                    ids: [p.centre, p.ends[i], q.centre, q.ends[j]],
+                    kind: Kind::EdgeEdge,
+                    sharpness: sharpness[lane],
+                    distance: 0.0,
+                });
+            }
+        }
+    }
+}
+
+/// The centre of one star and the faces of another; `sides` are their places in the pair.
+#[inline(always)]
+fn corners<S: Simd>(
+    simd: S,
+    [a, b]: [&Columns; 2],
+    sides: [usize; 2],
+    bound: f32x16<S>,
+    batch: &Batch,
+    found: &mut Vec<Pair>,
+) {
+    let zero = f32x16::splat(simd, 0.0);
+    let w = vector(simd, a, CENTRE[0]).minus(vector(simd, b, CENTRE[0]));
+    let later_w = vector(simd, a, CENTRE[1]).minus(vector(simd, b, CENTRE[1]));
+    let is_centre = load(simd, &a[HAS_CENTRE]).simd_gt(zero);
+    for k in 0..FACES {
+        let at = |time: usize, side: usize| FACE[time] + 6 * k + 3 * side;
+        let scale = &b[FACE_SCALE + 4 * k..];
+        let face = TriangleLanes {
+            sides: [vector(simd, b, at(0, 0)), vector(simd, b, at(0, 1))],
+            inverses: [load(simd, &scale[0]), load(simd, &scale[1]), load(simd, &scale[2]), load(simd, &scale[3])],
+        };
+        let [s, t] = face.nearest(simd, w);
+        let n = w.minus(face.sides[0].times(s)).minus(face.sides[1].times(t));
+        let (later_u, later_v) = (vector(simd, b, at(1, 0)), vector(simd, b, at(1, 1)));
+        let high = most(zero, most(n.dot(later_u), n.dot(later_v)));
+        let hits = may_meet(simd, n, n.dot(later_w) - high, bound);
+        let hits = (hits & is_centre & face.inverses[3].simd_gt(zero)).to_bitmask() as u16;
+        if hits != 0 {
+            batch.push(hits, found, |_, stars| {
+                let [p, q] = [stars[sides[0]], stars[sides[1]]];
+                let [_, c, d] = q.face(k);
+                Pair { ids: [p.centre, q.centre, c, d], kind: Kind::CornerFace, sharpness: 1.0, distance: 0.0 }
+            });
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Truncation: the last stage of a substep, after which no part has passed through another.
+//!
+//! If a plane lies between two parts at the start of a substep and at its end, and all corners go straight and evenly,
+//! the two have not met on their way. Where the plane that belongs to a contact does not, the two corners that stick out
+//! most are moved apart along its normal, each by its inverse mass, so that momentum is kept:
+//!
+//! ```text
+//!     start       end             truncated
+//!       o                            o
+//!      ---         ---              ---
+//!                   o
+//! ```
+//!
+//! This is the planar truncation of Chen et al. 2025 ("Offset geometric contact"), for pairs: it sees only how two parts
+//! move against each other, so it does not slow what moves together. In a tight heap one pair may undo what another has
+//! done. Parts that are left then move as one piece, by their mean motion (the impact zones of Provot 1997), and the
+//! piece grows until nothing passes.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use glam::Vec3;
+
+use crate::contact::surface::contact::Contact;
+use crate::contact::surface::points::Points;
+use crate::union_find::Groups;
+
+/// Turns in which pairs are moved apart one by one.
+const TURNS_OF_PAIRS: u32 = 10;
+
+/// Turns in which pieces may grow. Each joins two pieces at least.
+const TURNS_OF_PIECES: u32 = 200;
+
+/// Corners of a pair that are moved apart in a turn: three in a face, two in an edge.
+const LOOKS_AT_PAIR: u32 = 4;
+
+/// Pieces of a surface that move as one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pieces {
+    groups: Groups,
+    motions: Vec<Motion>,
+}
+
+/// The motion of a piece in a substep.
+#[derive(Clone, Copy, Debug, Default)]
+struct Motion {
+    count: u32,
+    mass: f32,
+    /// Sum of the ways times masses.
+    momentum: Vec3,
+    pins: f32,
+    /// Sum of the ways of pins, in metres.
+    pinned: Vec3,
+}
+
+impl Motion {
+    fn way(&self) -> Vec3 {
+        if self.pins > 0.0 { self.pinned / self.pins } else { self.momentum / self.mass }
+    }
+}
+
+/// Moves parts back that have passed or may have. Returns the number of times that a pair was moved, and true if none is
+/// left.
+pub(crate) fn truncate(contacts: &[Contact], points: &mut Points, pieces: &mut Pieces) -> (u32, bool) {
+    let mut count = 0;
+    for _ in 0..TURNS_OF_PAIRS {
+        let moved: u32 = contacts.iter().map(|contact| move_apart(contact, points)).sum();
+        if moved == 0 {
+            return (count, true);
+        }
+        count += moved;
+    }
+    pieces.groups.reset(points.start.len());
+    for _ in 0..TURNS_OF_PIECES {
+        let mut left = 0;
+        for contact in contacts {
+            if contact.gap(points).1 < contact.least_gap() {
+                left += 1;
+                let ids = contact.pair.ids;
+                (1..4).for_each(|k| pieces.groups.join(ids[0], ids[k]));
+            }
+        }
+        if left == 0 {
+            return (count, true);
+        }
+        count += left;
+        pieces.carry(points);
+    }
+    (count, false)
+}
+
+/// Moves the corners of a pair apart; the number of moves.
+fn move_apart(contact: &Contact, points: &mut Points) -> u32 {
+    let least = contact.least_gap();
+    for moves in 0..LOOKS_AT_PAIR {
+        let (ends, gap) = contact.gap(points);
+        let [low, high] = points.inverse_masses(ends);
+        if gap >= least || low + high == 0.0 {
+            return moves;
+        }
+        // A hair more, so that rounding does not bring the pair back.
+        let push = contact.normal * ((1.01 * least - gap) / (low + high));
+        points.end[ends[0] as usize] += push * low;
+        points.end[ends[1] as usize] -= push * high;
+    }
+    LOOKS_AT_PAIR
+}
+
+impl Pieces {
+    /// Moves each piece as one.
+    fn carry(&mut self, points: &mut Points) {
+        let Self { groups, motions } = self;
+        motions.clear();
+        motions.resize(points.start.len(), Motion::default());
+        for (id, &inverse_mass) in points.inverse_mass.iter().enumerate() {
+            let motion = &mut motions[groups.root(id as u32) as usize];
+            motion.count += 1;
+            if inverse_mass == 0.0 {
+                motion.pins += 1.0;
+                motion.pinned += points.way(id);
+            } else {
+                motion.mass += 1.0 / inverse_mass;
+                motion.momentum += points.way(id) / inverse_mass;
+            }
+        }
+        for id in 0..points.start.len() {
+            let motion = &motions[groups.root(id as u32) as usize];
+            if motion.count > 1 && points.inverse_mass[id] > 0.0 {
+                points.end[id] = points.start[id] + motion.way();
+            }
+        }
+    }
+}

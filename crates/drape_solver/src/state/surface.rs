@@ -1,0 +1,342 @@
+//! The surface of a body for contacts: its corners, edges and faces, in stars, in a tree of patches.
+//!
+//! A *star* is a particle with up to three of its edges and two of its faces. Each corner, edge and face belongs to one
+//! star, so pairs of stars cover each pair of a corner and a face, and each pair of edges, once (the representative
+//! triangles of Curtis et al. 2008, with the particle in place of the triangle).
+//!
+//! ```text
+//!        3 o---o 2        centre 0; edges 0-1, 0-2, 0-3; faces 0-1-2, 0-2-3: in a grid of triangles each particle
+//!          | / |          has as much, but along the rim
+//!        0 o---o 1
+//! ```
+//!
+//! Links of a rope are edges without faces; a particle without either is a star of its centre alone. A particle with
+//! more edges or faces than a star holds has several stars, of which the first tests the centre.
+//!
+//! The tree is made once for a topology, from the rest positions. Its leaves are runs of [`LANES`] stars, and its nodes
+//! are patches of neighbours.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use glam::Vec3;
+
+use crate::simd::columns::LANES;
+use crate::state::topology::Topology;
+use crate::union_find::Groups;
+
+/// No particle.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// Edges and faces that a star holds.
+pub(crate) const EDGES: usize = 3;
+pub(crate) const FACES: usize = 2;
+
+/// A particle with some of its edges and faces, by slots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Star {
+    pub centre: u32,
+    /// The other ends of its edges; the centre where there is none.
+    pub ends: [u32; EDGES],
+    /// The other corners of its faces; the centre where there is none.
+    pub faces: [[u32; 2]; FACES],
+    /// Third corners of the faces beside each edge, or [`NONE`].
+    pub sides: [[u32; 2]; EDGES],
+    pub edge_count: u8,
+    pub face_count: u8,
+    /// True if this star tests its centre against faces.
+    pub has_centre: bool,
+}
+
+impl Star {
+    /// A star that fills up a leaf and touches nothing.
+    pub fn nothing() -> Self {
+        Self::of(0, false)
+    }
+
+    fn of(centre: u32, has_centre: bool) -> Self {
+        Self {
+            centre,
+            ends: [centre; EDGES],
+            faces: [[centre; 2]; FACES],
+            sides: [[NONE; 2]; EDGES],
+            edge_count: 0,
+            face_count: 0,
+            has_centre,
+        }
+    }
+
+    /// True if it only fills up a leaf.
+    pub fn is_nothing(&self) -> bool {
+        !self.has_centre && self.edge_count == 0 && self.face_count == 0
+    }
+
+    /// The same with slots replaced.
+    pub fn map(&self, mut to: impl FnMut(u32) -> u32) -> Self {
+        let mut side = |slot: u32| if slot == NONE { NONE } else { to(slot) };
+        let sides = self.sides.map(|sides| sides.map(&mut side));
+        Self {
+            centre: to(self.centre),
+            ends: self.ends.map(&mut to),
+            faces: self.faces.map(|face| face.map(&mut to)),
+            sides,
+            ..*self
+        }
+    }
+
+    /// The corner of this number: the centre, the other ends of the edges, the other corners of the faces.
+    pub fn corner(&self, corner: usize) -> u32 {
+        match corner {
+            0 => self.centre,
+            1..=EDGES => self.ends[corner - 1],
+            _ => self.faces.as_flattened()[corner - 1 - EDGES],
+        }
+    }
+
+    /// The corners of face `k`.
+    pub fn face(&self, k: usize) -> [u32; 3] {
+        [self.centre, self.faces[k][0], self.faces[k][1]]
+    }
+
+    /// The ends of edge `k`.
+    pub fn edge(&self, k: usize) -> [u32; 2] {
+        [self.centre, self.ends[k]]
+    }
+}
+
+/// A patch: the stars `first..first + count`. The left half follows it in the list of nodes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub first: u32,
+    pub count: u32,
+    /// The right half; 0 in a leaf.
+    pub right: u32,
+    /// True if its stars hang together.
+    pub is_connected: bool,
+}
+
+/// The stars of a body, patch by patch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Surface {
+    /// Whole leaves: those that are not full end with [nothing](Star::nothing).
+    pub stars: Vec<Star>,
+    pub nodes: Vec<Node>,
+    /// For each slot, the slots at the other ends of its edges: `around[first..]`, from `first_around` of the slot to
+    /// that of the next.
+    pub around: Vec<u32>,
+    pub first_around: Vec<u32>,
+    /// Near stars of each star, as for `around`: leaf and bit mask of the stars whose centres are at most two edges away.
+    pub near: Vec<(u32, u16)>,
+    pub first_near: Vec<u32>,
+}
+
+impl Surface {
+    /// The surface of a topology.
+    pub fn new(topology: &Topology) -> Self {
+        let slots = topology.layout.cells() * LANES;
+        let mut rest = vec![Vec3::ZERO; slots];
+        for (index, slot) in topology.layout.slots().enumerate() {
+            rest[slot] = topology.rest.get(index).copied().unwrap_or_default();
+        }
+        let stars = stars(topology);
+        let edges: Vec<[u32; 2]> =
+            stars.iter().flat_map(|star| (0..star.edge_count as usize).map(|k| star.edge(k))).collect();
+        let (around, first_around) = lists(slots, edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]));
+        let mut builder = Builder {
+            centres: stars.iter().map(|star| rest[star.centre as usize]).collect(),
+            stars: &stars,
+            groups: Groups::default(),
+            place: vec![0; slots],
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+        };
+        let mut order: Vec<u32> = (0..stars.len() as u32).collect();
+        if !order.is_empty() {
+            builder.split(&mut order, 0);
+        }
+        let Builder { nodes, leaves, .. } = builder;
+        let mut surface = Self { stars: leaves, nodes, around, first_around, ..Self::default() };
+        surface.find_near(slots);
+        surface
+    }
+
+    /// Lists the stars around each star.
+    fn find_near(&mut self, slots: usize) {
+        let real = (0..).zip(&self.stars).filter(|(_, star)| !star.is_nothing());
+        let (stars, first) = lists(slots, real.map(|(place, star)| (star.centre, place)));
+        let stars_at = |slot: u32| &stars[first[slot as usize] as usize..first[slot as usize + 1] as usize];
+        let mut around: Vec<u32> = Vec::new();
+        self.first_near.push(0);
+        for star in &self.stars {
+            around.clear();
+            if !star.is_nothing() {
+                around.push(star.centre);
+                around.extend(self.around_slot(star.centre));
+                for place in 0..around.len() {
+                    around.extend(self.around_slot(around[place]));
+                }
+            }
+            around.sort_unstable();
+            around.dedup();
+            let mut places: Vec<u32> = around.iter().flat_map(|&slot| stars_at(slot)).copied().collect();
+            places.sort_unstable();
+            for place in places {
+                let (leaf, bit) = (place / LANES as u32, 1 << (place % LANES as u32));
+                let own = *self.first_near.last().expect("pushed above") as usize;
+                match self.near[own..].last_mut() {
+                    Some((last, mask)) if *last == leaf => *mask |= bit,
+                    _ => self.near.push((leaf, bit)),
+                }
+            }
+            self.first_near.push(self.near.len() as u32);
+        }
+    }
+
+    /// The slots at the other ends of the edges of a slot.
+    pub fn around_slot(&self, slot: u32) -> &[u32] {
+        &self.around[self.first_around[slot as usize] as usize..self.first_around[slot as usize + 1] as usize]
+    }
+}
+
+/// Pairs of a number below `count` and a value, as one list for each number: all values, and where each list begins.
+fn lists(count: usize, pairs: impl Iterator<Item = (u32, u32)>) -> (Vec<u32>, Vec<u32>) {
+    let mut pairs: Vec<(u32, u32)> = pairs.collect();
+    pairs.sort_unstable();
+    let mut first = vec![0; count + 1];
+    pairs.iter().for_each(|&(number, _)| first[number as usize + 1] += 1);
+    for number in 1..first.len() {
+        first[number] += first[number - 1];
+    }
+    (pairs.into_iter().map(|(_, value)| value).collect(), first)
+}
+
+/// The stars of a topology, in order of their centres' indices.
+fn stars(topology: &Topology) -> Vec<Star> {
+    let slot = |index: u32| topology.layout.slot(index as usize) as u32;
+    let count = topology.particle_count();
+    let mut of: Vec<Vec<Star>> = (0..count).map(|index| vec![Star::of(slot(index as u32), true)]).collect();
+    for &face in &topology.faces {
+        let mut corners = face;
+        corners.sort_unstable();
+        let has_room = |of: &[Vec<Star>], corner: u32| {
+            of[corner as usize].last().is_some_and(|star| (star.face_count as usize) < FACES)
+        };
+        let owner = corners.into_iter().find(|&corner| has_room(&of, corner)).unwrap_or(corners[0]);
+        let others = corners.map(slot);
+        let star = with_room(&mut of[owner as usize], |star| (star.face_count as usize) < FACES);
+        let others = others.into_iter().filter(|&corner| corner != star.centre).collect::<Vec<_>>();
+        if let [a, b] = others[..] {
+            star.faces[star.face_count as usize] = [a, b];
+            star.face_count += 1;
+        }
+    }
+    for (ends, sides) in edges(topology) {
+        let has_room =
+            |corner: &u32| of[*corner as usize].iter().any(|star| (star.edge_count as usize) < EDGES);
+        let owner = ends.iter().copied().find(has_room).unwrap_or(ends[0]);
+        let other = slot(ends[0] + ends[1] - owner);
+        let star = with_room(&mut of[owner as usize], |star| (star.edge_count as usize) < EDGES);
+        star.ends[star.edge_count as usize] = other;
+        star.sides[star.edge_count as usize] = sides.map(|side| if side == NONE { NONE } else { slot(side) });
+        star.edge_count += 1;
+    }
+    of.into_iter().flatten().collect()
+}
+
+/// The first of a particle's stars that has room, or a new one.
+fn with_room(stars: &mut Vec<Star>, has_room: impl Fn(&Star) -> bool) -> &mut Star {
+    let place = stars.iter().position(has_room).unwrap_or_else(|| {
+        let centre = stars[0].centre;
+        stars.push(Star::of(centre, false));
+        stars.len() - 1
+    });
+    &mut stars[place]
+}
+
+/// Edges of faces, and links, by index, the lower end first; with the third corners of the faces beside them, if there
+/// are two such faces.
+fn edges(topology: &Topology) -> Vec<([u32; 2], [u32; 2])> {
+    let mut all: Vec<([u32; 2], u32)> = Vec::new();
+    for &[a, b, c] in &topology.faces {
+        for ([p, q], third) in [([a, b], c), ([b, c], a), ([c, a], b)] {
+            if p != q {
+                all.push(([p.min(q), p.max(q)], third));
+            }
+        }
+    }
+    all.extend(topology.segments.iter().filter(|[a, b]| a != b).map(|&[a, b]| ([a.min(b), a.max(b)], NONE)));
+    all.sort_unstable();
+    let runs = all.chunk_by(|a, b| a.0 == b.0);
+    runs.map(|run| match run {
+        [one, other] if one.1 != NONE && other.1 != NONE => (one.0, [one.1, other.1]),
+        _ => (run[0].0, [run[0].1, NONE]),
+    })
+    .collect()
+}
+
+struct Builder<'a> {
+    stars: &'a [Star],
+    /// Centres of the stars at rest, in metres.
+    centres: Vec<Vec3>,
+    groups: Groups,
+    /// For each slot, 1 and the place of its star in the patch that is looked at; 0 for slots outside.
+    place: Vec<u32>,
+    nodes: Vec<Node>,
+    leaves: Vec<Star>,
+}
+
+impl Builder<'_> {
+    /// Makes the node of these stars, which begin at number `first`, and the nodes below it.
+    fn split(&mut self, order: &mut [u32], first: usize) {
+        let place = self.nodes.len();
+        let is_connected = self.is_connected(order);
+        let leaves = order.len().div_ceil(LANES);
+        self.nodes.push(Node { first: first as u32, count: (leaves * LANES) as u32, right: 0, is_connected });
+        if leaves == 1 {
+            self.leaves.extend(order.iter().map(|&star| self.stars[star as usize]));
+            self.leaves.resize(first + LANES, Star { ..self.padding(order[0]) });
+            return;
+        }
+        let centres = &self.centres;
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &star in &*order {
+            (low, high) = (low.min(centres[star as usize]), high.max(centres[star as usize]));
+        }
+        let size = (high - low).to_array();
+        let axis = (1..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
+        // Whole leaves to the left.
+        let middle = leaves / 2 * LANES;
+        order.select_nth_unstable_by(middle, |&a, &b| {
+            centres[a as usize][axis].total_cmp(&centres[b as usize][axis]).then(a.cmp(&b))
+        });
+        let (left, right) = order.split_at_mut(middle);
+        self.split(left, first);
+        self.nodes[place].right = self.nodes.len() as u32;
+        self.split(right, first + middle);
+    }
+
+    fn padding(&self, star: u32) -> Star {
+        Star::of(self.stars[star as usize].centre, false)
+    }
+
+    /// True if these stars hang together by their edges.
+    fn is_connected(&mut self, order: &[u32]) -> bool {
+        for (number, &star) in (1..).zip(order) {
+            self.place[self.stars[star as usize].centre as usize] = number;
+        }
+        self.groups.reset(order.len() + 1);
+        for (number, &star) in (1..).zip(order) {
+            let star = &self.stars[star as usize];
+            let own = self.place[star.centre as usize];
+            self.groups.join(own, number);
+            for &end in &star.ends[..star.edge_count as usize] {
+                if self.place[end as usize] != 0 {
+                    self.groups.join(own, self.place[end as usize]);
+                }
+            }
+        }
+        for &star in order {
+            self.place[self.stars[star as usize].centre as usize] = 0;
+        }
+        (1..=order.len() as u32).all(|number| self.groups.root(number) == 1)
+    }
+}
