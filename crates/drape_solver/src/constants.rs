@@ -211,7 +211,7 @@ pub const SLACK_OF_SUBSTEPS: f32 = 0.25;
 pub const NEIGHBOURS_AT_REST: f32 = 1.1;
 
 /// A patch of cloth lies flat if the normals of all its faces lean to one side by at least this cosine.
-pub const LEAST_FLAT_COSINE: f32 = 0.2;
+pub const LEAST_FLAT_COSINE: f32 = 0.4;
 
 /// Rounds in which contacts of cloth with cloth and with obstacles are projected in turn. Each round halves the weight
 /// that two layers on an obstacle leave for the next substep: with one, the upper never comes to rest.

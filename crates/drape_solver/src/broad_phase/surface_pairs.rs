@@ -48,7 +48,8 @@ impl Lean {
         let (low, high) = (Vec3::new(x, y, z), -Vec3::new(u, v, w));
         let way = low + high;
         let least = (way * low).min(way * high);
-        least.x + least.y + least.z > LEAST_FLAT_COSINE * way.length()
+        let least = least.x + least.y + least.z;
+        least > 0.0 && least * least > LEAST_FLAT_COSINE * LEAST_FLAT_COSINE * way.length_squared()
     }
 }
 
@@ -60,8 +61,8 @@ pub(crate) struct PlacedTree {
     pub leaves: Vec<SweptBox>,
     /// For each slot, the lean of all faces around it.
     pub leans: Vec<Lean>,
-    /// True for leaves whose pairs are looked for; pairs of two others are left out.
-    pub is_active: Vec<bool>,
+    /// For each leaf, a bit mask of the stars whose pairs are looked for; pairs of two others are left out.
+    pub active: Vec<u16>,
     nodes: Vec<PlacedNode>,
     /// For each star, true if the stars around it lie flat.
     is_flat: Vec<bool>,
@@ -88,7 +89,7 @@ pub(crate) struct PlacedSurface<'a> {
 impl PlacedTree {
     /// Puts boxes around all nodes, from those of the leaves.
     pub fn refit(&mut self, surface: &Surface) {
-        let Self { stars, leaves, leans, is_active, nodes, .. } = self;
+        let Self { stars, leaves, leans, active, nodes, .. } = self;
         leaves.clear();
         leaves.extend(stars.iter().map(SweptBoxes::all));
         nodes.clear();
@@ -99,12 +100,12 @@ impl PlacedTree {
         node_leans.resize(surface.nodes.len(), Lean::NOTHING);
         for (place, node) in surface.nodes.iter().enumerate().rev() {
             let mut lean = Lean::NOTHING;
-            let (bounds, active) = if node.right == 0 {
+            let (bounds, is_active) = if node.right == 0 {
                 let leaf = node.first as usize / LANES;
                 for star in &surface.stars[leaf * LANES..(leaf + 1) * LANES] {
                     lean.add(&leans[star.centre as usize]);
                 }
-                (leaves[leaf], is_active[leaf])
+                (leaves[leaf], active[leaf] != 0)
             } else {
                 let children = [place + 1, node.right as usize];
                 children.iter().for_each(|&child| lean.add(&node_leans[child].clone()));
@@ -113,7 +114,7 @@ impl PlacedTree {
             };
             node_leans[place] = lean;
             nodes[place] =
-                PlacedNode { bounds, is_flat: node.is_connected && lean.is_flat(), is_active: active };
+                PlacedNode { bounds, is_flat: node.is_connected && lean.is_flat(), is_active };
         }
         self.wider[0] = node_leans;
     }
@@ -186,6 +187,36 @@ impl PlacedSurface<'_> {
         }
     }
 
+    /// Bit mask of those among the stars `of` a leaf that lie with a star in a flat neighbourhood.
+    #[inline(always)]
+    fn flat_neighbours(&self, star: u32, leaf: u32, of: u16) -> u16 {
+        let first = &self.surface.first_near[star as usize..];
+        let near = &self.surface.near[first[0] as usize..first[1] as usize];
+        let Some(&(_, mask)) = near.iter().find(|(other, _)| *other == leaf) else { return 0 };
+        if self.at.is_flat[star as usize] {
+            return mask;
+        }
+        let (mut left, mut flat) = (mask & of, 0);
+        while left != 0 {
+            let lane = left.trailing_zeros();
+            left &= left - 1;
+            let is_flat = self.are_flat([star, leaf * LANES as u32 + lane]);
+            flat |= u16::from(is_flat) << lane;
+        }
+        flat
+    }
+
+    /// True if all faces lie flat around two near stars, and around what is between them.
+    fn are_flat(&self, stars: [u32; 2]) -> bool {
+        let [a, b] = stars.map(|star| self.surface.stars[star as usize].centre as usize);
+        let (leans, around) = (&self.at.leans, &self.at.wider[0]);
+        [[a, b], [b, a]].into_iter().any(|[a, b]| {
+            let mut all = around[a];
+            all.add(&leans[b]);
+            all.is_flat()
+        })
+    }
+
     /// Appends the pairs of stars, by their numbers in the island, of some pairs of leaves of this body and `other`.
     pub fn star_pairs(
         &self,
@@ -226,11 +257,14 @@ impl Kernel for StarPairs<'_> {
                 from &= from - 1;
                 let star = a * LANES as u32 + lane;
                 let mut hits = to & y.meets(simd, &x.at(lane as usize));
-                if is_one {
-                    hits &= !flat_neighbours(own, star, b);
+                if own.at.active[a as usize] & (1 << lane) == 0 {
+                    hits &= other.at.active[b as usize];
+                }
+                if is_one && hits != 0 {
                     if a == b {
                         hits &= u16::MAX.checked_shl(lane + 1).unwrap_or(0);
                     }
+                    hits &= !own.flat_neighbours(star, b, hits);
                 }
                 while hits != 0 {
                     let partner = b * LANES as u32 + hits.trailing_zeros();
@@ -243,13 +277,3 @@ impl Kernel for StarPairs<'_> {
     }
 }
 
-/// Bit mask of the stars of a leaf that lie with a star in a flat neighbourhood.
-#[inline(always)]
-fn flat_neighbours(own: &PlacedSurface, star: u32, leaf: u32) -> u16 {
-    if !own.at.is_flat[star as usize] {
-        return 0;
-    }
-    let first = &own.surface.first_near[star as usize..];
-    let near = &own.surface.near[first[0] as usize..first[1] as usize];
-    near.iter().find(|(other, _)| *other == leaf).map_or(0, |&(_, mask)| mask)
-}

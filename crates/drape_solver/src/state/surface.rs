@@ -214,20 +214,18 @@ fn stars(topology: &Topology) -> Vec<Star> {
     let slot = |index: u32| topology.layout.slot(index as usize) as u32;
     let count = topology.particle_count();
     let mut of: Vec<Vec<Star>> = (0..count).map(|index| vec![Star::of(slot(index as u32), true)]).collect();
-    for &face in &topology.faces {
-        let mut corners = face;
-        corners.sort_unstable();
-        let has_room = |of: &[Vec<Star>], corner: u32| {
-            of[corner as usize].last().is_some_and(|star| (star.face_count as usize) < FACES)
-        };
-        let owner = corners.into_iter().find(|&corner| has_room(&of, corner)).unwrap_or(corners[0]);
-        let others = corners.map(slot);
-        let star = with_room(&mut of[owner as usize], |star| (star.face_count as usize) < FACES);
-        let others = others.into_iter().filter(|&corner| corner != star.centre).collect::<Vec<_>>();
-        if let [a, b] = others[..] {
-            star.faces[star.face_count as usize] = [a, b];
-            star.face_count += 1;
+    for &[a, b, c] in &topology.faces {
+        if a == b || b == c || c == a {
+            continue;
         }
+        let has_room = |corner: u32| of[corner as usize].iter().any(|star| (star.face_count as usize) < FACES);
+        // Each turned so that the owner comes first: all keep their winding.
+        let mut turned = [[a, b, c], [b, c, a], [c, a, b]];
+        turned.sort_unstable();
+        let [owner, d, e] = turned.into_iter().find(|face| has_room(face[0])).unwrap_or(turned[0]);
+        let star = with_room(&mut of[owner as usize], |star| (star.face_count as usize) < FACES);
+        star.faces[star.face_count as usize] = [slot(d), slot(e)];
+        star.face_count += 1;
     }
     for (ends, sides) in edges(topology) {
         let has_room =

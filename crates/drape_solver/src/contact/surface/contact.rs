@@ -28,10 +28,19 @@ pub(crate) struct Contact {
     pub weights: [f32; 4],
     pub normal: Vec3,
     pub at_start: f32,
-    /// False if the pair can only be kept from passing.
-    pub may_push: bool,
     /// Depth that motion made, summed over the projections, in metres.
     pub depth: f32,
+}
+
+/// Distance from which on two parts are not near each other, in distances that they keep.
+const FAR: f32 = 1.5;
+
+/// A push on the corners of two parts.
+struct Push {
+    /// In metres.
+    depth: f32,
+    /// Particles, by number, and their ways in metres.
+    shares: [(usize, Vec3); 4],
 }
 
 /// Way along the nearest points, of the length of the distance between them, whose direction still counts as that of the
@@ -39,15 +48,42 @@ pub(crate) struct Contact {
 const LEAST_COSINE: f32 = 0.3;
 
 impl Contact {
-    /// Moves the two apart to the distance that they had at the start, or farther by `recovery` metres without a
-    /// velocity, but not farther than the distance that they keep.
-    pub fn push(&mut self, points: &mut Points, recovery: f32) {
-        let Pair { ids, kind, distance, .. } = self.pair;
+    /// True if the two were near each other at the start, or come near in free flight: what sticks alone draw together from
+    /// farther away has other layers between.
+    pub fn is_in_reach(&self, flights: &[Vec3]) -> bool {
+        let Pair { ids, distance, .. } = self.pair;
+        let height = || weighted(self.weights, ids.map(|id| flights[id as usize])).dot(self.normal);
+        self.at_start < FAR * distance || height() < FAR * distance
+    }
+
+    /// Moves the two apart to the distance that they had at the start, or that they keep if that is less.
+    pub fn push(&mut self, points: &mut Points) {
+        let goal = self.at_start.min(self.pair.distance);
+        if let Some(push) = self.push_to(goal, points) {
+            self.depth += push.depth;
+            push.shares.into_iter().for_each(|(id, way)| points.end[id] += way);
+        }
+    }
+
+    /// Moves the two apart by `way` metres more than they were at the start, but not beyond the distance that they keep: in
+    /// position only. It comes last, as a push that follows from this one must not become velocity either.
+    pub fn recover(&self, points: &mut Points, way: f32) {
+        let goal = (self.at_start + way).min(self.pair.distance);
+        if let Some(push) = self.push_to(goal, points) {
+            for (id, way) in push.shares {
+                points.end[id] += way;
+                points.shift[id] += way;
+            }
+        }
+    }
+
+    /// The push that moves the two apart to the distance `goal`, if they are nearer.
+    fn push_to(&self, goal: f32, points: &Points) -> Option<Push> {
+        let Pair { ids, kind, .. } = self.pair;
         let now = points.ends(ids);
-        let (hard, goal) = (self.at_start.min(distance), (self.at_start + recovery).min(distance));
         let height = weighted(self.weights, now).dot(self.normal);
         if height >= goal {
-            return;
+            return None;
         }
         let (mut weights, mut normal, mut apart) = (self.weights, self.normal, height);
         let nearest = kind.nearest(now);
@@ -60,16 +96,11 @@ impl Contact {
         let masses = points.inverse_masses(ids);
         let total = effective_inverse_mass(weights, masses);
         if apart >= goal || total == 0.0 {
-            return;
+            return None;
         }
-        let with_velocity = (hard - apart).max(0.0);
-        let position_only = goal - apart.max(hard);
-        self.depth += with_velocity;
-        for k in 0..4 {
-            let share = normal * (weights[k] * masses[k] / total);
-            points.end[ids[k] as usize] += share * (with_velocity + position_only);
-            points.shift[ids[k] as usize] += share * position_only;
-        }
+        let push = normal * ((goal - apart) / total);
+        let shares = [0, 1, 2, 3].map(|k| (ids[k] as usize, push * (weights[k] * masses[k])));
+        Some(Push { depth: goal - apart, shares })
     }
 
     /// Friction: shortens the slip of this substep.
@@ -126,7 +157,7 @@ impl Contact {
 }
 
 /// The contact of two parts whose nearest points at the start have these weights.
-pub(crate) fn contact(pair: Pair, weights: [f32; 4], way: Vec3, may_push: bool) -> Option<Contact> {
+pub(crate) fn contact(pair: Pair, weights: [f32; 4], way: Vec3) -> Option<Contact> {
     let at_start = way.length();
     // Parts at a distance of zero have no direction: contacts around them move them apart.
     (at_start > LEAST_DISTANCE).then(|| Contact {
@@ -134,7 +165,6 @@ pub(crate) fn contact(pair: Pair, weights: [f32; 4], way: Vec3, may_push: bool) 
         weights,
         normal: way / at_start,
         at_start,
-        may_push,
         depth: 0.0,
     })
 }

@@ -57,7 +57,9 @@ pub(crate) struct SurfaceContacts {
     rest_distances: Vec<f32>,
     crossings: Vec<Crossing>,
     is_crossing: Vec<bool>,
+    /// Pairs that touch in this substep, and pairs that may pass each other.
     contacts: Vec<Contact>,
+    passing: Vec<Contact>,
     /// Places for which the contacts were found.
     looked_at: Vec<Vec3>,
     pieces: Pieces,
@@ -90,6 +92,9 @@ pub(crate) struct Counts {
     pub truncated: u32,
     /// Substeps in which some pair could not be kept apart.
     pub unfinished: u32,
+    pub stars: u32,
+    pub attempts: u32,
+    pub pieces: u32,
 }
 
 /// Kinds of pairs, in the order of their lists.
@@ -106,7 +111,7 @@ impl SurfaceContacts {
 
     /// True if anything may touch in this substep.
     pub fn is_near(&self) -> bool {
-        self.contacts.iter().any(|contact| contact.may_push)
+        !self.contacts.is_empty()
     }
 
     /// The number of pairs that are watched.
@@ -128,6 +133,7 @@ impl SurfaceContacts {
         }
         self.points.begin_substep(bodies);
         self.contacts.clear();
+        self.passing.clear();
         if is_first {
             self.surfaces.fit(bodies, &self.points);
             self.surfaces.sharpen(&self.points);
@@ -142,31 +148,35 @@ impl SurfaceContacts {
             return;
         }
         self.points.read(bodies);
-        let holds = self.list.is_some_and(|list| {
-            list.age < list.substeps && !self.surfaces.find_stale(&self.points, list.fraction(), list.slack)
-        });
-        if !holds {
-            self.make_list(bodies, substep);
+        self.points.read_flight(bodies);
+        match self.list {
+            Some(list) if list.age < list.substeps => {
+                if self.surfaces.find_stale(&self.points, list.fraction(), list.slack) {
+                    self.renew_list(bodies, substep, list);
+                }
+            }
+            _ => self.make_list(bodies, substep),
         }
-        let way = UNTANGLING_SPEED * substep.duration;
-        for crossing in &self.crossings {
-            crossing.move_apart(&mut self.points, way);
+        if !self.crossings.is_empty() {
+            let way = UNTANGLING_SPEED * substep.duration;
+            self.crossings.iter().for_each(|crossing| crossing.move_apart(&mut self.points, way));
+            self.write(bodies);
         }
-        self.find_contacts(1.0 + CONTACT_MARGIN_OF_SURFACES, substep.isa);
+        self.find_contacts(true, substep.isa);
     }
 
-    /// Lists the pairs that may touch in this substep; in all that are left, if little moves.
+    /// Lists the pairs that may touch in all substeps that are left; in this one alone if many things are unsteady.
     fn make_list(&mut self, bodies: &[Body], substep: Substep) {
         let left = substep.count - substep.index;
         let distance = least_distance(bodies);
-        let substeps = if self.fastest() * left as f32 <= distance { left } else { 1 };
-        if self.list.is_none() && substeps < left && self.is_nothing_near(bodies, substep, left, distance) {
+        if self.list.is_none() && self.is_nothing_near(bodies, substep, left, distance) {
             return;
         }
-        let slack = SLACK_OF_SURFACES * distance;
+        let slack = CALM_SLACK * distance;
+        let is_calm = left > 1 && self.unsteady(slack) * FEW < self.points.start.len();
+        let (substeps, slack) = if is_calm { (left, slack) } else { (1, SLACK_OF_SURFACES * distance) };
         self.surfaces.look_at_all();
-        self.set_targets(substeps);
-        self.pairs.iter_mut().for_each(Vec::clear);
+        self.set_targets(substeps, slack);
         self.search(bodies, slack, substep.isa);
         if substep.index == 0 {
             self.find_crossings(substep.isa);
@@ -174,12 +184,24 @@ impl SurfaceContacts {
         self.list = Some(List { substeps, age: 0, slack });
     }
 
+    /// Lists the pairs of stars anew that have left the way which the list expects; all pairs, if there are many such stars.
+    fn renew_list(&mut self, bodies: &[Body], substep: Substep, list: List) {
+        if self.surfaces.stale_count() * FEW > self.surfaces.stars.len() {
+            self.make_list(bodies, substep);
+            return;
+        }
+        let substeps = list.substeps - list.age;
+        self.set_targets(substeps, list.slack);
+        self.search(bodies, list.slack, substep.isa);
+        self.list = Some(List { substeps, age: 0, ..list });
+    }
+
     /// True if nothing can touch in all substeps that are left, even if corners are farther off their way than usual: the
     /// list is then empty.
     fn is_nothing_near(&mut self, bodies: &[Body], substep: Substep, left: u32, distance: f32) -> bool {
         self.surfaces.look_at_all();
-        self.set_targets(left);
         let slack = 2.0 * distance;
+        self.set_targets(left, slack);
         self.surfaces.place(bodies, &self.points, &self.targets, [1.0, slack], substep.isa);
         self.surfaces.star_pairs(bodies, substep.isa, &mut self.star_pairs);
         if !self.star_pairs.is_empty() {
@@ -191,25 +213,27 @@ impl SurfaceContacts {
         true
     }
 
-    /// Length in metres of the longest way in this substep, less the mean way.
-    fn fastest(&self) -> f32 {
-        let points = &self.points;
-        let count = points.start.len();
-        let mean = (0..count).map(|id| points.way(id)).sum::<Vec3>() / count as f32;
-        let squared = |id| (points.way(id) - mean).length_squared();
-        (0..count).filter(|&id| points.inverse_mass[id] > 0.0).map(squared).fold(0.0, f32::max).sqrt()
+    /// The number of points that contacts and sticks move by more than `slack` metres after free flight.
+    fn unsteady(&self, slack: f32) -> usize {
+        let Points { flight, end, .. } = &self.points;
+        let is_pulled = |(flight, end): (&Vec3, &Vec3)| flight.distance_squared(*end) > slack * slack;
+        flight.iter().zip(end).filter(|&ways| is_pulled(ways)).count()
     }
 
-    /// Sets where all points would be after so many substeps like this one.
-    fn set_targets(&mut self, substeps: u32) {
+    /// Sets where all points are at the end of this substep, or would be after several of free flight. Points that are more
+    /// than `slack` metres off their flight go on as in this substep.
+    fn set_targets(&mut self, substeps: u32, slack: f32) {
         let Self { points, targets, .. } = self;
         targets.clear();
         if substeps == 1 {
             targets.extend_from_slice(&points.end);
-        } else {
-            let ends = points.start.iter().zip(&points.end);
-            targets.extend(ends.map(|(start, end)| *start + (*end - *start) * substeps as f32));
+            return;
         }
+        targets.extend((0..points.start.len()).map(|id| {
+            let (start, flight, end) = (points.start[id], points.flight[id], points.end[id]);
+            let is_pulled = flight.distance_squared(end) > slack * slack;
+            start + (if is_pulled { end } else { flight } - start) * substeps as f32
+        }));
     }
 
     /// Adds to the list what may touch on the way to the targets, where one of the two is in a leaf that is looked at.
@@ -219,12 +243,13 @@ impl SurfaceContacts {
         let factor = 1.0 + CONTACT_MARGIN_OF_SURFACES;
         surfaces.place(bodies, points, targets, [factor, slack], isa);
         surfaces.star_pairs(bodies, isa, star_pairs);
+        self.counts.stars += star_pairs.len() as u32;
         found.iter_mut().for_each(Vec::clear);
         isa.run(Search {
             rows: &surfaces.rows,
             stars: &surfaces.stars,
             pairs: star_pairs,
-            reach: Reach { factor, blunt_factor: BLUNT_EDGES * factor, slack: 2.0 * slack },
+            reach: Reach { factor, blunt_factor: BLUNT_EDGES * factor, slack: 2.0 * slack, least: 2.0 * PUSH_TOLERANCE },
             found,
         });
         self.keep_found(bodies, isa);
@@ -244,6 +269,7 @@ impl SurfaceContacts {
                 let full = if a == b { full.min(REST_SHARE * at_rest) } else { full };
                 pair.distance = full * (BLUNT_EDGES + (1.0 - BLUNT_EDGES) * pair.sharpness);
             }
+            pairs.retain(|pair| !surfaces.is_looked_at(pair.stars));
             pairs.extend(found.iter().filter(|pair| pair.distance > 0.0));
         }
     }
@@ -261,22 +287,22 @@ impl SurfaceContacts {
         }
     }
 
-    /// Finds the contacts among the pairs: those that come nearer than the distance that they keep, times `touching`, and
-    /// those that may pass each other.
-    fn find_contacts(&mut self, touching: f32, isa: Isa) {
-        let Self { points, pairs, contacts, crossings, is_crossing, looked_at, .. } = self;
-        contacts.retain(|contact| contact.may_push);
-        let old = contacts.len();
+    /// Finds the pairs that may pass each other; and those that touch, if so asked.
+    fn find_contacts(&mut self, touching: bool, isa: Isa) {
+        let Self { points, pairs, contacts, passing, crossings, is_crossing, looked_at, .. } = self;
+        passing.clear();
+        if touching {
+            contacts.clear();
+        }
         for (kind, pairs) in KINDS.into_iter().zip(pairs) {
             let places = [&points.start[..], &points.end[..]];
-            isa.run(Narrow { kind, pairs, places, touching, risky: RISKY_GAP, found: contacts });
+            let touching = touching.then_some(&mut *contacts);
+            isa.run(Narrow { kind, pairs, places, flights: &points.flight, touching, passing });
         }
         if !crossings.is_empty() {
-            let mut place = 0;
-            contacts.retain(|contact| {
-                place += 1;
-                place <= old || !contact.pair.ids.iter().all(|&id| is_crossing[id as usize])
-            });
+            let has_side = |contact: &Contact| !contact.pair.ids.iter().all(|&id| is_crossing[id as usize]);
+            contacts.retain(has_side);
+            passing.retain(has_side);
         }
         looked_at.clone_from(&points.end);
     }
@@ -288,20 +314,23 @@ impl SurfaceContacts {
         }
         let Self { points, contacts, .. } = self;
         points.read(bodies);
-        let recovery = RECOVERY_SPEED * rate.substep();
-        for contact in contacts.iter_mut().filter(|contact| contact.may_push) {
-            contact.push(points, recovery);
-        }
+        contacts.iter_mut().for_each(|contact| contact.push(points));
         if is_last {
             contacts.iter().for_each(|contact| contact.apply_friction(points, bodies));
+            let way = RECOVERY_SPEED * rate.substep();
+            contacts.iter().for_each(|contact| contact.recover(points, way));
         }
         self.write(bodies);
     }
 
-    /// Moves the bodies' particles; what was moved in position only gets no velocity.
+    /// Moves the bodies' particles; what was moved in position only gets no velocity. Pushes go into the displacement at once:
+    /// what positions gain on it later is counted as the work of sticks, which cannot change a body's momentum.
     fn write(&mut self, bodies: &mut [Body]) {
-        self.points.write(bodies, |body, slot, way| body.particles.position.add(slot, way));
-        self.points.write_shifts(bodies);
+        self.points.write(bodies, |body, slot, way, shift| {
+            body.particles.position.add(slot, way);
+            body.context.integrated.add(slot, way);
+            body.particles.displacement.add(slot, way - shift);
+        });
     }
 
     /// The end of the substep: moves back what would have passed through something.
@@ -313,32 +342,37 @@ impl SurfaceContacts {
         self.points.read(bodies);
         let distance = least_distance(bodies);
         for attempt in 0..ATTEMPTS {
-            let tolerance = list.slack + 0.5 * BLUNT_EDGES * distance;
+            let tolerance = PUSH_TOLERANCE * distance;
             if self.surfaces.find_stale(&self.points, list.fraction(), tolerance) {
                 // The next substep makes a new list.
                 (list.substeps, list.age) = (1, 0);
-                self.set_targets(1);
                 let slack = SLACK_OF_SURFACES * distance;
+                self.set_targets(1, slack);
                 list.slack = slack;
                 self.search(bodies, slack, substep.isa);
-                self.find_contacts(f32::NEG_INFINITY, substep.isa);
+                self.find_contacts(false, substep.isa);
             } else if self.moved() > 0.5 * RISKY_GAP * BLUNT_EDGES * distance {
-                self.find_contacts(f32::NEG_INFINITY, substep.isa);
+                self.find_contacts(false, substep.isa);
             } else if attempt > 0 {
                 break;
             }
-            let (count, is_done) = truncate(&self.contacts, &mut self.points, &mut self.pieces);
+            self.counts.attempts += 1;
+            let (count, is_done) = truncate(&self.passing, &mut self.points, &mut self.pieces);
             self.counts.truncated += count;
             self.counts.unfinished += u32::from(!is_done || attempt == ATTEMPTS - 1);
             if count == 0 {
                 break;
             }
         }
-        self.points.write(bodies, |body, slot, way| {
+        self.points.write(bodies, |body, slot, way, _| {
             body.particles.position.add(slot, way);
             body.particles.displacement.add(slot, way);
         });
         self.list = Some(List { age: list.age + 1, ..list });
+        if substep.index + 1 == substep.count && std::env::var("STATS").is_ok() {
+            let c = self.counts;
+            eprintln!("lists {} star pairs {} pairs {} contacts {} pushing {} truncated {} unfinished {} attempts {} pieces {} crossings {}", c.lists, c.stars, self.pair_count(), self.contacts.len(), self.passing.len(), c.truncated, c.unfinished, c.attempts, c.pieces, self.crossings.len());
+        }
     }
 
     /// Greatest distance in metres of a point from where it was when the contacts were found.
@@ -347,6 +381,16 @@ impl SurfaceContacts {
         ways.map(|(end, at)| end.distance_squared(*at)).fold(0.0, f32::max).sqrt()
     }
 }
+
+/// As [`SLACK_OF_SURFACES`], for lists of several substeps.
+const CALM_SLACK: f32 = 0.3;
+
+/// Distance that contacts may push a corner off its way, in distances that they keep, before its pairs are looked for
+/// again: pairs are listed if twice that lies between them.
+const PUSH_TOLERANCE: f32 = 0.4;
+
+/// Among this many things, one is few.
+const FEW: usize = 8;
 
 /// Rounds of truncation. What they move may come near something that was not looked at.
 const ATTEMPTS: u32 = 8;

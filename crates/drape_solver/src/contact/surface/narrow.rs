@@ -5,6 +5,7 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
 
+use crate::constants::{CONTACT_MARGIN_OF_SURFACES, RISKY_GAP};
 use crate::contact::surface::contact::{Contact, contact};
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
@@ -18,11 +19,12 @@ pub(crate) struct Narrow<'a> {
     pub pairs: &'a [Pair],
     /// Places of the island's particles when the substep began and now.
     pub places: [&'a [Vec3]; 2],
-    /// Contacts are those that come nearer than the distance that they keep, times this ...
-    pub touching: f32,
-    /// ... or whose plane is left a gap narrower than that distance times this.
-    pub risky: f32,
-    pub found: &'a mut Vec<Contact>,
+    /// Places after free flight.
+    pub flights: &'a [Vec3],
+    /// Contacts of pairs that come nearer than the distance that they keep.
+    pub touching: Option<&'a mut Vec<Contact>>,
+    /// Contacts of pairs that may pass each other.
+    pub passing: &'a mut Vec<Contact>,
 }
 
 impl Kernel for Narrow<'_> {
@@ -30,20 +32,17 @@ impl Kernel for Narrow<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { kind, pairs, places, touching, risky, found } = self;
+        let Self { kind, pairs, places: [start, end], flights, mut touching, passing } = self;
         for pairs in pairs.chunks(LANES) {
-            let [start, end] = places;
             let lanes = Gap::of(simd, kind, [corners(simd, pairs, start), corners(simd, pairs, end)]);
             let mut distances = [0.0; LANES];
             distances.iter_mut().zip(pairs).for_each(|(distance, pair)| *distance = pair.distance);
             let distance = f32x16::load_array_ref(simd, &distances);
-            let is_touching = lanes.height.simd_lt(distance * touching);
-            let is_risky = lanes.gap.simd_lt(distance * risky);
-            let touching = is_touching.to_bitmask() as u16;
-            let mut hits = touching | is_risky.to_bitmask() as u16;
-            if pairs.len() < LANES {
-                hits &= (1 << pairs.len()) - 1;
-            }
+            let live = if pairs.len() == LANES { u16::MAX } else { (1 << pairs.len()) - 1 };
+            let near = lanes.height.simd_lt(distance * (1.0 + CONTACT_MARGIN_OF_SURFACES));
+            let near = if touching.is_some() { near.to_bitmask() as u16 & live } else { 0 };
+            let risky = lanes.gap.simd_lt(distance * RISKY_GAP).to_bitmask() as u16 & live;
+            let mut hits = near | risky;
             if hits == 0 {
                 continue;
             }
@@ -54,7 +53,16 @@ impl Kernel for Narrow<'_> {
                 hits &= hits - 1;
                 let weights = kind.weights([s[lane], t[lane]]);
                 let way = Vec3::new(way[0][lane], way[1][lane], way[2][lane]);
-                found.extend(contact(pairs[lane], weights, way, touching & (1 << lane) != 0));
+                let Some(contact) = contact(pairs[lane], weights, way) else { continue };
+                if risky & (1 << lane) != 0 {
+                    passing.push(contact);
+                }
+                if let Some(touching) = &mut touching
+                    && near & (1 << lane) != 0
+                    && contact.is_in_reach(flights)
+                {
+                    touching.push(contact);
+                }
             }
         }
     }

@@ -22,6 +22,8 @@ pub(crate) enum Kind {
 pub(crate) struct Pair {
     pub ids: [u32; 4],
     pub kind: Kind,
+    /// The stars that they belong to.
+    pub stars: [u32; 2],
     /// Sharpness of the blunter edge, from 0 to 1; 1 for a corner and a face.
     pub sharpness: f32,
     /// The distance that the two keep, in metres.

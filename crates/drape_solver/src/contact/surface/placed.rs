@@ -29,6 +29,8 @@ pub(crate) struct PlacedSurfaces {
     /// Sharpness of each star's edges, from 0 for a flat one to 1.
     sharpness: Vec<[f32; EDGES]>,
     leaf_pairs: Vec<[u32; 2]>,
+    /// How far each star is from where its pairs expect it.
+    offs: Vec<Off>,
 }
 
 /// The surface of one body.
@@ -40,16 +42,16 @@ struct PlacedBody {
     first: u32,
     first_leaf: u32,
     tree: PlacedTree,
-    leaves: Vec<Leaf>,
 }
 
-/// How far a leaf's corners are from where its pairs expect them, in metres.
+/// How far a star's corners are from where its pairs expect them, in metres.
 #[derive(Clone, Copy, Debug, Default)]
-struct Leaf {
-    /// From where its rows expect them.
+struct Off {
+    /// From where its row expects them.
     deviation: f32,
-    /// The deviations when its rows were written anew without its pairs.
+    /// The deviations when its row was written anew without its pairs.
     drift: f32,
+    /// True if its pairs are looked for.
     is_stale: bool,
 }
 
@@ -89,8 +91,7 @@ impl PlacedSurfaces {
             stars.extend(surface.stars.iter().map(|star| star.map(|slot| slot + first)));
             let leaves = surface.stars.len() / LANES;
             known.tree.stars.resize(leaves, SweptBoxes::NOTHING);
-            known.tree.is_active.resize(leaves, true);
-            known.leaves.resize(leaves, Leaf::default());
+            known.tree.active.resize(leaves, u16::MAX);
         }
         rows.resize(stars.len(), Row::NOTHING);
         sharpness.resize(stars.len(), [0.0; EDGES]);
@@ -114,34 +115,43 @@ impl PlacedSurfaces {
         }
     }
 
-    /// Chooses the leaves that are looked at: those with a corner that is more than `slack` metres from where the rows
+    /// Chooses the stars whose pairs are looked for: those with a corner that is more than `slack` metres from where the rows
     /// expect it, at this `fraction` of the way. True if there is one.
     pub fn find_stale(&mut self, points: &Points, fraction: f32, slack: f32) -> bool {
+        let Self { bodies, stars, rows, offs, .. } = self;
         let mut is_any = false;
-        for body in &mut self.bodies {
-            for (place, leaf) in (body.first_leaf as usize..).zip(&mut body.leaves) {
-                let own = place * LANES..(place + 1) * LANES;
-                let stars = self.stars[own.clone()].iter().zip(&self.rows[own]);
-                leaf.deviation = greatest_deviation(stars, points, fraction);
-                leaf.is_stale = leaf.drift + leaf.deviation > slack;
-                is_any |= leaf.is_stale;
+        for ((star, row), off) in stars.iter().zip(rows).zip(&mut *offs) {
+            off.deviation = greatest_deviation(star, row, points, fraction);
+            off.is_stale = off.drift + off.deviation > slack;
+            is_any |= off.is_stale;
+        }
+        if is_any {
+            for body in bodies {
+                let first = body.first_leaf as usize * LANES;
+                let leaves = offs[first..].chunks_exact(LANES);
+                for (active, offs) in body.tree.active.iter_mut().zip(leaves) {
+                    *active = (0..LANES).fold(0, |mask, k| mask | (u16::from(offs[k].is_stale) << k));
+                }
             }
-            let stale = body.leaves.iter().map(|leaf| leaf.is_stale);
-            body.tree.is_active.clear();
-            body.tree.is_active.extend(stale);
         }
         is_any
     }
 
-    /// Looks at all leaves.
-    pub fn look_at_all(&mut self) {
-        for body in &mut self.bodies {
-            body.tree.is_active.fill(true);
-            body.leaves.fill(Leaf { is_stale: true, ..Leaf::default() });
-        }
+    /// True if the pairs of one of these stars are looked for.
+    pub fn is_looked_at(&self, stars: [u32; 2]) -> bool {
+        stars.iter().any(|&star| self.offs[star as usize].is_stale)
     }
 
-    /// Places the leaves that are looked at, for ways from the points' starts to `targets`. Boxes are wider by the
+    pub fn stale_count(&self) -> usize { self.offs.iter().filter(|s| s.is_stale).count() }
+
+    /// Looks for the pairs of all stars.
+    pub fn look_at_all(&mut self) {
+        self.offs.clear();
+        self.offs.resize(self.stars.len(), Off { is_stale: true, ..Off::default() });
+        self.bodies.iter_mut().for_each(|body| body.tree.active.fill(u16::MAX));
+    }
+
+    /// Places the stars, for ways from the points' starts to `targets`. Boxes are wider by the
     /// thickness times `factor`, and `slack` metres.
     pub fn place(
         &mut self,
@@ -151,7 +161,7 @@ impl PlacedSurfaces {
         [factor, slack]: [f32; 2],
         isa: Isa,
     ) {
-        let Self { bodies: placed, stars, rows, sharpness, .. } = self;
+        let Self { bodies: placed, stars, rows, sharpness, offs, .. } = self;
         for body in placed {
             let first = body.first_leaf as usize * LANES;
             let own = first..first + body.tree.stars.len() * LANES;
@@ -171,14 +181,14 @@ impl PlacedSurfaces {
                 tree: &mut body.tree,
             });
             body.tree.refit(surface);
-            // The pairs of leaves that are not looked at stay as they were listed.
-            for leaf in &mut body.leaves {
-                leaf.drift = if leaf.is_stale { 0.0 } else { leaf.drift + leaf.deviation };
-            }
+        }
+        // Pairs that are not looked for stay as they were listed.
+        for off in offs {
+            off.drift = if off.is_stale { 0.0 } else { off.drift + off.deviation };
         }
     }
 
-    /// Finds the pairs of stars that may touch, where one is in a leaf that is looked at.
+    /// Finds the pairs of stars that may touch, where one is looked at.
     pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, found: &mut Vec<[u32; 2]>) {
         found.clear();
         let Self { bodies: placed, leaf_pairs, .. } = self;
@@ -204,19 +214,13 @@ impl PlacedSurfaces {
     }
 }
 
-/// Greatest distance in metres of the stars' corners from where their rows expect them.
-fn greatest_deviation<'a>(
-    stars: impl Iterator<Item = (&'a Star, &'a Row)>,
-    points: &Points,
-    fraction: f32,
-) -> f32 {
+/// Greatest distance in metres of a star's corners from where its row expects them.
+fn greatest_deviation(star: &Star, row: &Row, points: &Points, fraction: f32) -> f32 {
     let mut most = 0.0_f32;
-    for (star, row) in stars {
-        for corner in 0..CORNERS {
-            let [start, end] = row.places(corner);
-            let expected = start + (end - start) * fraction;
-            most = most.max(points.end[star.corner(corner) as usize].distance_squared(expected));
-        }
+    for corner in 0..CORNERS {
+        let [start, end] = row.places(corner);
+        let expected = start + (end - start) * fraction;
+        most = most.max(points.end[star.corner(corner) as usize].distance_squared(expected));
     }
     most.sqrt()
 }

@@ -5,6 +5,7 @@
 use glam::Vec3;
 
 use crate::contact::cloth_contact::has_triangles;
+use crate::simd::columns::{Columns, LANES};
 use crate::state::body::Body;
 use crate::state::surface::NONE;
 
@@ -19,6 +20,8 @@ pub(crate) struct Points {
     pub inverse_mass: Vec<f32>,
     pub start: Vec<Vec3>,
     pub end: Vec<Vec3>,
+    /// Places after free flight.
+    pub flight: Vec<Vec3>,
     /// Motion in this substep that is not to become velocity.
     pub shift: Vec<Vec3>,
     /// The part of `shift` that the bodies know.
@@ -32,6 +35,7 @@ impl Points {
         self.first.clear();
         self.start.clear();
         self.end.clear();
+        self.flight.clear();
         self.known.clear();
         self.body.clear();
         self.inverse_mass.clear();
@@ -68,34 +72,21 @@ impl Points {
         self.known.clone_from(&self.end);
     }
 
-    /// Moves the bodies' particles to where they are now. `move_particle` gets the body, the slot and the way in metres.
-    pub fn write(&mut self, bodies: &mut [Body], mut move_particle: impl FnMut(&mut Body, usize, Vec3)) {
-        for (body, &first) in bodies.iter_mut().zip(&self.first) {
-            if first == NONE {
-                continue;
-            }
-            let own = first as usize..first as usize + body.particles.inverse_mass.len();
-            for (slot, (end, known)) in self.end[own.clone()].iter().zip(&mut self.known[own]).enumerate() {
-                if *end != *known {
-                    move_particle(body, slot, *end - *known);
-                    *known = *end;
-                }
-            }
-        }
+    /// Reads where the particles were after free flight.
+    pub fn read_flight(&mut self, bodies: &[Body]) {
+        read_columns(bodies, &mut self.flight, |body| &body.context.integrated);
     }
 
-    /// Tells the bodies which motion is not to become velocity.
-    pub fn write_shifts(&mut self, bodies: &mut [Body]) {
-        for (body, &first) in bodies.iter_mut().zip(&self.first) {
-            if first == NONE {
-                continue;
-            }
-            let own = first as usize..first as usize + body.particles.inverse_mass.len();
-            let shifts = self.shift[own.clone()].iter().zip(&mut self.known_shift[own]);
-            for (slot, (shift, known)) in shifts.enumerate() {
-                if *shift != *known {
-                    body.context.integrated.add(slot, *shift - *known);
-                    *known = *shift;
+    /// Moves the bodies' particles to where they are now. `move_particle` gets the body, the slot, the way in metres, and the
+    /// part of it that is not to become velocity.
+    pub fn write(&mut self, bodies: &mut [Body], move_particle: impl Fn(&mut Body, usize, Vec3, Vec3)) {
+        for (body, &first) in bodies.iter_mut().zip(&self.first).filter(|(_, first)| **first != NONE) {
+            for slot in 0..body.particles.inverse_mass.len() {
+                let id = first as usize + slot;
+                let (end, shift) = (self.end[id], self.shift[id]);
+                if end != self.known[id] || shift != self.known_shift[id] {
+                    move_particle(body, slot, end - self.known[id], shift - self.known_shift[id]);
+                    (self.known[id], self.known_shift[id]) = (end, shift);
                 }
             }
         }
@@ -122,11 +113,16 @@ impl Points {
 }
 
 fn read(bodies: &[Body], to: &mut Vec<Vec3>) {
+    read_columns(bodies, to, |body| &body.particles.position);
+}
+
+fn read_columns(bodies: &[Body], to: &mut Vec<Vec3>, columns: impl Fn(&Body) -> &Columns) {
     to.clear();
     let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
     for body in bodies.iter().filter(|body| has_triangles(body)) {
         let shift = body.particles.origin - origin;
-        let count = body.particles.inverse_mass.len();
-        to.extend((0..count).map(|slot| body.particles.position.get(slot) + shift));
+        for cell in &columns(body).cells {
+            to.extend((0..LANES).map(|lane| cell.get(lane) + shift));
+        }
     }
 }

@@ -34,6 +34,8 @@ pub(crate) struct Reach {
     pub blunt_factor: f32,
     /// Metres more.
     pub slack: f32,
+    /// Factor below which a reach never falls.
+    pub least: f32,
 }
 
 /// Lists the parts of pairs of stars that may touch.
@@ -88,9 +90,10 @@ impl Batch<'_> {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            let pair = pair(lane, self.pairs[lane].map(|star| &self.stars[star as usize]));
+            let stars = self.pairs[lane];
+            let pair = pair(lane, stars.map(|star| &self.stars[star as usize]));
             if !pair.is_joined() {
-                found.push(pair);
+                found.push(Pair { stars, ..pair });
             }
         }
     }
@@ -129,7 +132,8 @@ fn edges<S: Simd>(
             let low = n.dot(later_w) + least(zero, n.dot(later_u));
             let high = most(zero, n.dot(later_v));
             let factor = sharpness * (reach.factor - reach.blunt_factor) + reach.blunt_factor;
-            let hits = may_meet(simd, n, low - high, distance * factor + reach.slack);
+            let bound = most(distance * factor + reach.slack, distance * reach.least);
+            let hits = may_meet(simd, n, low - high, bound);
             let hits = (hits & sharpness.simd_ge(zero)).to_bitmask() as u16;
             if hits != 0 {
                 let sharpness = sharpness.to_array();
@@ -137,7 +141,7 @@ fn edges<S: Simd>(
                     ids: [p.centre, p.ends[i], q.centre, q.ends[j]],
                     kind: Kind::EdgeEdge,
                     sharpness: sharpness[lane],
-                    distance: 0.0,
+                    ..Pair::default()
                 });
             }
         }
@@ -175,7 +179,7 @@ fn corners<S: Simd>(
             batch.push(hits, found, |_, stars| {
                 let [p, q] = [stars[sides[0]], stars[sides[1]]];
                 let [_, c, d] = q.face(k);
-                Pair { ids: [p.centre, q.centre, c, d], kind: Kind::CornerFace, sharpness: 1.0, distance: 0.0 }
+                Pair { ids: [p.centre, q.centre, c, d], sharpness: 1.0, ..Pair::default() }
             });
         }
     }
