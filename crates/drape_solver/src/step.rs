@@ -20,7 +20,7 @@ use glam::Vec3;
 
 use crate::broad_phase::obstacle_search::SearchStep;
 use crate::constants::{
-    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS,
+    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS,
 };
 use crate::constraint::{angular_momentum, stick, strain::greatest_strain, volume};
 use crate::contact::island_contacts::IslandContacts;
@@ -395,7 +395,7 @@ fn project_layers(island: &mut Island, environment: &Environment) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, context, .. } = island;
     let IslandContacts { bodies: contacts, cloth_cloth: cloths, movers, .. } = &mut context.contacts;
-    cloths.surfaces.detect(bodies, substep);
+    cloths.surfaces.detect(bodies, substep, CONTACT_MARGIN_OF_SURFACES);
     let is_near = cloths.is_near();
     for round in 1..=ROUNDS_OF_LAYERS {
         let is_last = round == ROUNDS_OF_LAYERS || !is_near;

@@ -12,6 +12,7 @@
 use glam::Vec3;
 
 use crate::broad_phase::relative_motion::RelativeMotion;
+use crate::constants::CONTACT_SLACK;
 use crate::contact::cloth_contact::{ClothContact, has_triangles};
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::particle_particle::ParticlePairs;
@@ -55,7 +56,7 @@ pub(crate) fn begin_substep(contacts: &mut SelfContacts, bodies: &mut [Body], su
         particles.begin_substep(bodies, &motion.of_lists);
     }
     if is_on_ropes(bodies) {
-        surfaces.detect(bodies, substep);
+        surfaces.detect(bodies, substep, CONTACT_SLACK);
     }
 }
 

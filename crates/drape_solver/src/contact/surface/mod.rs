@@ -142,13 +142,19 @@ impl SurfaceContacts {
         }
     }
 
-    /// Finds what touches in this substep, after everything has moved; and leads crossings apart.
-    pub fn detect(&mut self, bodies: &mut [Body], substep: Substep) {
+    /// Finds what touches in this substep, within a `margin` (part of the distance to keep), after everything has moved; and
+    /// leads crossings apart.
+    pub fn detect(&mut self, bodies: &mut [Body], substep: Substep, margin: f32) {
         if self.points.is_empty() {
             return;
         }
         self.points.read(bodies);
         self.points.read_flight(bodies);
+        // Contacts of ropes that were found in free flight have pushed in each iteration.
+        if !self.contacts.is_empty() {
+            self.apply_friction(bodies);
+            self.write(bodies);
+        }
         match self.list {
             Some(list) if list.age < list.substeps => {
                 if self.surfaces.find_stale(&self.points, list.fraction(), list.slack) {
@@ -162,7 +168,7 @@ impl SurfaceContacts {
             self.crossings.iter().for_each(|crossing| crossing.move_apart(&mut self.points, way));
             self.write(bodies);
         }
-        self.find_contacts(true, substep.isa);
+        self.find_contacts(Some(margin), substep.isa);
     }
 
     /// Lists the pairs that may touch in all substeps that are left; in this one alone if many things are unsteady.
@@ -288,16 +294,17 @@ impl SurfaceContacts {
     }
 
     /// Finds the pairs that may pass each other; and those that touch, if so asked.
-    fn find_contacts(&mut self, touching: bool, isa: Isa) {
+    fn find_contacts(&mut self, margin: Option<f32>, isa: Isa) {
         let Self { points, pairs, contacts, passing, crossings, is_crossing, looked_at, .. } = self;
         passing.clear();
-        if touching {
+        if margin.is_some() {
             contacts.clear();
         }
         for (kind, pairs) in KINDS.into_iter().zip(pairs) {
             let places = [&points.start[..], &points.end[..]];
-            let touching = touching.then_some(&mut *contacts);
-            isa.run(Narrow { kind, pairs, places, flights: &points.flight, touching, passing });
+            let touching = margin.map(|_| &mut *contacts);
+            let margin = margin.unwrap_or_default();
+            isa.run(Narrow { kind, pairs, places, flights: &points.flight, touching, margin, passing });
         }
         if !crossings.is_empty() {
             let has_side = |contact: &Contact| !contact.pair.ids.iter().all(|&id| is_crossing[id as usize]);
@@ -316,11 +323,17 @@ impl SurfaceContacts {
         points.read(bodies);
         contacts.iter_mut().for_each(|contact| contact.push(points));
         if is_last {
-            contacts.iter().for_each(|contact| contact.apply_friction(points, bodies));
+            self.apply_friction(bodies);
+            let Self { points, contacts, .. } = self;
             let way = RECOVERY_SPEED * rate.substep();
             contacts.iter().for_each(|contact| contact.recover(points, way));
         }
         self.write(bodies);
+    }
+
+    fn apply_friction(&mut self, bodies: &[Body]) {
+        let Self { points, contacts, .. } = self;
+        contacts.iter().for_each(|contact| contact.apply_friction(points, bodies));
     }
 
     /// Moves the bodies' particles; what was moved in position only gets no velocity. Pushes go into the displacement at once:
@@ -350,9 +363,9 @@ impl SurfaceContacts {
                 self.set_targets(1, slack);
                 list.slack = slack;
                 self.search(bodies, slack, substep.isa);
-                self.find_contacts(false, substep.isa);
+                self.find_contacts(None, substep.isa);
             } else if self.moved() > 0.5 * RISKY_GAP * BLUNT_EDGES * distance {
-                self.find_contacts(false, substep.isa);
+                self.find_contacts(None, substep.isa);
             } else if attempt > 0 {
                 break;
             }

@@ -5,7 +5,7 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
 
-use crate::constants::{CONTACT_MARGIN_OF_SURFACES, RISKY_GAP};
+use crate::constants::RISKY_GAP;
 use crate::contact::surface::contact::{Contact, contact};
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
@@ -21,8 +21,9 @@ pub(crate) struct Narrow<'a> {
     pub places: [&'a [Vec3]; 2],
     /// Places after free flight.
     pub flights: &'a [Vec3],
-    /// Contacts of pairs that come nearer than the distance that they keep.
+    /// Contacts of pairs that come nearer than the distance that they keep, times 1 and the margin more.
     pub touching: Option<&'a mut Vec<Contact>>,
+    pub margin: f32,
     /// Contacts of pairs that may pass each other.
     pub passing: &'a mut Vec<Contact>,
 }
@@ -32,14 +33,14 @@ impl Kernel for Narrow<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { kind, pairs, places: [start, end], flights, mut touching, passing } = self;
+        let Self { kind, pairs, places: [start, end], flights, mut touching, margin, passing } = self;
         for pairs in pairs.chunks(LANES) {
             let lanes = Gap::of(simd, kind, [corners(simd, pairs, start), corners(simd, pairs, end)]);
             let mut distances = [0.0; LANES];
             distances.iter_mut().zip(pairs).for_each(|(distance, pair)| *distance = pair.distance);
             let distance = f32x16::load_array_ref(simd, &distances);
             let live = if pairs.len() == LANES { u16::MAX } else { (1 << pairs.len()) - 1 };
-            let near = lanes.height.simd_lt(distance * (1.0 + CONTACT_MARGIN_OF_SURFACES));
+            let near = lanes.height.simd_lt(distance * (1.0 + margin));
             let near = if touching.is_some() { near.to_bitmask() as u16 & live } else { 0 };
             let risky = lanes.gap.simd_lt(distance * RISKY_GAP).to_bitmask() as u16 & live;
             let mut hits = near | risky;
