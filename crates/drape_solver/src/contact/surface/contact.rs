@@ -12,7 +12,7 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::contact::effective_mass::effective_inverse_mass;
 use crate::contact::surface::pair::{Kind, Pair};
@@ -50,9 +50,9 @@ const LEAST_COSINE: f32 = 0.3;
 impl Contact {
     /// True if the two were near each other at the start, or come near in free flight: what sticks alone draw together from
     /// farther away has other layers between.
-    pub fn is_in_reach(&self, flights: &[Vec3]) -> bool {
+    pub fn is_in_reach(&self, flights: &[Vec4]) -> bool {
         let Pair { ids, distance, .. } = self.pair;
-        let height = || weighted(self.weights, ids.map(|id| flights[id as usize])).dot(self.normal);
+        let height = || weighted(self.weights, ids.map(|id| flights[id as usize].truncate())).dot(self.normal);
         self.at_start < FAR * distance || height() < FAR * distance
     }
 
@@ -61,7 +61,7 @@ impl Contact {
         let goal = self.at_start.min(self.pair.distance);
         if let Some(push) = self.push_to(goal, points) {
             self.depth += push.depth;
-            push.shares.into_iter().for_each(|(id, way)| points.end[id] += way);
+            push.shares.into_iter().for_each(|(id, way)| points.move_by(id, way));
         }
     }
 
@@ -71,7 +71,7 @@ impl Contact {
         let goal = (self.at_start + way).min(self.pair.distance);
         if let Some(push) = self.push_to(goal, points) {
             for (id, way) in push.shares {
-                points.end[id] += way;
+                points.move_by(id, way);
                 points.shift[id] += way;
             }
         }
@@ -117,7 +117,7 @@ impl Contact {
         let total = effective_inverse_mass(self.weights, masses);
         let push = friction.slip_taken(slip, self.normal, self.depth) / total;
         for k in 0..4 {
-            points.end[ids[k] as usize] -= push * (self.weights[k] * masses[k]);
+            points.move_by(ids[k] as usize, -push * (self.weights[k] * masses[k]));
         }
     }
 

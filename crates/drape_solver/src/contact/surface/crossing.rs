@@ -57,7 +57,7 @@ impl Crossing {
             }
             for k in 0..5 {
                 let share = direction * (way * weights[k] * masses[k] / total);
-                points.end[corners[k] as usize] += share;
+                points.move_by(corners[k] as usize, share);
                 points.shift[corners[k] as usize] += share;
             }
         }

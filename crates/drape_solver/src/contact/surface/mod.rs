@@ -23,7 +23,7 @@ pub(crate) mod rows;
 pub(crate) mod search;
 pub(crate) mod truncation;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::constants::{
     BLUNT_EDGES, CONTACT_MARGIN_OF_SURFACES, RECOVERY_SPEED, REST_SHARE, RISKY_GAP, SLACK_OF_SURFACES,
@@ -33,7 +33,7 @@ use crate::contact::cloth_contact::has_triangles;
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::surface::contact::Contact;
 use crate::contact::surface::crossing::{Crossing, FindCrossings};
-use crate::contact::surface::narrow::{Narrow, RestDistances};
+use crate::contact::surface::narrow::Narrow;
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
@@ -53,15 +53,14 @@ pub(crate) struct SurfaceContacts {
     pairs: [Vec<Pair>; 2],
     found: [Vec<Pair>; 2],
     list: Option<List>,
-    targets: Vec<Vec3>,
-    rest_distances: Vec<f32>,
+    targets: Vec<Vec4>,
     crossings: Vec<Crossing>,
     is_crossing: Vec<bool>,
     /// Pairs that touch in this substep, and pairs that may pass each other.
     contacts: Vec<Contact>,
     passing: Vec<Contact>,
     /// Places for which the contacts were found.
-    looked_at: Vec<Vec3>,
+    looked_at: Vec<Vec4>,
     pieces: Pieces,
     counts: Counts,
 }
@@ -222,7 +221,7 @@ impl SurfaceContacts {
     /// The number of points that contacts and sticks move by more than `slack` metres after free flight.
     fn unsteady(&self, slack: f32) -> usize {
         let Points { flight, end, .. } = &self.points;
-        let is_pulled = |(flight, end): (&Vec3, &Vec3)| flight.distance_squared(*end) > slack * slack;
+        let is_pulled = |(flight, end): (&Vec4, &Vec4)| flight.distance_squared(*end) > slack * slack;
         flight.iter().zip(end).filter(|&ways| is_pulled(ways)).count()
     }
 
@@ -258,21 +257,20 @@ impl SurfaceContacts {
             reach: Reach { factor, blunt_factor: BLUNT_EDGES * factor, slack: 2.0 * slack, least: 2.0 * PUSH_TOLERANCE },
             found,
         });
-        self.keep_found(bodies, isa);
+        self.keep_found(bodies);
     }
 
     /// Gives the pairs that were found their distances, and lists them.
-    fn keep_found(&mut self, bodies: &[Body], isa: Isa) {
-        let Self { points, surfaces, pairs, found, rest_distances, .. } = self;
-        for ((kind, found), pairs) in KINDS.into_iter().zip(found).zip(pairs) {
-            rest_distances.clear();
-            isa.run(RestDistances { kind, pairs: found, rest: &surfaces.rest, found: rest_distances });
-            for (pair, &at_rest) in found.iter_mut().zip(&*rest_distances) {
+    fn keep_found(&mut self, bodies: &[Body]) {
+        let Self { points, surfaces, pairs, found, .. } = self;
+        for (found, pairs) in found.iter_mut().zip(pairs) {
+            for pair in &mut *found {
                 let [a, b] = [pair.ids[0], pair.ids[3]].map(|id| points.body[id as usize] as usize);
                 let full = bodies[a].settings.thickness + bodies[b].settings.thickness;
                 // Neighbours within a body keep less, so that sticks that are a little shorter do not work against
                 // contacts.
-                let full = if a == b { full.min(REST_SHARE * at_rest) } else { full };
+                let at_rest = if a == b { surfaces.rest_distance(pair, full / REST_SHARE) } else { None };
+                let full = at_rest.map_or(full, |at_rest| REST_SHARE * at_rest);
                 pair.distance = full * (BLUNT_EDGES + (1.0 - BLUNT_EDGES) * pair.sharpness);
             }
             pairs.retain(|pair| !surfaces.is_looked_at(pair.stars));

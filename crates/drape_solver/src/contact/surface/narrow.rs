@@ -3,24 +3,25 @@
 //! Design: `docs/design/self_contact.md`.
 
 use fearless_simd::{Simd, f32x16, prelude::*};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::constants::RISKY_GAP;
 use crate::contact::surface::contact::{Contact, contact};
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
-use crate::simd::columns::{Cell, LANES};
+use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
-use crate::simd::lanes::Lanes3;
+use crate::simd::lanes::{Lanes3, load};
+use crate::simd::transpose::transpose;
 
 /// Turns pairs, all of one kind, into contacts.
 pub(crate) struct Narrow<'a> {
     pub kind: Kind,
     pub pairs: &'a [Pair],
     /// Places of the island's particles when the substep began and now.
-    pub places: [&'a [Vec3]; 2],
+    pub places: [&'a [Vec4]; 2],
     /// Places after free flight.
-    pub flights: &'a [Vec3],
+    pub flights: &'a [Vec4],
     /// Contacts of pairs that come nearer than the distance that they keep, times 1 and the margin more.
     pub touching: Option<&'a mut Vec<Contact>>,
     pub margin: f32,
@@ -69,24 +70,28 @@ impl Kernel for Narrow<'_> {
     }
 }
 
-/// The corners of up to sixteen pairs.
+/// The corners of up to sixteen pairs: each pair is a row of four places, and a transposed block has their columns.
 #[inline(always)]
-fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec3]) -> [Lanes3<S>; 4] {
-    [
-        gather(simd, pairs, places, 0),
-        gather(simd, pairs, places, 1),
-        gather(simd, pairs, places, 2),
-        gather(simd, pairs, places, 3),
-    ]
+fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec4]) -> [Lanes3<S>; 4] {
+    let mut rows = [[0.0; LANES]; LANES];
+    for (row, pair) in rows.iter_mut().zip(pairs) {
+        for (place, id) in row.as_chunks_mut().0.iter_mut().zip(pair.ids) {
+            *place = places[id as usize].to_array();
+        }
+    }
+    let mut columns = [[0.0; LANES]; LANES];
+    transpose(
+        #[inline(always)]
+        |row| load(simd, &rows[row]),
+        #[inline(always)]
+        |column, vector| columns[column] = vector.to_array(),
+    );
+    [corner(simd, &columns, 0), corner(simd, &columns, 4), corner(simd, &columns, 8), corner(simd, &columns, 12)]
 }
 
 #[inline(always)]
-fn gather<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec3], corner: usize) -> Lanes3<S> {
-    let mut cell = Cell::default();
-    for (lane, pair) in pairs.iter().enumerate() {
-        cell.set(lane, places[pair.ids[corner] as usize]);
-    }
-    Lanes3::load(simd, &cell)
+fn corner<S: Simd>(simd: S, columns: &[[f32; LANES]; LANES], at: usize) -> Lanes3<S> {
+    Lanes3 { x: load(simd, &columns[at]), y: load(simd, &columns[at + 1]), z: load(simd, &columns[at + 2]) }
 }
 
 /// Nearest points at the start, and what is left between the two at the end.
@@ -128,28 +133,6 @@ impl<S: Simd> Gap<S> {
                 let gap = foot + least(zero, a) - most(zero, b);
                 Self { weights: [s, t], way, height: foot + s * a - t * b, gap }
             }
-        }
-    }
-}
-
-/// Distances at rest between the parts of pairs, all of one kind.
-pub(crate) struct RestDistances<'a> {
-    pub kind: Kind,
-    pub pairs: &'a [Pair],
-    pub rest: &'a [Vec3],
-    pub found: &'a mut Vec<f32>,
-}
-
-impl Kernel for RestDistances<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { kind, pairs, rest, found } = self;
-        for pairs in pairs.chunks(LANES) {
-            let corners = corners(simd, pairs, rest);
-            let way = Gap::of(simd, kind, [corners, corners]).way;
-            found.extend_from_slice(&way.dot(way).sqrt().to_array()[..pairs.len()]);
         }
     }
 }

@@ -4,13 +4,15 @@
 
 use std::sync::{Arc, Weak};
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree};
 use crate::broad_phase::swept_box::SweptBoxes;
 use crate::contact::cloth_contact::has_triangles;
+use crate::contact::surface::pair::Pair;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::rows::{CORNERS, PlaceStars, Row};
+use crate::geometry::nearest_triangle::weighted;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
@@ -24,8 +26,9 @@ pub(crate) struct PlacedSurfaces {
     /// The stars of all bodies, with the numbers of their particles in the island.
     pub stars: Vec<Star>,
     pub rows: Vec<Row>,
-    /// Places of all particles at rest, by number.
-    pub rest: Vec<Vec3>,
+    /// Places of all particles at rest, by number; and the greatest distance of each star's corners from its centre.
+    rest: Vec<Vec3>,
+    sizes: Vec<f32>,
     /// Sharpness of each star's edges, from 0 for a flat one to 1.
     sharpness: Vec<[f32; EDGES]>,
     leaf_pairs: Vec<[u32; 2]>,
@@ -74,7 +77,7 @@ impl PlacedSurfaces {
         {
             return;
         }
-        let Self { bodies: known, stars, rest, rows, sharpness, .. } = self;
+        let Self { bodies: known, stars, rest, sizes, rows, sharpness, .. } = self;
         known.resize_with(on().count(), PlacedBody::default);
         stars.clear();
         rest.clear();
@@ -93,8 +96,23 @@ impl PlacedSurfaces {
             known.tree.stars.resize(leaves, SweptBoxes::NOTHING);
             known.tree.active.resize(leaves, u16::MAX);
         }
+        sizes.clear();
+        sizes.extend(stars.iter().map(|star| {
+            let centre = rest[star.centre as usize];
+            let ways = (1..CORNERS).map(|corner| rest[star.corner(corner) as usize].distance_squared(centre));
+            ways.fold(0.0, f32::max).sqrt()
+        }));
         rows.resize(stars.len(), Row::NOTHING);
         sharpness.resize(stars.len(), [0.0; EDGES]);
+    }
+
+    /// Distance at rest between the parts of a pair of one body in metres; none if it is more than `enough`.
+    pub fn rest_distance(&self, pair: &Pair, enough: f32) -> Option<f32> {
+        let [a, b] = pair.stars.map(|star| self.rest[self.stars[star as usize].centre as usize]);
+        let reach = enough + pair.stars.iter().map(|&star| self.sizes[star as usize]).sum::<f32>();
+        let corners = || pair.ids.map(|id| self.rest[id as usize]);
+        let distance = || weighted(pair.kind.nearest(corners()), corners()).length();
+        (a.distance_squared(b) < reach * reach).then(distance).filter(|&distance| distance < enough)
     }
 
     /// Works out how sharp edges are, from where their faces are when a step begins.
@@ -157,7 +175,7 @@ impl PlacedSurfaces {
         &mut self,
         bodies: &[Body],
         points: &Points,
-        targets: &[Vec3],
+        targets: &[Vec4],
         [factor, slack]: [f32; 2],
         isa: Isa,
     ) {
@@ -220,7 +238,7 @@ fn greatest_deviation(star: &Star, row: &Row, points: &Points, fraction: f32) ->
     for corner in 0..CORNERS {
         let [start, end] = row.places(corner);
         let expected = start + (end - start) * fraction;
-        most = most.max(points.end[star.corner(corner) as usize].distance_squared(expected));
+        most = most.max(points.end[star.corner(corner) as usize].truncate().distance_squared(expected));
     }
     most.sqrt()
 }

@@ -2,14 +2,15 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::contact::cloth_contact::has_triangles;
 use crate::simd::columns::{Columns, LANES};
 use crate::state::body::Body;
 use crate::state::surface::NONE;
 
-/// Places of particles at the start of a substep and now, relative to the origin of the first body, in metres.
+/// Places of particles at the start of a substep and now, relative to the origin of the first body, in metres. The fourth
+/// number of a place is zero: kernels load places whole.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Points {
     /// For each body the number of its first particle; [`NONE`] if its surface touches nothing.
@@ -18,16 +19,16 @@ pub(crate) struct Points {
     pub body: Vec<u32>,
     /// In 1/kg.
     pub inverse_mass: Vec<f32>,
-    pub start: Vec<Vec3>,
-    pub end: Vec<Vec3>,
+    pub start: Vec<Vec4>,
+    pub end: Vec<Vec4>,
     /// Places after free flight.
-    pub flight: Vec<Vec3>,
+    pub flight: Vec<Vec4>,
     /// Motion in this substep that is not to become velocity.
     pub shift: Vec<Vec3>,
     /// The part of `shift` that the bodies know.
     known_shift: Vec<Vec3>,
     /// Places as the bodies have them.
-    known: Vec<Vec3>,
+    known: Vec<Vec4>,
 }
 
 impl Points {
@@ -85,7 +86,7 @@ impl Points {
                 let id = first as usize + slot;
                 let (end, shift) = (self.end[id], self.shift[id]);
                 if end != self.known[id] || shift != self.known_shift[id] {
-                    move_particle(body, slot, end - self.known[id], shift - self.known_shift[id]);
+                    move_particle(body, slot, (end - self.known[id]).truncate(), shift - self.known_shift[id]);
                     (self.known[id], self.known_shift[id]) = (end, shift);
                 }
             }
@@ -94,35 +95,39 @@ impl Points {
 
     /// Places of the particles with these numbers, now.
     pub fn ends<const N: usize>(&self, ids: [u32; N]) -> [Vec3; N] {
-        ids.map(|id| self.end[id as usize])
+        ids.map(|id| self.end[id as usize].truncate())
     }
 
     /// Places of the particles with these numbers when the substep began.
     pub fn starts<const N: usize>(&self, ids: [u32; N]) -> [Vec3; N] {
-        ids.map(|id| self.start[id as usize])
+        ids.map(|id| self.start[id as usize].truncate())
     }
 
     pub fn inverse_masses<const N: usize>(&self, ids: [u32; N]) -> [f32; N] {
         ids.map(|id| self.inverse_mass[id as usize])
     }
 
+    pub fn move_by(&mut self, id: usize, way: Vec3) {
+        self.end[id] += way.extend(0.0);
+    }
+
     /// Way of particle `id` in this substep so far, in metres.
     pub fn way(&self, id: usize) -> Vec3 {
-        self.end[id] - self.start[id]
+        (self.end[id] - self.start[id]).truncate()
     }
 }
 
-fn read(bodies: &[Body], to: &mut Vec<Vec3>) {
+fn read(bodies: &[Body], to: &mut Vec<Vec4>) {
     read_columns(bodies, to, |body| &body.particles.position);
 }
 
-fn read_columns(bodies: &[Body], to: &mut Vec<Vec3>, columns: impl Fn(&Body) -> &Columns) {
+fn read_columns(bodies: &[Body], to: &mut Vec<Vec4>, columns: impl Fn(&Body) -> &Columns) {
     to.clear();
     let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
     for body in bodies.iter().filter(|body| has_triangles(body)) {
         let shift = body.particles.origin - origin;
         for cell in &columns(body).cells {
-            to.extend((0..LANES).map(|lane| cell.get(lane) + shift));
+            to.extend((0..LANES).map(|lane| (cell.get(lane) + shift).extend(0.0)));
         }
     }
 }

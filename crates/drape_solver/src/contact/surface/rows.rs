@@ -5,7 +5,7 @@
 //! Design: `docs/design/self_contact.md`.
 
 use fearless_simd::{Simd, f32x16, prelude::*};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::broad_phase::surface_pairs::{Lean, PlacedTree};
 use crate::broad_phase::swept_box::SweptBoxes;
@@ -93,7 +93,7 @@ pub(crate) struct PlaceStars<'a> {
     /// Sharpness of each star's edges.
     pub sharpness: &'a [[f32; EDGES]],
     /// Places of the island's particles at both ends of their ways.
-    pub places: [&'a [Vec3]; 2],
+    pub places: [&'a [Vec4]; 2],
     pub thickness: f32,
     /// Distance in metres by which boxes are wider.
     pub growth: f32,
@@ -111,10 +111,10 @@ impl Kernel for PlaceStars<'_> {
         let mut columns: Columns = [[0.0; LANES]; COLUMNS];
         for (leaf, stars) in stars.chunks_exact(LANES).enumerate() {
             for (lane, star) in stars.iter().enumerate() {
-                let centre = places.map(|places| places[star.centre as usize]);
+                let centre = places.map(|places| places[star.centre as usize].truncate());
                 for time in 0..2 {
                     put(&mut columns, CENTRE[time], lane, centre[time]);
-                    let relative = |point: u32| places[time][point as usize] - centre[time];
+                    let relative = |point: u32| places[time][point as usize].truncate() - centre[time];
                     for (k, &end) in star.ends.iter().enumerate() {
                         put(&mut columns, EDGE[time] + 3 * k, lane, relative(end));
                     }

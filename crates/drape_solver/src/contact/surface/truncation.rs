@@ -99,8 +99,8 @@ fn move_apart(contact: &Contact, points: &mut Points) -> u32 {
         }
         // A hair more, so that rounding does not bring the pair back.
         let push = contact.normal * ((1.01 * least - gap) / (low + high));
-        points.end[ends[0] as usize] += push * low;
-        points.end[ends[1] as usize] -= push * high;
+        points.move_by(ends[0] as usize, push * low);
+        points.move_by(ends[1] as usize, -push * high);
     }
     LOOKS_AT_PAIR
 }
@@ -125,7 +125,7 @@ impl Pieces {
         for id in 0..points.start.len() {
             let motion = &motions[groups.root(id as u32) as usize];
             if motion.count > 1 && points.inverse_mass[id] > 0.0 {
-                points.end[id] = points.start[id] + motion.way();
+                points.end[id] = points.start[id] + motion.way().extend(0.0);
             }
         }
     }
