@@ -20,7 +20,8 @@ use glam::Vec3;
 
 use crate::broad_phase::obstacle_search::SearchStep;
 use crate::constants::{
-    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS,
+    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_CELLS, MAX_SUBSTEPS,
+    ROUNDS_OF_LAYERS,
 };
 use crate::constraint::{angular_momentum, stick, strain::greatest_strain, volume};
 use crate::contact::island_contacts::IslandContacts;

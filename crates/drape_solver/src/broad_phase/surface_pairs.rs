@@ -113,8 +113,7 @@ impl PlacedTree {
                 (a.bounds.and(&b.bounds), a.is_active || b.is_active)
             };
             node_leans[place] = lean;
-            nodes[place] =
-                PlacedNode { bounds, is_flat: node.is_connected && lean.is_flat(), is_active };
+            nodes[place] = PlacedNode { bounds, is_flat: node.is_connected && lean.is_flat(), is_active };
         }
         self.wider[0] = node_leans;
     }
@@ -276,4 +275,3 @@ impl Kernel for StarPairs<'_> {
         }
     }
 }
-

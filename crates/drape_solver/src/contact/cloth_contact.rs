@@ -97,11 +97,6 @@ impl<const N: usize> ClothContact<N> {
         (self.depth > 0.0 && first.0 != second.0).then_some(([first, second], self.normal, self.depth))
     }
 
-    /// Forgets the last substep.
-    pub fn begin_substep(&mut self) {
-        *self = Self::new(self.corners, self.apart);
-    }
-
     /// Moves the corners apart: each by its weight and inverse mass, so that momentum is kept.
     pub fn push(&mut self, bodies: &mut [Body], rate: PushOutRate, found: Penetration<N>) {
         let Penetration { weights, normal, depth, outward, at_start } = found;

@@ -45,8 +45,6 @@ pub(crate) struct PushOutRate {
     least: f32,
     /// Length of a substep in seconds.
     substep: f32,
-    /// True if the substep is the first of its step.
-    is_first: bool,
 }
 
 impl PushOutRate {
@@ -61,13 +59,13 @@ impl PushOutRate {
         // A hair less than a reference step, so that 1/60 s counts as one however it was rounded.
         let short = substep * (substeps as f32) < 0.999 * REFERENCE_STEP;
         let spread = if short { left.max(REFERENCE_STEP / substep) } else { left };
-        Self { share: 1.0 / spread, least: PUSH_OUT_SPEED * substep, substep, is_first: index == 0 }
+        Self { share: 1.0 / spread, least: PUSH_OUT_SPEED * substep, substep }
     }
 
     /// For contacts whose point wanders over a face. The overlap that one point finds where another has been is noise,
     /// and taking it out quickly would shake the cloth.
     pub fn gentle(substep: f32) -> Self {
-        Self { share: 0.0, least: GENTLE_PUSH_OUT_SPEED * substep, substep, is_first: false }
+        Self { share: 0.0, least: GENTLE_PUSH_OUT_SPEED * substep, substep }
     }
 }
 
@@ -75,11 +73,6 @@ impl PushOutRate {
     /// Length of a substep in seconds.
     pub fn substep(self) -> f32 {
         self.substep
-    }
-
-    /// True if the substep is the first of its step.
-    pub fn is_first(self) -> bool {
-        self.is_first
     }
 
     /// Metres of `initial` overlaps that may be left at the end of the substep, for the particles of a cell.
@@ -129,7 +122,7 @@ mod tests {
 
     #[test]
     fn depth_that_the_motion_made_is_a_contact_and_the_rest_is_not() {
-        let rate = PushOutRate { share: 1.0, least: 0.0, substep: 0.01, is_first: true };
+        let rate = PushOutRate { share: 1.0, least: 0.0, substep: 0.01 };
         let split = |depth: f32, outward: f32| {
             InitialOverlap::default().split(depth, outward, || depth + outward, rate)
         };
@@ -141,7 +134,7 @@ mod tests {
 
     #[test]
     fn what_came_round_a_curve_was_not_inside_before() {
-        let rate = PushOutRate { share: 1.0, least: 0.0, substep: 0.01, is_first: true };
+        let rate = PushOutRate { share: 1.0, least: 0.0, substep: 0.01 };
         let push = InitialOverlap::default().split(0.25, 0.1, || -0.5, rate);
         assert_eq!(push, Correction { with_velocity: 0.25, position_only: 0.0 });
     }
@@ -150,8 +143,7 @@ mod tests {
     fn an_initial_overlap_is_taken_out_evenly_and_whole_within_the_step() {
         let mut depth = 1.0;
         for substeps_left in (1..=4).rev() {
-            let rate =
-                PushOutRate { share: 1.0 / substeps_left as f32, least: 0.01, substep: 0.01, is_first: true };
+            let rate = PushOutRate { share: 1.0 / substeps_left as f32, least: 0.01, substep: 0.01 };
             let mut overlap = InitialOverlap::default();
             depth -= overlap.split(depth, 0.0, || depth, rate).position_only;
             assert!((depth - 0.25 * (substeps_left - 1) as f32).abs() < 1e-6);

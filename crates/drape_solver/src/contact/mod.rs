@@ -10,7 +10,7 @@
 //! ball_cloth          balls against cloth and ropes
 //! impact_zone         the last stage of balls and cloth: nothing has passed through a face
 //! particle_particle   cloth against itself and other cloth, by particles
-//! triangle_triangle   the same by corners, faces and edges
+//! surface/            the same by corners, faces and edges
 //! ```
 //!
 //! The other files help them:
@@ -18,8 +18,8 @@
 //! ```text
 //! island_contacts, body_contacts, cloth_cloth    the kinds of an island, of a body with obstacles, of self-contact
 //! carried_point                                  a contact of face_obstacle and embedded_obstacle
-//! cloth_contact                                  a contact of particle_particle and triangle_triangle
-//! triangle_pair, ccd, untangle                   parts of triangle_triangle
+//! cloth_contact                                  a contact of particle_particle
+//! ccd                                            what passes something within a substep
 //! mover, dynamic_obstacle, obstacle_push         obstacles that contacts push
 //! depenetration, effective_mass, restitution     formulas
 //! hit_substeps                                   the substeps that fast or heavy things need

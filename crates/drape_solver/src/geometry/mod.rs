@@ -9,7 +9,6 @@ pub(crate) mod nearest_lanes;
 pub(crate) mod nearest_segments;
 pub(crate) mod nearest_triangle;
 pub(crate) mod pose;
-pub(crate) mod separation;
 pub mod shape;
 pub(crate) mod surface_lanes;
 pub(crate) mod sweep;

@@ -48,11 +48,6 @@ pub(crate) struct Star {
 }
 
 impl Star {
-    /// A star that fills up a leaf and touches nothing.
-    pub fn nothing() -> Self {
-        Self::of(0, false)
-    }
-
     fn of(centre: u32, has_centre: bool) -> Self {
         Self {
             centre,
@@ -117,7 +112,7 @@ pub(crate) struct Node {
 /// The stars of a body, patch by patch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surface {
-    /// Whole leaves: those that are not full end with [nothing](Star::nothing).
+    /// Whole leaves: those that are not full end with stars that [hold nothing](Star::is_nothing).
     pub stars: Vec<Star>,
     pub nodes: Vec<Node>,
     /// For each slot, the slots at the other ends of its edges: `around[first..]`, from `first_around` of the slot to
@@ -218,7 +213,8 @@ fn stars(topology: &Topology) -> Vec<Star> {
         if a == b || b == c || c == a {
             continue;
         }
-        let has_room = |corner: u32| of[corner as usize].iter().any(|star| (star.face_count as usize) < FACES);
+        let has_room =
+            |corner: u32| of[corner as usize].iter().any(|star| (star.face_count as usize) < FACES);
         // Each turned so that the owner comes first: all keep their winding.
         let mut turned = [[a, b, c], [b, c, a], [c, a, b]];
         turned.sort_unstable();
@@ -291,7 +287,7 @@ impl Builder<'_> {
         self.nodes.push(Node { first: first as u32, count: (leaves * LANES) as u32, right: 0, is_connected });
         if leaves == 1 {
             self.leaves.extend(order.iter().map(|&star| self.stars[star as usize]));
-            self.leaves.resize(first + LANES, Star { ..self.padding(order[0]) });
+            self.leaves.resize(first + LANES, self.padding(order[0]));
             return;
         }
         let centres = &self.centres;

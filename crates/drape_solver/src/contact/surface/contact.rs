@@ -52,7 +52,8 @@ impl Contact {
     /// farther away has other layers between.
     pub fn is_in_reach(&self, flights: &[Vec4]) -> bool {
         let Pair { ids, distance, .. } = self.pair;
-        let height = || weighted(self.weights, ids.map(|id| flights[id as usize].truncate())).dot(self.normal);
+        let height =
+            || weighted(self.weights, ids.map(|id| flights[id as usize].truncate())).dot(self.normal);
         self.at_start < FAR * distance || height() < FAR * distance
     }
 

@@ -91,9 +91,6 @@ pub(crate) struct Counts {
     pub truncated: u32,
     /// Substeps in which some pair could not be kept apart.
     pub unfinished: u32,
-    pub stars: u32,
-    pub attempts: u32,
-    pub pieces: u32,
 }
 
 /// Kinds of pairs, in the order of their lists.
@@ -248,13 +245,17 @@ impl SurfaceContacts {
         let factor = 1.0 + CONTACT_MARGIN_OF_SURFACES;
         surfaces.place(bodies, points, targets, [factor, slack], isa);
         surfaces.star_pairs(bodies, isa, star_pairs);
-        self.counts.stars += star_pairs.len() as u32;
         found.iter_mut().for_each(Vec::clear);
         isa.run(Search {
             rows: &surfaces.rows,
             stars: &surfaces.stars,
             pairs: star_pairs,
-            reach: Reach { factor, blunt_factor: BLUNT_EDGES * factor, slack: 2.0 * slack, least: 2.0 * PUSH_TOLERANCE },
+            reach: Reach {
+                factor,
+                blunt_factor: BLUNT_EDGES * factor,
+                slack: 2.0 * slack,
+                least: 2.0 * PUSH_TOLERANCE,
+            },
             found,
         });
         self.keep_found(bodies);
@@ -367,7 +368,6 @@ impl SurfaceContacts {
             } else if attempt > 0 {
                 break;
             }
-            self.counts.attempts += 1;
             let (count, is_done) = truncate(&self.passing, &mut self.points, &mut self.pieces);
             self.counts.truncated += count;
             self.counts.unfinished += u32::from(!is_done || attempt == ATTEMPTS - 1);
@@ -380,10 +380,6 @@ impl SurfaceContacts {
             body.particles.displacement.add(slot, way);
         });
         self.list = Some(List { age: list.age + 1, ..list });
-        if substep.index + 1 == substep.count && std::env::var("STATS").is_ok() {
-            let c = self.counts;
-            eprintln!("lists {} star pairs {} pairs {} contacts {} pushing {} truncated {} unfinished {} attempts {} pieces {} crossings {}", c.lists, c.stars, self.pair_count(), self.contacts.len(), self.passing.len(), c.truncated, c.unfinished, c.attempts, c.pieces, self.crossings.len());
-        }
     }
 
     /// Greatest distance in metres of a point from where it was when the contacts were found.

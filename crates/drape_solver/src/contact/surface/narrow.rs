@@ -86,7 +86,12 @@ fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec4]) -> [Lanes3<S>; 4] 
         #[inline(always)]
         |column, vector| columns[column] = vector.to_array(),
     );
-    [corner(simd, &columns, 0), corner(simd, &columns, 4), corner(simd, &columns, 8), corner(simd, &columns, 12)]
+    [
+        corner(simd, &columns, 0),
+        corner(simd, &columns, 4),
+        corner(simd, &columns, 8),
+        corner(simd, &columns, 12),
+    ]
 }
 
 #[inline(always)]

@@ -86,7 +86,12 @@ impl Points {
                 let id = first as usize + slot;
                 let (end, shift) = (self.end[id], self.shift[id]);
                 if end != self.known[id] || shift != self.known_shift[id] {
-                    move_particle(body, slot, (end - self.known[id]).truncate(), shift - self.known_shift[id]);
+                    move_particle(
+                        body,
+                        slot,
+                        (end - self.known[id]).truncate(),
+                        shift - self.known_shift[id],
+                    );
                     (self.known[id], self.known_shift[id]) = (end, shift);
                 }
             }

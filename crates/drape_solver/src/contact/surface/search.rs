@@ -167,7 +167,12 @@ fn corners<S: Simd>(
         let scale = &b[FACE_SCALE + 4 * k..];
         let face = TriangleLanes {
             sides: [vector(simd, b, at(0, 0)), vector(simd, b, at(0, 1))],
-            inverses: [load(simd, &scale[0]), load(simd, &scale[1]), load(simd, &scale[2]), load(simd, &scale[3])],
+            inverses: [
+                load(simd, &scale[0]),
+                load(simd, &scale[1]),
+                load(simd, &scale[2]),
+                load(simd, &scale[3]),
+            ],
         };
         let [s, t] = face.nearest(simd, w);
         let n = w.minus(face.sides[0].times(s)).minus(face.sides[1].times(t));
