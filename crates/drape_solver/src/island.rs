@@ -9,6 +9,7 @@ use crate::contact::event::{Contact, Other, Party, Touch, pair_without};
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::reaction::Reactions;
 use crate::contact::report::ContactReport;
+use crate::contact::surface::counts::SelfContactCounts;
 use crate::motion::environment::Environment;
 use crate::simd::isa::Isa;
 use crate::state::ball::Ball;
@@ -194,9 +195,9 @@ impl Island {
         self.context.iterations_taken
     }
 
-    /// The number of pairs that [self-contact](crate::SolverSettings::self_contact) watches; its cost grows with them.
-    pub fn self_contact_pairs(&self) -> usize {
-        self.context.contacts.cloth_cloth.pair_count()
+    /// What [self-contact](crate::SolverSettings::self_contact) did in the last step.
+    pub fn self_contact_counts(&self) -> SelfContactCounts {
+        self.context.contacts.cloth_cloth.counts()
     }
 
     /// The number of substeps of the step that was [begun](crate::step::begin).

@@ -63,6 +63,7 @@ pub use build::topology_builder::TopologyBuilder;
 pub use build::weave::Weave;
 pub use contact::ball_cloth_query::BallClothContact;
 pub use contact::event::{Contact, Feature, Other, Party, Touch};
+pub use contact::surface::counts::SelfContactCounts;
 pub use error::{BuildError, StepError};
 pub use geometry::pose::Placement;
 pub use geometry::shape::Shape;

@@ -17,6 +17,7 @@ use crate::contact::cloth_contact::{ClothContact, has_triangles};
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::particle_particle::ParticlePairs;
 use crate::contact::surface::SurfaceContacts;
+use crate::contact::surface::counts::SelfContactCounts;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
 
@@ -93,8 +94,9 @@ impl SelfContacts {
         particles.chain(self.surfaces.pushed_bodies())
     }
 
-    /// The number of pairs that are watched.
-    pub fn pair_count(&self) -> usize {
-        self.particles.pair_count() + self.surfaces.pair_count()
+    /// What happened in the last step.
+    pub fn counts(&self) -> SelfContactCounts {
+        let of_surfaces = self.surfaces.counts();
+        SelfContactCounts { pairs: self.particles.pair_count() + of_surfaces.pairs, ..of_surfaces }
     }
 }

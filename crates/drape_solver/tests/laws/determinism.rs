@@ -292,7 +292,7 @@ fn all_contacts_after(steps: usize, isa: Isa, take: impl Fn(&mut Island, &Enviro
         }
         thrown += island.reactions.len();
         touches += island.touches.len();
-        pairs += island.self_contact_pairs();
+        pairs += island.self_contact_counts().pairs;
     }
     assert!(touches > 0 && pairs > 0, "{touches} touches, {pairs} pairs of cloth");
     assert!(thrown > 0, "the box that was thrown must hit something");

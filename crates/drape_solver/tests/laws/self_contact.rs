@@ -64,7 +64,7 @@ fn a_body_that_comes_before_others_does_not_get_their_contacts() {
         let mut island = Island::of_body(on_edge(13, settings(kind)));
         // Runs until it hardly moves, so that its pairs stay valid for long.
         run(&mut island, &over_ground(), 4.0);
-        assert!(island.self_contact_pairs() > 0);
+        assert!(island.self_contact_counts().pairs > 0);
         // The same without pairs from earlier steps.
         let mut fresh = Island::of_body(island.bodies[0].clone());
         for island in [&mut island, &mut fresh] {
@@ -256,7 +256,7 @@ fn pairs_per_particle_do_not_grow_with_the_cloth() {
         let mut island = Island::of_body(on_edge(size, settings));
         let mut most = 0.0_f32;
         run_with(&mut island, &over_ground(), 1.5, |island, _| {
-            most = most.max(island.self_contact_pairs() as f32 / (size * size) as f32);
+            most = most.max(island.self_contact_counts().pairs as f32 / (size * size) as f32);
         });
         most
     };

@@ -98,10 +98,12 @@ pub struct Figures {
     pub cpu_ms_mean: Option<f64>,
     /// Greatest number of pairs that self-contact watched at the end of a step.
     pub pairs: Option<usize>,
-    /// The number of lists of pairs that were made; none as the solver does not count them.
+    /// Lists of pairs that were made in all steps; none but for triangles, as are the next two.
     pub rebuilds: Option<usize>,
-    /// The number of displacements that were cut short; none as the solver does not count them.
+    /// Times that parts were moved back because they would have passed each other.
     pub truncated: Option<usize>,
+    /// Substeps in which parts could not be kept from passing each other.
+    pub unfinished: Option<usize>,
     /// The number of steps that were searched for crossings.
     pub steps_searched: usize,
     /// Greatest number of edges through triangles; none if there are no triangles.
@@ -158,7 +160,7 @@ impl Trial {
         let mut counter = setup.crossing_counter();
         let mut times = Vec::new();
         let mut cpu = CpuClock::started();
-        let mut pairs = 0;
+        let (mut pairs, mut rebuilds, mut truncated, mut unfinished) = (0, 0, 0, 0);
         let (mut speeds, mut before) = (Vec::new(), setup.positions());
         let (mut states, mut counts) = (Vec::new(), Vec::new());
         for number in 1..=self.steps {
@@ -170,7 +172,11 @@ impl Trial {
                 step(&mut setup.island, &setup.environment)?;
             }
             times.push(began.elapsed());
-            pairs = pairs.max(setup.island.self_contact_pairs());
+            let work = setup.island.self_contact_counts();
+            pairs = pairs.max(work.pairs);
+            rebuilds += work.lists;
+            truncated += work.truncated;
+            unfinished += work.unfinished;
             let now = setup.positions();
             speeds.push(rms_distance(&before, &now) / f64::from(STEP));
             before = now;
@@ -189,6 +195,7 @@ impl Trial {
         let crossings = (setup.triangle_count() > 0).then_some(counts.as_slice());
         times.sort_unstable();
         let mean = times.iter().sum::<Duration>() / times.len().max(1) as u32;
+        let of_triangles = |count: u32| (self.mode == Mode::Triangles).then_some(count as usize);
         let at = |place: usize| times.get(place).copied().map_or(0.0, milliseconds);
         Ok(Figures {
             scene: name_of(&self.scene),
@@ -204,8 +211,9 @@ impl Trial {
             ms_max: at(times.len().saturating_sub(1)),
             cpu_ms_mean: cpu.sum.map(|sum| milliseconds(sum) / self.steps as f64),
             pairs: Some(pairs),
-            rebuilds: None,
-            truncated: None,
+            rebuilds: of_triangles(rebuilds),
+            truncated: of_triangles(truncated),
+            unfinished: of_triangles(unfinished),
             steps_searched: counts.len(),
             crossings_max: crossings.and_then(|counts| counts.iter().copied().max()),
             crossings_end: crossings.and_then(|counts| counts.last().copied()),

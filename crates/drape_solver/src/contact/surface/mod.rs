@@ -14,6 +14,7 @@
 //! Design: `docs/design/self_contact.md`.
 
 pub(crate) mod contact;
+pub(crate) mod counts;
 pub(crate) mod crossing;
 pub(crate) mod narrow;
 pub(crate) mod pair;
@@ -32,6 +33,7 @@ use crate::constants::{
 use crate::contact::cloth_contact::has_triangles;
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::surface::contact::Contact;
+use crate::contact::surface::counts::SelfContactCounts;
 use crate::contact::surface::crossing::{Crossing, FindCrossings};
 use crate::contact::surface::narrow::Narrow;
 use crate::contact::surface::pair::{Kind, Pair};
@@ -62,7 +64,7 @@ pub(crate) struct SurfaceContacts {
     /// Places for which the contacts were found.
     looked_at: Vec<Vec4>,
     pieces: Pieces,
-    counts: Counts,
+    counts: SelfContactCounts,
 }
 
 /// How long a list holds.
@@ -82,17 +84,6 @@ impl List {
     }
 }
 
-/// What happened in a step.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
-    /// Lists that were made.
-    pub lists: u32,
-    /// Pairs that were moved back because they would have passed.
-    pub truncated: u32,
-    /// Substeps in which some pair could not be kept apart.
-    pub unfinished: u32,
-}
-
 /// Kinds of pairs, in the order of their lists.
 const KINDS: [Kind; 2] = [Kind::CornerFace, Kind::EdgeEdge];
 
@@ -110,9 +101,9 @@ impl SurfaceContacts {
         !self.contacts.is_empty()
     }
 
-    /// The number of pairs that are watched.
-    pub fn pair_count(&self) -> usize {
-        self.pairs.iter().map(Vec::len).sum()
+    /// What happened in the last step.
+    pub fn counts(&self) -> SelfContactCounts {
+        SelfContactCounts { pairs: self.pairs.iter().map(Vec::len).sum(), ..self.counts }
     }
 
     /// Particles of different bodies that were pushed apart in the last substep: see
@@ -134,7 +125,7 @@ impl SurfaceContacts {
             self.surfaces.fit(bodies, &self.points);
             self.surfaces.sharpen(&self.points);
             self.list = None;
-            self.counts = Counts::default();
+            self.counts = SelfContactCounts::default();
         }
     }
 
@@ -285,6 +276,7 @@ impl SurfaceContacts {
         crossings.clear();
         let PlacedSurfaces { rows, stars, .. } = &*surfaces;
         isa.run(FindCrossings { rows, stars, pairs: star_pairs, found: crossings });
+        self.counts.crossings = crossings.len() as u32;
         is_crossing.clear();
         is_crossing.resize(points.start.len(), false);
         for corner in crossings.iter().flat_map(Crossing::corners) {
