@@ -53,11 +53,52 @@ impl Lean {
     }
 }
 
+/// Boxes around the parts of sixteen stars: their centres, their edges, their faces, and all of these.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StarBoxes {
+    pub centres: SweptBoxes,
+    pub edges: SweptBoxes,
+    pub faces: SweptBoxes,
+    pub whole: SweptBoxes,
+}
+
+impl StarBoxes {
+    pub const NOTHING: Self = Self {
+        centres: SweptBoxes::NOTHING,
+        edges: SweptBoxes::NOTHING,
+        faces: SweptBoxes::NOTHING,
+        whole: SweptBoxes::NOTHING,
+    };
+}
+
+/// Pairs of stars, by their numbers in the island, of which some parts may touch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StarPairs {
+    /// The centre of the first and the faces of the second.
+    pub corners: Vec<[u32; 2]>,
+    pub edges: Vec<[u32; 2]>,
+    /// The edges of the first and the faces of the second, if they are asked for.
+    pub crossings: Vec<[u32; 2]>,
+    pub has_crossings: bool,
+}
+
+impl StarPairs {
+    pub fn clear(&mut self) {
+        self.corners.clear();
+        self.edges.clear();
+        self.crossings.clear();
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.corners.is_empty() && self.edges.is_empty()
+    }
+}
+
 /// Boxes of the leaves and nodes of one body.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PlacedTree {
     /// The boxes of each leaf's stars.
-    pub stars: Vec<SweptBoxes>,
+    pub stars: Vec<StarBoxes>,
     pub leaves: Vec<SweptBox>,
     /// For each slot, the lean of all faces around it.
     pub leans: Vec<Lean>,
@@ -91,7 +132,7 @@ impl PlacedTree {
     pub fn refit(&mut self, surface: &Surface) {
         let Self { stars, leaves, leans, active, nodes, .. } = self;
         leaves.clear();
-        leaves.extend(stars.iter().map(SweptBoxes::all));
+        leaves.extend(stars.iter().map(|boxes| boxes.whole.all()));
         nodes.clear();
         let nothing = PlacedNode { bounds: SweptBox::NOTHING, is_flat: false, is_active: false };
         nodes.resize(surface.nodes.len(), nothing);
@@ -216,16 +257,10 @@ impl PlacedSurface<'_> {
         })
     }
 
-    /// Appends the pairs of stars, by their numbers in the island, of some pairs of leaves of this body and `other`.
-    pub fn star_pairs(
-        &self,
-        other: &PlacedSurface,
-        leaves: &[[u32; 2]],
-        isa: Isa,
-        found: &mut Vec<[u32; 2]>,
-    ) {
+    /// Appends the pairs of stars of some pairs of leaves of this body and `other`.
+    pub fn star_pairs(&self, other: &PlacedSurface, leaves: &[[u32; 2]], isa: Isa, found: &mut StarPairs) {
         let is_one = core::ptr::eq(self.at, other.at);
-        isa.run(StarPairs { own: self, other, is_one, leaves, found });
+        isa.run(FindStarPairs { own: self, other, is_one, leaves, found });
     }
 }
 
@@ -233,15 +268,15 @@ fn leaf(node: &Node) -> u32 {
     node.first / LANES as u32
 }
 
-struct StarPairs<'a> {
+struct FindStarPairs<'a> {
     own: &'a PlacedSurface<'a>,
     other: &'a PlacedSurface<'a>,
     is_one: bool,
     leaves: &'a [[u32; 2]],
-    found: &'a mut Vec<[u32; 2]>,
+    found: &'a mut StarPairs,
 }
 
-impl Kernel for StarPairs<'_> {
+impl Kernel for FindStarPairs<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -249,13 +284,13 @@ impl Kernel for StarPairs<'_> {
         let Self { own, other, is_one, leaves, found } = self;
         for &[a, b] in leaves {
             let (x, y) = (&own.at.stars[a as usize], &other.at.stars[b as usize]);
-            let mut from = x.meets(simd, &other.at.leaves[b as usize]);
-            let to = y.meets(simd, &own.at.leaves[a as usize]);
+            let mut from = x.whole.meets(simd, &other.at.leaves[b as usize]);
+            let to = y.whole.meets(simd, &own.at.leaves[a as usize]);
             while from != 0 && to != 0 {
                 let lane = from.trailing_zeros();
                 from &= from - 1;
                 let star = a * LANES as u32 + lane;
-                let mut hits = to & y.meets(simd, &x.at(lane as usize));
+                let mut hits = to & y.whole.meets(simd, &x.whole.at(lane as usize));
                 if own.at.active[a as usize] & (1 << lane) == 0 {
                     hits &= other.at.active[b as usize];
                 }
@@ -265,13 +300,31 @@ impl Kernel for StarPairs<'_> {
                     }
                     hits &= !own.flat_neighbours(star, b, hits);
                 }
-                while hits != 0 {
-                    let partner = b * LANES as u32 + hits.trailing_zeros();
-                    hits &= hits - 1;
-                    let first = [own.first_leaf, other.first_leaf].map(|leaf| leaf * LANES as u32);
-                    found.push([first[0] + star, first[1] + partner]);
+                if hits == 0 {
+                    continue;
+                }
+                let star = own.first_leaf * LANES as u32 + star;
+                let first = (other.first_leaf + b) * LANES as u32;
+                let [centre, edges, faces] =
+                    [&x.centres, &x.edges, &x.faces].map(|boxes| boxes.at(lane as usize));
+                each(hits & y.faces.meets(simd, &centre), |k| found.corners.push([star, first + k]));
+                each(hits & y.centres.meets(simd, &faces), |k| found.corners.push([first + k, star]));
+                each(hits & y.edges.meets(simd, &edges), |k| found.edges.push([star, first + k]));
+                if found.has_crossings {
+                    let crossings = &mut found.crossings;
+                    each(hits & y.faces.meets(simd, &edges), |k| crossings.push([star, first + k]));
+                    each(hits & y.edges.meets(simd, &faces), |k| crossings.push([first + k, star]));
                 }
             }
         }
+    }
+}
+
+/// Calls `take` with the number of each bit that is set.
+#[inline(always)]
+fn each(mut bits: u16, mut take: impl FnMut(u32)) {
+    while bits != 0 {
+        take(bits.trailing_zeros());
+        bits &= bits - 1;
     }
 }

@@ -15,6 +15,7 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
 
+use crate::geometry::nearest_lanes::{least, most};
 use crate::simd::columns::LANES;
 use crate::simd::lanes::load;
 
@@ -69,6 +70,19 @@ impl SweptBoxes {
         slow: [[f32::INFINITY; LANES]; 3],
         fast: [[f32::NEG_INFINITY; LANES]; 3],
     };
+
+    /// Widens each box to hold another.
+    #[inline(always)]
+    pub fn add<S: Simd>(&mut self, simd: S, other: &Self) {
+        for axis in 0..3 {
+            let least_of = |own: &[f32; LANES], other| least(load(simd, own), load(simd, other)).to_array();
+            let most_of = |own: &[f32; LANES], other| most(load(simd, own), load(simd, other)).to_array();
+            self.low[axis] = least_of(&self.low[axis], &other.low[axis]);
+            self.high[axis] = most_of(&self.high[axis], &other.high[axis]);
+            self.slow[axis] = least_of(&self.slow[axis], &other.slow[axis]);
+            self.fast[axis] = most_of(&self.fast[axis], &other.fast[axis]);
+        }
+    }
 
     pub fn at(&self, lane: usize) -> SweptBox {
         let of = |axes: &[[f32; LANES]; 3]| Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]);

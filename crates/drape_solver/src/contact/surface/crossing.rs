@@ -23,8 +23,10 @@ use glam::Vec3;
 use crate::contact::effective_mass::effective_inverse_mass;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::rows::{
-    CENTRE, COLUMNS, Columns, EDGE, FACE, FACE_SCALE, Row, SHARPNESS, gather, vector,
+    CENTRE, CENTRES, COLUMNS, Columns, EDGE, EDGES_TOO, FACE, FACE_SCALE, FACES_ONLY, Row, SHARPNESS, gather,
+    vector,
 };
+use crate::contact::surface::search::live;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
 use crate::simd::lanes::load;
@@ -95,7 +97,7 @@ fn inside([a, b, c]: [Vec3; 3], normal: Vec3, point: Vec3) -> Option<[f32; 3]> {
     (sum > 0.0 && areas.iter().all(|&area| area >= 0.0)).then(|| areas.map(|area| area / sum))
 }
 
-/// Lists the edges through faces of pairs of stars at the start, sixteen pairs at a time.
+/// Lists the edges of first stars that pass through faces of second ones at the start, sixteen pairs at a time.
 pub(crate) struct FindCrossings<'a> {
     pub rows: &'a [Row],
     pub stars: &'a [Star],
@@ -111,23 +113,18 @@ impl Kernel for FindCrossings<'_> {
         let Self { rows, stars, pairs, found } = self;
         let mut columns: [Columns; 2] = [[[0.0; LANES]; COLUMNS]; 2];
         for pairs in pairs.chunks(LANES) {
-            for (side, columns) in columns.iter_mut().enumerate() {
-                let mut places = [pairs[0][side] as usize; LANES];
-                places.iter_mut().zip(pairs).for_each(|(place, pair)| *place = pair[side] as usize);
-                gather(simd, rows, &places, columns);
-            }
-            let live = if pairs.len() == LANES { u16::MAX } else { (1 << pairs.len()) - 1 };
-            for [own, other] in [[0, 1], [1, 0]] {
-                for (i, k) in (0..EDGES).flat_map(|i| (0..FACES).map(move |k| (i, k))) {
-                    let mut hits = crossing_lanes(simd, [&columns[own], &columns[other]], i, k) & live;
-                    while hits != 0 {
-                        let lane = hits.trailing_zeros() as usize;
-                        hits &= hits - 1;
-                        let [p, q] = [own, other].map(|side| &stars[pairs[lane][side] as usize]);
-                        let crossing = Crossing { edge: p.edge(i), face: q.face(k), sides: p.sides[i] };
-                        if crossing.edge.iter().all(|end| !crossing.face.contains(end)) {
-                            found.push(crossing);
-                        }
+            gather(simd, rows, pairs, 0, EDGES_TOO, &mut columns[0]);
+            gather(simd, rows, pairs, 1, CENTRES, &mut columns[1]);
+            gather(simd, rows, pairs, 1, FACES_ONLY, &mut columns[1]);
+            for (i, k) in (0..EDGES).flat_map(|i| (0..FACES).map(move |k| (i, k))) {
+                let mut hits = crossing_lanes(simd, &columns, i, k) & live(pairs.len());
+                while hits != 0 {
+                    let lane = hits.trailing_zeros() as usize;
+                    hits &= hits - 1;
+                    let [p, q] = pairs[lane].map(|star| &stars[star as usize]);
+                    let crossing = Crossing { edge: p.edge(i), face: q.face(k), sides: p.sides[i] };
+                    if crossing.edge.iter().all(|end| !crossing.face.contains(end)) {
+                        found.push(crossing);
                     }
                 }
             }
@@ -137,7 +134,7 @@ impl Kernel for FindCrossings<'_> {
 
 /// Bit mask of the lanes in which edge `i` of the first star passes through face `k` of the second.
 #[inline(always)]
-fn crossing_lanes<S: Simd>(simd: S, [a, b]: [&Columns; 2], i: usize, k: usize) -> u16 {
+fn crossing_lanes<S: Simd>(simd: S, [a, b]: &[Columns; 2], i: usize, k: usize) -> u16 {
     let zero = f32x16::splat(simd, 0.0);
     let from = vector(simd, a, CENTRE[0]).minus(vector(simd, b, CENTRE[0]));
     let edge = vector(simd, a, EDGE[0] + 3 * i);

@@ -20,15 +20,16 @@ pub(crate) mod narrow;
 pub(crate) mod pair;
 pub(crate) mod placed;
 pub(crate) mod points;
+pub(crate) mod reach;
 pub(crate) mod rows;
 pub(crate) mod search;
 pub(crate) mod truncation;
 
 use glam::{Vec3, Vec4};
 
+use crate::broad_phase::surface_pairs::StarPairs;
 use crate::constants::{
-    BLUNT_EDGES, CONTACT_MARGIN_OF_SURFACES, RECOVERY_SPEED, REST_SHARE, RISKY_GAP, SLACK_OF_SURFACES,
-    UNTANGLING_SPEED,
+    CONTACT_MARGIN_OF_SURFACES, RECOVERY_SPEED, RISKY_GAP, SLACK_OF_SURFACES, UNTANGLING_SPEED,
 };
 use crate::contact::cloth_contact::has_triangles;
 use crate::contact::depenetration::PushOutRate;
@@ -39,7 +40,8 @@ use crate::contact::surface::narrow::Narrow;
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
-use crate::contact::surface::search::{Reach, Search};
+use crate::contact::surface::reach::Reach;
+use crate::contact::surface::search::Search;
 use crate::contact::surface::truncation::{Pieces, truncate};
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
@@ -50,7 +52,7 @@ use crate::state::substep::Substep;
 pub(crate) struct SurfaceContacts {
     points: Points,
     surfaces: PlacedSurfaces,
-    star_pairs: Vec<[u32; 2]>,
+    star_pairs: StarPairs,
     /// Corners and faces, and edges, that may touch while the list holds.
     pairs: [Vec<Pair>; 2],
     found: [Vec<Pair>; 2],
@@ -155,7 +157,7 @@ impl SurfaceContacts {
             self.crossings.iter().for_each(|crossing| crossing.move_apart(&mut self.points, way));
             self.write(bodies);
         }
-        self.find_contacts(Some(margin), substep.isa);
+        self.find_contacts(bodies, Some(margin), substep.isa);
     }
 
     /// Lists the pairs that may touch in all substeps that are left; in this one alone if many things are unsteady.
@@ -170,10 +172,12 @@ impl SurfaceContacts {
         let (substeps, slack) = if is_calm { (left, slack) } else { (1, SLACK_OF_SURFACES * distance) };
         self.surfaces.look_at_all();
         self.set_targets(substeps, slack);
+        self.star_pairs.has_crossings = substep.index == 0;
         self.search(bodies, slack, substep.isa);
         if substep.index == 0 {
             self.find_crossings(substep.isa);
         }
+        self.star_pairs.has_crossings = false;
         self.list = Some(List { substeps, age: 0, slack });
     }
 
@@ -183,10 +187,15 @@ impl SurfaceContacts {
             self.make_list(bodies, substep);
             return;
         }
+        self.list = Some(self.renew_stale(bodies, substep, list));
+    }
+
+    /// Lists the pairs of stale stars anew, for the substeps that are left to the list.
+    fn renew_stale(&mut self, bodies: &[Body], substep: Substep, list: List) -> List {
         let substeps = list.substeps - list.age;
         self.set_targets(substeps, list.slack);
         self.search(bodies, list.slack, substep.isa);
-        self.list = Some(List { substeps, age: 0, ..list });
+        List { substeps, age: 0, ..list }
     }
 
     /// True if nothing can touch in all substeps that are left, even if corners are farther off their way than usual: the
@@ -195,7 +204,8 @@ impl SurfaceContacts {
         self.surfaces.look_at_all();
         let slack = 2.0 * distance;
         self.set_targets(left, slack);
-        self.surfaces.place(bodies, &self.points, &self.targets, [1.0, slack], substep.isa);
+        let reach = Reach { factor: 1.0, slack, least: 0.0 };
+        self.surfaces.place(bodies, &self.points, &self.targets, reach, substep.isa);
         self.surfaces.star_pairs(bodies, substep.isa, &mut self.star_pairs);
         if !self.star_pairs.is_empty() {
             return false;
@@ -231,42 +241,22 @@ impl SurfaceContacts {
 
     /// Adds to the list what may touch on the way to the targets, where one of the two is in a leaf that is looked at.
     fn search(&mut self, bodies: &[Body], slack: f32, isa: Isa) {
-        let Self { points, surfaces, star_pairs, targets, found, .. } = self;
+        let Self { points, surfaces, star_pairs, pairs, targets, found, .. } = self;
         self.counts.lists += 1;
-        let factor = 1.0 + CONTACT_MARGIN_OF_SURFACES;
-        surfaces.place(bodies, points, targets, [factor, slack], isa);
+        let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack, least: 2.0 * PUSH_TOLERANCE };
+        surfaces.place(bodies, points, targets, reach, isa);
         surfaces.star_pairs(bodies, isa, star_pairs);
         found.iter_mut().for_each(Vec::clear);
         isa.run(Search {
             rows: &surfaces.rows,
             stars: &surfaces.stars,
             pairs: star_pairs,
-            reach: Reach {
-                factor,
-                blunt_factor: BLUNT_EDGES * factor,
-                slack: 2.0 * slack,
-                least: 2.0 * PUSH_TOLERANCE,
-            },
+            reach: reach.of_two(),
             found,
         });
-        self.keep_found(bodies);
-    }
-
-    /// Gives the pairs that were found their distances, and lists them.
-    fn keep_found(&mut self, bodies: &[Body]) {
-        let Self { points, surfaces, pairs, found, .. } = self;
         for (found, pairs) in found.iter_mut().zip(pairs) {
-            for pair in &mut *found {
-                let [a, b] = [pair.ids[0], pair.ids[3]].map(|id| points.body[id as usize] as usize);
-                let full = bodies[a].settings.thickness + bodies[b].settings.thickness;
-                // Neighbours within a body keep less, so that sticks that are a little shorter do not work against
-                // contacts.
-                let at_rest = if a == b { surfaces.rest_distance(pair, full / REST_SHARE) } else { None };
-                let full = at_rest.map_or(full, |at_rest| REST_SHARE * at_rest);
-                pair.distance = full * (BLUNT_EDGES + (1.0 - BLUNT_EDGES) * pair.sharpness);
-            }
             pairs.retain(|pair| !surfaces.is_looked_at(pair.stars));
-            pairs.extend(found.iter().filter(|pair| pair.distance > 0.0));
+            pairs.append(found);
         }
     }
 
@@ -275,7 +265,7 @@ impl SurfaceContacts {
         let Self { points, surfaces, star_pairs, crossings, is_crossing, .. } = self;
         crossings.clear();
         let PlacedSurfaces { rows, stars, .. } = &*surfaces;
-        isa.run(FindCrossings { rows, stars, pairs: star_pairs, found: crossings });
+        isa.run(FindCrossings { rows, stars, pairs: &star_pairs.crossings, found: crossings });
         self.counts.crossings = crossings.len() as u32;
         is_crossing.clear();
         is_crossing.resize(points.start.len(), false);
@@ -285,8 +275,9 @@ impl SurfaceContacts {
     }
 
     /// Finds the pairs that may pass each other; and those that touch, if so asked.
-    fn find_contacts(&mut self, margin: Option<f32>, isa: Isa) {
-        let Self { points, pairs, contacts, passing, crossings, is_crossing, looked_at, .. } = self;
+    fn find_contacts(&mut self, bodies: &[Body], margin: Option<f32>, isa: Isa) {
+        let risky_gap = RISKY_GAP * least_distance(bodies);
+        let Self { points, surfaces, pairs, contacts, passing, crossings, is_crossing, looked_at, .. } = self;
         passing.clear();
         if margin.is_some() {
             contacts.clear();
@@ -295,7 +286,17 @@ impl SurfaceContacts {
             let places = [&points.start[..], &points.end[..]];
             let touching = margin.map(|_| &mut *contacts);
             let margin = margin.unwrap_or_default();
-            isa.run(Narrow { kind, pairs, places, flights: &points.flight, touching, margin, passing });
+            isa.run(Narrow {
+                kind,
+                pairs,
+                surfaces,
+                places,
+                flights: &points.flight,
+                touching,
+                margin,
+                risky_gap,
+                passing,
+            });
         }
         if !crossings.is_empty() {
             let has_side = |contact: &Contact| !contact.pair.ids.iter().all(|&id| is_crossing[id as usize]);
@@ -348,15 +349,10 @@ impl SurfaceContacts {
         for attempt in 0..ATTEMPTS {
             let tolerance = PUSH_TOLERANCE * distance;
             if self.surfaces.find_stale(&self.points, list.fraction(), tolerance) {
-                // The next substep makes a new list.
-                (list.substeps, list.age) = (1, 0);
-                let slack = SLACK_OF_SURFACES * distance;
-                self.set_targets(1, slack);
-                list.slack = slack;
-                self.search(bodies, slack, substep.isa);
-                self.find_contacts(None, substep.isa);
-            } else if self.moved() > 0.5 * RISKY_GAP * BLUNT_EDGES * distance {
-                self.find_contacts(None, substep.isa);
+                list = self.renew_stale(bodies, substep, list);
+                self.find_contacts(bodies, None, substep.isa);
+            } else if self.moved() > 0.5 * RISKY_GAP * distance {
+                self.find_contacts(bodies, None, substep.isa);
             } else if attempt > 0 {
                 break;
             }

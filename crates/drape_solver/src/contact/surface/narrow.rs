@@ -5,9 +5,10 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::{Vec3, Vec4};
 
-use crate::constants::RISKY_GAP;
 use crate::contact::surface::contact::{Contact, contact};
 use crate::contact::surface::pair::{Kind, Pair};
+use crate::contact::surface::placed::PlacedSurfaces;
+use crate::contact::surface::search::live;
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
@@ -17,7 +18,9 @@ use crate::simd::transpose::transpose;
 /// Turns pairs, all of one kind, into contacts.
 pub(crate) struct Narrow<'a> {
     pub kind: Kind,
-    pub pairs: &'a [Pair],
+    pub pairs: &'a mut [Pair],
+    /// Where the distances come from that pairs of one body have at rest.
+    pub surfaces: &'a PlacedSurfaces,
     /// Places of the island's particles when the substep began and now.
     pub places: [&'a [Vec4]; 2],
     /// Places after free flight.
@@ -25,7 +28,8 @@ pub(crate) struct Narrow<'a> {
     /// Contacts of pairs that come nearer than the distance that they keep, times 1 and the margin more.
     pub touching: Option<&'a mut Vec<Contact>>,
     pub margin: f32,
-    /// Contacts of pairs that may pass each other.
+    /// Contacts of pairs that may pass each other: of those whose plane is left a gap narrower than this, in metres.
+    pub risky_gap: f32,
     pub passing: &'a mut Vec<Contact>,
 }
 
@@ -34,33 +38,38 @@ impl Kernel for Narrow<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { kind, pairs, places: [start, end], flights, mut touching, margin, passing } = self;
-        for pairs in pairs.chunks(LANES) {
+        let Self { kind, pairs, surfaces, places, flights, mut touching, margin, risky_gap, passing } = self;
+        let [start, end] = places;
+        for pairs in pairs.chunks_mut(LANES) {
             let lanes = Gap::of(simd, kind, [corners(simd, pairs, start), corners(simd, pairs, end)]);
             let mut distances = [0.0; LANES];
-            distances.iter_mut().zip(pairs).for_each(|(distance, pair)| *distance = pair.distance);
+            distances.iter_mut().zip(&*pairs).for_each(|(distance, pair)| *distance = pair.distance);
             let distance = f32x16::load_array_ref(simd, &distances);
-            let live = if pairs.len() == LANES { u16::MAX } else { (1 << pairs.len()) - 1 };
-            let near = lanes.height.simd_lt(distance * (1.0 + margin));
-            let near = if touching.is_some() { near.to_bitmask() as u16 & live } else { 0 };
-            let risky = lanes.gap.simd_lt(distance * RISKY_GAP).to_bitmask() as u16 & live;
-            let mut hits = near | risky;
+            let near = lanes.height.simd_lt(distance * (1.0 + margin)).to_bitmask() as u16;
+            let near = if touching.is_some() { near } else { 0 };
+            let risky = lanes.gap.simd_lt(f32x16::splat(simd, risky_gap)).to_bitmask() as u16;
+            let mut hits = (near | risky) & live(pairs.len());
             if hits == 0 {
                 continue;
             }
             let [s, t] = [lanes.weights[0].to_array(), lanes.weights[1].to_array()];
             let way = [lanes.way.x.to_array(), lanes.way.y.to_array(), lanes.way.z.to_array()];
+            let height = lanes.height.to_array();
             while hits != 0 {
                 let lane = hits.trailing_zeros() as usize;
                 hits &= hits - 1;
+                let pair = &mut pairs[lane];
+                if !pair.knows_rest {
+                    surfaces.note_rest(pair);
+                }
                 let weights = kind.weights([s[lane], t[lane]]);
                 let way = Vec3::new(way[0][lane], way[1][lane], way[2][lane]);
-                let Some(contact) = contact(pairs[lane], weights, way) else { continue };
+                let Some(contact) = contact(*pair, weights, way) else { continue };
                 if risky & (1 << lane) != 0 {
                     passing.push(contact);
                 }
                 if let Some(touching) = &mut touching
-                    && near & (1 << lane) != 0
+                    && height[lane] < pair.distance * (1.0 + margin)
                     && contact.is_in_reach(flights)
                 {
                     touching.push(contact);

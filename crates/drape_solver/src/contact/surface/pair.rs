@@ -24,10 +24,10 @@ pub(crate) struct Pair {
     pub kind: Kind,
     /// The stars that they belong to.
     pub stars: [u32; 2],
-    /// Sharpness of the blunter edge, from 0 to 1; 1 for a corner and a face.
-    pub sharpness: f32,
-    /// The distance that the two keep, in metres.
+    /// The distance that the two keep, in metres; it may be less if they are [near at rest](Self::knows_rest).
     pub distance: f32,
+    /// True if the distance takes into account how near they are at rest.
+    pub knows_rest: bool,
 }
 
 impl Pair {

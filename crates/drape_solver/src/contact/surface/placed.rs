@@ -6,11 +6,12 @@ use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
 
-use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree};
-use crate::broad_phase::swept_box::SweptBoxes;
+use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs};
+use crate::constants::REST_SHARE;
 use crate::contact::cloth_contact::has_triangles;
 use crate::contact::surface::pair::Pair;
 use crate::contact::surface::points::Points;
+use crate::contact::surface::reach::Reach;
 use crate::contact::surface::rows::{CORNERS, PlaceStars, Row};
 use crate::geometry::nearest_triangle::weighted;
 use crate::simd::columns::LANES;
@@ -26,6 +27,8 @@ pub(crate) struct PlacedSurfaces {
     /// The stars of all bodies, with the numbers of their particles in the island.
     pub stars: Vec<Star>,
     pub rows: Vec<Row>,
+    /// The body of each star.
+    body: Vec<u32>,
     /// Places of all particles at rest, by number; and the greatest distance of each star's corners from its centre.
     rest: Vec<Vec3>,
     sizes: Vec<f32>,
@@ -77,9 +80,10 @@ impl PlacedSurfaces {
         {
             return;
         }
-        let Self { bodies: known, stars, rest, sizes, rows, sharpness, .. } = self;
+        let Self { bodies: known, stars, rest, sizes, rows, body: of, sharpness, .. } = self;
         known.resize_with(on().count(), PlacedBody::default);
         stars.clear();
+        of.clear();
         rest.clear();
         rest.resize(points.start.len(), Vec3::ZERO);
         for (known, (place, body)) in known.iter_mut().zip(on()) {
@@ -92,8 +96,9 @@ impl PlacedSurfaces {
             }
             let surface = topology.surface();
             stars.extend(surface.stars.iter().map(|star| star.map(|slot| slot + first)));
+            of.resize(stars.len(), place as u32);
             let leaves = surface.stars.len() / LANES;
-            known.tree.stars.resize(leaves, SweptBoxes::NOTHING);
+            known.tree.stars.resize(leaves, StarBoxes::NOTHING);
             known.tree.active.resize(leaves, u16::MAX);
         }
         sizes.clear();
@@ -106,13 +111,21 @@ impl PlacedSurfaces {
         sharpness.resize(stars.len(), [0.0; EDGES]);
     }
 
-    /// Distance at rest between the parts of a pair of one body in metres; none if it is more than `enough`.
-    pub fn rest_distance(&self, pair: &Pair, enough: f32) -> Option<f32> {
-        let [a, b] = pair.stars.map(|star| self.rest[self.stars[star as usize].centre as usize]);
-        let reach = enough + pair.stars.iter().map(|&star| self.sizes[star as usize]).sum::<f32>();
-        let corners = || pair.ids.map(|id| self.rest[id as usize]);
-        let distance = || weighted(pair.kind.nearest(corners()), corners()).length();
-        (a.distance_squared(b) < reach * reach).then(distance).filter(|&distance| distance < enough)
+    /// Shortens the distance of a pair that is near at rest: parts of one body keep [`REST_SHARE`] of their distance there at
+    /// most, so that sticks which are a little shorter do not work against contacts.
+    pub fn note_rest(&self, pair: &mut Pair) {
+        pair.knows_rest = true;
+        let stars = pair.stars.map(|star| star as usize);
+        if self.body[stars[0]] != self.body[stars[1]] {
+            return;
+        }
+        let [a, b] = stars.map(|star| self.rest[self.stars[star].centre as usize]);
+        let reach = pair.distance / REST_SHARE + stars.iter().map(|&star| self.sizes[star]).sum::<f32>();
+        if a.distance_squared(b) < reach * reach {
+            let corners = pair.ids.map(|id| self.rest[id as usize]);
+            let at_rest = weighted(pair.kind.nearest(corners), corners).length();
+            pair.distance = pair.distance.min(REST_SHARE * at_rest);
+        }
     }
 
     /// Works out how sharp edges are, from where their faces are when a step begins.
@@ -172,16 +185,8 @@ impl PlacedSurfaces {
         self.bodies.iter_mut().for_each(|body| body.tree.active.fill(u16::MAX));
     }
 
-    /// Places the stars, for ways from the points' starts to `targets`. Boxes are wider by the
-    /// thickness times `factor`, and `slack` metres.
-    pub fn place(
-        &mut self,
-        bodies: &[Body],
-        points: &Points,
-        targets: &[Vec4],
-        [factor, slack]: [f32; 2],
-        isa: Isa,
-    ) {
+    /// Places the stars, for ways from the points' starts to `targets`. Boxes are wider by their share of the reach.
+    pub fn place(&mut self, bodies: &[Body], points: &Points, targets: &[Vec4], reach: Reach, isa: Isa) {
         let Self { bodies: placed, stars, rows, sharpness, offs, .. } = self;
         for body in placed {
             let first = body.first_leaf as usize * LANES;
@@ -196,7 +201,7 @@ impl PlacedSurfaces {
                 sharpness: &sharpness[own.clone()],
                 places: [&points.start, targets],
                 thickness,
-                growth: thickness * factor + slack,
+                reach,
                 has_faces: !of.topology.faces.is_empty(),
                 rows: &mut rows[own],
                 tree: &mut body.tree,
@@ -210,7 +215,7 @@ impl PlacedSurfaces {
     }
 
     /// Finds the pairs of stars that may touch, where one is looked at.
-    pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, found: &mut Vec<[u32; 2]>) {
+    pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, found: &mut StarPairs) {
         found.clear();
         let Self { bodies: placed, leaf_pairs, .. } = self;
         for a in 0..placed.len() {

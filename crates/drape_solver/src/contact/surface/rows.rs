@@ -4,11 +4,14 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use fearless_simd::{Simd, f32x16, prelude::*};
+use core::ops::Range;
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::{Vec3, Vec4};
 
-use crate::broad_phase::surface_pairs::{Lean, PlacedTree};
+use crate::broad_phase::surface_pairs::{Lean, PlacedTree, StarBoxes};
 use crate::broad_phase::swept_box::SweptBoxes;
+use crate::contact::surface::reach::Reach;
 use crate::geometry::nearest_lanes::{TriangleLanes, inverse, least, most};
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
@@ -16,22 +19,27 @@ use crate::simd::lanes::{Lanes3, load};
 use crate::simd::transpose::transpose;
 use crate::state::surface::{EDGES, FACES, Star};
 
-/// The columns of a row.
+/// The columns of a row: of the centre, of the edges, of the faces.
 pub(crate) const CENTRE: [usize; 2] = [0, 3];
-pub(crate) const EDGE: [usize; 2] = [6, 15];
-pub(crate) const FACE: [usize; 2] = [24, 36];
+/// Half the distance to keep, in metres.
+pub(crate) const THICKNESS: usize = 6;
+/// 1 if the centre is tested against faces, else 0.
+pub(crate) const HAS_CENTRE: usize = 7;
 /// Sharpness of each edge, from 0 to 1; negative where there is no edge.
-pub(crate) const SHARPNESS: usize = 48;
+pub(crate) const SHARPNESS: usize = 8;
 /// One over the squared length of each edge.
-pub(crate) const EDGE_SCALE: usize = 51;
+pub(crate) const EDGE_SCALE: usize = 11;
+pub(crate) const EDGE: [usize; 2] = [14, 23];
+pub(crate) const FACE: [usize; 2] = [32, 44];
 /// For each face, one over the squared lengths of its sides from the centre, of the third side, and over the
 /// determinant of the first two; the last is negative where there is no face.
-pub(crate) const FACE_SCALE: usize = 54;
-/// Half the distance to keep, in metres.
-pub(crate) const THICKNESS: usize = 62;
-/// 1 if the centre is tested against faces, else 0.
-pub(crate) const HAS_CENTRE: usize = 63;
+pub(crate) const FACE_SCALE: usize = 56;
 pub(crate) const COLUMNS: usize = 64;
+
+/// The blocks of [`LANES`] columns in which the centre stands, and centre and edges, and the faces.
+pub(crate) const CENTRES: Range<usize> = 0..1;
+pub(crate) const EDGES_TOO: Range<usize> = 0..2;
+pub(crate) const FACES_ONLY: Range<usize> = 2..4;
 
 /// The corners of a star.
 pub(crate) const CORNERS: usize = 1 + EDGES + 2 * FACES;
@@ -68,10 +76,19 @@ pub(crate) fn vector<S: Simd>(simd: S, columns: &Columns, at: usize) -> Lanes3<S
     Lanes3 { x: load(simd, &columns[at]), y: load(simd, &columns[at + 1]), z: load(simd, &columns[at + 2]) }
 }
 
-/// Columns of the rows at up to sixteen places; of the first where there are fewer.
+/// Some blocks of the columns of the rows on one `side` of up to sixteen pairs; of the first pair where there are fewer.
 #[inline(always)]
-pub(crate) fn gather<S: Simd>(simd: S, rows: &[Row], places: &[usize; LANES], columns: &mut Columns) {
-    for block in 0..COLUMNS / LANES {
+pub(crate) fn gather<S: Simd>(
+    simd: S,
+    rows: &[Row],
+    pairs: &[[u32; 2]],
+    side: usize,
+    blocks: Range<usize>,
+    columns: &mut Columns,
+) {
+    let mut places = [pairs[0][side] as usize; LANES];
+    places.iter_mut().zip(pairs).for_each(|(place, pair)| *place = pair[side] as usize);
+    for block in blocks {
         transpose(
             #[inline(always)]
             |row| load(simd, &rows[places[row]].0[block]),
@@ -91,8 +108,7 @@ pub(crate) struct PlaceStars<'a> {
     /// Places of the island's particles at both ends of their ways.
     pub places: [&'a [Vec4]; 2],
     pub thickness: f32,
-    /// Distance in metres by which boxes are wider.
-    pub growth: f32,
+    pub reach: Reach,
     pub has_faces: bool,
     pub rows: &'a mut [Row],
     pub tree: &'a mut PlacedTree,
@@ -103,7 +119,7 @@ impl Kernel for PlaceStars<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { stars, first, sharpness, places, thickness, growth, has_faces, rows, tree } = self;
+        let Self { stars, first, sharpness, places, thickness, reach, has_faces, rows, tree } = self;
         let mut columns: Columns = [[0.0; LANES]; COLUMNS];
         for (leaf, stars) in stars.chunks_exact(LANES).enumerate() {
             for (lane, star) in stars.iter().enumerate() {
@@ -133,15 +149,7 @@ impl Kernel for PlaceStars<'_> {
                 }
             }
             let boxes = &mut tree.stars[leaf];
-            put_boxes(simd, &columns, growth, boxes);
-            for (lane, _) in stars.iter().enumerate().filter(|(_, star)| star.is_nothing()) {
-                for axis in 0..3 {
-                    boxes.low[axis][lane] = f32::INFINITY;
-                    boxes.high[axis][lane] = f32::NEG_INFINITY;
-                    boxes.slow[axis][lane] = f32::INFINITY;
-                    boxes.fast[axis][lane] = f32::NEG_INFINITY;
-                }
-            }
+            put_boxes(simd, &columns, reach, boxes);
             lean(simd, &columns, stars, first, has_faces, &mut tree.leans);
             let rows = &mut rows[leaf * LANES..(leaf + 1) * LANES];
             for block in 0..COLUMNS / LANES {
@@ -179,18 +187,48 @@ fn scale<S: Simd>(simd: S, columns: &mut Columns) {
     }
 }
 
-/// Boxes around all corners of the stars, and around their ways.
+/// Boxes around the parts of sixteen stars, and around their ways.
 #[inline(always)]
-fn put_boxes<S: Simd>(simd: S, columns: &Columns, growth: f32, boxes: &mut SweptBoxes) {
-    let growth = f32x16::splat(simd, growth);
+fn put_boxes<S: Simd>(simd: S, columns: &Columns, reach: Reach, boxes: &mut StarBoxes) {
+    let zero = f32x16::splat(simd, 0.0);
+    let thickness = load(simd, &columns[THICKNESS]);
+    let [s, t, u] = [0, 1, 2].map(
+        #[inline(always)]
+        |k: usize| load(simd, &columns[SHARPNESS + k]),
+    );
+    let sharpness = most(s, most(t, u));
+    let is_centre = load(simd, &columns[HAS_CENTRE]).simd_gt(zero);
+    let is_face = load(simd, &columns[FACE_SCALE + 3]).simd_gt(zero);
+    let of_faces = reach.of_corner(simd, thickness);
+    put_box(simd, columns, 0..0, is_centre, of_faces, &mut boxes.centres);
+    let of_edges = reach.of_edge(simd, thickness, sharpness);
+    put_box(simd, columns, 0..EDGES, sharpness.simd_ge(zero), of_edges, &mut boxes.edges);
+    put_box(simd, columns, EDGES..EDGES + 2 * FACES, is_face, of_faces, &mut boxes.faces);
+    boxes.whole = boxes.centres;
+    boxes.whole.add(simd, &boxes.edges);
+    boxes.whole.add(simd, &boxes.faces);
+}
+
+/// Boxes around the centres and these other corners of sixteen stars, wider by the `growth`; nothing where there is no
+/// such part.
+#[inline(always)]
+fn put_box<S: Simd>(
+    simd: S,
+    columns: &Columns,
+    corners: Range<usize>,
+    is_there: mask32x16<S>,
+    growth: f32x16<S>,
+    boxes: &mut SweptBoxes,
+) {
+    let zero = f32x16::splat(simd, 0.0);
+    let endless = f32x16::splat(simd, f32::INFINITY);
     for axis in 0..3 {
         let [start, end] = [0, 1].map(
             #[inline(always)]
             |time: usize| load(simd, &columns[CENTRE[time] + axis]),
         );
-        let zero = f32x16::splat(simd, 0.0);
         let (mut low, mut high, mut slow, mut fast) = (zero, zero, zero, zero);
-        for k in 0..EDGES + 2 * FACES {
+        for k in corners.clone() {
             let at = |time: usize| {
                 (if k < EDGES { EDGE[time] + 3 * k } else { FACE[time] + 3 * (k - EDGES) }) + axis
             };
@@ -202,10 +240,10 @@ fn put_boxes<S: Simd>(simd: S, columns: &Columns, growth: f32, boxes: &mut Swept
             fast = most(fast, way);
         }
         let way = end - start;
-        boxes.low[axis] = (start + low - growth).to_array();
-        boxes.high[axis] = (start + high + growth).to_array();
-        boxes.slow[axis] = (way + slow).to_array();
-        boxes.fast[axis] = (way + fast).to_array();
+        boxes.low[axis] = is_there.select(start + low - growth, endless).to_array();
+        boxes.high[axis] = is_there.select(start + high + growth, -endless).to_array();
+        boxes.slow[axis] = is_there.select(way + slow, endless).to_array();
+        boxes.fast[axis] = is_there.select(way + fast, -endless).to_array();
     }
 }
 

@@ -14,10 +14,12 @@
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
+use crate::broad_phase::surface_pairs::StarPairs;
 use crate::contact::surface::pair::{Kind, Pair};
+use crate::contact::surface::reach::{Reach, distance_of_edges};
 use crate::contact::surface::rows::{
-    CENTRE, COLUMNS, Columns, EDGE, EDGE_SCALE, FACE, FACE_SCALE, HAS_CENTRE, Row, SHARPNESS, THICKNESS,
-    gather, vector,
+    CENTRE, CENTRES, COLUMNS, Columns, EDGE, EDGE_SCALE, EDGES_TOO, FACE, FACE_SCALE, FACES_ONLY, Row,
+    SHARPNESS, THICKNESS, gather, vector,
 };
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, least, most};
 use crate::simd::columns::LANES;
@@ -25,24 +27,11 @@ use crate::simd::isa::Kernel;
 use crate::simd::lanes::{Lanes3, load};
 use crate::state::surface::{EDGES, FACES, Star};
 
-/// How far apart two parts may be to be listed.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
-    /// Factor of the sum of the thicknesses.
-    pub factor: f32,
-    /// The same for edges that are blunt.
-    pub blunt_factor: f32,
-    /// Metres more.
-    pub slack: f32,
-    /// Factor below which a reach never falls.
-    pub least: f32,
-}
-
 /// Lists the parts of pairs of stars that may touch.
 pub(crate) struct Search<'a> {
     pub rows: &'a [Row],
     pub stars: &'a [Star],
-    pub pairs: &'a [[u32; 2]],
+    pub pairs: &'a StarPairs,
     pub reach: Reach,
     /// Corners and faces, and edges.
     pub found: &'a mut [Vec<Pair>; 2],
@@ -53,23 +42,19 @@ impl Kernel for Search<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { rows, stars, pairs, reach, found } = self;
+        let Self { rows, stars, pairs, reach, found: [on_faces, on_edges] } = self;
         let mut columns: [Columns; 2] = [[[0.0; LANES]; COLUMNS]; 2];
-        for pairs in pairs.chunks(LANES) {
+        for pairs in pairs.corners.chunks(LANES) {
+            gather(simd, rows, pairs, 0, CENTRES, &mut columns[0]);
+            gather(simd, rows, pairs, 1, CENTRES, &mut columns[1]);
+            gather(simd, rows, pairs, 1, FACES_ONLY, &mut columns[1]);
+            corners(simd, &columns, reach, &Batch { stars, pairs }, on_faces);
+        }
+        for pairs in pairs.edges.chunks(LANES) {
             for (side, columns) in columns.iter_mut().enumerate() {
-                let mut places = [pairs[0][side] as usize; LANES];
-                places.iter_mut().zip(pairs).for_each(|(place, pair)| *place = pair[side] as usize);
-                gather(simd, rows, &places, columns);
+                gather(simd, rows, pairs, side, EDGES_TOO, columns);
             }
-            let live = if pairs.len() == LANES { u16::MAX } else { (1 << pairs.len()) - 1 };
-            let [a, b] = &columns;
-            let batch = Batch { stars, pairs, live };
-            let distance = load(simd, &a[THICKNESS]) + load(simd, &b[THICKNESS]);
-            let [on_faces, on_edges] = &mut *found;
-            edges(simd, [a, b], distance, reach, &batch, on_edges);
-            let bound = distance * reach.factor + reach.slack;
-            corners(simd, [a, b], [0, 1], bound, &batch, on_faces);
-            corners(simd, [b, a], [1, 0], bound, &batch, on_faces);
+            edges(simd, &columns, reach, &Batch { stars, pairs }, on_edges);
         }
     }
 }
@@ -78,15 +63,13 @@ impl Kernel for Search<'_> {
 struct Batch<'a> {
     stars: &'a [Star],
     pairs: &'a [[u32; 2]],
-    /// Bit mask of the lanes in use.
-    live: u16,
 }
 
 impl Batch<'_> {
     /// Appends the pairs in these lanes whose parts do not share a corner.
     #[inline(always)]
     fn push(&self, mut lanes: u16, found: &mut Vec<Pair>, pair: impl Fn(usize, [&Star; 2]) -> Pair) {
-        lanes &= self.live;
+        lanes &= live(self.pairs.len());
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
@@ -109,15 +92,9 @@ fn may_meet<S: Simd>(simd: S, way: Lanes3<S>, gap: f32x16<S>, bound: f32x16<S>) 
 
 /// The edges of one star and those of another.
 #[inline(always)]
-fn edges<S: Simd>(
-    simd: S,
-    [a, b]: [&Columns; 2],
-    distance: f32x16<S>,
-    reach: Reach,
-    batch: &Batch,
-    found: &mut Vec<Pair>,
-) {
+fn edges<S: Simd>(simd: S, [a, b]: &[Columns; 2], reach: Reach, batch: &Batch, found: &mut Vec<Pair>) {
     let zero = f32x16::splat(simd, 0.0);
+    let distance = load(simd, &a[THICKNESS]) + load(simd, &b[THICKNESS]);
     let w = vector(simd, a, CENTRE[0]).minus(vector(simd, b, CENTRE[0]));
     let later_w = vector(simd, a, CENTRE[1]).minus(vector(simd, b, CENTRE[1]));
     for i in 0..EDGES {
@@ -131,16 +108,14 @@ fn edges<S: Simd>(
             let n = w.plus(u.times(s)).minus(v.times(t));
             let low = n.dot(later_w) + least(zero, n.dot(later_u));
             let high = most(zero, n.dot(later_v));
-            let factor = sharpness * (reach.factor - reach.blunt_factor) + reach.blunt_factor;
-            let bound = most(distance * factor + reach.slack, distance * reach.least);
-            let hits = may_meet(simd, n, low - high, bound);
+            let hits = may_meet(simd, n, low - high, reach.of_edge(simd, distance, sharpness));
             let hits = (hits & sharpness.simd_ge(zero)).to_bitmask() as u16;
             if hits != 0 {
-                let sharpness = sharpness.to_array();
+                let kept = distance_of_edges(distance, sharpness).to_array();
                 batch.push(hits, found, |lane, [p, q]| Pair {
                     ids: [p.centre, p.ends[i], q.centre, q.ends[j]],
                     kind: Kind::EdgeEdge,
-                    sharpness: sharpness[lane],
+                    distance: kept[lane],
                     ..Pair::default()
                 });
             }
@@ -148,20 +123,14 @@ fn edges<S: Simd>(
     }
 }
 
-/// The centre of one star and the faces of another; `sides` are their places in the pair.
+/// The centre of one star and the faces of another.
 #[inline(always)]
-fn corners<S: Simd>(
-    simd: S,
-    [a, b]: [&Columns; 2],
-    sides: [usize; 2],
-    bound: f32x16<S>,
-    batch: &Batch,
-    found: &mut Vec<Pair>,
-) {
+fn corners<S: Simd>(simd: S, [a, b]: &[Columns; 2], reach: Reach, batch: &Batch, found: &mut Vec<Pair>) {
     let zero = f32x16::splat(simd, 0.0);
+    let distance = load(simd, &a[THICKNESS]) + load(simd, &b[THICKNESS]);
+    let bound = reach.of_corner(simd, distance);
     let w = vector(simd, a, CENTRE[0]).minus(vector(simd, b, CENTRE[0]));
     let later_w = vector(simd, a, CENTRE[1]).minus(vector(simd, b, CENTRE[1]));
-    let is_centre = load(simd, &a[HAS_CENTRE]).simd_gt(zero);
     for k in 0..FACES {
         let at = |time: usize, side: usize| FACE[time] + 6 * k + 3 * side;
         let scale = &b[FACE_SCALE + 4 * k..];
@@ -179,13 +148,19 @@ fn corners<S: Simd>(
         let (later_u, later_v) = (vector(simd, b, at(1, 0)), vector(simd, b, at(1, 1)));
         let high = most(zero, most(n.dot(later_u), n.dot(later_v)));
         let hits = may_meet(simd, n, n.dot(later_w) - high, bound);
-        let hits = (hits & is_centre & face.inverses[3].simd_gt(zero)).to_bitmask() as u16;
+        let hits = (hits & face.inverses[3].simd_gt(zero)).to_bitmask() as u16;
         if hits != 0 {
-            batch.push(hits, found, |_, stars| {
-                let [p, q] = [stars[sides[0]], stars[sides[1]]];
+            let kept = distance.to_array();
+            batch.push(hits, found, |lane, [p, q]| {
                 let [_, c, d] = q.face(k);
-                Pair { ids: [p.centre, q.centre, c, d], sharpness: 1.0, ..Pair::default() }
+                Pair { ids: [p.centre, q.centre, c, d], distance: kept[lane], ..Pair::default() }
             });
         }
     }
+}
+
+/// Bit mask of the first `count` lanes, or all.
+#[inline(always)]
+pub(crate) fn live(count: usize) -> u16 {
+    if count >= LANES { u16::MAX } else { (1 << count) - 1 }
 }

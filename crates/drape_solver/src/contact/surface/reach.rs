@@ -1,0 +1,46 @@
+//! How near two parts must come to be listed.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+
+use crate::constants::BLUNT_EDGES;
+use crate::geometry::nearest_lanes::most;
+
+/// How far apart two parts may be to be listed. Asked for one part, with its own thickness, it is that part's share: the
+/// shares of two parts add up to at least their reach.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// Factor of the distance that the two keep.
+    pub factor: f32,
+    /// Metres that corners may be off their ways.
+    pub slack: f32,
+    /// Factor below which a reach never falls.
+    pub least: f32,
+}
+
+impl Reach {
+    /// Reach in metres of a corner and a face that keep this distance: half of it for one of the two.
+    #[inline(always)]
+    pub fn of_corner<S: Simd>(self, simd: S, distance: f32x16<S>) -> f32x16<S> {
+        distance * self.factor + f32x16::splat(simd, self.slack)
+    }
+
+    /// The same for edges, whose distance depends on the sharpness of the blunter one.
+    #[inline(always)]
+    pub fn of_edge<S: Simd>(self, simd: S, distance: f32x16<S>, sharpness: f32x16<S>) -> f32x16<S> {
+        let kept = self.of_corner(simd, distance_of_edges(distance, sharpness));
+        most(kept, distance * self.least)
+    }
+
+    /// The reach of two parts together.
+    pub fn of_two(self) -> Self {
+        Self { slack: 2.0 * self.slack, ..self }
+    }
+}
+
+/// Distance that edges keep, where corners and faces keep this `distance`.
+#[inline(always)]
+pub(crate) fn distance_of_edges<S: Simd>(distance: f32x16<S>, sharpness: f32x16<S>) -> f32x16<S> {
+    distance * (sharpness * (1.0 - BLUNT_EDGES) + BLUNT_EDGES)
+}
