@@ -226,7 +226,7 @@ pub const UNTANGLING_SPEED: f32 = 0.5;
 pub const CONTACT_MARGIN_OF_SURFACES: f32 = 0.05;
 
 /// Distance that a corner may be off the way that a list of surface pairs expects, in distances that contacts keep.
-pub const SLACK_OF_SURFACES: f32 = 0.1;
+pub const SLACK_OF_SURFACES: f32 = 0.25;
 
 /// Part of their distance that edges keep which lie flat between their faces: corners on faces hold flat layers apart.
 pub const BLUNT_EDGES: f32 = 0.3;
@@ -236,7 +236,7 @@ pub const REST_SHARE: f32 = 0.5;
 
 /// Pairs are watched for passing if the plane between them is left a gap narrower than this, in distances that contacts
 /// keep.
-pub const RISKY_GAP: f32 = 0.3;
+pub const RISKY_GAP: f32 = 0.4;
 
 /// Speed at which surfaces that are too near at the start of a substep are led apart, in metres per second.
 pub const RECOVERY_SPEED: f32 = 0.2;

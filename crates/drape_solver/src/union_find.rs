@@ -29,9 +29,10 @@ impl Groups {
         i
     }
 
-    /// Merges the groups of `a` and `b`.
-    pub fn join(&mut self, a: u32, b: u32) {
+    /// Merges the groups of `a` and `b`; false if they were one already.
+    pub fn join(&mut self, a: u32, b: u32) -> bool {
         let (p, q) = (self.root(a), self.root(b));
         self.0[p.max(q) as usize] = p.min(q);
+        p != q
     }
 }

@@ -24,9 +24,11 @@ use crate::state::body::Body;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contact {
     pub pair: Pair,
-    /// Weights of the nearest points at the start, and the unit vector and the distance in metres between them.
+    /// Weights of the nearest points and the unit vector between them: at the start, and from the first push on there.
     pub weights: [f32; 4],
     pub normal: Vec3,
+    is_followed: bool,
+    /// Distance at the start, in metres.
     pub at_start: f32,
     /// Depth that motion made, summed over the projections, in metres.
     pub depth: f32,
@@ -60,6 +62,9 @@ impl Contact {
     /// Moves the two apart to the distance that they had at the start, or that they keep if that is less.
     pub fn push(&mut self, points: &mut Points) {
         let goal = self.at_start.min(self.pair.distance);
+        if !self.is_followed && self.height(points) < goal {
+            self.follow(points);
+        }
         if let Some(push) = self.push_to(goal, points) {
             self.depth += push.depth;
             push.shares.into_iter().for_each(|(id, way)| points.move_by(id, way));
@@ -78,30 +83,37 @@ impl Contact {
         }
     }
 
+    /// Height of the nearest point of the first above that of the second, in metres.
+    fn height(&self, points: &Points) -> f32 {
+        weighted(self.weights, points.ends(self.pair.ids)).dot(self.normal)
+    }
+
     /// The push that moves the two apart to the distance `goal`, if they are nearer.
     fn push_to(&self, goal: f32, points: &Points) -> Option<Push> {
-        let Pair { ids, kind, .. } = self.pair;
-        let now = points.ends(ids);
-        let height = weighted(self.weights, now).dot(self.normal);
-        if height >= goal {
+        let ids = self.pair.ids;
+        let height = self.height(points);
+        let masses = points.inverse_masses(ids);
+        let total = effective_inverse_mass(self.weights, masses);
+        if height >= goal || total == 0.0 {
             return None;
         }
-        let (mut weights, mut normal, mut apart) = (self.weights, self.normal, height);
+        let push = self.normal * ((goal - height) / total);
+        let shares = [0, 1, 2, 3].map(|k| (ids[k] as usize, push * (self.weights[k] * masses[k])));
+        Some(Push { depth: goal - height, shares })
+    }
+
+    /// Takes the nearest points and the normal from where the two are now, before the first push.
+    fn follow(&mut self, points: &Points) {
+        let Pair { ids, kind, .. } = self.pair;
+        let now = points.ends(ids);
         let nearest = kind.nearest(now);
         let way = weighted(nearest, now);
         let length = way.length();
         // A direction that has turned away shows that the two have passed: the start's one leads back.
         if way.dot(self.normal) > LEAST_COSINE * length {
-            (weights, normal, apart) = (nearest, way / length, length);
+            (self.weights, self.normal) = (nearest, way / length);
         }
-        let masses = points.inverse_masses(ids);
-        let total = effective_inverse_mass(weights, masses);
-        if apart >= goal || total == 0.0 {
-            return None;
-        }
-        let push = normal * ((goal - apart) / total);
-        let shares = [0, 1, 2, 3].map(|k| (ids[k] as usize, push * (weights[k] * masses[k])));
-        Some(Push { depth: goal - apart, shares })
+        self.is_followed = true;
     }
 
     /// Friction: shortens the slip of this substep.
@@ -165,6 +177,7 @@ pub(crate) fn contact(pair: Pair, weights: [f32; 4], way: Vec3) -> Option<Contac
         pair,
         weights,
         normal: way / at_start,
+        is_followed: false,
         at_start,
         depth: 0.0,
     })

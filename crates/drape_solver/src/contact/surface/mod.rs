@@ -16,6 +16,7 @@
 pub(crate) mod contact;
 pub(crate) mod counts;
 pub(crate) mod crossing;
+pub(crate) mod list;
 pub(crate) mod narrow;
 pub(crate) mod pair;
 pub(crate) mod placed;
@@ -27,22 +28,18 @@ pub(crate) mod truncation;
 
 use glam::{Vec3, Vec4};
 
-use crate::broad_phase::surface_pairs::StarPairs;
-use crate::constants::{
-    CONTACT_MARGIN_OF_SURFACES, RECOVERY_SPEED, RISKY_GAP, SLACK_OF_SURFACES, UNTANGLING_SPEED,
-};
+use crate::constants::{RECOVERY_SPEED, RISKY_GAP, UNTANGLING_SPEED};
 use crate::contact::cloth_contact::has_triangles;
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::surface::contact::Contact;
 use crate::contact::surface::counts::SelfContactCounts;
-use crate::contact::surface::crossing::{Crossing, FindCrossings};
+use crate::contact::surface::crossing::Crossing;
+use crate::contact::surface::list::PairList;
 use crate::contact::surface::narrow::Narrow;
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
-use crate::contact::surface::reach::Reach;
-use crate::contact::surface::search::Search;
-use crate::contact::surface::truncation::{Pieces, truncate};
+use crate::contact::surface::truncation::Truncation;
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
@@ -52,12 +49,7 @@ use crate::state::substep::Substep;
 pub(crate) struct SurfaceContacts {
     points: Points,
     surfaces: PlacedSurfaces,
-    star_pairs: StarPairs,
-    /// Corners and faces, and edges, that may touch while the list holds.
-    pairs: [Vec<Pair>; 2],
-    found: [Vec<Pair>; 2],
-    list: Option<List>,
-    targets: Vec<Vec4>,
+    list: PairList,
     crossings: Vec<Crossing>,
     is_crossing: Vec<bool>,
     /// Pairs that touch in this substep, and pairs that may pass each other.
@@ -65,25 +57,11 @@ pub(crate) struct SurfaceContacts {
     passing: Vec<Contact>,
     /// Places for which the contacts were found.
     looked_at: Vec<Vec4>,
-    pieces: Pieces,
+    /// True for points that have moved since.
+    has_moved: Vec<bool>,
+    suspects: Vec<Pair>,
+    truncation: Truncation,
     counts: SelfContactCounts,
-}
-
-/// How long a list holds.
-#[derive(Clone, Copy, Debug)]
-struct List {
-    /// Substeps for which it was made, and those that have passed.
-    substeps: u32,
-    age: u32,
-    /// Metres that corners may be off the way that it expects.
-    slack: f32,
-}
-
-impl List {
-    /// The fraction of its way at the end of the substep that runs now.
-    fn fraction(&self) -> f32 {
-        (self.age + 1) as f32 / self.substeps as f32
-    }
 }
 
 /// Kinds of pairs, in the order of their lists.
@@ -93,8 +71,7 @@ impl SurfaceContacts {
     /// Forgets all contacts.
     pub fn clear(&mut self) {
         self.points.clear();
-        self.list = None;
-        self.pairs.iter_mut().for_each(Vec::clear);
+        self.list.clear();
         self.contacts.clear();
     }
 
@@ -105,7 +82,7 @@ impl SurfaceContacts {
 
     /// What happened in the last step.
     pub fn counts(&self) -> SelfContactCounts {
-        SelfContactCounts { pairs: self.pairs.iter().map(Vec::len).sum(), ..self.counts }
+        SelfContactCounts { pairs: self.list.pairs.iter().map(Vec::len).sum(), ..self.counts }
     }
 
     /// Particles of different bodies that were pushed apart in the last substep: see
@@ -126,7 +103,8 @@ impl SurfaceContacts {
         if is_first {
             self.surfaces.fit(bodies, &self.points);
             self.surfaces.sharpen(&self.points);
-            self.list = None;
+            self.list.clear();
+            self.crossings.clear();
             self.counts = SelfContactCounts::default();
         }
     }
@@ -144,129 +122,25 @@ impl SurfaceContacts {
             self.apply_friction(bodies);
             self.write(bodies);
         }
-        match self.list {
-            Some(list) if list.age < list.substeps => {
-                if self.surfaces.find_stale(&self.points, list.fraction(), list.slack) {
-                    self.renew_list(bodies, substep, list);
-                }
-            }
-            _ => self.make_list(bodies, substep),
+        if !self.list.holds() {
+            self.make_list(bodies, substep);
         }
         if !self.crossings.is_empty() {
             let way = UNTANGLING_SPEED * substep.duration;
             self.crossings.iter().for_each(|crossing| crossing.move_apart(&mut self.points, way));
             self.write(bodies);
         }
-        self.find_contacts(bodies, Some(margin), substep.isa);
+        self.find_contacts(bodies, margin, substep.isa);
     }
 
-    /// Lists the pairs that may touch in all substeps that are left; in this one alone if many things are unsteady.
+    /// Lists what may touch; and, when the step begins, the edges that pass through faces.
     fn make_list(&mut self, bodies: &[Body], substep: Substep) {
-        let left = substep.count - substep.index;
+        let Self { points, surfaces, list, crossings, is_crossing, counts, .. } = self;
+        counts.lists += 1;
         let distance = least_distance(bodies);
-        if self.list.is_none() && self.is_nothing_near(bodies, substep, left, distance) {
-            return;
-        }
-        let slack = CALM_SLACK * distance;
-        let is_calm = left > 1 && self.unsteady(slack) * FEW < self.points.start.len();
-        let (substeps, slack) = if is_calm { (left, slack) } else { (1, SLACK_OF_SURFACES * distance) };
-        self.surfaces.look_at_all();
-        self.set_targets(substeps, slack);
-        self.star_pairs.has_crossings = substep.index == 0;
-        self.search(bodies, slack, substep.isa);
-        if substep.index == 0 {
-            self.find_crossings(substep.isa);
-        }
-        self.star_pairs.has_crossings = false;
-        self.list = Some(List { substeps, age: 0, slack });
-    }
-
-    /// Lists the pairs of stars anew that have left the way which the list expects; all pairs, if there are many such stars.
-    fn renew_list(&mut self, bodies: &[Body], substep: Substep, list: List) {
-        if self.surfaces.stale_count() * FEW > self.surfaces.stars.len() {
-            self.make_list(bodies, substep);
-            return;
-        }
-        self.list = Some(self.renew_stale(bodies, substep, list));
-    }
-
-    /// Lists the pairs of stale stars anew, for the substeps that are left to the list.
-    fn renew_stale(&mut self, bodies: &[Body], substep: Substep, list: List) -> List {
-        let substeps = list.substeps - list.age;
-        self.set_targets(substeps, list.slack);
-        self.search(bodies, list.slack, substep.isa);
-        List { substeps, age: 0, ..list }
-    }
-
-    /// True if nothing can touch in all substeps that are left, even if corners are farther off their way than usual: the
-    /// list is then empty.
-    fn is_nothing_near(&mut self, bodies: &[Body], substep: Substep, left: u32, distance: f32) -> bool {
-        self.surfaces.look_at_all();
-        let slack = 2.0 * distance;
-        self.set_targets(left, slack);
-        let reach = Reach { factor: 1.0, slack, least: 0.0 };
-        self.surfaces.place(bodies, &self.points, &self.targets, reach, substep.isa);
-        self.surfaces.star_pairs(bodies, substep.isa, &mut self.star_pairs);
-        if !self.star_pairs.is_empty() {
-            return false;
-        }
-        self.pairs.iter_mut().for_each(Vec::clear);
-        self.crossings.clear();
-        self.list = Some(List { substeps: left, age: 0, slack });
-        true
-    }
-
-    /// The number of points that contacts and sticks move by more than `slack` metres after free flight.
-    fn unsteady(&self, slack: f32) -> usize {
-        let Points { flight, end, .. } = &self.points;
-        let is_pulled = |(flight, end): (&Vec4, &Vec4)| flight.distance_squared(*end) > slack * slack;
-        flight.iter().zip(end).filter(|&ways| is_pulled(ways)).count()
-    }
-
-    /// Sets where all points are at the end of this substep, or would be after several of free flight. Points that are more
-    /// than `slack` metres off their flight go on as in this substep.
-    fn set_targets(&mut self, substeps: u32, slack: f32) {
-        let Self { points, targets, .. } = self;
-        targets.clear();
-        if substeps == 1 {
-            targets.extend_from_slice(&points.end);
-            return;
-        }
-        targets.extend((0..points.start.len()).map(|id| {
-            let (start, flight, end) = (points.start[id], points.flight[id], points.end[id]);
-            let is_pulled = flight.distance_squared(end) > slack * slack;
-            start + (if is_pulled { end } else { flight } - start) * substeps as f32
-        }));
-    }
-
-    /// Adds to the list what may touch on the way to the targets, where one of the two is in a leaf that is looked at.
-    fn search(&mut self, bodies: &[Body], slack: f32, isa: Isa) {
-        let Self { points, surfaces, star_pairs, pairs, targets, found, .. } = self;
-        self.counts.lists += 1;
-        let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack, least: 2.0 * PUSH_TOLERANCE };
-        surfaces.place(bodies, points, targets, reach, isa);
-        surfaces.star_pairs(bodies, isa, star_pairs);
-        found.iter_mut().for_each(Vec::clear);
-        isa.run(Search {
-            rows: &surfaces.rows,
-            stars: &surfaces.stars,
-            pairs: star_pairs,
-            reach: reach.of_two(),
-            found,
-        });
-        for (found, pairs) in found.iter_mut().zip(pairs) {
-            pairs.retain(|pair| !surfaces.is_looked_at(pair.stars));
-            pairs.append(found);
-        }
-    }
-
-    /// Finds the edges that pass through faces when the step begins.
-    fn find_crossings(&mut self, isa: Isa) {
-        let Self { points, surfaces, star_pairs, crossings, is_crossing, .. } = self;
-        crossings.clear();
-        let PlacedSurfaces { rows, stars, .. } = &*surfaces;
-        isa.run(FindCrossings { rows, stars, pairs: &star_pairs.crossings, found: crossings });
-        self.counts.crossings = crossings.len() as u32;
+        let of_start = (substep.index == 0).then_some(&mut *crossings);
+        list.make(surfaces, points, bodies, substep, distance, of_start);
+        counts.crossings = crossings.len() as u32;
         is_crossing.clear();
         is_crossing.resize(points.start.len(), false);
         for corner in crossings.iter().flat_map(Crossing::corners) {
@@ -274,36 +148,54 @@ impl SurfaceContacts {
         }
     }
 
-    /// Finds the pairs that may pass each other; and those that touch, if so asked.
-    fn find_contacts(&mut self, bodies: &[Body], margin: Option<f32>, isa: Isa) {
-        let risky_gap = RISKY_GAP * least_distance(bodies);
-        let Self { points, surfaces, pairs, contacts, passing, crossings, is_crossing, looked_at, .. } = self;
+    /// Finds the pairs that touch, within a `margin`, and those that may pass each other.
+    fn find_contacts(&mut self, bodies: &[Body], margin: f32, isa: Isa) {
+        let Self { points, surfaces, list, contacts, passing, looked_at, .. } = self;
+        contacts.clear();
         passing.clear();
-        if margin.is_some() {
-            contacts.clear();
+        let risky_gap = RISKY_GAP * least_distance(bodies);
+        for (kind, pairs) in KINDS.into_iter().zip(&mut list.pairs) {
+            let touching = Some((&mut *contacts, margin));
+            isa.run(Narrow { kind, pairs, surfaces, points, touching, risky_gap, passing });
         }
-        for (kind, pairs) in KINDS.into_iter().zip(pairs) {
-            let places = [&points.start[..], &points.end[..]];
-            let touching = margin.map(|_| &mut *contacts);
-            let margin = margin.unwrap_or_default();
-            isa.run(Narrow {
-                kind,
-                pairs,
-                surfaces,
-                places,
-                flights: &points.flight,
-                touching,
-                margin,
-                risky_gap,
-                passing,
-            });
+        looked_at.clone_from(&points.end);
+        self.leave_out_crossings();
+    }
+
+    /// Finds more pairs that may pass each other: those of corners that have moved since they were looked at, and those that
+    /// are `new` in the list.
+    fn find_passing(&mut self, bodies: &[Body], is_new: bool, isa: Isa) {
+        let Self { points, surfaces, list, passing, looked_at, has_moved, suspects, .. } = self;
+        let risky_gap = RISKY_GAP * least_distance(bodies);
+        // Four corners may have moved since a pair was looked at, each to either side.
+        let least_way = 0.25 * risky_gap;
+        has_moved.clear();
+        has_moved.extend(points.end.iter().zip(&mut *looked_at).map(|(&end, at)| {
+            let has_moved = end.distance_squared(*at) > least_way * least_way;
+            if has_moved {
+                *at = end;
+            }
+            has_moved
+        }));
+        for (k, kind) in KINDS.into_iter().enumerate() {
+            let known = if is_new { list.known[k] } else { list.pairs[k].len() };
+            let (old, new) = list.pairs[k].split_at(known);
+            suspects.clear();
+            suspects.extend(old.iter().filter(|pair| pair.ids.iter().any(|&id| has_moved[id as usize])));
+            suspects.extend_from_slice(new);
+            isa.run(Narrow { kind, pairs: suspects, surfaces, points, touching: None, risky_gap, passing });
         }
+        self.leave_out_crossings();
+    }
+
+    /// Pairs whose corners all lie at a crossing have no side on which they could be held.
+    fn leave_out_crossings(&mut self) {
+        let Self { contacts, passing, crossings, is_crossing, .. } = self;
         if !crossings.is_empty() {
             let has_side = |contact: &Contact| !contact.pair.ids.iter().all(|&id| is_crossing[id as usize]);
             contacts.retain(has_side);
             passing.retain(has_side);
         }
-        looked_at.clone_from(&points.end);
     }
 
     /// Moves contacts apart once; with friction in the last projection of the substep.
@@ -340,55 +232,34 @@ impl SurfaceContacts {
 
     /// The end of the substep: moves back what would have passed through something.
     pub fn keep_apart(&mut self, bodies: &mut [Body], substep: Substep) {
-        let Some(mut list) = self.list else { return };
-        if self.points.is_empty() {
+        if self.points.is_empty() || !self.list.holds() {
             return;
         }
         self.points.read(bodies);
         let distance = least_distance(bodies);
-        for attempt in 0..ATTEMPTS {
-            let tolerance = PUSH_TOLERANCE * distance;
-            if self.surfaces.find_stale(&self.points, list.fraction(), tolerance) {
-                list = self.renew_stale(bodies, substep, list);
-                self.find_contacts(bodies, None, substep.isa);
-            } else if self.moved() > 0.5 * RISKY_GAP * distance {
-                self.find_contacts(bodies, None, substep.isa);
-            } else if attempt > 0 {
+        self.truncation.begin();
+        for attempt in 1..=ATTEMPTS {
+            let Self { points, surfaces, list, counts, .. } = self;
+            let is_new = list.renew(surfaces, points, bodies, distance, substep.isa);
+            counts.lists += u32::from(is_new);
+            self.find_passing(bodies, is_new, substep.isa);
+            let moves = self.truncation.truncate(&self.passing, &mut self.points);
+            self.counts.truncated += moves;
+            if moves == 0 {
                 break;
             }
-            let (count, is_done) = truncate(&self.passing, &mut self.points, &mut self.pieces);
-            self.counts.truncated += count;
-            self.counts.unfinished += u32::from(!is_done || attempt == ATTEMPTS - 1);
-            if count == 0 {
-                break;
-            }
+            self.counts.unfinished += u32::from(attempt == ATTEMPTS);
         }
         self.points.write(bodies, |body, slot, way, _| {
             body.particles.position.add(slot, way);
             body.particles.displacement.add(slot, way);
         });
-        self.list = Some(List { age: list.age + 1, ..list });
-    }
-
-    /// Greatest distance in metres of a point from where it was when the contacts were found.
-    fn moved(&self) -> f32 {
-        let ways = self.points.end.iter().zip(&self.looked_at);
-        ways.map(|(end, at)| end.distance_squared(*at)).fold(0.0, f32::max).sqrt()
+        self.list.grow_older();
     }
 }
 
-/// As [`SLACK_OF_SURFACES`], for lists of several substeps.
-const CALM_SLACK: f32 = 0.3;
-
-/// Distance that contacts may push a corner off its way, in distances that they keep, before its pairs are looked for
-/// again: pairs are listed if twice that lies between them.
-const PUSH_TOLERANCE: f32 = 0.4;
-
-/// Among this many things, one is few.
-const FEW: usize = 8;
-
 /// Rounds of truncation. What they move may come near something that was not looked at.
-const ATTEMPTS: u32 = 8;
+const ATTEMPTS: u32 = 64;
 
 /// Distance in metres that the two thinnest surfaces keep.
 fn least_distance(bodies: &[Body]) -> f32 {

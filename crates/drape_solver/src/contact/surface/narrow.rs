@@ -8,6 +8,7 @@ use glam::{Vec3, Vec4};
 use crate::contact::surface::contact::{Contact, contact};
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
+use crate::contact::surface::points::Points;
 use crate::contact::surface::search::live;
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
 use crate::simd::columns::LANES;
@@ -21,13 +22,9 @@ pub(crate) struct Narrow<'a> {
     pub pairs: &'a mut [Pair],
     /// Where the distances come from that pairs of one body have at rest.
     pub surfaces: &'a PlacedSurfaces,
-    /// Places of the island's particles when the substep began and now.
-    pub places: [&'a [Vec4]; 2],
-    /// Places after free flight.
-    pub flights: &'a [Vec4],
-    /// Contacts of pairs that come nearer than the distance that they keep, times 1 and the margin more.
-    pub touching: Option<&'a mut Vec<Contact>>,
-    pub margin: f32,
+    pub points: &'a Points,
+    /// Contacts of pairs that come nearer than the distance that they keep, times 1 and this margin more.
+    pub touching: Option<(&'a mut Vec<Contact>, f32)>,
     /// Contacts of pairs that may pass each other: of those whose plane is left a gap narrower than this, in metres.
     pub risky_gap: f32,
     pub passing: &'a mut Vec<Contact>,
@@ -38,14 +35,15 @@ impl Kernel for Narrow<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { kind, pairs, surfaces, places, flights, mut touching, margin, risky_gap, passing } = self;
-        let [start, end] = places;
+        let Self { kind, pairs, surfaces, points, mut touching, risky_gap, passing } = self;
+        let Points { start, end, flight, .. } = points;
+        let factor = touching.as_ref().map_or(0.0, |(_, margin)| 1.0 + margin);
         for pairs in pairs.chunks_mut(LANES) {
             let lanes = Gap::of(simd, kind, [corners(simd, pairs, start), corners(simd, pairs, end)]);
             let mut distances = [0.0; LANES];
             distances.iter_mut().zip(&*pairs).for_each(|(distance, pair)| *distance = pair.distance);
             let distance = f32x16::load_array_ref(simd, &distances);
-            let near = lanes.height.simd_lt(distance * (1.0 + margin)).to_bitmask() as u16;
+            let near = lanes.height.simd_lt(distance * factor).to_bitmask() as u16;
             let near = if touching.is_some() { near } else { 0 };
             let risky = lanes.gap.simd_lt(f32x16::splat(simd, risky_gap)).to_bitmask() as u16;
             let mut hits = (near | risky) & live(pairs.len());
@@ -68,9 +66,9 @@ impl Kernel for Narrow<'_> {
                 if risky & (1 << lane) != 0 {
                     passing.push(contact);
                 }
-                if let Some(touching) = &mut touching
-                    && height[lane] < pair.distance * (1.0 + margin)
-                    && contact.is_in_reach(flights)
+                if let Some((touching, _)) = &mut touching
+                    && height[lane] < pair.distance * factor
+                    && contact.is_in_reach(flight)
                 {
                     touching.push(contact);
                 }

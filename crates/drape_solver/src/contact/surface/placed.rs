@@ -173,11 +173,6 @@ impl PlacedSurfaces {
         stars.iter().any(|&star| self.offs[star as usize].is_stale)
     }
 
-    /// The number of stars whose pairs are looked for.
-    pub fn stale_count(&self) -> usize {
-        self.offs.iter().filter(|off| off.is_stale).count()
-    }
-
     /// Looks for the pairs of all stars.
     pub fn look_at_all(&mut self) {
         self.offs.clear();

@@ -5,7 +5,6 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::constants::BLUNT_EDGES;
-use crate::geometry::nearest_lanes::most;
 
 /// How far apart two parts may be to be listed. Asked for one part, with its own thickness, it is that part's share: the
 /// shares of two parts add up to at least their reach.
@@ -15,8 +14,6 @@ pub(crate) struct Reach {
     pub factor: f32,
     /// Metres that corners may be off their ways.
     pub slack: f32,
-    /// Factor below which a reach never falls.
-    pub least: f32,
 }
 
 impl Reach {
@@ -29,8 +26,7 @@ impl Reach {
     /// The same for edges, whose distance depends on the sharpness of the blunter one.
     #[inline(always)]
     pub fn of_edge<S: Simd>(self, simd: S, distance: f32x16<S>, sharpness: f32x16<S>) -> f32x16<S> {
-        let kept = self.of_corner(simd, distance_of_edges(distance, sharpness));
-        most(kept, distance * self.least)
+        self.of_corner(simd, distance_of_edges(distance, sharpness))
     }
 
     /// The reach of two parts together.

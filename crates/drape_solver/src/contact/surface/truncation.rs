@@ -27,16 +27,15 @@ use crate::union_find::Groups;
 /// Turns in which pairs are moved apart one by one.
 const TURNS_OF_PAIRS: u32 = 10;
 
-/// Turns in which pieces may grow. Each joins two pieces at least.
-const TURNS_OF_PIECES: u32 = 200;
-
 /// Corners of a pair that are moved apart in a turn: three in a face, two in an edge.
 const LOOKS_AT_PAIR: u32 = 4;
 
-/// Pieces of a surface that move as one.
+/// The truncation of a substep.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Pieces {
-    groups: Groups,
+pub(crate) struct Truncation {
+    /// Pieces of a surface that move as one, if there are any.
+    pieces: Groups,
+    has_pieces: bool,
     motions: Vec<Motion>,
 }
 
@@ -58,34 +57,41 @@ impl Motion {
     }
 }
 
-/// Moves parts back that have passed or may have. Returns the number of times that a pair was moved, and true if none is
-/// left.
-pub(crate) fn truncate(contacts: &[Contact], points: &mut Points, pieces: &mut Pieces) -> (u32, bool) {
-    let mut count = 0;
-    for _ in 0..TURNS_OF_PAIRS {
-        let moved: u32 = contacts.iter().map(|contact| move_apart(contact, points)).sum();
-        if moved == 0 {
-            return (count, true);
-        }
-        count += moved;
+impl Truncation {
+    /// Begins the end of a substep: no piece moves as one.
+    pub fn begin(&mut self) {
+        self.has_pieces = false;
     }
-    pieces.groups.reset(points.start.len());
-    for _ in 0..TURNS_OF_PIECES {
-        let mut left = 0;
-        for contact in contacts {
-            if contact.gap(points).1 < contact.least_gap() {
-                left += 1;
-                let ids = contact.pair.ids;
-                (1..4).for_each(|k| pieces.groups.join(ids[0], ids[k]));
+
+    /// Moves parts back that have passed or may have. Returns the number of times that a pair was moved. If it is called
+    /// again in a substep, with what its moves have brought near, pieces only grow: in the end nothing is left to move.
+    pub fn truncate(&mut self, contacts: &[Contact], points: &mut Points) -> u32 {
+        let mut count = 0;
+        if !self.has_pieces {
+            for _ in 0..TURNS_OF_PAIRS {
+                let moves: u32 = contacts.iter().map(|contact| move_apart(contact, points)).sum();
+                if moves == 0 {
+                    return count;
+                }
+                count += moves;
             }
+            self.pieces.reset(points.start.len());
+            self.has_pieces = true;
         }
-        if left == 0 {
-            return (count, true);
+        loop {
+            let mut joined = 0;
+            for contact in contacts.iter().filter(|contact| contact.gap(points).1 < contact.least_gap()) {
+                let [first, others @ ..] = contact.pair.ids;
+                joined +=
+                    u32::from(others.into_iter().fold(false, |any, id| self.pieces.join(first, id) | any));
+            }
+            if joined == 0 {
+                return count;
+            }
+            count += joined;
+            self.carry(points);
         }
-        count += left;
-        pieces.carry(points);
     }
-    (count, false)
 }
 
 /// Moves the corners of a pair apart; the number of moves.
@@ -105,14 +111,14 @@ fn move_apart(contact: &Contact, points: &mut Points) -> u32 {
     LOOKS_AT_PAIR
 }
 
-impl Pieces {
+impl Truncation {
     /// Moves each piece as one.
     fn carry(&mut self, points: &mut Points) {
-        let Self { groups, motions } = self;
+        let Self { pieces, motions, .. } = self;
         motions.clear();
         motions.resize(points.start.len(), Motion::default());
         for (id, &inverse_mass) in points.inverse_mass.iter().enumerate() {
-            let motion = &mut motions[groups.root(id as u32) as usize];
+            let motion = &mut motions[pieces.root(id as u32) as usize];
             motion.count += 1;
             if inverse_mass == 0.0 {
                 motion.pins += 1.0;
@@ -123,7 +129,7 @@ impl Pieces {
             }
         }
         for id in 0..points.start.len() {
-            let motion = &motions[groups.root(id as u32) as usize];
+            let motion = &motions[pieces.root(id as u32) as usize];
             if motion.count > 1 && points.inverse_mass[id] > 0.0 {
                 points.end[id] = points.start[id] + motion.way().extend(0.0);
             }
