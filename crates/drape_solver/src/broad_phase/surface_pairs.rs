@@ -230,8 +230,7 @@ impl PlacedSurface<'_> {
     /// Bit mask of those among the stars `of` a leaf that lie with a star in a flat neighbourhood.
     #[inline(always)]
     fn flat_neighbours(&self, star: u32, leaf: u32, of: u16) -> u16 {
-        let first = &self.surface.first_near[star as usize..];
-        let near = &self.surface.near[first[0] as usize..first[1] as usize];
+        let near = self.surface.near_star(star as usize);
         let Some(&(_, mask)) = near.iter().find(|(other, _)| *other == leaf) else { return 0 };
         if self.at.is_flat[star as usize] {
             return mask;
@@ -307,13 +306,13 @@ impl Kernel for FindStarPairs<'_> {
                 let first = (other.first_leaf + b) * LANES as u32;
                 let [centre, edges, faces] =
                     [&x.centres, &x.edges, &x.faces].map(|boxes| boxes.at(lane as usize));
-                each(hits & y.faces.meets(simd, &centre), |k| found.corners.push([star, first + k]));
-                each(hits & y.centres.meets(simd, &faces), |k| found.corners.push([first + k, star]));
-                each(hits & y.edges.meets(simd, &edges), |k| found.edges.push([star, first + k]));
+                for_each_bit(hits & y.faces.meets(simd, &centre), |k| found.corners.push([star, first + k]));
+                for_each_bit(hits & y.centres.meets(simd, &faces), |k| found.corners.push([first + k, star]));
+                for_each_bit(hits & y.edges.meets(simd, &edges), |k| found.edges.push([star, first + k]));
                 if found.has_crossings {
                     let crossings = &mut found.crossings;
-                    each(hits & y.faces.meets(simd, &edges), |k| crossings.push([star, first + k]));
-                    each(hits & y.edges.meets(simd, &faces), |k| crossings.push([first + k, star]));
+                    for_each_bit(hits & y.faces.meets(simd, &edges), |k| crossings.push([star, first + k]));
+                    for_each_bit(hits & y.edges.meets(simd, &faces), |k| crossings.push([first + k, star]));
                 }
             }
         }
@@ -322,7 +321,7 @@ impl Kernel for FindStarPairs<'_> {
 
 /// Calls `take` with the number of each bit that is set.
 #[inline(always)]
-fn each(mut bits: u16, mut take: impl FnMut(u32)) {
+pub(crate) fn for_each_bit(mut bits: u16, mut take: impl FnMut(u32)) {
     while bits != 0 {
         take(bits.trailing_zeros());
         bits &= bits - 1;

@@ -65,6 +65,11 @@ impl Star {
         !self.has_centre && self.edge_count == 0 && self.face_count == 0
     }
 
+    /// True if its edges are the links of a rope.
+    pub fn is_link(&self) -> bool {
+        self.edge_count > 0 && self.sides[0] == [NONE; 2]
+    }
+
     /// The same with slots replaced.
     pub fn map(&self, mut to: impl FnMut(u32) -> u32) -> Self {
         let mut side = |slot: u32| if slot == NONE { NONE } else { to(slot) };
@@ -184,6 +189,11 @@ impl Surface {
             }
             self.first_near.push(self.near.len() as u32);
         }
+    }
+
+    /// The stars around the star at this place, itself too: see [`near`](Self::near).
+    pub fn near_star(&self, place: usize) -> &[(u32, u16)] {
+        &self.near[self.first_near[place] as usize..self.first_near[place + 1] as usize]
     }
 
     /// The slots at the other ends of the edges of a slot.

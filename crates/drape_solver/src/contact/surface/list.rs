@@ -18,7 +18,7 @@ use crate::broad_phase::surface_pairs::StarPairs;
 use crate::constants::{CONTACT_MARGIN_OF_SURFACES, SLACK_OF_SURFACES};
 use crate::contact::surface::crossing::{Crossing, FindCrossings};
 use crate::contact::surface::pair::Pair;
-use crate::contact::surface::placed::PlacedSurfaces;
+use crate::contact::surface::placed::{PlacedSurfaces, Way};
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
 use crate::contact::surface::search::Search;
@@ -35,6 +35,8 @@ pub(crate) struct PairList {
     pub known: [usize; 2],
     life: Option<Life>,
     star_pairs: StarPairs,
+    /// The ways that it expects: from where all points were when it was made to where they are at its end.
+    starts: Vec<Vec4>,
     targets: Vec<Vec4>,
 }
 
@@ -104,7 +106,8 @@ impl PairList {
     ) -> bool {
         let Some(life) = self.life else { return false };
         let fraction = (life.age + 1) as f32 / life.substeps as f32;
-        if !surfaces.find_stale(points, fraction, life.slack) {
+        let way = Way { starts: &self.starts, targets: &self.targets, fraction };
+        if !surfaces.find_stale(bodies, points, way, life.slack) {
             return false;
         }
         let substeps = life.substeps - life.age;
@@ -126,6 +129,7 @@ impl PairList {
     /// Expects free flight.
     fn fly_on(&mut self, points: &Points, substeps: u32) {
         let ways = points.start.iter().zip(&points.flight);
+        self.starts.clone_from(&points.start);
         self.targets.clear();
         self.targets.extend(ways.map(|(&start, &flight)| start + (flight - start) * substeps as f32));
     }
@@ -133,6 +137,7 @@ impl PairList {
     /// Expects free flight as well; but points that are more than `slack` metres off their flight go on as in this substep.
     fn go_on(&mut self, points: &Points, substeps: u32, slack: f32) {
         let Points { start, flight, end, .. } = points;
+        self.starts.clone_from(start);
         self.targets.clear();
         self.targets.extend(start.iter().zip(flight).zip(end).map(|((&start, &flight), &end)| {
             let is_off = flight.distance_squared(end) > slack * slack;

@@ -6,7 +6,9 @@ use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
 
-use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs};
+use crate::broad_phase::surface_pairs::{
+    Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs, for_each_bit,
+};
 use crate::constants::REST_SHARE;
 use crate::contact::cloth_contact::has_triangles;
 use crate::contact::surface::pair::Pair;
@@ -35,7 +37,10 @@ pub(crate) struct PlacedSurfaces {
     /// Sharpness of each star's edges, from 0 for a flat one to 1.
     sharpness: Vec<[f32; EDGES]>,
     leaf_pairs: Vec<[u32; 2]>,
-    /// How far each star is from where its pairs expect it.
+    /// The least height of each star's faces when it was placed, or the length of its links, in metres.
+    heights: Vec<f32>,
+    /// How far each point and each star are from where the list expects them.
+    deviations: Vec<f32>,
     offs: Vec<Off>,
 }
 
@@ -50,16 +55,43 @@ struct PlacedBody {
     tree: PlacedTree,
 }
 
-/// How far a star's corners are from where its pairs expect them, in metres.
+/// How far a star is from where its pairs expect it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Off {
-    /// From where its row expects them.
-    deviation: f32,
-    /// The deviations when its row was written anew without its pairs.
-    drift: f32,
+    /// Greatest distance of its corners from where its row expects them, in metres; and a bound of the angle by which its
+    /// faces have turned, in radians.
+    way: f32,
+    turn: f32,
+    /// Both, when its row was last written anew without its pairs.
+    way_before: f32,
+    turn_before: f32,
     /// True if its pairs are looked for.
     is_stale: bool,
 }
+
+/// The way that a list expects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way<'a> {
+    /// Places of all points when it was made, and at the end of the last substep for which it holds.
+    pub starts: &'a [Vec4],
+    pub targets: &'a [Vec4],
+    /// The part of the way that has passed.
+    pub fraction: f32,
+}
+
+impl Way<'_> {
+    fn expected(&self, point: u32) -> Vec3 {
+        let (start, target) = (self.starts[point as usize], self.targets[point as usize]);
+        (start + (target - start) * self.fraction).truncate()
+    }
+}
+
+/// Height in metres below which a face has no direction.
+const LEAST_HEIGHT: f32 = 1e-6;
+
+/// Angle in radians by which faces may turn before a patch that lay flat counts as bent: with that of
+/// [`LEAST_FLAT_COSINE`], a right angle.
+const MOST_TURN: f32 = 0.4;
 
 /// Cosines between the normals of two faces from which on the edge between them counts as flat, and as sharp: 15 and 45
 /// degrees.
@@ -80,7 +112,7 @@ impl PlacedSurfaces {
         {
             return;
         }
-        let Self { bodies: known, stars, rest, sizes, rows, body: of, sharpness, .. } = self;
+        let Self { bodies: known, stars, rest, sizes, heights, rows, body: of, sharpness, .. } = self;
         known.resize_with(on().count(), PlacedBody::default);
         stars.clear();
         of.clear();
@@ -108,6 +140,7 @@ impl PlacedSurfaces {
             ways.fold(0.0, f32::max).sqrt()
         }));
         rows.resize(stars.len(), Row::NOTHING);
+        heights.resize(stars.len(), f32::INFINITY);
         sharpness.resize(stars.len(), [0.0; EDGES]);
     }
 
@@ -146,21 +179,37 @@ impl PlacedSurfaces {
         }
     }
 
-    /// Chooses the stars whose pairs are looked for: those with a corner that is more than `slack` metres from where the rows
-    /// expect it, at this `fraction` of the way. True if there is one.
-    pub fn find_stale(&mut self, points: &Points, fraction: f32, slack: f32) -> bool {
-        let Self { bodies, stars, rows, offs, .. } = self;
+    /// Chooses the stars whose pairs are looked for: those with a corner that is more than `slack` metres off the way, and
+    /// those around a face that has turned, so that a patch may lie flat no longer. True if there is one.
+    pub fn find_stale(&mut self, bodies: &[Body], points: &Points, way: Way, slack: f32) -> bool {
+        let Self { bodies: placed, stars, heights, deviations, offs, .. } = self;
+        deviations.clear();
+        deviations
+            .extend(points.end.iter().zip(0..).map(|(end, id)| end.truncate().distance(way.expected(id))));
         let mut is_any = false;
-        for ((star, row), off) in stars.iter().zip(rows).zip(&mut *offs) {
-            off.deviation = greatest_deviation(star, row, points, fraction);
-            off.is_stale = off.drift + off.deviation > slack;
-            is_any |= off.is_stale;
+        for ((star, off), &height) in stars.iter().zip(&mut *offs).zip(&*heights) {
+            off.way = (0..CORNERS).fold(0.0, |most, k| deviations[star.corner(k) as usize].max(most));
+            // Two corners that move to both sides turn a face by twice their way over its height.
+            off.turn = 2.0 * off.way / height.max(LEAST_HEIGHT);
+            if off.turn_before + off.turn > MOST_TURN {
+                off.turn = turn(star, points, way);
+            }
+            off.is_stale = off.way_before + off.way > slack;
+            is_any |= off.is_stale || off.turn_before + off.turn > MOST_TURN;
         }
         if is_any {
-            for body in bodies {
+            for body in placed {
+                let surface = bodies[body.place].topology.surface();
                 let first = body.first_leaf as usize * LANES;
-                let leaves = offs[first..].chunks_exact(LANES);
-                for (active, offs) in body.tree.active.iter_mut().zip(leaves) {
+                let offs = &mut offs[first..first + surface.stars.len()];
+                for place in 0..offs.len() {
+                    if offs[place].turn_before + offs[place].turn > MOST_TURN {
+                        for &(leaf, mask) in surface.near_star(place) {
+                            for_each_bit(mask, |k| offs[leaf as usize * LANES + k as usize].is_stale = true);
+                        }
+                    }
+                }
+                for (active, offs) in body.tree.active.iter_mut().zip(offs.chunks_exact(LANES)) {
                     *active = (0..LANES).fold(0, |mask, k| mask | (u16::from(offs[k].is_stale) << k));
                 }
             }
@@ -182,7 +231,7 @@ impl PlacedSurfaces {
 
     /// Places the stars, for ways from the points' starts to `targets`. Boxes are wider by their share of the reach.
     pub fn place(&mut self, bodies: &[Body], points: &Points, targets: &[Vec4], reach: Reach, isa: Isa) {
-        let Self { bodies: placed, stars, rows, sharpness, offs, .. } = self;
+        let Self { bodies: placed, stars, rows, sharpness, heights, offs, .. } = self;
         for body in placed {
             let first = body.first_leaf as usize * LANES;
             let own = first..first + body.tree.stars.len() * LANES;
@@ -198,6 +247,7 @@ impl PlacedSurfaces {
                 thickness,
                 reach,
                 has_faces: !of.topology.faces.is_empty(),
+                heights: &mut heights[own.clone()],
                 rows: &mut rows[own],
                 tree: &mut body.tree,
             });
@@ -205,7 +255,9 @@ impl PlacedSurfaces {
         }
         // Pairs that are not looked for stay as they were listed.
         for off in offs {
-            off.drift = if off.is_stale { 0.0 } else { off.drift + off.deviation };
+            let keep = if off.is_stale { 0.0 } else { 1.0 };
+            off.way_before = keep * (off.way_before + off.way);
+            off.turn_before = keep * (off.turn_before + off.turn);
         }
     }
 
@@ -235,15 +287,23 @@ impl PlacedSurfaces {
     }
 }
 
-/// Greatest distance in metres of a star's corners from where its row expects them.
-fn greatest_deviation(star: &Star, row: &Row, points: &Points, fraction: f32) -> f32 {
-    let mut most = 0.0_f32;
-    for corner in 0..CORNERS {
-        let [start, end] = row.places(corner);
-        let expected = start + (end - start) * fraction;
-        most = most.max(points.end[star.corner(corner) as usize].truncate().distance_squared(expected));
+/// Angle in radians by which a face or a link of a star has turned out of its expected direction, to within some percent.
+fn turn(star: &Star, points: &Points, way: Way) -> f32 {
+    let mut least = 1.0_f32;
+    let mut add = |expected: Vec3, now: Vec3| {
+        least = least.min(expected.normalize_or_zero().dot(now.normalize_or_zero()));
+    };
+    let normal = |[a, b, c]: [Vec3; 3]| (b - a).cross(c - a);
+    for k in 0..star.face_count as usize {
+        add(normal(star.face(k).map(|point| way.expected(point))), normal(points.ends(star.face(k))));
     }
-    most.sqrt()
+    if star.is_link() {
+        let link = |[a, b]: [Vec3; 2]| b - a;
+        for k in 0..star.edge_count as usize {
+            add(link(star.edge(k).map(|point| way.expected(point))), link(points.ends(star.edge(k))));
+        }
+    }
+    (2.0 * (1.0 - least)).sqrt()
 }
 
 impl PlacedBody {

@@ -54,20 +54,6 @@ pub(crate) struct Row(pub [[f32; LANES]; COLUMNS / LANES]);
 
 impl Row {
     pub const NOTHING: Self = Self([[0.0; LANES]; COLUMNS / LANES]);
-
-    /// Where the corner of this number is, at the start and at the end: the centre, the other ends of the edges, the other
-    /// corners of the faces.
-    pub fn places(&self, corner: usize) -> [Vec3; 2] {
-        let at = |column: usize| {
-            let of = |column: usize| self.0[column / LANES][column % LANES];
-            Vec3::new(of(column), of(column + 1), of(column + 2))
-        };
-        [0, 1].map(|time| match corner {
-            0 => at(CENTRE[time]),
-            1..=EDGES => at(CENTRE[time]) + at(EDGE[time] + 3 * (corner - 1)),
-            _ => at(CENTRE[time]) + at(FACE[time] + 3 * (corner - 1 - EDGES)),
-        })
-    }
 }
 
 /// Reads three columns.
@@ -110,6 +96,8 @@ pub(crate) struct PlaceStars<'a> {
     pub thickness: f32,
     pub reach: Reach,
     pub has_faces: bool,
+    /// For each star, the least height of its faces, or the length of its links.
+    pub heights: &'a mut [f32],
     pub rows: &'a mut [Row],
     pub tree: &'a mut PlacedTree,
 }
@@ -119,7 +107,7 @@ impl Kernel for PlaceStars<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { stars, first, sharpness, places, thickness, reach, has_faces, rows, tree } = self;
+        let Self { stars, first, sharpness, places, thickness, reach, has_faces, heights, rows, tree } = self;
         let mut columns: Columns = [[0.0; LANES]; COLUMNS];
         for (leaf, stars) in stars.chunks_exact(LANES).enumerate() {
             for (lane, star) in stars.iter().enumerate() {
@@ -150,6 +138,8 @@ impl Kernel for PlaceStars<'_> {
             }
             let boxes = &mut tree.stars[leaf];
             put_boxes(simd, &columns, reach, boxes);
+            let lengths = least_heights(simd, &columns, has_faces).to_array();
+            heights[leaf * LANES..(leaf + 1) * LANES].copy_from_slice(&lengths);
             lean(simd, &columns, stars, first, has_faces, &mut tree.leans);
             let rows = &mut rows[leaf * LANES..(leaf + 1) * LANES];
             for block in 0..COLUMNS / LANES {
@@ -185,6 +175,31 @@ fn scale<S: Simd>(simd: S, columns: &mut Columns) {
             columns[FACE_SCALE + 4 * k + i] = inverse.to_array();
         }
     }
+}
+
+/// The least height of each star's faces, or the length of its links, in metres; infinity if it has none.
+#[inline(always)]
+fn least_heights<S: Simd>(simd: S, columns: &Columns, has_faces: bool) -> f32x16<S> {
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+    let mut lowest = f32x16::splat(simd, f32::INFINITY);
+    if has_faces {
+        for k in 0..FACES {
+            let [first, second, third, area] = [0, 1, 2, 3].map(
+                #[inline(always)]
+                |i: usize| load(simd, &columns[FACE_SCALE + 4 * k + i]),
+            );
+            // The squared area over the squared length of the longest side.
+            let height = least(first, least(second, third)) / area;
+            lowest = area.simd_gt(zero).select(least(lowest, height), lowest);
+        }
+    } else {
+        for k in 0..EDGES {
+            let is_there = load(simd, &columns[SHARPNESS + k]).simd_ge(zero);
+            let length = one / load(simd, &columns[EDGE_SCALE + k]);
+            lowest = is_there.select(least(lowest, length), lowest);
+        }
+    }
+    lowest.sqrt()
 }
 
 /// Boxes around the parts of sixteen stars, and around their ways.
