@@ -78,7 +78,7 @@ impl PairList {
         self.fly_on(points, substeps);
         let mut far = self.reach(FAR * distance);
         far.factor = 1.0;
-        surfaces.place(bodies, points, &self.targets, far, substep.isa);
+        surfaces.place(bodies, points, &self.targets, 0.5, far, substep.isa);
         surfaces.star_pairs(bodies, substep.isa, &mut self.star_pairs);
         if self.star_pairs.is_empty() {
             self.life = Some(Life { substeps, age: 0, slack: far.slack });
@@ -86,7 +86,7 @@ impl PairList {
         }
         let slack = SLACK_OF_SURFACES * distance;
         self.star_pairs.has_crossings = crossings.is_some();
-        self.search(surfaces, points, bodies, slack, substep.isa);
+        self.search(surfaces, points, bodies, slack, 0.5, substep.isa);
         if let Some(found) = crossings {
             let PlacedSurfaces { rows, stars, .. } = &*surfaces;
             substep.isa.run(FindCrossings { rows, stars, pairs: &self.star_pairs.crossings, found });
@@ -115,8 +115,8 @@ impl PairList {
         if life.slack > slack {
             surfaces.look_at_all();
         }
-        self.go_on(points, substeps, slack);
-        self.search(surfaces, points, bodies, slack, isa);
+        self.go_on(points, substeps);
+        self.search(surfaces, points, bodies, slack, 1.0 / substeps as f32, isa);
         self.life = Some(Life { substeps, age: 0, slack });
         true
     }
@@ -134,33 +134,32 @@ impl PairList {
         self.targets.extend(ways.map(|(&start, &flight)| start + (flight - start) * substeps as f32));
     }
 
-    /// Expects free flight as well; but points that are more than `slack` metres off their flight go on as in this substep.
-    fn go_on(&mut self, points: &Points, substeps: u32, slack: f32) {
-        let Points { start, flight, end, .. } = points;
-        self.starts.clone_from(start);
+    /// Expects the same at the end of a substep: all go on as in this one.
+    fn go_on(&mut self, points: &Points, substeps: u32) {
+        let ways = points.start.iter().zip(&points.end);
+        self.starts.clone_from(&points.start);
         self.targets.clear();
-        self.targets.extend(start.iter().zip(flight).zip(end).map(|((&start, &flight), &end)| {
-            let is_off = flight.distance_squared(end) > slack * slack;
-            start + (if is_off { end } else { flight } - start) * substeps as f32
-        }));
+        self.targets.extend(ways.map(|(&start, &end)| start + (end - start) * substeps as f32));
     }
 
     fn reach(&self, slack: f32) -> Reach {
         Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack }
     }
 
-    /// Adds to the list what may touch on the way to the targets, where one of the two is a star that is looked at.
+    /// Adds to the list what may touch on the way to the targets, where one of the two is a star that is looked at. Flat is
+    /// what is so at both ends and at this part of the way `between`.
     fn search(
         &mut self,
         surfaces: &mut PlacedSurfaces,
         points: &Points,
         bodies: &[Body],
         slack: f32,
+        between: f32,
         isa: Isa,
     ) {
         let reach = self.reach(slack);
         let Self { pairs, known, star_pairs, targets, .. } = self;
-        surfaces.place(bodies, points, targets, reach, isa);
+        surfaces.place(bodies, points, targets, between, reach, isa);
         surfaces.star_pairs(bodies, isa, star_pairs);
         for (pairs, known) in pairs.iter_mut().zip(known) {
             pairs.retain(|pair| !surfaces.is_looked_at(pair.stars));

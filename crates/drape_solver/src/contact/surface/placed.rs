@@ -229,8 +229,17 @@ impl PlacedSurfaces {
         self.bodies.iter_mut().for_each(|body| body.tree.active.fill(u16::MAX));
     }
 
-    /// Places the stars, for ways from the points' starts to `targets`. Boxes are wider by their share of the reach.
-    pub fn place(&mut self, bodies: &[Body], points: &Points, targets: &[Vec4], reach: Reach, isa: Isa) {
+    /// Places the stars, for ways from the points' starts to `targets`. Boxes are wider by their share of the reach, and faces
+    /// lean as at both ends and at a part of the way `between`.
+    pub fn place(
+        &mut self,
+        bodies: &[Body],
+        points: &Points,
+        targets: &[Vec4],
+        between: f32,
+        reach: Reach,
+        isa: Isa,
+    ) {
         let Self { bodies: placed, stars, rows, sharpness, heights, offs, .. } = self;
         for body in placed {
             let first = body.first_leaf as usize * LANES;
@@ -246,6 +255,7 @@ impl PlacedSurfaces {
                 places: [&points.start, targets],
                 thickness,
                 reach,
+                between,
                 has_faces: !of.topology.faces.is_empty(),
                 heights: &mut heights[own.clone()],
                 rows: &mut rows[own],

@@ -95,6 +95,8 @@ pub(crate) struct PlaceStars<'a> {
     pub places: [&'a [Vec4]; 2],
     pub thickness: f32,
     pub reach: Reach,
+    /// The part of the way at which normals are looked at, besides both ends.
+    pub between: f32,
     pub has_faces: bool,
     /// For each star, the least height of its faces, or the length of its links.
     pub heights: &'a mut [f32],
@@ -107,7 +109,19 @@ impl Kernel for PlaceStars<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { stars, first, sharpness, places, thickness, reach, has_faces, heights, rows, tree } = self;
+        let Self {
+            stars,
+            first,
+            sharpness,
+            places,
+            thickness,
+            reach,
+            between,
+            has_faces,
+            heights,
+            rows,
+            tree,
+        } = self;
         let mut columns: Columns = [[0.0; LANES]; COLUMNS];
         for (leaf, stars) in stars.chunks_exact(LANES).enumerate() {
             for (lane, star) in stars.iter().enumerate() {
@@ -140,7 +154,11 @@ impl Kernel for PlaceStars<'_> {
             put_boxes(simd, &columns, reach, boxes);
             let lengths = least_heights(simd, &columns, has_faces).to_array();
             heights[leaf * LANES..(leaf + 1) * LANES].copy_from_slice(&lengths);
-            lean(simd, &columns, stars, first, has_faces, &mut tree.leans);
+            if has_faces {
+                lean(simd, &columns, stars, first, between, &mut tree.leans);
+            } else {
+                lean_links(&columns, stars, first, &mut tree.leans);
+            }
             let rows = &mut rows[leaf * LANES..(leaf + 1) * LANES];
             for block in 0..COLUMNS / LANES {
                 transpose(
@@ -262,27 +280,16 @@ fn put_box<S: Simd>(
     }
 }
 
-/// Adds the normals of the stars' faces, at the start, half way and at the end, to the leans of their corners.
+/// Adds the normals of the stars' faces, at the start, `between` and at the end, to the leans of their corners.
 #[inline(always)]
-fn lean<S: Simd>(
-    simd: S,
-    columns: &Columns,
-    stars: &[Star],
-    first: u32,
-    has_faces: bool,
-    leans: &mut [Lean],
-) {
-    if !has_faces {
-        lean_links(columns, stars, first, leans);
-        return;
-    }
-    let half = f32x16::splat(simd, 0.5);
+fn lean<S: Simd>(simd: S, columns: &Columns, stars: &[Star], first: u32, between: f32, leans: &mut [Lean]) {
+    let part = f32x16::splat(simd, between);
     for k in 0..FACES {
         let [u, v, later_u, later_v] = [0, 1, 2, 3].map(
             #[inline(always)]
             |i: usize| vector(simd, columns, FACE[i / 2] + 6 * k + 3 * (i % 2)),
         );
-        let middle = [u.plus(later_u).times(half), v.plus(later_v).times(half)];
+        let middle = [u.plus(later_u.minus(u).times(part)), v.plus(later_v.minus(v).times(part))];
         let mut normals = [[[0.0; LANES]; 3]; 3];
         for (normal, [u, v]) in normals.iter_mut().zip([[u, v], middle, [later_u, later_v]]) {
             let n = u.cross(v);
