@@ -344,3 +344,111 @@ impl Builder<'_> {
         (1..=order.len() as u32).all(|number| self.groups.root(number) == 1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::cloth::ClothBuilder;
+    use crate::build::mesh::cloth::MeshClothBuilder;
+    use crate::build::rope::RopeBuilder;
+    use crate::state::settings::SolverSettings;
+
+    /// A fan of faces round one corner, which has more edges and faces than a star holds, and a corner apart.
+    fn fan(count: u32) -> Topology {
+        let round = |i: u32| {
+            let angle = i as f32 * 0.7;
+            Vec3::new(libm::cosf(angle), 0.1 * i as f32, libm::sinf(angle))
+        };
+        let corners = core::iter::once(Vec3::ZERO).chain((0..=count).map(round)).collect();
+        let faces = (1..=count).map(|i| [0, i, i + 1]).collect();
+        let cloth = MeshClothBuilder::new(corners, faces).build(SolverSettings::default()).expect("valid");
+        (*cloth.topology).clone()
+    }
+
+    fn topologies() -> Vec<Topology> {
+        let settings = SolverSettings::default();
+        let cloth = ClothBuilder::new(1.0, 1.3, 9, 13).build(settings).expect("valid");
+        let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X, 40).build(settings).expect("valid");
+        vec![(*cloth.topology).clone(), (*rope.topology).clone(), fan(8)]
+    }
+
+    fn sorted<const N: usize>(mut ids: [u32; N]) -> [u32; N] {
+        ids.sort_unstable();
+        ids
+    }
+
+    #[test]
+    fn each_corner_edge_and_face_belongs_to_one_star() {
+        for topology in topologies() {
+            let slot = |index: u32| topology.layout.slot(index as usize) as u32;
+            let surface = Surface::new(&topology);
+            let stars = &surface.stars;
+            let mut centres: Vec<u32> =
+                stars.iter().filter(|star| star.has_centre).map(|star| star.centre).collect();
+            centres.sort_unstable();
+            let mut slots: Vec<u32> = (0..topology.particle_count() as u32).map(slot).collect();
+            slots.sort_unstable();
+            assert_eq!(centres, slots);
+
+            let face_count = |star: &Star| star.face_count as usize;
+            let mut faces: Vec<[u32; 3]> =
+                stars.iter().flat_map(|star| (0..face_count(star)).map(|k| star.face(k))).collect();
+            // Turned so that the least corner comes first: the winding shows.
+            let turned = |face: &mut [u32; 3]| {
+                let least = (0..3).fold(0, |least, k| if face[k] < face[least] { k } else { least });
+                face.rotate_left(least);
+            };
+            faces.iter_mut().for_each(turned);
+            let mut expected: Vec<[u32; 3]> = topology.faces.iter().map(|face| face.map(slot)).collect();
+            expected.iter_mut().for_each(turned);
+            faces.sort_unstable();
+            expected.sort_unstable();
+            assert_eq!(faces, expected);
+
+            let mut edges: Vec<[u32; 2]> = stars
+                .iter()
+                .flat_map(|star| (0..star.edge_count as usize).map(|k| sorted(star.edge(k))))
+                .collect();
+            let sides = topology.faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+            let links = topology.segments.iter().copied();
+            let mut expected: Vec<[u32; 2]> = sides.chain(links).map(|edge| sorted(edge.map(slot))).collect();
+            edges.sort_unstable();
+            expected.sort_unstable();
+            expected.dedup();
+            assert_eq!(edges, expected);
+        }
+    }
+
+    #[test]
+    fn a_grid_needs_one_star_for_each_particle_and_a_fan_several() {
+        let [grid, _, fan] = topologies().try_into().expect("three");
+        let count = |topology: &Topology| {
+            Surface::new(topology).stars.iter().filter(|star| !star.is_nothing()).count()
+        };
+        assert_eq!(count(&grid), grid.particle_count());
+        assert!(count(&fan) >= fan.particle_count());
+    }
+
+    /// Near stars are those at most two edges away: the tests of flat patches rely on it.
+    #[test]
+    fn stars_near_a_star_are_those_two_edges_away() {
+        for topology in topologies() {
+            let surface = Surface::new(&topology);
+            let around = |slots: &[u32]| -> Vec<u32> {
+                let mut all = slots.to_vec();
+                all.extend(slots.iter().flat_map(|&slot| surface.around_slot(slot)));
+                all
+            };
+            for (place, star) in surface.stars.iter().enumerate().filter(|(_, star)| !star.is_nothing()) {
+                let reached = around(&around(&[star.centre]));
+                for (other, of) in surface.stars.iter().enumerate().filter(|(_, star)| !star.is_nothing()) {
+                    let leaf = (other / LANES) as u32;
+                    let bit = 1 << (other % LANES);
+                    let is_near =
+                        surface.near_star(place).iter().any(|&(at, mask)| at == leaf && mask & bit != 0);
+                    assert_eq!(is_near, reached.contains(&of.centre), "{place} {other}");
+                }
+            }
+        }
+    }
+}

@@ -153,3 +153,69 @@ fn crossing_lanes<S: Simd>(simd: S, [a, b]: &[Columns; 2], i: usize, k: usize) -
     let is_inside = s.simd_ge(zero) & t.simd_ge(zero) & (s + t).simd_le(f32x16::splat(simd, 1.0));
     (hits & is_inside).to_bitmask() as u16
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::cloth::ClothBuilder;
+    use crate::contact::surface::list::PairList;
+    use crate::contact::surface::placed::PlacedSurfaces;
+    use crate::state::body::Body;
+    use crate::state::settings::{SelfContact, SolverSettings};
+    use crate::state::substep::Substep;
+
+    /// Two sheets, the second turned upright and pushed this far through the first; and what crosses.
+    fn crossed(depth: f32) -> (Points, Vec<Crossing>) {
+        let settings = SolverSettings { self_contact: SelfContact::Triangles, ..SolverSettings::default() };
+        let sheet = || ClothBuilder::new(0.2, 0.2, 9, 9).build(settings).expect("valid");
+        let mut bodies: Vec<Body> = vec![sheet(), sheet()];
+        for (k, body) in bodies.iter_mut().enumerate() {
+            body.particles.arrange(&body.topology.layout);
+            for i in 0..body.particles.len() {
+                let (x, y) = ((i % 9) as f32 * 0.025, (i / 9) as f32 * 0.025);
+                let place = if k == 0 { Vec3::new(x, y, 0.0) } else { Vec3::new(0.11, y + 0.007, x - depth) };
+                body.particles.set_position(i, place);
+            }
+        }
+        let mut points = Points::default();
+        points.begin_substep(&bodies);
+        points.flight = points.start.clone();
+        let mut surfaces = PlacedSurfaces::default();
+        surfaces.fit(&bodies, &points);
+        surfaces.sharpen(&points);
+        let mut found = Vec::new();
+        let substep = Substep { count: 1, duration: 0.002, ..Substep::default() };
+        PairList::default().make(&mut surfaces, &points, &bodies, substep, 0.01, Some(&mut found));
+        (points, found)
+    }
+
+    #[test]
+    fn sheets_that_cross_are_found_and_those_that_only_touch_are_not() {
+        assert!(crossed(-0.01).1.is_empty());
+        let (points, found) = crossed(0.03);
+        // Both sheets have 8 cells along the line in which they cross.
+        assert!(found.len() > 16, "{}", found.len());
+        for crossing in &found {
+            let face = points.starts(crossing.face);
+            let normal = (face[1] - face[0]).cross(face[2] - face[0]);
+            let sides = points.starts(crossing.edge).map(|end| normal.dot(end - face[0]));
+            assert!(sides[0] * sides[1] < 0.0, "{crossing:?}");
+        }
+    }
+
+    /// What leads crossings apart gives no velocity, and moves the two against each other.
+    #[test]
+    fn crossings_are_led_apart_in_position_only() {
+        let (mut points, found) = crossed(0.03);
+        found.iter().for_each(|crossing| crossing.move_apart(&mut points, 0.001));
+        let ways = || (0..points.start.len()).map(|id| points.way(id));
+        assert!(ways().map(Vec3::length).fold(0.0, f32::max) > 1e-3);
+        assert!(ways().zip(&points.shift).all(|(way, shift)| way.distance(*shift) < 1e-6));
+        let momentum: Vec3 = ways()
+            .zip(&points.inverse_mass)
+            .filter(|(_, inverse_mass)| **inverse_mass > 0.0)
+            .map(|(way, inverse_mass)| way / *inverse_mass)
+            .sum();
+        assert!(momentum.length() < 1e-6, "{momentum}");
+    }
+}

@@ -80,7 +80,8 @@ pub(crate) struct Way<'a> {
 }
 
 impl Way<'_> {
-    fn expected(&self, point: u32) -> Vec3 {
+    /// Where the list expects this point.
+    pub fn expected(&self, point: u32) -> Vec3 {
         let (start, target) = (self.starts[point as usize], self.targets[point as usize]);
         (start + (target - start) * self.fraction).truncate()
     }

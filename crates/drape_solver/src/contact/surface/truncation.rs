@@ -136,3 +136,111 @@ impl Truncation {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec4};
+
+    use super::*;
+    use crate::contact::surface::contact::contact;
+    use crate::contact::surface::pair::{Kind, Pair};
+    use crate::geometry::nearest_triangle::weighted;
+
+    /// Free points with these starts and ends; those of `pins` are pinned.
+    fn points(starts: &[Vec3], ends: &[Vec3], pins: &[usize]) -> Points {
+        let mut points = Points::default();
+        let places = |places: &[Vec3]| places.iter().map(|place| place.extend(0.0)).collect::<Vec<Vec4>>();
+        points.start = places(starts);
+        points.end = places(ends);
+        points.inverse_mass = (0..starts.len()).map(|id| 1.0 + id as f32).collect();
+        pins.iter().for_each(|&pin| points.inverse_mass[pin] = 0.0);
+        points
+    }
+
+    fn contact_of(points: &Points, kind: Kind, ids: [u32; 4]) -> Contact {
+        let starts = points.starts(ids);
+        let weights = kind.nearest(starts);
+        let pair = Pair { ids, kind, distance: 0.01, ..Pair::default() };
+        contact(pair, weights, weighted(weights, starts)).expect("apart")
+    }
+
+    /// A corner above a face, which falls through it.
+    fn falling(pins: &[usize]) -> (Points, [Contact; 1]) {
+        let face = [Vec3::ZERO, Vec3::X, Vec3::Z];
+        let starts = [Vec3::new(0.2, 0.02, 0.3), face[0], face[1], face[2]];
+        let mut ends = starts;
+        ends[0].y = -0.05;
+        let points = points(&starts, &ends, pins);
+        let contact = contact_of(&points, Kind::CornerFace, [0, 1, 2, 3]);
+        (points, [contact])
+    }
+
+    fn momentum(points: &Points) -> DVec3 {
+        (0..points.start.len()).map(|id| points.way(id).as_dvec3() / f64::from(points.inverse_mass[id])).sum()
+    }
+
+    #[test]
+    fn what_would_pass_is_moved_apart_and_momentum_is_kept() {
+        let (mut points, contacts) = falling(&[]);
+        let before = momentum(&points);
+        let mut truncation = Truncation::default();
+        truncation.begin();
+        assert!(truncation.truncate(&contacts, &mut points) > 0);
+        assert!(contacts[0].gap(&points).1 >= contacts[0].least_gap());
+        assert!(momentum(&points).distance(before) < 1e-6);
+        assert_eq!(truncation.truncate(&contacts, &mut points), 0, "it is done");
+    }
+
+    #[test]
+    fn pins_stay_and_what_does_not_pass_is_left_alone() {
+        let (mut points, contacts) = falling(&[1, 2, 3]);
+        let mut truncation = Truncation::default();
+        truncation.begin();
+        truncation.truncate(&contacts, &mut points);
+        assert!((1..4).all(|id| points.end[id] == points.start[id]));
+        assert!(points.end[0].y > 0.0, "{}", points.end[0]);
+
+        let (mut points, contacts) = falling(&[]);
+        points.end[0].y = 0.015;
+        let before = points.end.clone();
+        truncation.begin();
+        assert_eq!(truncation.truncate(&contacts, &mut points), 0);
+        assert_eq!(points.end, before);
+    }
+
+    /// What flies together at any speed is not slowed.
+    #[test]
+    fn only_motion_against_each_other_is_cut_short() {
+        let (mut still, contacts) = falling(&[]);
+        let mut truncation = Truncation::default();
+        truncation.begin();
+        truncation.truncate(&contacts, &mut still);
+        let (mut flying, contacts) = falling(&[]);
+        let way = Vec3::new(3.0, -2.0, 5.0);
+        flying.end.iter_mut().for_each(|end| *end += way.extend(0.0));
+        truncation.begin();
+        truncation.truncate(&contacts, &mut flying);
+        for (still, flying) in still.end.iter().zip(&flying.end) {
+            assert!(flying.truncate().distance(still.truncate() + way) < 1e-5);
+        }
+    }
+
+    /// A corner between two faces that close on it: no order of pushes finds room, so all three move as one piece.
+    #[test]
+    fn a_heap_that_no_pushes_sort_out_moves_as_one_piece() {
+        let face = |y: f32| [Vec3::new(0.0, y, 0.0), Vec3::new(1.0, y, 0.0), Vec3::new(0.0, y, 1.0)];
+        let (low, high) = (face(0.0), face(0.02));
+        let starts = [&[Vec3::new(0.2, 0.01, 0.3)][..], &low, &high].concat();
+        let ends = [&[Vec3::new(0.2, 0.01, 0.3)][..], &face(0.2), &face(-0.2)].concat();
+        let mut points = points(&starts, &ends, &[]);
+        let before = momentum(&points);
+        let contacts = [[0, 1, 2, 3], [0, 4, 5, 6]].map(|ids| contact_of(&points, Kind::CornerFace, ids));
+        let mut truncation = Truncation::default();
+        truncation.begin();
+        while truncation.truncate(&contacts, &mut points) > 0 {}
+        for contact in &contacts {
+            assert!(contact.gap(&points).1 >= contact.least_gap());
+        }
+        assert!(momentum(&points).distance(before) < 1e-5);
+    }
+}
