@@ -130,9 +130,6 @@ pub const FACE_MARGIN: f32 = 0.01;
 /// have pushed things farther than that.
 pub const SEARCH_MARGIN: f32 = 0.03;
 
-/// Elements in a leaf of the tree of a body's surface: fewer make more boxes, more make more pairs in each.
-pub const ELEMENTS_OF_LEAF: usize = 4;
-
 // Overlap and restitution
 
 /// Nearer to a surface than this part of a point's coordinates, rounding turns the direction to the surface by more
@@ -195,16 +192,9 @@ pub const PASSAGE_HALVINGS: u32 = 10;
 /// fewer searches, and holds more pairs.
 pub const SKIN: f32 = 0.5;
 
-/// Part of an edge's length that is added to the skin in contact by triangles.
-pub const SKIN_OF_EDGE: f32 = 0.25;
-
 /// Beyond the distance that self-contact keeps, pairs within this part of it more are tested in all projections of a
 /// substep: sticks and contacts may yet push them together.
 pub const CONTACT_SLACK: f32 = 0.25;
-
-/// Distance that triangles may move, in distances that self-contact keeps, before the search for near pairs runs again
-/// within a step.
-pub const SLACK_OF_SUBSTEPS: f32 = 0.25;
 
 /// Particles of a body that are nearer to each other at rest than this, in distances that self-contact keeps, do not
 /// touch: sticks hold them. More than 1, so that slightly compressed sticks do not work against contacts.
@@ -225,7 +215,8 @@ pub const UNTANGLING_SPEED: f32 = 0.5;
 /// Contacts of surfaces are those that come nearer than the distance that they keep, times 1 and this more.
 pub const CONTACT_MARGIN_OF_SURFACES: f32 = 0.05;
 
-/// Distance that a corner may be off the way that a list of surface pairs expects, in distances that contacts keep.
+/// Distance that a corner may be off the way that a list of surface pairs expects, in distances that contacts keep. More
+/// makes longer lists, less makes more of them.
 pub const SLACK_OF_SURFACES: f32 = 0.25;
 
 /// Part of their distance that edges keep which lie flat between their faces: corners on faces hold flat layers apart.
@@ -234,8 +225,8 @@ pub const BLUNT_EDGES: f32 = 0.3;
 /// Parts of one body keep this part of their distance at rest at most.
 pub const REST_SHARE: f32 = 0.5;
 
-/// Pairs are watched for passing if the plane between them is left a gap narrower than this, in distances that contacts
-/// keep.
+/// Pairs are watched for passing if the plane between them is left a gap narrower than this, in distances that the thinnest
+/// keep. More makes more of them, less has more looked at again at the end of a substep.
 pub const RISKY_GAP: f32 = 0.4;
 
 /// Speed at which surfaces that are too near at the start of a substep are led apart, in metres per second.
