@@ -131,7 +131,7 @@ mod tests {
             let [a, b] = TriangleLanes::new(simd, [u, v]).nearest(simd, w);
             let inverses = [inverse(simd, u.dot(u)), inverse(simd, v.dot(v))];
             let [s, t] = between_segments(simd, w, [u, v], inverses);
-            [a, b, s, t].map(|lanes| lanes.to_array())
+            [a, b, s, t].map(SimdBase::to_array)
         }
     }
 
