@@ -63,8 +63,8 @@ pub enum SelfContact {
     /// Contact between particles, each a ball of the body's thickness. A layer cannot slip through another while the
     /// thickness is at least 0.36 of the spacing, and particles move by less than that in a substep.
     Particles,
-    /// Contact between faces, links and edges, at any spacing. Colliding layers do not pass through each other, and
-    /// layers that cross are led apart again. Against a body with [`Particles`](Self::Particles), contact is between
+    /// Contact between faces, links and edges, at any spacing. Nothing passes through a face, at any speed (the planar
+    /// truncation of Chen et al. 2025, "Offset geometric contact"), and layers that cross are led apart again. Against a body with [`Particles`](Self::Particles), contact is between
     /// particles.
     Triangles,
 }
