@@ -340,3 +340,30 @@ fn knots_hold_in_thin_and_thick_ropes_under_twice_their_weight() {
         }
     }
 }
+
+/// A sheet whose ends are turned against each other by more than a turn, and stay apart: its rims would have to stretch by more than
+/// sticks let them, and pushes alone cannot keep its folds apart.
+#[test]
+fn a_sheet_that_is_wrung_too_far_does_not_pass_through_itself() {
+    const TURNS: f32 = 1.25;
+    const SECONDS: f32 = 0.75;
+    let sheet = ClothBuilder::new(0.5, 0.5, 14, 14).pin_edge(Edge::Left).pin_edge(Edge::Right);
+    let mut island = Island::of_body(sheet.build(settings(0.005)).expect("valid"));
+    let places: Vec<Vec3> = island.bodies[0].particles.positions().collect();
+    let centre = places.iter().sum::<Vec3>() / places.len() as f32;
+    let mut truncated = 0;
+    for step in 1..=(SECONDS / FRAME) as usize {
+        let angle = core::f32::consts::PI * TURNS * (step as f32 * FRAME / SECONDS);
+        let particles = &mut island.bodies[0].particles;
+        for i in (0..14).flat_map(|row| [row * 14, row * 14 + 13]) {
+            let way = places[i] - centre;
+            let turn = Quat::from_rotation_x(angle * way.x.signum());
+            particles.set_pin_target(i, centre + turn * way);
+        }
+        run(&mut island, &weightless(FRAME), FRAME);
+        let counts = island.self_contact_counts();
+        assert_eq!(counts.crossings, 0, "in step {step}");
+        truncated += counts.truncated;
+    }
+    assert!(truncated > 0, "it is wrung too far for pushes alone");
+}
