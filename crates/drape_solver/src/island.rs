@@ -195,7 +195,7 @@ impl Island {
         self.context.iterations_taken
     }
 
-    /// What [self-contact](crate::SolverSettings::self_contact) did in the last step.
+    /// The work of [self-contact](crate::SolverSettings::self_contact) in the last step.
     pub fn self_contact_counts(&self) -> SelfContactCounts {
         self.context.contacts.cloth_cloth.counts()
     }

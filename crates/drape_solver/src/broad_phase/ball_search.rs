@@ -29,6 +29,7 @@ use crate::broad_phase::ball_search_lanes::{LongestTravel, Mark, Sift, SquareTes
 use crate::constants::{PASSING_SLACK, SEARCH_MARGIN};
 use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
+use crate::simd::lanes::set_lanes;
 use crate::state::ball::Ball;
 use crate::state::body::Body;
 use crate::state::layout::{Grid, Layout};
@@ -250,10 +251,7 @@ impl Near {
         let width = squares.grid.width;
         for (row, masks) in self.masks.chunks(width).enumerate() {
             for (cell, &mask) in masks.iter().enumerate() {
-                let mut left = mask;
-                while left != 0 {
-                    let lane = left.trailing_zeros() as usize;
-                    left &= left - 1;
+                for lane in set_lanes(mask) {
                     let entry = group.candidates_of[(row * width + cell) * LANES + lane];
                     let first = entry >> COUNT_BITS;
                     self.around.extend(first..first + (entry & ((1 << COUNT_BITS) - 1)));

@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::broad_phase::ball_search::{Squares, set};
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Kernel;
-use crate::simd::lanes::Lanes3;
+use crate::simd::lanes::{Lanes3, set_lanes};
 
 /// Marks the particles that are within reach.
 pub(crate) struct Mark<'a> {
@@ -201,11 +201,7 @@ impl Kernel for Sift<'_> {
             let c = Lanes3::load(simd, c).minus(centre);
             let mut far = is_beyond(simd, [a, b, c], touch).to_bitmask();
             far |= u64::MAX << some.len();
-            let mut left = !far;
-            while left != 0 {
-                set(bits, some[left.trailing_zeros() as usize]);
-                left &= left - 1;
-            }
+            set_lanes(!far).for_each(|lane| set(bits, some[lane]));
         }
     }
 }

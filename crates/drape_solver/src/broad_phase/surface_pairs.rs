@@ -16,6 +16,7 @@ use crate::broad_phase::swept_box::{SweptBox, SweptBoxes};
 use crate::constants::LEAST_FLAT_COSINE;
 use crate::simd::columns::LANES;
 use crate::simd::isa::{Isa, Kernel};
+use crate::simd::lanes::set_lanes;
 use crate::state::surface::{Node, Surface};
 
 /// A box around unit normals: least values, and greatest ones with their signs turned, so that all are minima.
@@ -114,8 +115,14 @@ pub(crate) struct PlacedTree {
 #[derive(Clone, Copy, Debug)]
 struct PlacedNode {
     bounds: SweptBox,
+    lean: Lean,
     is_flat: bool,
     is_active: bool,
+}
+
+impl PlacedNode {
+    const NOTHING: Self =
+        Self { bounds: SweptBox::NOTHING, lean: Lean::NOTHING, is_flat: false, is_active: false };
 }
 
 /// A body's surface and the boxes of its patches.
@@ -134,11 +141,7 @@ impl PlacedTree {
         leaves.clear();
         leaves.extend(stars.iter().map(|boxes| boxes.whole.all()));
         nodes.clear();
-        let nothing = PlacedNode { bounds: SweptBox::NOTHING, is_flat: false, is_active: false };
-        nodes.resize(surface.nodes.len(), nothing);
-        let mut node_leans = core::mem::take(&mut self.wider[0]);
-        node_leans.clear();
-        node_leans.resize(surface.nodes.len(), Lean::NOTHING);
+        nodes.resize(surface.nodes.len(), PlacedNode::NOTHING);
         for (place, node) in surface.nodes.iter().enumerate().rev() {
             let mut lean = Lean::NOTHING;
             let (bounds, is_active) = if node.right == 0 {
@@ -148,15 +151,14 @@ impl PlacedTree {
                 }
                 (leaves[leaf], active[leaf] != 0)
             } else {
-                let children = [place + 1, node.right as usize];
-                children.iter().for_each(|&child| lean.add(&node_leans[child].clone()));
-                let [a, b] = children.map(|child| &nodes[child]);
+                let [a, b] = [place + 1, node.right as usize].map(|child| &nodes[child]);
+                lean.add(&a.lean);
+                lean.add(&b.lean);
                 (a.bounds.and(&b.bounds), a.is_active || b.is_active)
             };
-            node_leans[place] = lean;
-            nodes[place] = PlacedNode { bounds, is_flat: node.is_connected && lean.is_flat(), is_active };
+            let is_flat = node.is_connected && lean.is_flat();
+            nodes[place] = PlacedNode { bounds, lean, is_flat, is_active };
         }
-        self.wider[0] = node_leans;
     }
 
     /// Finds the stars around which all faces lie flat.
@@ -235,14 +237,10 @@ impl PlacedSurface<'_> {
         if self.at.is_flat[star as usize] {
             return mask;
         }
-        let (mut left, mut flat) = (mask & of, 0);
-        while left != 0 {
-            let lane = left.trailing_zeros();
-            left &= left - 1;
-            let is_flat = self.are_flat([star, leaf * LANES as u32 + lane]);
-            flat |= u16::from(is_flat) << lane;
-        }
-        flat
+        set_lanes(mask & of).fold(0, |flat, lane| {
+            let is_flat = self.are_flat([star, leaf * LANES as u32 + lane as u32]);
+            flat | (u16::from(is_flat) << lane)
+        })
     }
 
     /// True if all faces lie flat around two near stars, and around what is between them.
@@ -283,19 +281,20 @@ impl Kernel for FindStarPairs<'_> {
         let Self { own, other, is_one, leaves, found } = self;
         for &[a, b] in leaves {
             let (x, y) = (&own.at.stars[a as usize], &other.at.stars[b as usize]);
-            let mut from = x.whole.meets(simd, &other.at.leaves[b as usize]);
+            let from = x.whole.meets(simd, &other.at.leaves[b as usize]);
             let to = y.whole.meets(simd, &own.at.leaves[a as usize]);
-            while from != 0 && to != 0 {
-                let lane = from.trailing_zeros();
-                from &= from - 1;
-                let star = a * LANES as u32 + lane;
-                let mut hits = to & y.whole.meets(simd, &x.whole.at(lane as usize));
+            if to == 0 {
+                continue;
+            }
+            for lane in set_lanes(from) {
+                let star = a * LANES as u32 + lane as u32;
+                let mut hits = to & y.whole.meets(simd, &x.whole.at(lane));
                 if own.at.active[a as usize] & (1 << lane) == 0 {
                     hits &= other.at.active[b as usize];
                 }
                 if is_one && hits != 0 {
                     if a == b {
-                        hits &= u16::MAX.checked_shl(lane + 1).unwrap_or(0);
+                        hits &= u16::MAX.checked_shl(lane as u32 + 1).unwrap_or(0);
                     }
                     hits &= !own.flat_neighbours(star, b, hits);
                 }
@@ -304,26 +303,17 @@ impl Kernel for FindStarPairs<'_> {
                 }
                 let star = own.first_leaf * LANES as u32 + star;
                 let first = (other.first_leaf + b) * LANES as u32;
-                let [centre, edges, faces] =
-                    [&x.centres, &x.edges, &x.faces].map(|boxes| boxes.at(lane as usize));
-                for_each_bit(hits & y.faces.meets(simd, &centre), |k| found.corners.push([star, first + k]));
-                for_each_bit(hits & y.centres.meets(simd, &faces), |k| found.corners.push([first + k, star]));
-                for_each_bit(hits & y.edges.meets(simd, &edges), |k| found.edges.push([star, first + k]));
+                let [centre, edges, faces] = [&x.centres, &x.edges, &x.faces].map(|boxes| boxes.at(lane));
+                let own_first = |hits: u16| set_lanes(hits).map(move |k| [star, first + k as u32]);
+                let other_first = |hits: u16| set_lanes(hits).map(move |k| [first + k as u32, star]);
+                found.corners.extend(own_first(hits & y.faces.meets(simd, &centre)));
+                found.corners.extend(other_first(hits & y.centres.meets(simd, &faces)));
+                found.edges.extend(own_first(hits & y.edges.meets(simd, &edges)));
                 if found.has_crossings {
-                    let crossings = &mut found.crossings;
-                    for_each_bit(hits & y.faces.meets(simd, &edges), |k| crossings.push([star, first + k]));
-                    for_each_bit(hits & y.edges.meets(simd, &faces), |k| crossings.push([first + k, star]));
+                    found.crossings.extend(own_first(hits & y.faces.meets(simd, &edges)));
+                    found.crossings.extend(other_first(hits & y.edges.meets(simd, &faces)));
                 }
             }
         }
-    }
-}
-
-/// Calls `take` with the number of each bit that is set.
-#[inline(always)]
-pub(crate) fn for_each_bit(mut bits: u16, mut take: impl FnMut(u32)) {
-    while bits != 0 {
-        take(bits.trailing_zeros());
-        bits &= bits - 1;
     }
 }

@@ -94,7 +94,7 @@ impl SelfContacts {
         particles.chain(self.surfaces.pushed_bodies())
     }
 
-    /// What happened in the last step.
+    /// The work of the last step.
     pub fn counts(&self) -> SelfContactCounts {
         let of_surfaces = self.surfaces.counts();
         SelfContactCounts { pairs: self.particles.pair_count() + of_surfaces.pairs, ..of_surfaces }

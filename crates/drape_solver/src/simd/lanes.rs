@@ -86,6 +86,25 @@ impl<S: Simd> Lanes3<S> {
     }
 }
 
+/// The numbers of the lanes whose bits are set, the lowest first.
+#[inline(always)]
+pub(crate) fn set_lanes(bits: impl Into<u64>) -> impl Iterator<Item = usize> {
+    let mut left = bits.into();
+    core::iter::from_fn(move || {
+        let lane = left.trailing_zeros() as usize;
+        (left != 0).then(|| {
+            left &= left - 1;
+            lane
+        })
+    })
+}
+
+/// Bit mask of the first `count` lanes, or all.
+#[inline(always)]
+pub(crate) fn first_lanes(count: usize) -> u16 {
+    if count >= LANES { u16::MAX } else { (1 << count) - 1 }
+}
+
 /// The numbers of one column of a cell.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(simd: S, values: &[f32; LANES]) -> f32x16<S> {

@@ -1,4 +1,4 @@
-//! What self-contact did, in numbers.
+//! The work of self-contact, in numbers.
 
 /// The work of [self-contact](crate::SolverSettings::self_contact) in a step; see
 /// [`Island::self_contact_counts`](crate::Island::self_contact_counts). All but `pairs` belong to contact by

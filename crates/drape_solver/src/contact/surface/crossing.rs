@@ -26,10 +26,9 @@ use crate::contact::surface::rows::{
     CENTRE, CENTRES, COLUMNS, Columns, EDGE, EDGES_TOO, FACE, FACE_SCALE, FACES_ONLY, Row, SHARPNESS, gather,
     vector,
 };
-use crate::contact::surface::search::live;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
-use crate::simd::lanes::load;
+use crate::simd::lanes::{first_lanes, load, set_lanes};
 use crate::state::surface::{EDGES, FACES, NONE, Star};
 
 /// An edge through a face: the numbers of their particles, and of the third corners of the edge's own faces.
@@ -117,10 +116,7 @@ impl Kernel for FindCrossings<'_> {
             gather(simd, rows, pairs, 1, CENTRES, &mut columns[1]);
             gather(simd, rows, pairs, 1, FACES_ONLY, &mut columns[1]);
             for (i, k) in (0..EDGES).flat_map(|i| (0..FACES).map(move |k| (i, k))) {
-                let mut hits = crossing_lanes(simd, &columns, i, k) & live(pairs.len());
-                while hits != 0 {
-                    let lane = hits.trailing_zeros() as usize;
-                    hits &= hits - 1;
+                for lane in set_lanes(crossing_lanes(simd, &columns, i, k) & first_lanes(pairs.len())) {
                     let [p, q] = pairs[lane].map(|star| &stars[star as usize]);
                     let crossing = Crossing { edge: p.edge(i), face: q.face(k), sides: p.sides[i] };
                     if crossing.edge.iter().all(|end| !crossing.face.contains(end)) {
@@ -203,7 +199,7 @@ mod tests {
         }
     }
 
-    /// What leads crossings apart gives no velocity, and moves the two against each other.
+    /// The two are moved against each other, and get no velocity.
     #[test]
     fn crossings_are_led_apart_in_position_only() {
         let (mut points, found) = crossed(0.03);

@@ -40,10 +40,10 @@ pub(crate) struct PairList {
     targets: Vec<Vec4>,
 }
 
-/// How long a list holds.
+/// The substeps for which a list holds.
 #[derive(Clone, Copy, Debug)]
 struct Life {
-    /// Substeps for which it was made, and those that have passed.
+    /// All of them, and those that have passed.
     substeps: u32,
     age: u32,
     /// Metres that corners may be off the way that it expects.
@@ -75,12 +75,10 @@ impl PairList {
         self.clear();
         let substeps = substep.count - substep.index;
         surfaces.look_at_all();
-        self.fly_on(points, substeps);
-        let mut far = self.reach(FAR * distance);
-        far.factor = 1.0;
+        self.expect(&points.start, &points.flight, substeps);
+        let far = Reach { factor: 1.0, slack: FAR * distance };
         surfaces.place(bodies, points, &self.targets, 0.5, far, substep.isa);
-        surfaces.star_pairs(bodies, substep.isa, &mut self.star_pairs);
-        if self.star_pairs.is_empty() {
+        if !surfaces.is_any_near(bodies, substep.isa, &mut self.star_pairs) {
             self.life = Some(Life { substeps, age: 0, slack: far.slack });
             return;
         }
@@ -115,7 +113,8 @@ impl PairList {
         if life.slack > slack {
             surfaces.look_at_all();
         }
-        self.go_on(points, substeps);
+        // All go on as in this substep.
+        self.expect(&points.start, &points.end, substeps);
         self.search(surfaces, points, bodies, slack, 1.0 / substeps as f32, isa);
         self.life = Some(Life { substeps, age: 0, slack });
         true
@@ -126,24 +125,13 @@ impl PairList {
         self.life.iter_mut().for_each(|life| life.age += 1);
     }
 
-    /// Expects free flight.
-    fn fly_on(&mut self, points: &Points, substeps: u32) {
-        let ways = points.start.iter().zip(&points.flight);
-        self.starts.clone_from(&points.start);
+    /// Expects that every substep moves each point as far as from `start` to `next`.
+    fn expect(&mut self, start: &[Vec4], next: &[Vec4], substeps: u32) {
+        let ways = start.iter().zip(next);
+        self.starts.clear();
+        self.starts.extend_from_slice(start);
         self.targets.clear();
-        self.targets.extend(ways.map(|(&start, &flight)| start + (flight - start) * substeps as f32));
-    }
-
-    /// Expects the same at the end of a substep: all go on as in this one.
-    fn go_on(&mut self, points: &Points, substeps: u32) {
-        let ways = points.start.iter().zip(&points.end);
-        self.starts.clone_from(&points.start);
-        self.targets.clear();
-        self.targets.extend(ways.map(|(&start, &end)| start + (end - start) * substeps as f32));
-    }
-
-    fn reach(&self, slack: f32) -> Reach {
-        Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack }
+        self.targets.extend(ways.map(|(&start, &next)| start + (next - start) * substeps as f32));
     }
 
     /// Adds to the list what may touch on the way to the targets, where one of the two is a star that is looked at. Flat is
@@ -157,7 +145,7 @@ impl PairList {
         between: f32,
         isa: Isa,
     ) {
-        let reach = self.reach(slack);
+        let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack };
         let Self { pairs, known, star_pairs, targets, .. } = self;
         surfaces.place(bodies, points, targets, between, reach, isa);
         surfaces.star_pairs(bodies, isa, star_pairs);
@@ -251,6 +239,10 @@ mod tests {
         let mut numbers = Numbers(seed);
         let bodies = bodies(&mut numbers);
         let points = flying(&bodies, &mut numbers);
+        made_of(bodies, points)
+    }
+
+    fn made_of(bodies: Vec<Body>, points: Points) -> Made {
         let mut surfaces = PlacedSurfaces::default();
         surfaces.fit(&bodies, &points);
         surfaces.sharpen(&points);
@@ -388,18 +380,10 @@ mod tests {
             }
         };
         bodies.iter_mut().for_each(flat);
-        let points = {
-            let mut points = Points::default();
-            points.begin_substep(&bodies);
-            points.flight = points.start.clone();
-            points
-        };
-        let mut surfaces = PlacedSurfaces::default();
-        surfaces.fit(&bodies, &points);
-        surfaces.sharpen(&points);
-        let mut list = PairList::default();
-        let substep = Substep { count: SUBSTEPS, duration: 0.002, ..Substep::default() };
-        list.make(&mut surfaces, &points, &bodies, substep, DISTANCE, None);
+        let mut points = Points::default();
+        points.begin_substep(&bodies);
+        points.flight = points.start.clone();
+        let list = made_of(bodies, points).list;
         assert!(list.holds());
         assert!(list.pairs.iter().all(Vec::is_empty));
     }

@@ -80,7 +80,7 @@ impl SurfaceContacts {
         !self.contacts.is_empty()
     }
 
-    /// What happened in the last step.
+    /// The work of the last step.
     pub fn counts(&self) -> SelfContactCounts {
         SelfContactCounts { pairs: self.list.pairs.iter().map(Vec::len).sum(), ..self.counts }
     }

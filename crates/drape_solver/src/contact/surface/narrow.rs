@@ -9,18 +9,18 @@ use crate::contact::surface::contact::{Contact, contact};
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
-use crate::contact::surface::search::live;
+use crate::contact::surface::rows::vector;
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
-use crate::simd::lanes::{Lanes3, load};
+use crate::simd::lanes::{Lanes3, first_lanes, load, set_lanes};
 use crate::simd::transpose::transpose;
 
 /// Turns pairs, all of one kind, into contacts.
 pub(crate) struct Narrow<'a> {
     pub kind: Kind,
     pub pairs: &'a mut [Pair],
-    /// Where the distances come from that pairs of one body have at rest.
+    /// The surfaces at rest, from which pairs of one body get their distances.
     pub surfaces: &'a PlacedSurfaces,
     pub points: &'a Points,
     /// Contacts of pairs that come nearer than the distance that they keep, times 1 and this margin more.
@@ -46,16 +46,14 @@ impl Kernel for Narrow<'_> {
             let near = lanes.height.simd_lt(distance * factor).to_bitmask() as u16;
             let near = if touching.is_some() { near } else { 0 };
             let risky = lanes.gap.simd_lt(f32x16::splat(simd, risky_gap)).to_bitmask() as u16;
-            let mut hits = (near | risky) & live(pairs.len());
+            let hits = (near | risky) & first_lanes(pairs.len());
             if hits == 0 {
                 continue;
             }
             let [s, t] = [lanes.weights[0].to_array(), lanes.weights[1].to_array()];
             let way = [lanes.way.x.to_array(), lanes.way.y.to_array(), lanes.way.z.to_array()];
             let height = lanes.height.to_array();
-            while hits != 0 {
-                let lane = hits.trailing_zeros() as usize;
-                hits &= hits - 1;
+            for lane in set_lanes(hits) {
                 let pair = &mut pairs[lane];
                 if !pair.knows_rest {
                     surfaces.note_rest(pair);
@@ -94,16 +92,11 @@ fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec4]) -> [Lanes3<S>; 4] 
         |column, vector| columns[column] = vector.to_array(),
     );
     [
-        corner(simd, &columns, 0),
-        corner(simd, &columns, 4),
-        corner(simd, &columns, 8),
-        corner(simd, &columns, 12),
+        vector(simd, &columns, 0),
+        vector(simd, &columns, 4),
+        vector(simd, &columns, 8),
+        vector(simd, &columns, 12),
     ]
-}
-
-#[inline(always)]
-fn corner<S: Simd>(simd: S, columns: &[[f32; LANES]; LANES], at: usize) -> Lanes3<S> {
-    Lanes3 { x: load(simd, &columns[at]), y: load(simd, &columns[at + 1]), z: load(simd, &columns[at + 2]) }
 }
 
 /// Nearest points at the start, and what is left between the two at the end.

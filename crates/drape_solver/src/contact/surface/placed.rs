@@ -2,13 +2,12 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
+use core::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
 
-use crate::broad_phase::surface_pairs::{
-    Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs, for_each_bit,
-};
+use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs};
 use crate::constants::REST_SHARE;
 use crate::contact::cloth_contact::has_triangles;
 use crate::contact::surface::pair::Pair;
@@ -18,6 +17,7 @@ use crate::contact::surface::rows::{CORNERS, PlaceStars, Row};
 use crate::geometry::nearest_triangle::weighted;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
+use crate::simd::lanes::set_lanes;
 use crate::state::body::Body;
 use crate::state::surface::{EDGES, NONE, Star};
 use crate::state::topology::Topology;
@@ -39,7 +39,7 @@ pub(crate) struct PlacedSurfaces {
     leaf_pairs: Vec<[u32; 2]>,
     /// The least height of each star's faces when it was placed, or the length of its links, in metres.
     heights: Vec<f32>,
-    /// How far each point and each star are from where the list expects them.
+    /// Distance of each point from its expected place in metres, and how far each star has left its way.
     deviations: Vec<f32>,
     offs: Vec<Off>,
 }
@@ -55,7 +55,7 @@ struct PlacedBody {
     tree: PlacedTree,
 }
 
-/// How far a star is from where its pairs expect it.
+/// The part of a star's motion that its pairs do not expect.
 #[derive(Clone, Copy, Debug, Default)]
 struct Off {
     /// Greatest distance of its corners from where its row expects them, in metres; and a bound of the angle by which its
@@ -80,7 +80,7 @@ pub(crate) struct Way<'a> {
 }
 
 impl Way<'_> {
-    /// Where the list expects this point.
+    /// The expected place of this point.
     pub fn expected(&self, point: u32) -> Vec3 {
         let (start, target) = (self.starts[point as usize], self.targets[point as usize]);
         (start + (target - start) * self.fraction).truncate()
@@ -206,7 +206,8 @@ impl PlacedSurfaces {
                 for place in 0..offs.len() {
                     if offs[place].turn_before + offs[place].turn > MOST_TURN {
                         for &(leaf, mask) in surface.near_star(place) {
-                            for_each_bit(mask, |k| offs[leaf as usize * LANES + k as usize].is_stale = true);
+                            set_lanes(mask)
+                                .for_each(|lane| offs[leaf as usize * LANES + lane].is_stale = true);
                         }
                     }
                 }
@@ -275,6 +276,30 @@ impl PlacedSurfaces {
     /// Finds the pairs of stars that may touch, where one is looked at.
     pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, found: &mut StarPairs) {
         found.clear();
+        self.visit_leaf_pairs(bodies, |own, other, leaves| {
+            own.star_pairs(other, leaves, isa, found);
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// True if some stars may touch. Stops at the first, and leaves a part of the pairs in `found`.
+    pub fn is_any_near(&mut self, bodies: &[Body], isa: Isa, found: &mut StarPairs) -> bool {
+        found.clear();
+        self.visit_leaf_pairs(bodies, |own, other, leaves| {
+            leaves.chunks(LANES).try_for_each(|leaves| {
+                own.star_pairs(other, leaves, isa, found);
+                if found.is_empty() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            })
+        });
+        !found.is_empty()
+    }
+
+    /// Calls `visit` with two surfaces and the pairs of their leaves that may touch, until it breaks off.
+    fn visit_leaf_pairs(
+        &mut self,
+        bodies: &[Body],
+        mut visit: impl FnMut(&PlacedSurface, &PlacedSurface, &[[u32; 2]]) -> ControlFlow<()>,
+    ) {
         let Self { bodies: placed, leaf_pairs, .. } = self;
         for a in 0..placed.len() {
             leaf_pairs.clear();
@@ -283,7 +308,9 @@ impl PlacedSurfaces {
                 let body = &mut placed[a];
                 body.tree.find_flat(bodies[body.place].topology.surface());
                 let own = placed[a].surface(bodies);
-                own.star_pairs(&own, leaf_pairs, isa, found);
+                if visit(&own, &own, leaf_pairs).is_break() {
+                    return;
+                }
             }
             let layers = bodies[placed[a].place].layers;
             for b in a + 1..placed.len() {
@@ -291,7 +318,9 @@ impl PlacedSurfaces {
                     leaf_pairs.clear();
                     let [own, other] = [a, b].map(|body| placed[body].surface(bodies));
                     own.pairs_with(&other, leaf_pairs);
-                    own.star_pairs(&other, leaf_pairs, isa, found);
+                    if visit(&own, &other, leaf_pairs).is_break() {
+                        return;
+                    }
                 }
             }
         }

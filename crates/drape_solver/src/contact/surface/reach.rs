@@ -1,4 +1,4 @@
-//! How near two parts must come to be listed.
+//! The distance to which two parts must come to be listed.
 //!
 //! Design: `docs/design/self_contact.md`.
 
@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::constants::BLUNT_EDGES;
 
-/// How far apart two parts may be to be listed. Asked for one part, with its own thickness, it is that part's share: the
+/// The greatest distance of two parts that are listed. Asked for one part, with its own thickness, it is that part's share: the
 /// shares of two parts add up to at least their reach.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {

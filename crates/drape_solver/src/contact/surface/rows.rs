@@ -58,7 +58,7 @@ impl Row {
 
 /// Reads three columns.
 #[inline(always)]
-pub(crate) fn vector<S: Simd>(simd: S, columns: &Columns, at: usize) -> Lanes3<S> {
+pub(crate) fn vector<S: Simd>(simd: S, columns: &[[f32; LANES]], at: usize) -> Lanes3<S> {
     Lanes3 { x: load(simd, &columns[at]), y: load(simd, &columns[at + 1]), z: load(simd, &columns[at + 2]) }
 }
 

@@ -24,7 +24,7 @@ use crate::contact::surface::rows::{
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, least, most};
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
-use crate::simd::lanes::{Lanes3, load};
+use crate::simd::lanes::{Lanes3, first_lanes, load, set_lanes};
 use crate::state::surface::{EDGES, FACES, Star};
 
 /// Lists the parts of pairs of stars that may touch.
@@ -68,11 +68,8 @@ struct Batch<'a> {
 impl Batch<'_> {
     /// Appends the pairs in these lanes whose parts do not share a corner.
     #[inline(always)]
-    fn push(&self, mut lanes: u16, found: &mut Vec<Pair>, pair: impl Fn(usize, [&Star; 2]) -> Pair) {
-        lanes &= live(self.pairs.len());
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
+    fn push(&self, lanes: u16, found: &mut Vec<Pair>, pair: impl Fn(usize, [&Star; 2]) -> Pair) {
+        for lane in set_lanes(lanes & first_lanes(self.pairs.len())) {
             let stars = self.pairs[lane];
             let pair = pair(lane, stars.map(|star| &self.stars[star as usize]));
             if !pair.is_joined() {
@@ -157,10 +154,4 @@ fn corners<S: Simd>(simd: S, [a, b]: &[Columns; 2], reach: Reach, batch: &Batch,
             });
         }
     }
-}
-
-/// Bit mask of the first `count` lanes, or all.
-#[inline(always)]
-pub(crate) fn live(count: usize) -> u16 {
-    if count >= LANES { u16::MAX } else { (1 << count) - 1 }
 }

@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(points.end, before);
     }
 
-    /// What flies together at any speed is not slowed.
+    /// Things that fly together are not slowed, at any speed.
     #[test]
     fn only_motion_against_each_other_is_cut_short() {
         let (mut still, contacts) = falling(&[]);
