@@ -107,6 +107,28 @@ fn an_obstacle_that_stops_carries_no_further() {
     assert!(particles(&island).position(0).length() < 1e-6);
 }
 
+/// A ball pushes at a sheet of two faces close to its pinned edge: a corner that hangs on the far end of that lever is
+/// not thrown.
+#[test]
+fn a_push_beside_pinned_corners_does_not_throw_the_free_one() {
+    let settings = SolverSettings { thickness: THICKNESS, ..SolverSettings::default() };
+    let sheet = ClothBuilder::new(1.0, 1.0, 2, 2).placed(Vec3::ZERO, Vec3::X, Vec3::Z).pin_edge(Edge::Top);
+    let mut island = Island::of_body(sheet.build(settings).expect("valid"));
+    let mut environment = weightless(FRAME);
+    let radius = 0.05;
+    let ball = |y: f32| Vec3::new(0.5, y, 0.05);
+    environment.obstacles = vec![obstacle(Shape::Sphere { radius }, ball(-0.2), 0.0)].into();
+    let mut most = 0.0_f32;
+    for index in 1..=40 {
+        environment.obstacles[0].move_to(Placement::at(ball(-0.2 + FRAME * index as f32)), FRAME);
+        drape_solver::step(&mut island, &environment).expect("a good step");
+        most = most.max(greatest_speed(&island));
+    }
+    println!("at most {most} m/s");
+    assert!(most > 1.0, "the ball pushes: {most} m/s");
+    assert!(most < 60.0, "{most} m/s");
+}
+
 /// Distance of a point from the surface of one of the shapes above, negative inside.
 fn distance(shape: &Shape, p: Vec3) -> f32 {
     match shape {
