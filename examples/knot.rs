@@ -38,7 +38,7 @@ fn setup(mut commands: Commands) {
     let across = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     let bar = (Obstacle::capsule(0.04, 1.4), DrapeLayers::new(0, 0));
     commands.spawn((bar, Transform::from_xyz(0.0, 2.6, 0.0).with_rotation(across)));
-    let knotted = (-0.3, SelfContact::Triangles, Paint::rgb(0.72, 0.22, 0.18));
+    let knotted = (-0.3, SelfContact::On, Paint::rgb(0.72, 0.22, 0.18));
     let loose = (0.3, SelfContact::Off, Paint::rgb(0.24, 0.40, 0.58));
     for (x, self_contact, paint) in [knotted, loose] {
         let rope = Rope { end_mass: 0.5, ..Rope::new(Vec3::ZERO, Vec3::NEG_Y * LENGTH, 121) };

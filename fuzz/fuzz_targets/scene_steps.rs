@@ -78,7 +78,7 @@ impl Choices<'_> {
             self.of(&["0.5", "0", "1", "50"]),
             self.of(&["0.005", "0", "0.02", "0.3"]),
             self.of(&["Sweeps", "Lines"]),
-            self.of(&["Off", "Particles", "Triangles"]),
+            self.of(&["Off", "On"]),
             self.of(&["true", "false"]),
         )
     }

@@ -38,7 +38,7 @@ fn layers(self_contact: SelfContact) -> (App, [Entity; 2]) {
 
 #[test]
 fn layers_on_a_ball_fall_asleep_together_and_wake_together() {
-    let (mut app, [under, over]) = layers(SelfContact::Particles);
+    let (mut app, [under, over]) = layers(SelfContact::On);
     let mut steps = 0;
     while activity(&app, under) != Activity::Resting {
         assert_eq!(activity(&app, over), Activity::Active, "one island, one sleep");
@@ -51,7 +51,7 @@ fn layers_on_a_ball_fall_asleep_together_and_wake_together() {
     println!("asleep after {steps} steps, {least} m apart");
     assert!(least > 0.9 * 2.0 * THICKNESS, "{least} m");
     // A body that touches neither wakes neither.
-    let far = sheet(&mut app, Vec3::X * 5.0 + Vec3::Y, settings(SelfContact::Particles));
+    let far = sheet(&mut app, Vec3::X * 5.0 + Vec3::Y, settings(SelfContact::On));
     step(&mut app, 10);
     assert_eq!(
         [under, over, far].map(|body| activity(&app, body)),
@@ -65,9 +65,7 @@ fn layers_on_a_ball_fall_asleep_together_and_wake_together() {
 
 #[test]
 fn a_cloth_that_falls_on_a_sleeping_one_wakes_it_if_both_touch_cloth() {
-    for (self_contact, wakes) in
-        [(SelfContact::Particles, true), (SelfContact::Triangles, true), (SelfContact::Off, false)]
-    {
+    for (self_contact, wakes) in [(SelfContact::On, true), (SelfContact::Off, false)] {
         let mut app = app();
         app.world_mut().spawn(Obstacle::ground());
         let lower = sheet(&mut app, Vec3::Y * THICKNESS, settings(self_contact));

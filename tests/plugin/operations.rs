@@ -52,7 +52,7 @@ pub fn settings(dice: &mut Dice) -> SolverSettings {
         friction: dice.of(&[0.0, 0.5, 3.0]),
         thickness: dice.of(&[0.0, 0.005, 0.05]),
         structural: dice.of(&[StructuralSolve::Sweeps, StructuralSolve::Lines]),
-        self_contact: dice.of(&[SelfContact::Off, SelfContact::Particles, SelfContact::Triangles]),
+        self_contact: dice.of(&[SelfContact::Off, SelfContact::On]),
         tethers: dice.below(2) == 0,
         ..default()
     }

@@ -29,7 +29,7 @@ fn turn() -> impl Strategy<Value = String> {
 
 fn solver() -> impl Strategy<Value = String> {
     let quality = prop_oneof![Just("Low"), Just("Medium"), Just("High")];
-    let contact = prop_oneof![4 => Just("Off"), 1 => Just("Particles"), 1 => Just("Triangles")];
+    let contact = prop_oneof![2 => Just("Off"), 1 => Just("On")];
     (quality, number(0.0..5.0), number(0.0..2.0), number(0.0..0.05), contact).prop_map(
         |(quality, drag, friction, thickness, contact)| {
             format!(

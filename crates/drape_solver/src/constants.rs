@@ -188,17 +188,9 @@ pub const PASSAGE_HALVINGS: u32 = 10;
 
 // Self-contact
 
-/// Skin around the particles of a body with self-contact, as a part of the distance that they keep. A wider skin needs
-/// fewer searches, and holds more pairs.
-pub const SKIN: f32 = 0.5;
-
-/// Beyond the distance that self-contact keeps, pairs within this part of it more are tested in all projections of a
-/// substep: sticks and contacts may yet push them together.
-pub const CONTACT_SLACK: f32 = 0.25;
-
-/// Particles of a body that are nearer to each other at rest than this, in distances that self-contact keeps, do not
-/// touch: sticks hold them. More than 1, so that slightly compressed sticks do not work against contacts.
-pub const NEIGHBOURS_AT_REST: f32 = 1.1;
+/// Contacts that push in free flight, where a rope takes part, are those that come nearer than the distance that they keep,
+/// times 1 and this more: sticks and contacts may yet push them together.
+pub const MARGIN_IN_FREE_FLIGHT: f32 = 0.25;
 
 /// A patch of cloth lies flat if the normals of all its faces lean to one side by at least this cosine.
 pub const LEAST_FLAT_COSINE: f32 = 0.4;
@@ -209,8 +201,6 @@ pub const ROUNDS_OF_LAYERS: u32 = 4;
 
 /// Speed at which layers that cross are led apart, in metres per second.
 pub const UNTANGLING_SPEED: f32 = 0.5;
-
-// Surfaces against each other
 
 /// Contacts of surfaces are those that come nearer than the distance that they keep, times 1 and this more.
 pub const CONTACT_MARGIN_OF_SURFACES: f32 = 0.05;

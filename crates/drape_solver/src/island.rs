@@ -168,7 +168,7 @@ impl Island {
         self.context.contacts.bodies[index] = BodyContacts::default();
         self.context.plans[index] = BodyPlan::default();
         self.context.contacts.ball_cloth.forget(index);
-        self.context.contacts.cloth_cloth.forget(index);
+        self.context.contacts.surfaces.clear();
         self.context.report.vacate(index);
     }
 
@@ -197,7 +197,7 @@ impl Island {
 
     /// The work of [self-contact](crate::SolverSettings::self_contact) in the last step.
     pub fn self_contact_counts(&self) -> SelfContactCounts {
-        self.context.contacts.cloth_cloth.counts()
+        self.context.contacts.surfaces.counts()
     }
 
     /// The number of substeps of the step that was [begun](crate::step::begin).

@@ -26,8 +26,8 @@ use crate::constants::{
 use crate::constraint::{angular_momentum, stick, strain::greatest_strain, volume};
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
-    ball_ball, ball_cloth, ball_obstacle, body_contacts, cloth_cloth, dynamic_obstacle, embedded_obstacle,
-    face_obstacle, hit_substeps, impact_zone, limit_conflict, particle_dynamic, reaction, report,
+    ball_ball, ball_cloth, ball_obstacle, body_contacts, dynamic_obstacle, embedded_obstacle, face_obstacle,
+    hit_substeps, impact_zone, limit_conflict, particle_dynamic, reaction, report, surface,
 };
 use crate::error::{StepError, in_range};
 use crate::island::{Island, IslandContext};
@@ -325,17 +325,10 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, balls, touches, context, .. } = island;
     let IslandContext { contacts, report, reactions, .. } = context;
-    let IslandContacts {
-        cloth_cloth: cloths,
-        ball_cloth,
-        ball_ball,
-        ball_obstacle,
-        movers,
-        impact_zones,
-        ..
-    } = contacts;
+    let IslandContacts { surfaces, ball_cloth, ball_ball, ball_obstacle, movers, impact_zones, .. } =
+        contacts;
     match stage {
-        IslandStage::NoteStarts => cloth_cloth::note_starts(cloths, bodies, substep),
+        IslandStage::NoteStarts => surfaces.begin_substep(bodies, substep.index == 0),
         IslandStage::BeginMovers => dynamic_obstacle::begin_substep(movers, substep.duration),
         IslandStage::IntegrateBalls => {
             for ball in balls {
@@ -349,11 +342,11 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
             ball_obstacle::begin_substep(ball_obstacle, balls, movers, substep);
             ball_ball::begin_substep(ball_ball);
             ball_cloth::begin_substep(ball_cloth);
-            cloth_cloth::begin_substep(cloths, bodies, substep);
+            surfaces.detect_on_ropes(bodies, substep);
         }
         IslandStage::RopeContacts => {
-            if cloth_cloth::is_on_ropes(bodies) {
-                cloth_cloth::project(cloths, bodies, substep, false);
+            if surface::is_on_ropes(bodies) {
+                surfaces.project(bodies, substep, false);
             }
         }
         IslandStage::ClothContacts => project_layers(island, environment),
@@ -377,7 +370,6 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
             ball_ball::apply_friction(ball_ball, balls);
             ball_cloth::apply_friction(ball_cloth, bodies, balls);
         }
-        IslandStage::ClothFriction => cloth_cloth::apply_friction(cloths, bodies),
         IslandStage::ImpactZones => {
             let pairs = &mut ball_cloth.pairs;
             impact_zone::enforce(impact_zones, pairs, bodies, balls, touches, substep.duration);
@@ -387,7 +379,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
             report::gather(report, contacts, bodies, balls, substep);
             reaction::gather(reactions, contacts, bodies, balls, substep);
         }
-        IslandStage::KeepApart => cloths.surfaces.keep_apart(bodies, substep),
+        IslandStage::KeepApart => surfaces.keep_apart(bodies, substep),
     }
 }
 
@@ -395,12 +387,12 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
 fn project_layers(island: &mut Island, environment: &Environment) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, context, .. } = island;
-    let IslandContacts { bodies: contacts, cloth_cloth: cloths, movers, .. } = &mut context.contacts;
-    cloths.surfaces.detect(bodies, substep, CONTACT_MARGIN_OF_SURFACES);
-    let is_near = cloths.is_near();
+    let IslandContacts { bodies: contacts, surfaces, movers, .. } = &mut context.contacts;
+    surfaces.detect(bodies, substep, CONTACT_MARGIN_OF_SURFACES);
+    let is_near = surfaces.is_near();
     for round in 1..=ROUNDS_OF_LAYERS {
         let is_last = round == ROUNDS_OF_LAYERS || !is_near;
-        cloth_cloth::project(cloths, bodies, substep, is_last);
+        surfaces.project(bodies, substep, is_last);
         if is_last {
             return;
         }

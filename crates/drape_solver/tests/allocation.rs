@@ -130,7 +130,7 @@ fn step_a_world_allocating_nothing() {
 /// A cloth that has folded onto itself.
 fn fold_allocating_nothing() {
     let settings =
-        SolverSettings { thickness: 0.02, self_contact: SelfContact::Particles, ..SolverSettings::default() };
+        SolverSettings { thickness: 0.02, self_contact: SelfContact::On, ..SolverSettings::default() };
     let cloth = ClothBuilder::new(0.9, 0.9, 24, 24)
         .placed(Vec3::new(0.0, 1.0, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
         .build(settings)

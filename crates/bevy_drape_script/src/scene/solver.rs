@@ -71,10 +71,8 @@ pub enum StructuralSolve {
 pub enum SelfContact {
     /// No contact.
     Off,
-    /// Particle by particle.
-    Particles,
-    /// By faces, links and edges.
-    Triangles,
+    /// Contact between corners, faces, edges and links.
+    On,
 }
 
 impl Solver {
@@ -105,8 +103,7 @@ impl Solver {
             tethers: self.tethers.unwrap_or(base.tethers),
             self_contact: self.self_contact.map_or(base.self_contact, |contact| match contact {
                 SelfContact::Off => drape::SelfContact::Off,
-                SelfContact::Particles => drape::SelfContact::Particles,
-                SelfContact::Triangles => drape::SelfContact::Triangles,
+                SelfContact::On => drape::SelfContact::On,
             }),
         }
     }

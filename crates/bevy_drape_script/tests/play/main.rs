@@ -169,17 +169,14 @@ fn what_can_never_be_measured_is_refused() {
     };
     let pair = r#""a": Cloth(contacts: true), "b": Cloth()"#;
     let said = error(pair, r#"Contacts(of: "a", on: "b")"#).expect_err("they pass through each other");
-    assert!(said.contains("self_contact: Particles"), "{said}");
+    assert!(said.contains("self_contact: On"), "{said}");
     for good in [r#"Contacts(of: "a", on: "box")"#, r#"Contacts(of: "a")"#, r#"Contacts()"#] {
         error(pair, good).expect("it can be measured");
     }
-    let touching = pair.replace("contacts: true", "contacts: true, solver: (self_contact: Particles)");
+    let touching = pair.replace("contacts: true", "contacts: true, solver: (self_contact: On)");
     error(&touching, r#"Contacts(of: "a", on: "b")"#).expect_err("one of them still does not");
-    error(
-        &touching.replace("Cloth()", "Cloth(solver: (self_contact: Particles))"),
-        r#"Contacts(of: "a", on: "b")"#,
-    )
-    .expect("both do");
+    error(&touching.replace("Cloth()", "Cloth(solver: (self_contact: On))"), r#"Contacts(of: "a", on: "b")"#)
+        .expect("both do");
     let said = error(pair, r#"Extent(of: "box")"#).expect_err("an obstacle");
     assert!(said.contains("`shape`"), "{said}");
 }

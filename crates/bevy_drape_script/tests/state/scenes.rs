@@ -58,13 +58,13 @@ pub fn world(is_moving: bool) -> App {
     world.spawn((
         Name::new("cape"),
         Cloth::new(0.8, 0.8).with_particles(15, 15).with_pins(ClothPins::None),
-        SolverSettings { self_contact: SelfContact::Triangles, thickness: 0.01, friction: 0.4, ..quiet },
+        SolverSettings { self_contact: SelfContact::On, thickness: 0.01, friction: 0.4, ..quiet },
         Transform::from_xyz(0.0, 1.2, 0.0).with_rotation(Quat::from_rotation_x(1.4)),
     ));
     world.spawn((
         Name::new("rope"),
         Rope::new(Vec3::new(-1.0, 1.5, 0.5), Vec3::new(-0.2, 1.5, 0.5), 25),
-        SolverSettings { self_contact: SelfContact::Particles, ..quiet },
+        SolverSettings { self_contact: SelfContact::On, ..quiet },
     ));
     world.spawn((
         Name::new("ball"),

@@ -153,12 +153,8 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
 /// A cloth that was dropped on its edge.
 fn folded(n: u32) -> Result<Case, Box<dyn Error>> {
     let thickness = 0.5 * SIDE / n as f32;
-    let settings = SolverSettings {
-        thickness,
-        self_contact: SelfContact::Particles,
-        drag: 1.0,
-        ..SolverSettings::default()
-    };
+    let settings =
+        SolverSettings { thickness, self_contact: SelfContact::On, drag: 1.0, ..SolverSettings::default() };
     let cloth = ClothBuilder::new(SIDE, SIDE, n, n)
         .placed(Vec3::new(0.0, SIDE, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
         .build(settings)?;

@@ -5,7 +5,6 @@
 use glam::Vec3;
 
 use crate::constants::{BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, HIT_SUBSTEPS_KEPT, MAX_HIT_SUBSTEPS};
-use crate::contact::cloth_contact::has_triangles;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::Body;
 use crate::state::particle_stats::MassStats;
@@ -56,8 +55,8 @@ pub(crate) fn of_ball(ball: &Ball, bodies: &[Body], path: f32) -> f32 {
 /// are moved back.
 pub(crate) fn of_bodies(bodies: &[Body], dt: f32) -> f32 {
     let mut wanted = 0.0_f32;
-    for (place, a) in bodies.iter().enumerate().filter(|(_, body)| has_triangles(body)) {
-        for b in bodies[place + 1..].iter().filter(|body| has_triangles(body)) {
+    for (place, a) in bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact()) {
+        for b in bodies[place + 1..].iter().filter(|body| body.has_self_contact()) {
             let [(low_a, high_a), (low_b, high_b)] = [a, b].map(|body| body.particles.bounds());
             let apart = a.settings.thickness + b.settings.thickness;
             let path = (a.particles.greatest_speed() + b.particles.greatest_speed()) * dt;

@@ -9,16 +9,14 @@
 //! ball_ball           balls against balls
 //! ball_cloth          balls against cloth and ropes
 //! impact_zone         the last stage of balls and cloth: nothing has passed through a face
-//! particle_particle   cloth against itself and other cloth, by particles
-//! surface/            the same by corners, faces and edges
+//! surface/            cloth and ropes against themselves and each other: corners, faces and edges
 //! ```
 //!
 //! The other files help them:
 //!
 //! ```text
-//! island_contacts, body_contacts, cloth_cloth    the kinds of an island, of a body with obstacles, of self-contact
+//! island_contacts, body_contacts                 the kinds of an island, and of a body with obstacles
 //! carried_point                                  a contact of face_obstacle and embedded_obstacle
-//! cloth_contact                                  a contact of particle_particle
 //! ccd                                            what passes something within a substep
 //! mover, dynamic_obstacle, obstacle_push         obstacles that contacts push
 //! depenetration, effective_mass, restitution     formulas
@@ -37,8 +35,6 @@ pub(crate) mod ball_obstacle;
 pub(crate) mod body_contacts;
 pub(crate) mod carried_point;
 pub(crate) mod ccd;
-pub(crate) mod cloth_cloth;
-pub(crate) mod cloth_contact;
 pub(crate) mod depenetration;
 pub(crate) mod dynamic_obstacle;
 pub(crate) mod effective_mass;
@@ -53,7 +49,6 @@ pub(crate) mod mover;
 pub(crate) mod obstacle_push;
 pub(crate) mod particle_dynamic;
 pub(crate) mod particle_obstacle;
-pub(crate) mod particle_particle;
 pub mod reaction;
 pub(crate) mod report;
 pub(crate) mod restitution;

@@ -9,10 +9,10 @@ use glam::Vec3;
 
 use crate::contact::ball_cloth::{BallCloth, FaceOrLink};
 use crate::contact::body_contacts::BodyContacts;
-use crate::contact::cloth_cloth::SelfContacts;
 use crate::contact::event::{Contact, Feature, Other, Party, Touch, pair_without};
 use crate::contact::face_obstacle::PushedElement;
 use crate::contact::island_contacts::IslandContacts;
+use crate::contact::surface::SurfaceContacts;
 use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::shape::Shape;
 use crate::simd::columns::LANES;
@@ -188,7 +188,7 @@ pub(crate) fn gather(
         return;
     }
     gather_particles(report, &contacts.bodies, bodies, substep);
-    gather_bodies(report, &contacts.cloth_cloth, bodies, substep);
+    gather_bodies(report, &contacts.surfaces, bodies, substep);
     gather_faces(report, &contacts.ball_cloth.pairs, bodies, balls);
     sense(report, bodies, balls, substep);
 }
@@ -247,7 +247,7 @@ fn gather_particles(
 }
 
 /// Adds particles of bodies that have pushed each other.
-fn gather_bodies(report: &mut ContactReport, contacts: &SelfContacts, bodies: &[Body], substep: Substep) {
+fn gather_bodies(report: &mut ContactReport, contacts: &SurfaceContacts, bodies: &[Body], substep: Substep) {
     for (ends, normal, depth) in contacts.pushed_bodies() {
         if !ends.iter().any(|&(body, _)| bodies[body].reports_contacts) {
             continue;

@@ -60,13 +60,9 @@ pub enum SelfContact {
     /// No self-contact.
     #[default]
     Off,
-    /// Contact between particles, each a ball of the body's thickness. A layer cannot slip through another while the
-    /// thickness is at least 0.36 of the spacing, and particles move by less than that in a substep.
-    Particles,
-    /// Contact between faces, links and edges, at any spacing. Nothing passes through a face, at any speed (the planar
-    /// truncation of Chen et al. 2025, "Offset geometric contact"), and layers that cross are led apart again. Against a body with [`Particles`](Self::Particles), contact is between
-    /// particles.
-    Triangles,
+    /// Contact between corners, faces, edges and links. Nothing passes through a face, at any speed (the planar truncation
+    /// of Chen et al. 2025, "Offset geometric contact"), and layers that cross are led apart.
+    On,
 }
 
 /// Levels of accuracy: each chooses substeps, iterations, sticks and lines.

@@ -261,8 +261,8 @@ fn all_contacts(isa: Isa) -> (Island, Environment) {
     };
     let bodies = vec![
         spread(2.4, 30, 0.75, SelfContact::Off),
-        spread(1.0, 12, 0.85, SelfContact::Triangles),
-        spread(0.6, 12, 0.95, SelfContact::Particles),
+        spread(1.0, 12, 0.85, SelfContact::On),
+        spread(0.6, 12, 0.95, SelfContact::On),
     ];
     let mut island = Island { bodies, isa, ..Island::default() };
     let bouncing = BallMaterial { radius: 0.06, mass: 3.0, restitution: 0.8, ..BallMaterial::default() };

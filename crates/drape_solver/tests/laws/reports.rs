@@ -251,11 +251,8 @@ fn what_is_taken_out_of_the_island_is_in_no_contact() {
 #[test]
 fn two_cloths_have_one_contact_unless_layers_part_them() {
     for (other, is_stopped) in [(Layers::ALL, true), (THEIRS, false)] {
-        let settings = SolverSettings {
-            thickness: 0.03,
-            self_contact: SelfContact::Particles,
-            ..SolverSettings::default()
-        };
+        let settings =
+            SolverSettings { thickness: 0.03, self_contact: SelfContact::On, ..SolverSettings::default() };
         let with = |height: f32, layers: Layers| Body { settings, layers, ..sheet(height) };
         let upper = Body { reports_contacts: true, ..with(0.3, MINE) };
         let weight = measure::mass(&upper.particles) as f32 * 9.81;

@@ -90,7 +90,7 @@ fn what_can_touch_is_in_one_island() {
     world.gravity = Vec3::ZERO;
     let layered = |top: Vec3| {
         let mut body = curtain(top);
-        body.settings.self_contact = SelfContact::Particles;
+        body.settings.self_contact = SelfContact::On;
         body
     };
     world.add_body(curtain(Vec3::ZERO));

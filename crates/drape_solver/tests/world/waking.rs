@@ -133,7 +133,7 @@ fn what_lay_on_something_that_is_taken_away_or_lifted_wakes() {
         let mut world = on_ground();
         let layered = |height: f32| {
             let mut body = sheet(Vec3::Y * height);
-            body.settings.self_contact = SelfContact::Particles;
+            body.settings.self_contact = SelfContact::On;
             body
         };
         let (lower, upper) = (world.add_body(layered(0.011)), world.add_body(layered(0.022)));

@@ -101,7 +101,8 @@ impl Checker<'_> {
             Probe::Contacts { of, on } | Probe::Touching { of, on }
                 if let Some(name) = self.without_body_contact(of, on) =>
             {
-                let problem = "does not touch other cloths and ropes: give both `self_contact: Particles` in their `solver`";
+                let problem =
+                    "does not touch other cloths and ropes: give both `self_contact: On` in their `solver`";
                 fail(&on_probe, format!("`{name}` {problem}"))
             }
             Probe::Pieces { of } | Probe::Torn { of } if of.iter().any(|name| !self.can_be_cut(name)) => {

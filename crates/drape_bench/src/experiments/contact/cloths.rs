@@ -6,7 +6,7 @@
 //!            __|__ ground                                            O  sphere on the ground
 //! ```
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use drape_solver::glam::{DVec2, DVec3, Vec3};
 use drape_solver::{Body, BuildError, ClothBuilder, Edge, Obstacle, Placement, Shape, SolverSettings};
@@ -90,6 +90,16 @@ pub fn stack(count: u32, n: u32, settings: SolverSettings) -> Result<Setup, Fail
     let sheets = level_sheets(count, 1.0, n, 1.05, settings)?;
     let sphere = Obstacle::new(Shape::Sphere { radius: 0.5 }, Placement::at(Vec3::Y * 0.5), FRICTION)?;
     Ok(Setup::new(sheets, vec![Obstacle::ground(), sphere]))
+}
+
+/// A sheet of 1 m that hangs by its upper edge, at 45 degrees when it is let go.
+///
+/// # Errors
+/// [`Failure`] if the solver refuses the sheet.
+pub fn swing(n: u32, settings: SolverSettings) -> Result<Setup, Failure> {
+    let place = |at: DVec2| DVec3::new(at.x - 0.5, 2.0 - at.y * FRAC_1_SQRT_2, at.y * FRAC_1_SQRT_2);
+    let sheet = sheet([1.0, 1.0], [n, n], &[Edge::Top], settings, place)?;
+    Ok(Setup::new(vec![sheet], Vec::new()))
 }
 
 /// A level sheet of 1 m, held by two opposite edges that go on this way.

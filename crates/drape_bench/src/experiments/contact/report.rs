@@ -15,16 +15,16 @@ use crate::report::table::write_json;
 /// Arguments of `contact`.
 #[derive(Args, Clone, Debug)]
 pub struct ContactRuns {
-    /// Scenes: fold20, fold40, stack, twistin, twist, bowline, box, sleeve, funnel, several with commas, or all.
+    /// Scenes: fold20, fold40, stack, twistin, twist, bowline, box, sleeve, funnel, swing, several with commas, or all.
     #[arg(long, default_value = "fold20", value_parser = chosen::<ContactScene>)]
     scene: Chosen<ContactScene>,
-    /// Modes of self-contact: off, particles, triangles, several with commas, or all.
-    #[arg(long, default_value = "particles", value_parser = chosen::<Mode>)]
+    /// Modes of self-contact: off, on, several with commas, or all.
+    #[arg(long, default_value = "on", value_parser = chosen::<Mode>)]
     mode: Chosen<Mode>,
     /// Accuracy of all bodies.
     #[arg(long, value_enum, default_value_t = Accuracy::Medium)]
     quality: Accuracy,
-    /// Distance in metres that all bodies keep; by default 0.005, and by particles at least half their spacing.
+    /// Distance in metres that all bodies keep; by default 0.005.
     #[arg(long, value_name = "METRES")]
     thickness: Option<f32>,
     /// Steps of 1/60 s.
@@ -128,10 +128,10 @@ fn table(figures: &[Figures]) -> Table {
             time(run.ms_p99),
             time(run.ms_max),
             run.cpu_ms_mean.map_or_else(|| "-".to_owned(), time),
-            count(run.pairs),
-            count(run.rebuilds),
-            count(run.truncated),
-            count(run.unfinished),
+            run.pairs.to_string(),
+            run.rebuilds.to_string(),
+            run.truncated.to_string(),
+            run.unfinished.to_string(),
             count(run.crossings_max),
             count(run.crossings_end),
             format!("{} of {}", count(run.steps_with_crossings), run.steps_searched),
@@ -150,7 +150,7 @@ mod tests {
     fn scenes_are_chosen_by_name_several_or_all() {
         let scenes = |names| chosen::<ContactScene>(names).map(|Chosen(scenes)| scenes);
         assert_eq!(scenes("twistin,box"), Ok(vec![ContactScene::Twistin, ContactScene::Box]));
-        assert_eq!(scenes("all").map(|scenes| scenes.len()), Ok(9));
+        assert_eq!(scenes("all").map(|scenes| scenes.len()), Ok(10));
         let message = scenes("fold20,knot").expect_err("unknown");
         assert!(message.contains("no knot") && message.contains("bowline"), "{message}");
     }

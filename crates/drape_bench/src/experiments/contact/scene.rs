@@ -28,6 +28,8 @@ pub enum ContactScene {
     Sleeve,
     /// Three sheets fall through a funnel.
     Funnel,
+    /// A sheet swings about its upper edge, and touches nothing.
+    Swing,
 }
 
 impl ContactScene {
@@ -46,6 +48,7 @@ impl ContactScene {
             Self::Box => narrows::filled_box(10, 30, settings),
             Self::Sleeve => narrows::sleeve(64, settings),
             Self::Funnel => narrows::funnel(3, 40, settings),
+            Self::Swing => cloths::swing(64, settings),
         }
     }
 }

@@ -49,15 +49,6 @@ impl Setup {
         }
     }
 
-    /// Makes each body at least as thick as this part of its shortest stick at rest.
-    pub fn thicken_to(&mut self, part: f32) {
-        for body in &mut self.island.bodies {
-            let lengths = (0..body.topology.stick_count()).map(|stick| body.topology.rest_length(stick));
-            let shortest = lengths.reduce(f32::min).unwrap_or(0.0);
-            body.settings.thickness = body.settings.thickness.max(part * shortest);
-        }
-    }
-
     /// Greatest thickness of a body in metres.
     pub fn thickness(&self) -> f32 {
         self.island.bodies.iter().map(|body| body.settings.thickness).fold(0.0, f32::max)

@@ -16,9 +16,6 @@ use crate::solvers::threads::{RayonPool, on_threads};
 
 /// Distance in metres that the middle of a cloth or rope keeps: layers are 1 cm apart.
 const THICKNESS: f32 = 0.005;
-/// The same in contact by particles, in spacings: where this is more than [`THICKNESS`], smaller balls would leave gaps
-/// through which layers slip.
-const PARTICLE_RADIUS: f32 = 0.5;
 /// Friction of cloth and rope.
 const FRICTION: f32 = 0.5;
 /// Steps between two that are searched for crossings, unless all are.
@@ -33,10 +30,9 @@ const MOST_STATES: usize = 64;
 pub enum Mode {
     /// None: bodies pass through themselves and each other.
     Off,
-    /// Between particles.
-    Particles,
-    /// Between triangles, and between the links of ropes.
-    Triangles,
+    /// Between corners, faces, edges and links.
+    #[value(alias = "triangles")]
+    On,
 }
 
 /// A level of accuracy.
@@ -61,7 +57,7 @@ pub struct Trial {
     pub quality: Accuracy,
     /// Threads.
     pub threads: u32,
-    /// Thickness of all bodies in metres, or none for the usual one of the mode.
+    /// Thickness of all bodies in metres, or none for the usual one.
     pub thickness: Option<f32>,
     /// The number of steps.
     pub steps: usize,
@@ -97,13 +93,13 @@ pub struct Figures {
     /// Mean time of the processor in a step in milliseconds, all threads together; none where the system does not tell.
     pub cpu_ms_mean: Option<f64>,
     /// Greatest number of pairs that self-contact watched at the end of a step.
-    pub pairs: Option<usize>,
-    /// Lists of pairs that were made in all steps; none but for triangles, as are the next two.
-    pub rebuilds: Option<usize>,
+    pub pairs: usize,
+    /// Lists of pairs that were made in all steps.
+    pub rebuilds: u32,
     /// Times that parts were moved back because they would have passed each other.
-    pub truncated: Option<usize>,
+    pub truncated: u32,
     /// Substeps in which parts could not be kept from passing each other.
-    pub unfinished: Option<usize>,
+    pub unfinished: u32,
     /// The number of steps that were searched for crossings.
     pub steps_searched: usize,
     /// Greatest number of edges through triangles; none if there are no triangles.
@@ -128,8 +124,7 @@ impl Trial {
         };
         let self_contact = match self.mode {
             Mode::Off => SelfContact::Off,
-            Mode::Particles => SelfContact::Particles,
-            Mode::Triangles => SelfContact::Triangles,
+            Mode::On => SelfContact::On,
         };
         let thickness = self.thickness.unwrap_or(THICKNESS);
         let surface = SolverSettings { thickness, friction: FRICTION, ..SolverSettings::default() };
@@ -148,10 +143,7 @@ impl Trial {
     ///
     /// # Errors
     /// [`Failure`] if the solver refuses a step.
-    pub fn measure_setup(&self, mut setup: Setup, stepped: impl Fn() + Send) -> Result<Figures, Failure> {
-        if self.mode == Mode::Particles && self.thickness.is_none() {
-            setup.thicken_to(PARTICLE_RADIUS);
-        }
+    pub fn measure_setup(&self, setup: Setup, stepped: impl Fn() + Send) -> Result<Figures, Failure> {
         on_threads(self.threads, || self.run(setup, stepped))?
     }
 
@@ -195,7 +187,6 @@ impl Trial {
         let crossings = (setup.triangle_count() > 0).then_some(counts.as_slice());
         times.sort_unstable();
         let mean = times.iter().sum::<Duration>() / times.len().max(1) as u32;
-        let of_triangles = |count: u32| (self.mode == Mode::Triangles).then_some(count as usize);
         let at = |place: usize| times.get(place).copied().map_or(0.0, milliseconds);
         Ok(Figures {
             scene: name_of(&self.scene),
@@ -210,10 +201,10 @@ impl Trial {
             ms_p99: at((times.len() * 99).div_ceil(100).saturating_sub(1)),
             ms_max: at(times.len().saturating_sub(1)),
             cpu_ms_mean: cpu.sum.map(|sum| milliseconds(sum) / self.steps as f64),
-            pairs: Some(pairs),
-            rebuilds: of_triangles(rebuilds),
-            truncated: of_triangles(truncated),
-            unfinished: of_triangles(unfinished),
+            pairs,
+            rebuilds,
+            truncated,
+            unfinished,
             steps_searched: counts.len(),
             crossings_max: crossings.and_then(|counts| counts.iter().copied().max()),
             crossings_end: crossings.and_then(|counts| counts.last().copied()),
@@ -278,7 +269,7 @@ mod tests {
 
     const TINY: Trial = Trial {
         scene: ContactScene::Fold20,
-        mode: Mode::Particles,
+        mode: Mode::On,
         quality: Accuracy::Medium,
         thickness: Some(THICKNESS),
         threads: 1,
@@ -296,7 +287,7 @@ mod tests {
         let json = tiny(TINY);
         let text = |field: &str| json[field].as_str().expect("text").to_owned();
         let [scene, mode, quality] = ["scene", "mode", "quality"].map(text);
-        assert_eq!([&scene, &mode, &quality], ["fold20", "particles", "medium"]);
+        assert_eq!([&scene, &mode, &quality], ["fold20", "on", "medium"]);
         let figures =
             [("threads", 1), ("steps", 3), ("particles", 36), ("triangles", 44), ("steps_searched", 1)];
         for (field, figure) in figures {
@@ -310,17 +301,14 @@ mod tests {
         for field in ["crossings_max", "crossings_end", "steps_with_crossings"] {
             assert_eq!(json[field], 0, "{field}");
         }
-        assert!(json["rebuilds"].is_null() && json["truncated"].is_null(), "{json}");
+        assert_eq!(json["truncated"], 0, "{json}");
         assert_eq!(text("hash").len(), 16);
     }
 
     #[test]
-    fn particles_are_thick_enough_to_close_the_gaps_between_them() {
+    fn bodies_are_as_thick_as_asked_for() {
         let thickness = |trial: Trial| tiny(trial)["thickness"].as_f64().expect("metres") as f32;
-        // The strip's particles are 2 m / 11 apart along it, and 0.4 m / 2 across.
-        let particles = thickness(Trial { thickness: None, ..TINY });
-        assert!((particles - 1.0 / 11.0).abs() < 1e-5, "{particles}");
-        assert_eq!(thickness(Trial { mode: Mode::Triangles, thickness: None, ..TINY }), THICKNESS);
+        assert_eq!(thickness(Trial { thickness: None, ..TINY }), THICKNESS);
         assert_eq!(thickness(Trial { thickness: Some(0.004), ..TINY }), 0.004);
     }
 

@@ -1,8 +1,7 @@
 //! The work of self-contact, in numbers.
 
 /// The work of [self-contact](crate::SolverSettings::self_contact) in a step; see
-/// [`Island::self_contact_counts`](crate::Island::self_contact_counts). All but `pairs` belong to contact by
-/// [triangles](crate::SelfContact::Triangles), and are 0 for particles.
+/// [`Island::self_contact_counts`](crate::Island::self_contact_counts).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SelfContactCounts {

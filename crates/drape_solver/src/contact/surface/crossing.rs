@@ -162,7 +162,7 @@ mod tests {
 
     /// Two sheets, the second turned upright and pushed this far through the first; and what crosses.
     fn crossed(depth: f32) -> (Points, Vec<Crossing>) {
-        let settings = SolverSettings { self_contact: SelfContact::Triangles, ..SolverSettings::default() };
+        let settings = SolverSettings { self_contact: SelfContact::On, ..SolverSettings::default() };
         let sheet = || ClothBuilder::new(0.2, 0.2, 9, 9).build(settings).expect("valid");
         let mut bodies: Vec<Body> = vec![sheet(), sheet()];
         for (k, body) in bodies.iter_mut().enumerate() {

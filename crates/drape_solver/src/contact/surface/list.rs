@@ -197,7 +197,7 @@ mod tests {
     fn bodies(numbers: &mut Numbers) -> Vec<Body> {
         let settings = SolverSettings {
             thickness: THICKNESS,
-            self_contact: SelfContact::Triangles,
+            self_contact: SelfContact::On,
             ..SolverSettings::default()
         };
         let cloth = || ClothBuilder::new(0.1, 0.1, 6, 6).build(settings).expect("valid");

@@ -28,9 +28,7 @@ pub(crate) mod truncation;
 
 use glam::{Vec3, Vec4};
 
-use crate::constants::{RECOVERY_SPEED, RISKY_GAP, UNTANGLING_SPEED};
-use crate::contact::cloth_contact::has_triangles;
-use crate::contact::depenetration::PushOutRate;
+use crate::constants::{MARGIN_IN_FREE_FLIGHT, RECOVERY_SPEED, RISKY_GAP, UNTANGLING_SPEED};
 use crate::contact::surface::contact::Contact;
 use crate::contact::surface::counts::SelfContactCounts;
 use crate::contact::surface::crossing::Crossing;
@@ -85,15 +83,16 @@ impl SurfaceContacts {
         SelfContactCounts { pairs: self.list.pairs.iter().map(Vec::len).sum(), ..self.counts }
     }
 
-    /// Particles of different bodies that were pushed apart in the last substep: see
-    /// [`SelfContacts::pushed_bodies`](crate::contact::cloth_cloth::SelfContacts::pushed_bodies).
+    /// Particles of different bodies that were pushed apart in the last substep: each as its body and slot, the unit normal
+    /// from the second to the first, and the depth in metres, summed over the projections of the substep. Edges and faces
+    /// count as their nearest particles.
     pub fn pushed_bodies(&self) -> impl Iterator<Item = ([(usize, usize); 2], Vec3, f32)> + '_ {
         self.contacts.iter().filter_map(|contact| contact.pushed_bodies(&self.points))
     }
 
     /// Notes where everything is, before it moves.
     pub fn begin_substep(&mut self, bodies: &[Body], is_first: bool) {
-        if !bodies.iter().any(has_triangles) {
+        if !bodies.iter().any(Body::has_self_contact) {
             self.clear();
             return;
         }
@@ -106,6 +105,13 @@ impl SurfaceContacts {
             self.list.clear();
             self.crossings.clear();
             self.counts = SelfContactCounts::default();
+        }
+    }
+
+    /// Finds what touches in free flight, where a rope takes part.
+    pub fn detect_on_ropes(&mut self, bodies: &mut [Body], substep: Substep) {
+        if is_on_ropes(bodies) {
+            self.detect(bodies, substep, MARGIN_IN_FREE_FLIGHT);
         }
     }
 
@@ -199,7 +205,7 @@ impl SurfaceContacts {
     }
 
     /// Moves contacts apart once; with friction in the last projection of the substep.
-    pub fn project(&mut self, bodies: &mut [Body], rate: PushOutRate, is_last: bool) {
+    pub fn project(&mut self, bodies: &mut [Body], substep: Substep, is_last: bool) {
         if self.contacts.is_empty() {
             return;
         }
@@ -209,7 +215,7 @@ impl SurfaceContacts {
         if is_last {
             self.apply_friction(bodies);
             let Self { points, contacts, .. } = self;
-            let way = RECOVERY_SPEED * rate.substep();
+            let way = RECOVERY_SPEED * substep.duration;
             contacts.iter().for_each(|contact| contact.recover(points, way));
         }
         self.write(bodies);
@@ -258,11 +264,16 @@ impl SurfaceContacts {
     }
 }
 
+/// True if a body without faces, such as a rope, has self-contact.
+pub(crate) fn is_on_ropes(bodies: &[Body]) -> bool {
+    bodies.iter().any(|body| body.has_self_contact() && body.topology.faces().is_empty())
+}
+
 /// Rounds of truncation. What they move may come near something that was not looked at.
 const ATTEMPTS: u32 = 64;
 
 /// Distance in metres that the two thinnest surfaces keep.
 fn least_distance(bodies: &[Body]) -> f32 {
-    let thin = bodies.iter().filter(|body| has_triangles(body)).map(|body| 2.0 * body.settings.thickness);
+    let thin = bodies.iter().filter(|body| body.has_self_contact()).map(|body| 2.0 * body.settings.thickness);
     thin.fold(f32::INFINITY, f32::min)
 }

@@ -9,7 +9,6 @@ use glam::{Vec3, Vec4};
 
 use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs};
 use crate::constants::REST_SHARE;
-use crate::contact::cloth_contact::has_triangles;
 use crate::contact::surface::pair::Pair;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
@@ -102,7 +101,7 @@ const SHARP: f32 = 0.707;
 impl PlacedSurfaces {
     /// Fits everything to these bodies.
     pub fn fit(&mut self, bodies: &[Body], points: &Points) {
-        let on = || bodies.iter().enumerate().filter(|(_, body)| has_triangles(body));
+        let on = || bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact());
         let is_known = |known: &PlacedBody, (place, body): (usize, &Body)| {
             known.place == place
                 && known.first == points.first[place]

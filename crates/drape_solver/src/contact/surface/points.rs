@@ -4,7 +4,6 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::contact::cloth_contact::has_triangles;
 use crate::simd::columns::{Columns, LANES};
 use crate::state::body::Body;
 use crate::state::surface::NONE;
@@ -52,7 +51,7 @@ impl Points {
     pub fn begin_substep(&mut self, bodies: &[Body]) {
         self.clear();
         for (place, body) in bodies.iter().enumerate() {
-            if has_triangles(body) {
+            if body.has_self_contact() {
                 self.first.push(self.body.len() as u32);
                 self.inverse_mass.extend_from_slice(&body.particles.inverse_mass);
                 self.body.resize(self.inverse_mass.len(), place as u32);
@@ -129,7 +128,7 @@ fn read(bodies: &[Body], to: &mut Vec<Vec4>) {
 fn read_columns(bodies: &[Body], to: &mut Vec<Vec4>, columns: impl Fn(&Body) -> &Columns) {
     to.clear();
     let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
-    for body in bodies.iter().filter(|body| has_triangles(body)) {
+    for body in bodies.iter().filter(|body| body.has_self_contact()) {
         let shift = body.particles.origin - origin;
         for cell in &columns(body).cells {
             to.extend((0..LANES).map(|lane| (cell.get(lane) + shift).extend(0.0)));
