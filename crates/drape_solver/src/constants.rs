@@ -209,6 +209,9 @@ pub const CONTACT_MARGIN_OF_SURFACES: f32 = 0.05;
 /// makes longer lists, less makes more of them.
 pub const SLACK_OF_SURFACES: f32 = 0.25;
 
+/// The same where nothing is near and nothing is listed.
+pub const SLACK_OF_CALM: f32 = 1.0;
+
 /// Part of their distance that edges keep which lie flat between their faces: corners on faces hold flat layers apart.
 pub const BLUNT_EDGES: f32 = 0.3;
 

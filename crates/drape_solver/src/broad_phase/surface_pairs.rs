@@ -10,7 +10,7 @@
 //! Design: `docs/design/self_contact.md`.
 
 use fearless_simd::Simd;
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use crate::broad_phase::swept_box::{SweptBox, SweptBoxes};
 use crate::constants::LEAST_FLAT_COSINE;
@@ -26,14 +26,20 @@ pub(crate) struct Lean([f32; 8]);
 
 impl Lean {
     pub const NOTHING: Self = Self([f32::INFINITY; 8]);
+    /// All directions.
+    pub const EVERY_WAY: Self = Self([f32::NEG_INFINITY; 8]);
 
     /// The box around one unit vector; nothing for a vector that is none.
     pub fn of(normal: Vec3) -> Self {
         if normal == Vec3::ZERO {
             return Self::NOTHING;
         }
-        let Vec3 { x, y, z } = normal;
-        Self([x, y, z, 0.0, -x, -y, -z, 0.0])
+        Self::between(normal.into(), normal.into())
+    }
+
+    /// The box from `low` to `high`.
+    pub fn between(low: Vec3A, high: Vec3A) -> Self {
+        Self([low.x, low.y, low.z, 0.0, -high.x, -high.y, -high.z, 0.0])
     }
 
     #[inline(always)]
@@ -100,7 +106,7 @@ impl StarPairs {
 pub(crate) struct PlacedTree {
     /// The boxes of each leaf's stars.
     pub stars: Vec<StarBoxes>,
-    pub leaves: Vec<SweptBox>,
+    pub leaves: Vec<PlacedLeaf>,
     /// For each slot, the lean of all faces around it.
     pub leans: Vec<Lean>,
     /// For each leaf, a bit mask of the stars whose pairs are looked for; pairs of two others are left out.
@@ -108,8 +114,18 @@ pub(crate) struct PlacedTree {
     nodes: Vec<PlacedNode>,
     /// For each star, true if the stars around it lie flat.
     is_flat: Vec<bool>,
+    /// The lean of each leaf's own faces.
+    own_leans: Vec<Lean>,
     /// Leans of wider and wider neighbourhoods.
     wider: [Vec<Lean>; 2],
+}
+
+/// A leaf as a whole.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedLeaf {
+    pub bounds: SweptBox,
+    /// The lean of all faces at its stars.
+    pub lean: Lean,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -135,26 +151,43 @@ pub(crate) struct PlacedSurface<'a> {
 }
 
 impl PlacedTree {
-    /// Puts boxes around all nodes, from those of the leaves.
-    pub fn refit(&mut self, surface: &Surface) {
-        let Self { stars, leaves, leans, active, nodes, .. } = self;
+    /// Puts boxes around all leaves and nodes, from those of the stars.
+    pub fn refit_from_stars(&mut self, surface: &Surface) {
+        let Self { stars, leaves, leans, .. } = self;
         leaves.clear();
-        leaves.extend(stars.iter().map(|boxes| boxes.whole.all()));
+        leaves.extend(stars.iter().zip(surface.stars.chunks_exact(LANES)).map(|(boxes, stars)| {
+            let mut lean = Lean::NOTHING;
+            stars.iter().for_each(|star| lean.add(&leans[star.centre as usize]));
+            PlacedLeaf { bounds: boxes.whole.all(), lean }
+        }));
+        self.refit(surface);
+    }
+
+    /// Puts boxes around all nodes, from those of the leaves with the lean of their own faces alone.
+    pub fn refit_from_leaves(&mut self, surface: &Surface) {
+        let Self { leaves, own_leans, .. } = self;
+        own_leans.clear();
+        own_leans.extend(leaves.iter().map(|leaf| leaf.lean));
+        for (number, leaf) in leaves.iter_mut().enumerate() {
+            surface.leaves.around(number).iter().for_each(|&other| leaf.lean.add(&own_leans[other as usize]));
+        }
+        self.refit(surface);
+    }
+
+    /// Puts boxes around all nodes, from those of the leaves.
+    fn refit(&mut self, surface: &Surface) {
+        let Self { leaves, active, nodes, .. } = self;
         nodes.clear();
         nodes.resize(surface.nodes.len(), PlacedNode::NOTHING);
         for (place, node) in surface.nodes.iter().enumerate().rev() {
-            let mut lean = Lean::NOTHING;
-            let (bounds, is_active) = if node.right == 0 {
+            let (PlacedLeaf { bounds, lean }, is_active) = if node.right == 0 {
                 let leaf = node.first as usize / LANES;
-                for star in &surface.stars[leaf * LANES..(leaf + 1) * LANES] {
-                    lean.add(&leans[star.centre as usize]);
-                }
                 (leaves[leaf], active[leaf] != 0)
             } else {
                 let [a, b] = [place + 1, node.right as usize].map(|child| &nodes[child]);
-                lean.add(&a.lean);
+                let mut lean = a.lean;
                 lean.add(&b.lean);
-                (a.bounds.and(&b.bounds), a.is_active || b.is_active)
+                (PlacedLeaf { bounds: a.bounds.and(&b.bounds), lean }, a.is_active || b.is_active)
             };
             let is_flat = node.is_connected && lean.is_flat();
             nodes[place] = PlacedNode { bounds, lean, is_flat, is_active };
@@ -203,6 +236,15 @@ impl PlacedSurface<'_> {
         self.pairs_within(place + 1, found);
         self.pairs_within(right, found);
         self.pairs_between(place + 1, self, right, found);
+    }
+
+    /// True if two leaves that may touch lie near each other in one flat patch, which cannot meet itself.
+    pub fn is_flat_pair(&self, leaves: [u32; 2]) -> bool {
+        self.surface.leaves.are_near(leaves) && {
+            let [mut lean, other] = leaves.map(|leaf| self.at.leaves[leaf as usize].lean);
+            lean.add(&other);
+            lean.is_flat()
+        }
     }
 
     /// Appends pairs of a leaf of this body and one of another that may touch.
@@ -281,8 +323,8 @@ impl Kernel for FindStarPairs<'_> {
         let Self { own, other, is_one, leaves, found } = self;
         for &[a, b] in leaves {
             let (x, y) = (&own.at.stars[a as usize], &other.at.stars[b as usize]);
-            let from = x.whole.meets(simd, &other.at.leaves[b as usize]);
-            let to = y.whole.meets(simd, &own.at.leaves[a as usize]);
+            let from = x.whole.meets(simd, &other.at.leaves[b as usize].bounds);
+            let to = y.whole.meets(simd, &own.at.leaves[a as usize].bounds);
             if to == 0 {
                 continue;
             }

@@ -13,7 +13,7 @@
 //! Design: `docs/design/self_contact.md`.
 
 use fearless_simd::{Simd, f32x16, prelude::*};
-use glam::Vec3;
+use glam::Vec3A;
 
 use crate::geometry::nearest_lanes::{least, most};
 use crate::simd::columns::LANES;
@@ -22,18 +22,18 @@ use crate::simd::lanes::load;
 /// A box around some points at the start, in metres, and around their ways.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SweptBox {
-    pub low: Vec3,
-    pub high: Vec3,
-    pub slow: Vec3,
-    pub fast: Vec3,
+    pub low: Vec3A,
+    pub high: Vec3A,
+    pub slow: Vec3A,
+    pub fast: Vec3A,
 }
 
 impl SweptBox {
     pub const NOTHING: Self = Self {
-        low: Vec3::INFINITY,
-        high: Vec3::NEG_INFINITY,
-        slow: Vec3::INFINITY,
-        fast: Vec3::NEG_INFINITY,
+        low: Vec3A::INFINITY,
+        high: Vec3A::NEG_INFINITY,
+        slow: Vec3A::INFINITY,
+        fast: Vec3A::NEG_INFINITY,
     };
 
     pub fn and(&self, other: &Self) -> Self {
@@ -45,10 +45,16 @@ impl SweptBox {
         }
     }
 
+    /// Widens the box to hold a point and its way.
+    #[inline(always)]
+    pub fn add(&mut self, start: Vec3A, way: Vec3A) {
+        *self = self.and(&Self { low: start, high: start, slow: way, fast: way });
+    }
+
     /// True if the two may touch on their way.
     pub fn meets(&self, other: &Self) -> bool {
-        let towards = (other.fast - self.slow).max(Vec3::ZERO);
-        let back = (self.fast - other.slow).max(Vec3::ZERO);
+        let towards = (other.fast - self.slow).max(Vec3A::ZERO);
+        let back = (self.fast - other.slow).max(Vec3A::ZERO);
         ((self.low - other.high).cmple(towards) & (other.low - self.high).cmple(back)).all()
     }
 }
@@ -85,7 +91,7 @@ impl SweptBoxes {
     }
 
     pub fn at(&self, lane: usize) -> SweptBox {
-        let of = |axes: &[[f32; LANES]; 3]| Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]);
+        let of = |axes: &[[f32; LANES]; 3]| Vec3A::new(axes[0][lane], axes[1][lane], axes[2][lane]);
         SweptBox { low: of(&self.low), high: of(&self.high), slow: of(&self.slow), fast: of(&self.fast) }
     }
 

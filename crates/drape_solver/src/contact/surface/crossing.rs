@@ -29,7 +29,7 @@ use crate::contact::surface::rows::{
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
 use crate::simd::lanes::{first_lanes, load, set_lanes};
-use crate::state::surface::{EDGES, FACES, NONE, Star};
+use crate::state::star::{EDGES, FACES, NONE, Star};
 
 /// An edge through a face: the numbers of their particles, and of the third corners of the edge's own faces.
 #[derive(Clone, Copy, Debug)]

@@ -76,12 +76,6 @@ impl PairList {
         let substeps = substep.count - substep.index;
         surfaces.look_at_all();
         self.expect(&points.start, &points.flight, substeps);
-        let far = Reach { factor: 1.0, slack: FAR * distance };
-        surfaces.place(bodies, points, &self.targets, 0.5, far, substep.isa);
-        if !surfaces.is_any_near(bodies, substep.isa, &mut self.star_pairs) {
-            self.life = Some(Life { substeps, age: 0, slack: far.slack });
-            return;
-        }
         let slack = SLACK_OF_SURFACES * distance;
         self.star_pairs.has_crossings = crossings.is_some();
         self.search(surfaces, points, bodies, slack, 0.5, substep.isa);
@@ -91,6 +85,21 @@ impl PairList {
         }
         self.star_pairs.has_crossings = false;
         self.life = Some(Life { substeps, age: 0, slack });
+    }
+
+    /// Makes a list at the end of a substep, in which no part was near another when it began: as if all stars were off their
+    /// way.
+    pub fn make_at_end(
+        &mut self,
+        surfaces: &mut PlacedSurfaces,
+        points: &Points,
+        bodies: &[Body],
+        substep: Substep,
+        distance: f32,
+    ) {
+        self.clear();
+        surfaces.look_at_all();
+        self.search_onwards(surfaces, points, bodies, substep.count - substep.index, distance, substep.isa);
     }
 
     /// Looks for the pairs of stars that are off their way at the end of a substep; false if there are none.
@@ -108,16 +117,24 @@ impl PairList {
         if !surfaces.find_stale(bodies, points, way, life.slack) {
             return false;
         }
-        let substeps = life.substeps - life.age;
+        self.search_onwards(surfaces, points, bodies, life.substeps - life.age, distance, isa);
+        true
+    }
+
+    /// Looks for the pairs of stars that are looked at, where all go on for some `substeps` as in this one.
+    fn search_onwards(
+        &mut self,
+        surfaces: &mut PlacedSurfaces,
+        points: &Points,
+        bodies: &[Body],
+        substeps: u32,
+        distance: f32,
+        isa: Isa,
+    ) {
         let slack = SLACK_OF_SURFACES * distance;
-        if life.slack > slack {
-            surfaces.look_at_all();
-        }
-        // All go on as in this substep.
         self.expect(&points.start, &points.end, substeps);
         self.search(surfaces, points, bodies, slack, 1.0 / substeps as f32, isa);
         self.life = Some(Life { substeps, age: 0, slack });
-        true
     }
 
     /// Ends a substep.
@@ -158,9 +175,6 @@ impl PairList {
     }
 }
 
-/// Slack of a list in which nothing is near, in distances that parts keep.
-const FAR: f32 = 2.0;
-
 #[cfg(test)]
 mod tests {
     use glam::{Quat, Vec3};
@@ -173,7 +187,7 @@ mod tests {
     use crate::geometry::nearest_triangle::weighted;
     use crate::simd::miri::unless_miri;
     use crate::state::settings::{SelfContact, SolverSettings};
-    use crate::state::surface::Star;
+    use crate::state::star::Star;
 
     const THICKNESS: f32 = 0.005;
     const DISTANCE: f32 = 2.0 * THICKNESS;

@@ -13,9 +13,11 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
+pub(crate) mod calm;
 pub(crate) mod contact;
 pub(crate) mod counts;
 pub(crate) mod crossing;
+pub(crate) mod leaves;
 pub(crate) mod list;
 pub(crate) mod narrow;
 pub(crate) mod pair;
@@ -29,6 +31,7 @@ pub(crate) mod truncation;
 use glam::{Vec3, Vec4};
 
 use crate::constants::{MARGIN_IN_FREE_FLIGHT, RECOVERY_SPEED, RISKY_GAP, UNTANGLING_SPEED};
+use crate::contact::surface::calm::Calm;
 use crate::contact::surface::contact::Contact;
 use crate::contact::surface::counts::SelfContactCounts;
 use crate::contact::surface::crossing::Crossing;
@@ -38,6 +41,7 @@ use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::truncation::Truncation;
+use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
@@ -47,6 +51,7 @@ use crate::state::substep::Substep;
 pub(crate) struct SurfaceContacts {
     points: Points,
     surfaces: PlacedSurfaces,
+    calm: Calm,
     list: PairList,
     crossings: Vec<Crossing>,
     is_crossing: Vec<bool>,
@@ -69,6 +74,7 @@ impl SurfaceContacts {
     /// Forgets all contacts.
     pub fn clear(&mut self) {
         self.points.clear();
+        self.calm.end();
         self.list.clear();
         self.contacts.clear();
     }
@@ -100,8 +106,8 @@ impl SurfaceContacts {
         self.contacts.clear();
         self.passing.clear();
         if is_first {
-            self.surfaces.fit(bodies, &self.points);
-            self.surfaces.sharpen(&self.points);
+            self.surfaces.fit(bodies, self.points.start_cells.len() * LANES, &self.points.first);
+            self.calm.end();
             self.list.clear();
             self.crossings.clear();
             self.counts = SelfContactCounts::default();
@@ -118,9 +124,10 @@ impl SurfaceContacts {
     /// Finds what touches in this substep, within a `margin` (part of the distance to keep), after everything has moved; and
     /// leads crossings apart.
     pub fn detect(&mut self, bodies: &mut [Body], substep: Substep, margin: f32) {
-        if self.points.is_empty() {
+        if self.points.is_empty() || self.is_calm(bodies, substep) {
             return;
         }
+        self.points.read_starts(bodies);
         self.points.read(bodies);
         self.points.read_flight(bodies);
         // Contacts of ropes that were found in free flight have pushed in each iteration.
@@ -139,11 +146,21 @@ impl SurfaceContacts {
         self.find_contacts(bodies, margin, substep.isa);
     }
 
+    /// True if nothing can touch in this substep.
+    fn is_calm(&mut self, bodies: &[Body], substep: Substep) -> bool {
+        let Self { calm, list, surfaces, points, .. } = self;
+        if !calm.holds() && !list.holds() {
+            calm.begin(surfaces, points, bodies, substep, least_distance(bodies));
+        }
+        calm.holds()
+    }
+
     /// Lists what may touch; and, when the step begins, the edges that pass through faces.
     fn make_list(&mut self, bodies: &[Body], substep: Substep) {
         let Self { points, surfaces, list, crossings, is_crossing, counts, .. } = self;
         counts.lists += 1;
         let distance = least_distance(bodies);
+        surfaces.sharpen(points);
         let of_start = (substep.index == 0).then_some(&mut *crossings);
         list.make(surfaces, points, bodies, substep, distance, of_start);
         counts.crossings = crossings.len() as u32;
@@ -238,16 +255,31 @@ impl SurfaceContacts {
 
     /// The end of the substep: moves back what would have passed through something.
     pub fn keep_apart(&mut self, bodies: &mut [Body], substep: Substep) {
-        if self.points.is_empty() || !self.list.holds() {
+        let was_calm = self.calm.holds();
+        if was_calm {
+            if self.calm.goes_on(&self.points, bodies, substep.isa) {
+                return;
+            }
+            self.calm.end();
+        } else if !self.list.holds() {
             return;
         }
+        self.points.read_starts(bodies);
         self.points.read(bodies);
         let distance = least_distance(bodies);
+        if was_calm {
+            let Self { points, surfaces, list, looked_at, counts, .. } = self;
+            surfaces.sharpen(points);
+            list.make_at_end(surfaces, points, bodies, substep, distance);
+            counts.lists += 1;
+            looked_at.clone_from(&points.end);
+        }
         self.truncation.begin();
         for attempt in 1..=ATTEMPTS {
             let Self { points, surfaces, list, counts, .. } = self;
-            let is_new = list.renew(surfaces, points, bodies, distance, substep.isa);
-            counts.lists += u32::from(is_new);
+            let is_renewed = list.renew(surfaces, points, bodies, distance, substep.isa);
+            let is_new = is_renewed || was_calm && attempt == 1;
+            counts.lists += u32::from(is_renewed);
             self.find_passing(bodies, is_new, substep.isa);
             let moves = self.truncation.truncate(&self.passing, &mut self.points);
             self.counts.truncated += moves;

@@ -2,23 +2,23 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use core::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
 
 use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs};
 use crate::constants::REST_SHARE;
+use crate::contact::surface::leaves::{FlyingLeaves, Turning};
 use crate::contact::surface::pair::Pair;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
-use crate::contact::surface::rows::{CORNERS, PlaceStars, Row};
+use crate::contact::surface::rows::{PlaceStars, Row};
 use crate::geometry::nearest_triangle::weighted;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
 use crate::simd::lanes::set_lanes;
 use crate::state::body::Body;
-use crate::state::surface::{EDGES, NONE, Star};
+use crate::state::star::{CORNERS, EDGES, NONE, Star};
 use crate::state::topology::Topology;
 
 /// The surfaces of an island.
@@ -99,12 +99,12 @@ const FLAT: f32 = 0.966;
 const SHARP: f32 = 0.707;
 
 impl PlacedSurfaces {
-    /// Fits everything to these bodies.
-    pub fn fit(&mut self, bodies: &[Body], points: &Points) {
+    /// Fits everything to these bodies, with some `points` in all, from `firsts` on for each body.
+    pub fn fit(&mut self, bodies: &[Body], points: usize, firsts: &[u32]) {
         let on = || bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact());
         let is_known = |known: &PlacedBody, (place, body): (usize, &Body)| {
             known.place == place
-                && known.first == points.first[place]
+                && known.first == firsts[place]
                 && core::ptr::eq(known.topology.as_ptr(), Arc::as_ptr(&body.topology))
         };
         if on().count() == self.bodies.len()
@@ -117,10 +117,10 @@ impl PlacedSurfaces {
         stars.clear();
         of.clear();
         rest.clear();
-        rest.resize(points.start.len(), Vec3::ZERO);
+        rest.resize(points, Vec3::ZERO);
         for (known, (place, body)) in known.iter_mut().zip(on()) {
             let topology = &body.topology;
-            let first = points.first[place];
+            let first = firsts[place];
             known.topology = Arc::downgrade(topology);
             (known.place, known.first, known.first_leaf) = (place, first, (stars.len() / LANES) as u32);
             for (index, slot) in topology.layout.slots().enumerate() {
@@ -262,7 +262,7 @@ impl PlacedSurfaces {
                 rows: &mut rows[own],
                 tree: &mut body.tree,
             });
-            body.tree.refit(surface);
+            body.tree.refit_from_stars(surface);
         }
         // Pairs that are not looked for stay as they were listed.
         for off in offs {
@@ -272,34 +272,49 @@ impl PlacedSurfaces {
         }
     }
 
-    /// Finds the pairs of stars that may touch, where one is looked at.
-    pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, found: &mut StarPairs) {
-        found.clear();
-        self.visit_leaf_pairs(bodies, |own, other, leaves| {
-            own.star_pairs(other, leaves, isa, found);
-            ControlFlow::Continue(())
-        });
-    }
-
-    /// True if some stars may touch. Stops at the first, and leaves a part of the pairs in `found`.
-    pub fn is_any_near(&mut self, bodies: &[Body], isa: Isa, found: &mut StarPairs) -> bool {
-        found.clear();
-        self.visit_leaf_pairs(bodies, |own, other, leaves| {
-            leaves.chunks(LANES).try_for_each(|leaves| {
-                own.star_pairs(other, leaves, isa, found);
-                if found.is_empty() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-            })
-        });
-        !found.is_empty()
-    }
-
-    /// Calls `visit` with two surfaces and the pairs of their leaves that may touch, until it breaks off.
-    fn visit_leaf_pairs(
+    /// How faces may turn if no parts can touch in free flight for some `substeps`, by the leaves as a whole.
+    pub fn turning_if_apart(
         &mut self,
         bodies: &[Body],
-        mut visit: impl FnMut(&PlacedSurface, &PlacedSurface, &[[u32; 2]]) -> ControlFlow<()>,
-    ) {
+        points: &Points,
+        substeps: u32,
+        reach: Reach,
+    ) -> Option<Turning> {
         let Self { bodies: placed, leaf_pairs, .. } = self;
+        let mut turning = Turning::default();
+        let flights = points.cells_of(bodies, |body| &body.context.integrated);
+        for (body, (_, flight, starts)) in placed.iter_mut().zip(flights) {
+            let Body { particles, topology, settings, .. } = &bodies[body.place];
+            let flying = FlyingLeaves {
+                leaves: &topology.surface().leaves,
+                places: [starts, flight],
+                origin: particles.origin - bodies[0].particles.origin,
+                substeps: substeps as f32,
+                growth: settings.thickness * reach.factor + reach.slack,
+            };
+            turning = turning.or_more(flying.place(&mut body.tree.leaves));
+            body.tree.active.fill(u16::MAX);
+            body.tree.refit_from_leaves(topology.surface());
+        }
+        leaf_pairs.clear();
+        for (a, body) in placed.iter().enumerate() {
+            let own = body.surface(bodies);
+            own.own_pairs(leaf_pairs);
+            leaf_pairs.retain(|&leaves| !own.is_flat_pair(leaves));
+            for other in placed[a + 1..].iter().filter(|other| body.interacts(other, bodies)) {
+                own.pairs_with(&other.surface(bodies), leaf_pairs);
+            }
+            if !leaf_pairs.is_empty() {
+                return None;
+            }
+        }
+        Some(turning)
+    }
+
+    /// Finds the pairs of stars that may touch, where one is looked at.
+    pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, found: &mut StarPairs) {
+        let Self { bodies: placed, leaf_pairs, .. } = self;
+        found.clear();
         for a in 0..placed.len() {
             leaf_pairs.clear();
             placed[a].surface(bodies).own_pairs(leaf_pairs);
@@ -307,22 +322,21 @@ impl PlacedSurfaces {
                 let body = &mut placed[a];
                 body.tree.find_flat(bodies[body.place].topology.surface());
                 let own = placed[a].surface(bodies);
-                if visit(&own, &own, leaf_pairs).is_break() {
-                    return;
-                }
+                own.star_pairs(&own, leaf_pairs, isa, found);
             }
-            let layers = bodies[placed[a].place].layers;
-            for b in a + 1..placed.len() {
-                if layers.interact(bodies[placed[b].place].layers) {
-                    leaf_pairs.clear();
-                    let [own, other] = [a, b].map(|body| placed[body].surface(bodies));
-                    own.pairs_with(&other, leaf_pairs);
-                    if visit(&own, &other, leaf_pairs).is_break() {
-                        return;
-                    }
-                }
+            for b in (a + 1..placed.len()).filter(|&b| placed[a].interacts(&placed[b], bodies)) {
+                leaf_pairs.clear();
+                let [own, other] = [a, b].map(|body| placed[body].surface(bodies));
+                own.pairs_with(&other, leaf_pairs);
+                own.star_pairs(&other, leaf_pairs, isa, found);
             }
         }
+    }
+}
+
+impl PlacedBody {
+    fn interacts(&self, other: &Self, bodies: &[Body]) -> bool {
+        bodies[self.place].layers.interact(bodies[other.place].layers)
     }
 }
 

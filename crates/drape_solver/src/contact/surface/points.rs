@@ -2,11 +2,13 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
+use core::ops::Range;
+
 use glam::{Vec3, Vec4};
 
-use crate::simd::columns::{Columns, LANES};
+use crate::simd::columns::{Cell, Columns, LANES};
 use crate::state::body::Body;
-use crate::state::surface::NONE;
+use crate::state::star::NONE;
 
 /// Places of particles at the start of a substep and now, relative to the origin of the first body, in metres. The fourth
 /// number of a place is zero: kernels load places whole.
@@ -14,6 +16,8 @@ use crate::state::surface::NONE;
 pub(crate) struct Points {
     /// For each body the number of its first particle; [`NONE`] if its surface touches nothing.
     pub first: Vec<u32>,
+    /// Places at the start of the substep, as the bodies have them. What follows is read from it when it is needed.
+    pub start_cells: Vec<Cell>,
     /// The body of each particle.
     pub body: Vec<u32>,
     /// In 1/kg.
@@ -33,37 +37,65 @@ pub(crate) struct Points {
 impl Points {
     pub fn clear(&mut self) {
         self.first.clear();
+        self.start_cells.clear();
         self.start.clear();
-        self.end.clear();
-        self.flight.clear();
-        self.known.clear();
-        self.body.clear();
-        self.inverse_mass.clear();
-        self.shift.clear();
-        self.known_shift.clear();
     }
 
+    /// True if no surface touches anything.
     pub fn is_empty(&self) -> bool {
-        self.start.is_empty()
+        self.start_cells.is_empty()
     }
 
-    /// Reads the particles at the start of a substep, before anything has moved.
+    /// Notes where the particles are at the start of a substep, before anything has moved.
     pub fn begin_substep(&mut self, bodies: &[Body]) {
         self.clear();
-        for (place, body) in bodies.iter().enumerate() {
+        for body in bodies {
             if body.has_self_contact() {
-                self.first.push(self.body.len() as u32);
-                self.inverse_mass.extend_from_slice(&body.particles.inverse_mass);
-                self.body.resize(self.inverse_mass.len(), place as u32);
+                self.first.push((self.start_cells.len() * LANES) as u32);
+                self.start_cells.extend_from_slice(&body.particles.position.cells);
             } else {
                 self.first.push(NONE);
             }
         }
-        read(bodies, &mut self.start);
-        self.shift.resize(self.start.len(), Vec3::ZERO);
-        self.known_shift.resize(self.start.len(), Vec3::ZERO);
+    }
+
+    /// Reads the particles as they were at the start of the substep, once for a substep.
+    pub fn read_starts(&mut self, bodies: &[Body]) {
+        if !self.start.is_empty() {
+            return;
+        }
+        let Self { first, start_cells, start, body: of, inverse_mass, .. } = self;
+        of.clear();
+        inverse_mass.clear();
+        let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
+        for (place, (body, &first)) in (0..).zip(bodies.iter().zip(&*first)).filter(|(_, of)| *of.1 != NONE) {
+            let cells = first as usize / LANES..first as usize / LANES + body.particles.position.cells.len();
+            read_cells(&start_cells[cells], body.particles.origin - origin, start);
+            inverse_mass.extend_from_slice(&body.particles.inverse_mass);
+            of.resize(inverse_mass.len(), place);
+        }
+        for shift in [&mut self.shift, &mut self.known_shift] {
+            shift.clear();
+            shift.resize(self.start.len(), Vec3::ZERO);
+        }
         self.end.clone_from(&self.start);
         self.known.clone_from(&self.start);
+    }
+
+    /// The bodies whose surfaces may touch, each with a column of its own, and its places when the substep began.
+    pub fn cells_of<'a>(
+        &'a self,
+        bodies: &'a [Body],
+        column: impl Fn(&'a Body) -> &'a Columns,
+    ) -> impl Iterator<Item = (CellsOfBody, &'a [Cell], &'a [Cell])> {
+        let on = bodies.iter().enumerate().zip(&self.first).filter(|(_, first)| **first != NONE);
+        on.map(move |((place, body), &first)| {
+            let first = first as usize / LANES;
+            let column = &column(body).cells[..];
+            let cells = first..first + column.len();
+            let starts = &self.start_cells[cells.clone()];
+            (CellsOfBody { body: place, cells }, column, starts)
+        })
     }
 
     /// Reads where the particles are now.
@@ -121,6 +153,13 @@ impl Points {
     }
 }
 
+/// The cells of a body among those of the island.
+#[derive(Clone, Debug)]
+pub(crate) struct CellsOfBody {
+    pub body: usize,
+    pub cells: Range<usize>,
+}
+
 fn read(bodies: &[Body], to: &mut Vec<Vec4>) {
     read_columns(bodies, to, |body| &body.particles.position);
 }
@@ -129,9 +168,13 @@ fn read_columns(bodies: &[Body], to: &mut Vec<Vec4>, columns: impl Fn(&Body) -> 
     to.clear();
     let origin = bodies.first().map_or(Vec3::ZERO, |body| body.particles.origin);
     for body in bodies.iter().filter(|body| body.has_self_contact()) {
-        let shift = body.particles.origin - origin;
-        for cell in &columns(body).cells {
-            to.extend((0..LANES).map(|lane| (cell.get(lane) + shift).extend(0.0)));
-        }
+        read_cells(&columns(body).cells, body.particles.origin - origin, to);
+    }
+}
+
+/// Appends the places of these cells, with their origin at `shift`.
+fn read_cells(cells: &[Cell], shift: Vec3, to: &mut Vec<Vec4>) {
+    for cell in cells {
+        to.extend((0..LANES).map(|lane| (cell.get(lane) + shift).extend(0.0)));
     }
 }

@@ -17,7 +17,7 @@ use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
 use crate::simd::lanes::{Lanes3, load};
 use crate::simd::transpose::transpose;
-use crate::state::surface::{EDGES, FACES, Star};
+use crate::state::star::{EDGES, FACES, Star};
 
 /// The columns of a row: of the centre, of the edges, of the faces.
 pub(crate) const CENTRE: [usize; 2] = [0, 3];
@@ -40,9 +40,6 @@ pub(crate) const COLUMNS: usize = 64;
 pub(crate) const CENTRES: Range<usize> = 0..1;
 pub(crate) const EDGES_TOO: Range<usize> = 0..2;
 pub(crate) const FACES_ONLY: Range<usize> = 2..4;
-
-/// The corners of a star.
-pub(crate) const CORNERS: usize = 1 + EDGES + 2 * FACES;
 
 /// The columns of sixteen stars.
 pub(crate) type Columns = [[f32; LANES]; COLUMNS];

@@ -25,7 +25,7 @@ use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, least, mos
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
 use crate::simd::lanes::{Lanes3, first_lanes, load, set_lanes};
-use crate::state::surface::{EDGES, FACES, Star};
+use crate::state::star::{EDGES, FACES, Star};
 
 /// Lists the parts of pairs of stars that may touch.
 pub(crate) struct Search<'a> {

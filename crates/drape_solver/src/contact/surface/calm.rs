@@ -1,0 +1,146 @@
+//! Calm: a proof that no surfaces touch in a step, and a watch over what it rests on.
+//!
+//! When a step begins, boxes and leans of whole [leaves](super::leaves) show whether anything may touch on its way in free
+//! flight. If nothing may, nothing is listed, and at the end of each substep one pass looks how far particles are off that
+//! way:
+//!
+//! ```text
+//!     start   1   2   3             all within the slack:       still calm
+//!       o---- o --o---o             one beyond it:              no longer, and the list is made
+//!            (   ) (   )
+//! ```
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::{Vec3, Vec3A};
+
+use crate::constants::{CONTACT_MARGIN_OF_SURFACES, SLACK_OF_CALM};
+use crate::contact::surface::leaves::{Turning, greatest_range};
+use crate::contact::surface::placed::PlacedSurfaces;
+use crate::contact::surface::points::Points;
+use crate::contact::surface::reach::Reach;
+use crate::geometry::nearest_lanes::{least, most};
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::isa::{Isa, Kernel};
+use crate::simd::lanes::Lanes3;
+use crate::state::body::Body;
+use crate::state::substep::Substep;
+
+/// The calm of a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Calm {
+    /// Places of all particles when the step began, and the way of each in a substep of free flight, in metres.
+    starts: Vec<Cell>,
+    ways: Vec<Cell>,
+    /// Metres that a particle may be off its way.
+    slack: f32,
+    turning: Turning,
+    /// Substeps that are left; 0 if there is no calm.
+    left: u32,
+    age: u32,
+}
+
+/// Change of scaled normals that leaves a flat patch flat: with what [flat](crate::constants::LEAST_FLAT_COSINE) means.
+const MOST_TURN: f32 = 0.25;
+
+impl Calm {
+    /// True if nothing can touch in this substep.
+    pub fn holds(&self) -> bool {
+        self.left > 0
+    }
+
+    pub fn end(&mut self) {
+        self.left = 0;
+    }
+
+    /// Substeps that are left of the step.
+    pub fn substeps_left(&self) -> u32 {
+        self.left
+    }
+
+    /// Looks whether the rest of a step is calm, if parts keep this `distance` at least (metres). It comes after free flight.
+    pub fn begin(
+        &mut self,
+        surfaces: &mut PlacedSurfaces,
+        points: &Points,
+        bodies: &[Body],
+        substep: Substep,
+        distance: f32,
+    ) {
+        let left = substep.count - substep.index;
+        self.slack = SLACK_OF_CALM * distance;
+        let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack: self.slack };
+        let Some(turning) = surfaces.turning_if_apart(bodies, points, left, reach) else { return };
+        (self.turning, self.left, self.age) = (turning, left, 0);
+        self.starts.clone_from(&points.start_cells);
+        self.ways.clear();
+        for (_, flight, starts) in points.cells_of(bodies, |body| &body.context.integrated) {
+            let way = |(flight, start): (&Cell, &Cell)| {
+                let mut way = *flight;
+                for (way, start) in way.axes_mut().into_iter().zip(start.axes()) {
+                    way.iter_mut().zip(start).for_each(|(way, start)| *way -= start);
+                }
+                way
+            };
+            self.ways.extend(flight.iter().zip(starts).map(way));
+        }
+    }
+
+    /// Ends a substep: false if something has left its way so far that it may touch.
+    pub fn goes_on(&mut self, points: &Points, bodies: &[Body], isa: Isa) -> bool {
+        self.age += 1;
+        let part = self.age as f32;
+        for (first, now, _) in points.cells_of(bodies, |body| &body.particles.position) {
+            let range = first.cells.clone();
+            let (starts, ways) = (&self.starts[range.clone()], &self.ways[range]);
+            let [low, high] = isa.run(OffWay { starts, ways, now, part });
+            if low.abs().max(high.abs()).length() > self.slack {
+                return false;
+            }
+            if self.turning.of((high - low).length()) > MOST_TURN {
+                // No leaf may turn as far as the whole body.
+                let off = |slot: u32| {
+                    let at = |cells: &[Cell]| Vec3A::from(cells[slot as usize / LANES].get(slot as usize % LANES));
+                    at(now) - at(starts) - at(ways) * part
+                };
+                let leaves = &bodies[first.body].topology.surface().leaves;
+                if self.turning.of(greatest_range(leaves, off)) > MOST_TURN {
+                    return false;
+                }
+            }
+        }
+        self.left -= 1;
+        true
+    }
+}
+
+/// The box around how far particles are off their ways.
+struct OffWay<'a> {
+    starts: &'a [Cell],
+    ways: &'a [Cell],
+    now: &'a [Cell],
+    part: f32,
+}
+
+impl Kernel for OffWay<'_> {
+    type Output = [Vec3; 2];
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> [Vec3; 2] {
+        let part = f32x16::splat(simd, self.part);
+        let mut low = Lanes3::splat(simd, Vec3::ZERO);
+        let mut high = low;
+        for ((start, way), now) in self.starts.iter().zip(self.ways).zip(self.now) {
+            let expected = Lanes3::load(simd, start).plus(Lanes3::load(simd, way).times(part));
+            let off = Lanes3::load(simd, now).minus(expected);
+            low = Lanes3 { x: least(low.x, off.x), y: least(low.y, off.y), z: least(low.z, off.z) };
+            high = Lanes3 { x: most(high.x, off.x), y: most(high.y, off.y), z: most(high.z, off.z) };
+        }
+        let fold = |lanes: Lanes3<S>, pick: fn(f32, f32) -> f32| {
+            let of = |axis: f32x16<S>| axis.to_array().into_iter().fold(0.0, pick);
+            Vec3::new(of(lanes.x), of(lanes.y), of(lanes.z))
+        };
+        [fold(low, f32::min), fold(high, f32::max)]
+    }
+}

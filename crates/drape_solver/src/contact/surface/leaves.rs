@@ -1,0 +1,124 @@
+//! Places the leaves of a surface as a whole: enough to see that nothing is near, at a tenth of the work of placing stars.
+//!
+//! Normals are scaled by what they are at rest, so a face that has shrunk leans to no side and counts as not flat.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use glam::{Vec3, Vec3A, Vec3Swizzles};
+
+use crate::broad_phase::surface_pairs::{Lean, PlacedLeaf};
+use crate::broad_phase::swept_box::SweptBox;
+use crate::simd::columns::{Cell, LANES};
+use crate::state::surface_leaf::{MOST_CORNERS, SurfaceLeaves};
+
+/// The leaves of one body, on their way in free flight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlyingLeaves<'a> {
+    pub leaves: &'a SurfaceLeaves,
+    /// Places at the start, and after one substep of flight, in metres, with the body's origin at `origin`.
+    pub places: [&'a [Cell]; 2],
+    pub origin: Vec3,
+    /// Substeps that are left.
+    pub substeps: f32,
+    /// Metres by which boxes are wider than what they hold.
+    pub growth: f32,
+}
+
+/// How much faces turn if their corners move against each other by at most `d` metres: their normals, at rest 1 long, change
+/// by at most `lever d + scale d²`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Turning {
+    /// In 1/m.
+    pub lever: f32,
+    /// In 1/m².
+    pub scale: f32,
+}
+
+impl Turning {
+    pub fn of(self, d: f32) -> f32 {
+        self.lever * d + self.scale * d * d
+    }
+
+    pub fn or_more(self, other: Self) -> Self {
+        Self { lever: self.lever.max(other.lever), scale: self.scale.max(other.scale) }
+    }
+}
+
+/// Change of normals between start and end that both ends do not show, above which a leaf is not flat.
+const MOST_BEND: f32 = 0.1;
+
+impl FlyingLeaves<'_> {
+    /// Places all leaves, with the lean of their own faces.
+    pub fn place(&self, placed: &mut Vec<PlacedLeaf>) -> Turning {
+        placed.clear();
+        let mut turning = Turning::default();
+        let mut corners = [[Vec3A::ZERO; 2]; MOST_CORNERS];
+        for leaf in 0..self.leaves.len() {
+            let (placed_leaf, of_leaf) = self.place_leaf(leaf, &mut corners);
+            placed.push(placed_leaf);
+            turning = turning.or_more(of_leaf);
+        }
+        turning
+    }
+
+    #[inline]
+    fn place_leaf(&self, leaf: usize, corners: &mut [[Vec3A; 2]; MOST_CORNERS]) -> (PlacedLeaf, Turning) {
+        let mut bounds = SweptBox::NOTHING;
+        for (&slot, corner) in self.leaves.corners(leaf).iter().zip(corners.iter_mut()) {
+            let [start, flight] = self.places.map(|cells| place(cells, slot));
+            let way = (flight - start) * self.substeps;
+            bounds.add(start, way);
+            *corner = [start, start + way];
+        }
+        let shift = Vec3A::from(self.origin);
+        bounds.low += shift - self.growth;
+        bounds.high += shift + self.growth;
+        let mut normals = [Vec3A::INFINITY, Vec3A::NEG_INFINITY];
+        let (mut sides, mut scale) = (Vec3A::ZERO, 0.0_f32);
+        let faces = self.leaves.faces(leaf);
+        for face in faces {
+            let [a, b, c] = face.corners.map(|corner| &corners[usize::from(corner) % MOST_CORNERS]);
+            for time in 0..2 {
+                let (u, v) = (b[time] - a[time], c[time] - a[time]);
+                let normal = if self.leaves.are_links { u } else { cross(u, v) } * face.scale;
+                normals = [normals[0].min(normal), normals[1].max(normal)];
+                sides = sides.max(u.abs()).max(v.abs());
+            }
+            scale = scale.max(face.scale);
+        }
+        let turning = if self.leaves.are_links {
+            Turning { lever: scale, scale: 0.0 }
+        } else {
+            Turning { lever: 2.0 * scale * sides.length(), scale }
+        };
+        // The normal of a face whose corners go straight is a parabola: this is how far it may bulge.
+        let bend = 0.25 * turning.scale * (bounds.fast - bounds.slow).length_squared();
+        let is_straight = bend < MOST_BEND && !faces.is_empty();
+        let lean = if is_straight { Lean::between(normals[0], normals[1]) } else { Lean::EVERY_WAY };
+        (PlacedLeaf { bounds, lean }, turning)
+    }
+}
+
+#[inline(always)]
+fn place(cells: &[Cell], slot: u32) -> Vec3A {
+    let (cell, lane) = (&cells[slot as usize / LANES], slot as usize % LANES);
+    Vec3A::new(cell.x[lane], cell.y[lane], cell.z[lane])
+}
+
+/// The cross product by single products and differences, alike on every machine.
+#[inline(always)]
+fn cross(u: Vec3A, v: Vec3A) -> Vec3A {
+    (u.zxy() * v - u * v.zxy()).zxy()
+}
+
+/// Greatest distance in metres by which the corners of one of the leaves are off their ways against each other, where
+/// `off` gives how far a slot is off.
+pub(crate) fn greatest_range(leaves: &SurfaceLeaves, off: impl Fn(u32) -> Vec3A) -> f32 {
+    let range = |leaf: usize| {
+        let start = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+        let offs = leaves.corners(leaf).iter().map(|&slot| off(slot));
+        let (low, high) = offs.fold(start, |(low, high), off| (low.min(off), high.max(off)));
+        (high - low).length_squared()
+    };
+    (0..leaves.len()).map(range).fold(0.0, f32::max).sqrt()
+}

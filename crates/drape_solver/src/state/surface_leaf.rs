@@ -1,0 +1,154 @@
+//! The leaves of a [surface](super::surface), each as a whole: its corners and its faces, each once, and the leaves near it.
+//!
+//! ```text
+//!     +---+---+---+---+
+//!     | n | n | n | n |      a leaf, the leaves around it, which share corners with it,
+//!     +---+---+---+---+      and those near it: around it or around one of these
+//!     | a | a | a | n |
+//!     +---+---+---+---+
+//!     | a | * | a | n |
+//!     +---+---+---+---+
+//! ```
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use core::ops::Range;
+
+use glam::Vec3;
+
+use crate::simd::columns::LANES;
+use crate::state::star::{CORNERS, Star};
+
+/// The leaves of a surface, in the order of its stars.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SurfaceLeaves {
+    leaves: Vec<Leaf>,
+    corners: Vec<u32>,
+    faces: Vec<LeafFace>,
+    around: Vec<u32>,
+    near: Vec<u32>,
+    /// True if the surface has no faces, but links.
+    pub are_links: bool,
+}
+
+/// Where a leaf's lists begin and end.
+#[derive(Clone, Debug)]
+struct Leaf {
+    corners: Range<usize>,
+    faces: Range<usize>,
+    around: Range<usize>,
+    near: Range<usize>,
+}
+
+/// A face, or a link, of a leaf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LeafFace {
+    /// Places of its corners in the list of the leaf's; the last one of a link twice.
+    pub corners: [u8; 3],
+    /// One over the length at rest of the product of two sides, in 1/m², or of the link, in 1/m; 0 where that has none.
+    pub scale: f32,
+}
+
+impl SurfaceLeaves {
+    /// The leaves of these stars. `rest` are the places of all slots at rest, in metres.
+    pub fn new(stars: &[Star], rest: &[Vec3]) -> Self {
+        let are_links = stars.iter().all(|star| star.face_count == 0);
+        let mut all = Self { are_links, ..Self::default() };
+        let (leaf_stars, _) = stars.as_chunks::<LANES>();
+        for stars in leaf_stars {
+            all.push(stars, rest);
+        }
+        all.find_around();
+        for leaf in 0..all.leaves.len() {
+            let near = sorted(all.around(leaf).iter().flat_map(|&other| all.around(other as usize)).copied());
+            all.leaves[leaf].near = all.near.len()..all.near.len() + near.len();
+            all.near.extend(near);
+        }
+        all
+    }
+
+    /// Adds the leaf of these stars, with its corners and faces.
+    fn push(&mut self, stars: &[Star; LANES], rest: &[Vec3]) {
+        let real = || stars.iter().filter(|star| !star.is_nothing());
+        let corners = sorted(real().flat_map(|star| (0..CORNERS).map(|k| star.corner(k))));
+        let place = |slot: u32| corners.binary_search(&slot).unwrap_or_default() as u8;
+        let at = |slot: u32| rest[slot as usize];
+        let inverse = |length: f32| if length > 0.0 { length.recip() } else { 0.0 };
+        let first_face = self.faces.len();
+        for star in real() {
+            for k in 0..star.face_count as usize {
+                let [a, b, c] = star.face(k);
+                let area = (at(b) - at(a)).cross(at(c) - at(a)).length();
+                self.faces.push(LeafFace { corners: [a, b, c].map(place), scale: inverse(area) });
+            }
+            for k in 0..if self.are_links { star.edge_count as usize } else { 0 } {
+                let [a, b] = star.edge(k);
+                let length = at(a).distance(at(b));
+                self.faces.push(LeafFace { corners: [a, b, b].map(place), scale: inverse(length) });
+            }
+        }
+        let first = self.corners.len();
+        self.corners.extend(corners);
+        self.leaves.push(Leaf {
+            corners: first..self.corners.len(),
+            faces: first_face..self.faces.len(),
+            around: 0..0,
+            near: 0..0,
+        });
+    }
+
+    /// Lists the leaves that share corners with each.
+    fn find_around(&mut self) {
+        let corners = |(number, leaf): (u32, &Leaf)| {
+            self.corners[leaf.corners.clone()].iter().map(move |&slot| (slot, number))
+        };
+        let mut leaves_of_slots: Vec<(u32, u32)> = (0..).zip(&self.leaves).flat_map(corners).collect();
+        leaves_of_slots.sort_unstable();
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        for of_slot in leaves_of_slots.chunk_by(|a, b| a.0 == b.0) {
+            pairs.extend(of_slot.iter().flat_map(|a| of_slot.iter().map(|b| [a.1, b.1])));
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        self.around = pairs.iter().map(|pair| pair[1]).collect();
+        let mut first = 0;
+        for of_leaf in pairs.chunk_by(|a, b| a[0] == b[0]) {
+            self.leaves[of_leaf[0][0] as usize].around = first..first + of_leaf.len();
+            first += of_leaf.len();
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// Slots of the corners of a leaf's stars, at most [`MOST_CORNERS`].
+    pub fn corners(&self, leaf: usize) -> &[u32] {
+        &self.corners[self.leaves[leaf].corners.clone()]
+    }
+
+    /// The faces that a leaf's stars own, or their links.
+    pub fn faces(&self, leaf: usize) -> &[LeafFace] {
+        &self.faces[self.leaves[leaf].faces.clone()]
+    }
+
+    /// The leaves that share a corner with this one, itself too, ascending.
+    pub fn around(&self, leaf: usize) -> &[u32] {
+        &self.around[self.leaves[leaf].around.clone()]
+    }
+
+    /// True if a leaf is around the other, or if there is one between them that is around both.
+    pub fn are_near(&self, [leaf, other]: [u32; 2]) -> bool {
+        self.near[self.leaves[leaf as usize].near.clone()].binary_search(&other).is_ok()
+    }
+}
+
+/// Corners of a leaf at most.
+pub(crate) const MOST_CORNERS: usize = LANES * CORNERS;
+
+fn sorted(values: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut all: Vec<u32> = values.collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
