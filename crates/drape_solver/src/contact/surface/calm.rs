@@ -15,8 +15,8 @@
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::{Vec3, Vec3A};
 
-use crate::constants::{CONTACT_MARGIN_OF_SURFACES, SLACK_OF_CALM};
-use crate::contact::surface::leaves::{Turning, greatest_range};
+use crate::constants::{CONTACT_MARGIN_OF_SURFACES, LEAST_FLAT_COSINE, SLACK_OF_CALM};
+use crate::contact::surface::leaves::{MOST_BULGE, Turning, greatest_range};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
@@ -41,8 +41,8 @@ pub(crate) struct Calm {
     age: u32,
 }
 
-/// Change of scaled normals that leaves a flat patch flat: with what [flat](crate::constants::LEAST_FLAT_COSINE) means.
-const MOST_TURN: f32 = 0.25;
+/// Change of scaled normals that leaves a flat patch in a half-space of directions.
+const MOST_TURN: f32 = LEAST_FLAT_COSINE - MOST_BULGE;
 
 impl Calm {
     /// True if nothing can touch in this substep.
@@ -52,11 +52,6 @@ impl Calm {
 
     pub fn end(&mut self) {
         self.left = 0;
-    }
-
-    /// Substeps that are left of the step.
-    pub fn substeps_left(&self) -> u32 {
-        self.left
     }
 
     /// Looks whether the rest of a step is calm, if parts keep this `distance` at least (metres). It comes after free flight.
@@ -96,7 +91,7 @@ impl Calm {
             let (starts, ways) = (&self.starts[range.clone()], &self.ways[range]);
             let [low, high] = isa.run(OffWay { starts, ways, now, part });
             if low.abs().max(high.abs()).length() > self.slack {
-                return false;
+               return false;
             }
             if self.turning.of((high - low).length()) > MOST_TURN {
                 // No leaf may turn as far as the whole body.

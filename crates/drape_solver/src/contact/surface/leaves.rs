@@ -44,8 +44,8 @@ impl Turning {
     }
 }
 
-/// Change of normals between start and end that both ends do not show, above which a leaf is not flat.
-const MOST_BEND: f32 = 0.1;
+/// Change of scaled normals on the way that both its ends do not show.
+pub(crate) const MOST_BULGE: f32 = 0.05;
 
 impl FlyingLeaves<'_> {
     /// Places all leaves, with the lean of their own faces.
@@ -73,28 +73,38 @@ impl FlyingLeaves<'_> {
         let shift = Vec3A::from(self.origin);
         bounds.low += shift - self.growth;
         bounds.high += shift + self.growth;
-        let mut normals = [Vec3A::INFINITY, Vec3A::NEG_INFINITY];
-        let (mut sides, mut scale) = (Vec3A::ZERO, 0.0_f32);
         let faces = self.leaves.faces(leaf);
+        let scale = faces.iter().fold(0.0_f32, |most, face| most.max(face.scale));
+        // The normal of a face whose corners go straight is a parabola: this is how far it may bulge.
+        let bulge = 0.25 * scale * (bounds.fast - bounds.slow).length_squared();
+        let bulges = !self.leaves.are_links && bulge >= MOST_BULGE;
+        let (mut low, mut high, mut sides) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO);
         for face in faces {
+            let mut add = |normal: Vec3A| {
+                low = low.min(normal * face.scale);
+                high = high.max(normal * face.scale);
+            };
             let [a, b, c] = face.corners.map(|corner| &corners[usize::from(corner) % MOST_CORNERS]);
-            for time in 0..2 {
-                let (u, v) = (b[time] - a[time], c[time] - a[time]);
-                let normal = if self.leaves.are_links { u } else { cross(u, v) } * face.scale;
-                normals = [normals[0].min(normal), normals[1].max(normal)];
-                sides = sides.max(u.abs()).max(v.abs());
+            let [[u, v], [later_u, later_v]] = [0, 1].map(|time| [b[time] - a[time], c[time] - a[time]]);
+            if self.leaves.are_links {
+                add(u);
+                add(later_u);
+            } else {
+                add(cross(u, v));
+                add(cross(later_u, later_v));
+                if bulges {
+                    // With this one as the middle, the three hold the parabola between them (as Bézier's points do).
+                    add((cross(u, later_v) + cross(later_u, v)) * 0.5);
+                }
             }
-            scale = scale.max(face.scale);
+            sides = sides.max(u.abs()).max(v.abs()).max(later_u.abs()).max(later_v.abs());
         }
         let turning = if self.leaves.are_links {
             Turning { lever: scale, scale: 0.0 }
         } else {
             Turning { lever: 2.0 * scale * sides.length(), scale }
         };
-        // The normal of a face whose corners go straight is a parabola: this is how far it may bulge.
-        let bend = 0.25 * turning.scale * (bounds.fast - bounds.slow).length_squared();
-        let is_straight = bend < MOST_BEND && !faces.is_empty();
-        let lean = if is_straight { Lean::between(normals[0], normals[1]) } else { Lean::EVERY_WAY };
+        let lean = if faces.is_empty() { Lean::EVERY_WAY } else { Lean::between(low, high) };
         (PlacedLeaf { bounds, lean }, turning)
     }
 }
