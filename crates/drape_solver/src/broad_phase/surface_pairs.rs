@@ -95,10 +95,6 @@ impl StarPairs {
         self.edges.clear();
         self.crossings.clear();
     }
-
-    pub fn is_empty(&self) -> bool {
-        self.corners.is_empty() && self.edges.is_empty()
-    }
 }
 
 /// Boxes of the leaves and nodes of one body.

@@ -26,6 +26,12 @@ impl Cell {
         (self.x[lane], self.y[lane], self.z[lane]) = (v.x, v.y, v.z);
     }
 
+    pub fn minus(&self, other: &Self) -> Self {
+        let axes =
+            |own: &[f32; LANES], other: &[f32; LANES]| core::array::from_fn(|lane| own[lane] - other[lane]);
+        Self { x: axes(&self.x, &other.x), y: axes(&self.y, &other.y), z: axes(&self.z, &other.z) }
+    }
+
     pub fn axes(&self) -> [&[f32; LANES]; 3] {
         [&self.x, &self.y, &self.z]
     }

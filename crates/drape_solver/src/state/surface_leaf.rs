@@ -43,7 +43,7 @@ struct Leaf {
 /// A face, or a link, of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LeafFace {
-    /// Places of its corners in the list of the leaf's; the last one of a link twice.
+    /// Places of its corners in the list of the leaf's, the one opposite the longest side first; the last one of a link twice.
     pub corners: [u8; 3],
     /// One over the length at rest of the product of two sides, in 1/m², or of the link, in 1/m; 0 where that has none.
     pub scale: f32,
@@ -77,7 +77,7 @@ impl SurfaceLeaves {
         let first_face = self.faces.len();
         for star in real() {
             for k in 0..star.face_count as usize {
-                let [a, b, c] = star.face(k);
+                let [a, b, c] = from_widest(star.face(k), at);
                 let area = (at(b) - at(a)).cross(at(c) - at(a)).length();
                 self.faces.push(LeafFace { corners: [a, b, c].map(place), scale: inverse(area) });
             }
@@ -145,6 +145,14 @@ impl SurfaceLeaves {
 
 /// Corners of a leaf at most.
 pub(crate) const MOST_CORNERS: usize = LANES * CORNERS;
+
+/// The corners of a face, turned so that the one opposite the longest side comes first.
+fn from_widest([a, b, c]: [u32; 3], at: impl Fn(u32) -> Vec3) -> [u32; 3] {
+    let length = |p: u32, q: u32| at(p).distance_squared(at(q));
+    let sides = [length(b, c), length(c, a), length(a, b)];
+    let longest = (1..3).fold(0, |longest, k| if sides[k] > sides[longest] { k } else { longest });
+    [[a, b, c], [b, c, a], [c, a, b]][longest]
+}
 
 fn sorted(values: impl Iterator<Item = u32>) -> Vec<u32> {
     let mut all: Vec<u32> = values.collect();

@@ -6,22 +6,22 @@
 //!
 //! ```text
 //!     start   1   2   3             all within the slack:       still calm
-//!       o---- o --o---o             one beyond it:              no longer, and the list is made
-//!            (   ) (   )
+//!       o---- o --o---o             one beyond it:              the proof is made anew for what is left, from this substep on;
+//!            (   ) (   )                                        if there is none, the list is made
 //! ```
 //!
 //! Design: `docs/design/self_contact.md`.
 
 use fearless_simd::{Simd, f32x16, prelude::*};
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 
 use crate::constants::{CONTACT_MARGIN_OF_SURFACES, LEAST_FLAT_COSINE, SLACK_OF_CALM};
-use crate::contact::surface::leaves::{MOST_BULGE, Turning, greatest_range};
+use crate::contact::surface::leaves::{MOST_BULGE, Turning};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
 use crate::geometry::nearest_lanes::{least, most};
-use crate::simd::columns::{Cell, LANES};
+use crate::simd::columns::{Cell, Columns};
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::Lanes3;
 use crate::state::body::Body;
@@ -54,59 +54,45 @@ impl Calm {
         self.left = 0;
     }
 
-    /// Looks whether the rest of a step is calm, if parts keep this `distance` at least (metres). It comes after free flight.
+    /// Looks whether the rest of a step is calm, if all particles go on from the start of this substep as they have gone to the
+    /// `column` that is given, and parts keep this `distance` at least (metres).
     pub fn begin(
         &mut self,
         surfaces: &mut PlacedSurfaces,
         points: &Points,
         bodies: &[Body],
+        column: fn(&Body) -> &Columns,
         substep: Substep,
         distance: f32,
     ) {
         let left = substep.count - substep.index;
         self.slack = SLACK_OF_CALM * distance;
         let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack: self.slack };
-        let Some(turning) = surfaces.turning_if_apart(bodies, points, left, reach) else { return };
+        self.end();
+        let Some(turning) = surfaces.turning_if_apart(bodies, points, column, left, reach) else { return };
         (self.turning, self.left, self.age) = (turning, left, 0);
         self.starts.clone_from(&points.start_cells);
         self.ways.clear();
-        for (_, flight, starts) in points.cells_of(bodies, |body| &body.context.integrated) {
-            let way = |(flight, start): (&Cell, &Cell)| {
-                let mut way = *flight;
-                for (way, start) in way.axes_mut().into_iter().zip(start.axes()) {
-                    way.iter_mut().zip(start).for_each(|(way, start)| *way -= start);
-                }
-                way
-            };
-            self.ways.extend(flight.iter().zip(starts).map(way));
+        for (_, next, starts) in points.cells_of(bodies, column) {
+            self.ways.extend(next.iter().zip(starts).map(|(next, start)| next.minus(start)));
         }
     }
 
-    /// Ends a substep: false if something has left its way so far that it may touch.
-    pub fn goes_on(&mut self, points: &Points, bodies: &[Body], isa: Isa) -> bool {
-        self.age += 1;
-        let part = self.age as f32;
-        for (first, now, _) in points.cells_of(bodies, |body| &body.particles.position) {
-            let range = first.cells.clone();
-            let (starts, ways) = (&self.starts[range.clone()], &self.ways[range]);
+    /// At the end of a substep: true if all are on their way.
+    pub fn is_on_its_way(&self, points: &Points, bodies: &[Body], isa: Isa) -> bool {
+        let part = (self.age + 1) as f32;
+        points.cells_of(bodies, |body| &body.particles.position).all(|(cells, now, _)| {
+            let (starts, ways) = (&self.starts[cells.clone()], &self.ways[cells]);
             let [low, high] = isa.run(OffWay { starts, ways, now, part });
-            if low.abs().max(high.abs()).length() > self.slack {
-               return false;
-            }
-            if self.turning.of((high - low).length()) > MOST_TURN {
-                // No leaf may turn as far as the whole body.
-                let off = |slot: u32| {
-                    let at = |cells: &[Cell]| Vec3A::from(cells[slot as usize / LANES].get(slot as usize % LANES));
-                    at(now) - at(starts) - at(ways) * part
-                };
-                let leaves = &bodies[first.body].topology.surface().leaves;
-                if self.turning.of(greatest_range(leaves, off)) > MOST_TURN {
-                    return false;
-                }
-            }
-        }
+            let off = low.abs().max(high.abs()).length();
+            off <= self.slack && self.turning.of((high - low).length()) <= MOST_TURN
+        })
+    }
+
+    /// Ends a substep.
+    pub fn grow_older(&mut self) {
         self.left -= 1;
-        true
+        self.age += 1;
     }
 }
 

@@ -11,11 +11,11 @@ use crate::broad_phase::swept_box::SweptBox;
 use crate::simd::columns::{Cell, LANES};
 use crate::state::surface_leaf::{MOST_CORNERS, SurfaceLeaves};
 
-/// The leaves of one body, on their way in free flight.
+/// The leaves of one body, on an even way.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlyingLeaves<'a> {
     pub leaves: &'a SurfaceLeaves,
-    /// Places at the start, and after one substep of flight, in metres, with the body's origin at `origin`.
+    /// Places at the start, and one substep later, in metres, with the body's origin at `origin`.
     pub places: [&'a [Cell]; 2],
     pub origin: Vec3,
     /// Substeps that are left.
@@ -65,8 +65,8 @@ impl FlyingLeaves<'_> {
     fn place_leaf(&self, leaf: usize, corners: &mut [[Vec3A; 2]; MOST_CORNERS]) -> (PlacedLeaf, Turning) {
         let mut bounds = SweptBox::NOTHING;
         for (&slot, corner) in self.leaves.corners(leaf).iter().zip(corners.iter_mut()) {
-            let [start, flight] = self.places.map(|cells| place(cells, slot));
-            let way = (flight - start) * self.substeps;
+            let [start, next] = self.places.map(|cells| place(cells, slot));
+            let way = (next - start) * self.substeps;
             bounds.add(start, way);
             *corner = [start, start + way];
         }
@@ -78,7 +78,7 @@ impl FlyingLeaves<'_> {
         // The normal of a face whose corners go straight is a parabola: this is how far it may bulge.
         let bulge = 0.25 * scale * (bounds.fast - bounds.slow).length_squared();
         let bulges = !self.leaves.are_links && bulge >= MOST_BULGE;
-        let (mut low, mut high, mut sides) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO);
+        let (mut low, mut high, mut longest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, 0.0_f32);
         for face in faces {
             let mut add = |normal: Vec3A| {
                 low = low.min(normal * face.scale);
@@ -97,12 +97,14 @@ impl FlyingLeaves<'_> {
                     add((cross(u, later_v) + cross(later_u, v)) * 0.5);
                 }
             }
-            sides = sides.max(u.abs()).max(v.abs()).max(later_u.abs()).max(later_v.abs());
+            let squares = (u * u + v * v).max(later_u * later_u + later_v * later_v);
+            longest = longest.max(squares.element_sum());
         }
         let turning = if self.leaves.are_links {
             Turning { lever: scale, scale: 0.0 }
         } else {
-            Turning { lever: 2.0 * scale * sides.length(), scale }
+            // The sum of two lengths is at most the root of twice the sum of their squares.
+            Turning { lever: scale * (2.0 * longest).sqrt(), scale }
         };
         let lean = if faces.is_empty() { Lean::EVERY_WAY } else { Lean::between(low, high) };
         (PlacedLeaf { bounds, lean }, turning)
@@ -119,16 +121,4 @@ fn place(cells: &[Cell], slot: u32) -> Vec3A {
 #[inline(always)]
 fn cross(u: Vec3A, v: Vec3A) -> Vec3A {
     (u.zxy() * v - u * v.zxy()).zxy()
-}
-
-/// Greatest distance in metres by which the corners of one of the leaves are off their ways against each other, where
-/// `off` gives how far a slot is off.
-pub(crate) fn greatest_range(leaves: &SurfaceLeaves, off: impl Fn(u32) -> Vec3A) -> f32 {
-    let range = |leaf: usize| {
-        let start = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-        let offs = leaves.corners(leaf).iter().map(|&slot| off(slot));
-        let (low, high) = offs.fold(start, |(low, high), off| (low.min(off), high.max(off)));
-        (high - low).length_squared()
-    };
-    (0..leaves.len()).map(range).fold(0.0, f32::max).sqrt()
 }

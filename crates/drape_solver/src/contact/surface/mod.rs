@@ -150,9 +150,36 @@ impl SurfaceContacts {
     fn is_calm(&mut self, bodies: &[Body], substep: Substep) -> bool {
         let Self { calm, list, surfaces, points, .. } = self;
         if !calm.holds() && !list.holds() {
-            calm.begin(surfaces, points, bodies, substep, least_distance(bodies));
+            calm.begin(
+                surfaces,
+                points,
+                bodies,
+                |body| &body.context.integrated,
+                substep,
+                least_distance(bodies),
+            );
         }
         calm.holds()
+    }
+
+    /// Ends a substep in which nothing could touch: false if something may have left its way so far that it does.
+    fn stays_calm(&mut self, bodies: &[Body], substep: Substep) -> bool {
+        let Self { calm, surfaces, points, .. } = self;
+        if !calm.is_on_its_way(points, bodies, substep.isa) {
+            calm.begin(
+                surfaces,
+                points,
+                bodies,
+                |body| &body.particles.position,
+                substep,
+                least_distance(bodies),
+            );
+        }
+        let is_calm = calm.holds();
+        if is_calm {
+            calm.grow_older();
+        }
+        is_calm
     }
 
     /// Lists what may touch; and, when the step begins, the edges that pass through faces.
@@ -257,10 +284,9 @@ impl SurfaceContacts {
     pub fn keep_apart(&mut self, bodies: &mut [Body], substep: Substep) {
         let was_calm = self.calm.holds();
         if was_calm {
-            if self.calm.goes_on(&self.points, bodies, substep.isa) {
+            if self.stays_calm(bodies, substep) {
                 return;
             }
-            self.calm.end();
         } else if !self.list.holds() {
             return;
         }

@@ -14,7 +14,7 @@ use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
 use crate::contact::surface::rows::{PlaceStars, Row};
 use crate::geometry::nearest_triangle::weighted;
-use crate::simd::columns::LANES;
+use crate::simd::columns::{Columns, LANES};
 use crate::simd::isa::Isa;
 use crate::simd::lanes::set_lanes;
 use crate::state::body::Body;
@@ -272,22 +272,23 @@ impl PlacedSurfaces {
         }
     }
 
-    /// How faces may turn if no parts can touch in free flight for some `substeps`, by the leaves as a whole.
+    /// How faces may turn if no parts can touch in some `substeps`, by the leaves as a whole: in each substep all go as far as
+    /// from their starts to the `column` that is given.
     pub fn turning_if_apart(
         &mut self,
         bodies: &[Body],
         points: &Points,
+        column: fn(&Body) -> &Columns,
         substeps: u32,
         reach: Reach,
     ) -> Option<Turning> {
         let Self { bodies: placed, leaf_pairs, .. } = self;
         let mut turning = Turning::default();
-        let flights = points.cells_of(bodies, |body| &body.context.integrated);
-        for (body, (_, flight, starts)) in placed.iter_mut().zip(flights) {
+        for (body, (_, next, starts)) in placed.iter_mut().zip(points.cells_of(bodies, column)) {
             let Body { particles, topology, settings, .. } = &bodies[body.place];
             let flying = FlyingLeaves {
                 leaves: &topology.surface().leaves,
-                places: [starts, flight],
+                places: [starts, next],
                 origin: particles.origin - bodies[0].particles.origin,
                 substeps: substeps as f32,
                 growth: settings.thickness * reach.factor + reach.slack,

@@ -82,19 +82,20 @@ impl Points {
         self.known.clone_from(&self.start);
     }
 
-    /// The bodies whose surfaces may touch, each with a column of its own, and its places when the substep began.
+    /// The bodies whose surfaces may touch: the place of each one's cells in the island, a column of its own, and its places
+    /// when the substep began.
     pub fn cells_of<'a>(
         &'a self,
         bodies: &'a [Body],
         column: impl Fn(&'a Body) -> &'a Columns,
-    ) -> impl Iterator<Item = (CellsOfBody, &'a [Cell], &'a [Cell])> {
-        let on = bodies.iter().enumerate().zip(&self.first).filter(|(_, first)| **first != NONE);
-        on.map(move |((place, body), &first)| {
+    ) -> impl Iterator<Item = (Range<usize>, &'a [Cell], &'a [Cell])> {
+        let on = bodies.iter().zip(&self.first).filter(|(_, first)| **first != NONE);
+        on.map(move |(body, &first)| {
             let first = first as usize / LANES;
             let column = &column(body).cells[..];
             let cells = first..first + column.len();
             let starts = &self.start_cells[cells.clone()];
-            (CellsOfBody { body: place, cells }, column, starts)
+            (cells, column, starts)
         })
     }
 
@@ -151,13 +152,6 @@ impl Points {
     pub fn way(&self, id: usize) -> Vec3 {
         (self.end[id] - self.start[id]).truncate()
     }
-}
-
-/// The cells of a body among those of the island.
-#[derive(Clone, Debug)]
-pub(crate) struct CellsOfBody {
-    pub body: usize,
-    pub cells: Range<usize>,
 }
 
 fn read(bodies: &[Body], to: &mut Vec<Vec4>) {
