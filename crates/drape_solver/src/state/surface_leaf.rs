@@ -160,3 +160,89 @@ fn sorted(values: impl Iterator<Item = u32>) -> Vec<u32> {
     all.dedup();
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::cloth::ClothBuilder;
+    use crate::build::rope::RopeBuilder;
+    use crate::state::settings::SolverSettings;
+    use crate::state::topology::Topology;
+
+    fn topologies() -> Vec<Topology> {
+        let settings = SolverSettings::default();
+        let cloth = ClothBuilder::new(1.0, 1.3, 12, 21).build(settings).expect("valid");
+        let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 3.0, 70).build(settings).expect("valid");
+        vec![(*cloth.topology).clone(), (*rope.topology).clone()]
+    }
+
+    /// Turned so that the least corner comes first: the winding shows.
+    fn turned(mut face: [u32; 3]) -> [u32; 3] {
+        let least = (0..3).fold(0, |least, k| if face[k] < face[least] { k } else { least });
+        face.rotate_left(least);
+        face
+    }
+
+    /// The grid's squares are 1/11 m x 1.3/20 m, the rope's links 3/69 m long.
+    #[test]
+    fn each_face_and_each_link_belongs_to_one_leaf() {
+        let areas = [1.0 / 11.0 * 1.3 / 20.0, 3.0 / 69.0];
+        for (topology, area) in topologies().into_iter().zip(areas) {
+            let leaves = &topology.surface().leaves;
+            let slot = |index: u32| topology.layout.slot(index as usize) as u32;
+            let mut found = Vec::new();
+            for leaf in 0..leaves.len() {
+                for face in leaves.faces(leaf) {
+                    found.push(turned(face.corners.map(|corner| leaves.corners(leaf)[usize::from(corner)])));
+                    assert!((face.scale * area - 1.0).abs() < 1e-4, "{face:?}");
+                }
+            }
+            let links = topology.segments.iter().map(|&[a, b]| [a, b, b]);
+            let faces = topology.faces.iter().copied();
+            let mut expected: Vec<[u32; 3]> = faces.chain(links).map(|face| turned(face.map(slot))).collect();
+            if leaves.are_links {
+                // A link may be listed from either end.
+                let ends = |&[a, b, c]: &[u32; 3]| [a.min(c), b.max(a), b.max(a)];
+                found = found.iter().map(ends).collect();
+                expected = expected.iter().map(ends).collect();
+            }
+            found.sort_unstable();
+            expected.sort_unstable();
+            assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn the_first_corner_of_a_face_is_opposite_its_longest_side() {
+        let [cloth, _] = topologies().try_into().expect("two");
+        let leaves = &cloth.surface().leaves;
+        let mut rest = vec![Vec3::ZERO; cloth.layout.cells() * LANES];
+        cloth.layout.slots().enumerate().for_each(|(index, slot)| rest[slot] = cloth.rest[index]);
+        for leaf in 0..leaves.len() {
+            for face in leaves.faces(leaf) {
+                let [a, b, c] =
+                    face.corners.map(|corner| rest[leaves.corners(leaf)[usize::from(corner)] as usize]);
+                assert!(b.distance(c) >= a.distance(b).max(a.distance(c)), "{face:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn leaves_around_share_corners_and_those_near_have_one_between_them() {
+        for topology in topologies() {
+            let leaves = &topology.surface().leaves;
+            let share =
+                |a: usize, b: usize| leaves.corners(a).iter().any(|slot| leaves.corners(b).contains(slot));
+            let all = || 0..leaves.len();
+            for (a, b) in all().flat_map(|a| all().map(move |b| (a, b))) {
+                assert_eq!(leaves.around(a).contains(&(b as u32)), share(a, b), "{a} {b}");
+                let is_near = all().any(|c| share(a, c) && share(c, b));
+                assert_eq!(leaves.are_near([a as u32, b as u32]), is_near, "{a} {b}");
+            }
+            let far = all()
+                .flat_map(|a| all().map(move |b| [a as u32, b as u32]))
+                .filter(|&pair| !leaves.are_near(pair));
+            assert!(far.count() > 0, "some are far from each other");
+        }
+    }
+}

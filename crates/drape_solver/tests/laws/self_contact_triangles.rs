@@ -362,3 +362,39 @@ fn a_sheet_that_is_wrung_too_far_does_not_pass_through_itself() {
     }
     assert!(truncated > 0, "it is wrung too far for pushes alone");
 }
+
+/// A sheet that hangs and swings a little touches nothing. Lists of pairs were made in each step, at three times the price of
+/// the step.
+#[test]
+fn a_sheet_that_touches_nothing_lists_nothing() {
+    let sheet = ClothBuilder::new(1.0, 1.0, 33, 33)
+        .placed(Vec3::new(0.0, 1.0, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
+        .pin_edge(Edge::Top);
+    let mut island = Island::of_body(sheet.build(settings(0.005)).expect("valid"));
+    let mut lists = 0;
+    run_with(&mut island, &gravity(FRAME), 2.0, |island, _| lists += island.self_contact_counts().lists);
+    assert_eq!(lists, 0);
+}
+
+/// Two sheets hang apart when a step begins, and a ball drives one into the other within that step.
+#[test]
+fn layers_that_a_ball_drives_together_within_a_step_do_not_cross() {
+    let crossed = |self_contact| {
+        let settings = SolverSettings { self_contact, ..settings(0.005) };
+        let sheet = |z: f32| {
+            ClothBuilder::new(1.0, 1.0, 25, 25)
+                .placed(Vec3::new(-0.5, 0.5, z), Vec3::X, Vec3::NEG_Y)
+                .pin_edge(Edge::Top)
+        };
+        let bodies = [0.0, 0.06].map(|z| sheet(z).build(settings).expect("valid"));
+        let mut island = Island { bodies: bodies.into(), ..Island::default() };
+        run(&mut island, &gravity(FRAME), FRAME);
+        assert_eq!(island.self_contact_counts().lists, 0, "they are apart");
+        island.balls.push(ball(smooth(0.1, 3.0), Vec3::new(0.02, 0.01, -0.3), Vec3::Z * 25.0));
+        let mut most = 0;
+        run_with(&mut island, &gravity(FRAME), 0.5, |island, _| most = most.max(crossings(island)));
+        most
+    };
+    assert_eq!(crossed(SelfContact::On), 0);
+    assert!(crossed(SelfContact::Off) > 0, "without contact they cross");
+}

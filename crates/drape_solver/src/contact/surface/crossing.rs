@@ -175,10 +175,10 @@ mod tests {
         }
         let mut points = Points::default();
         points.begin_substep(&bodies);
+        points.read_starts(&bodies);
         points.flight = points.start.clone();
         let mut surfaces = PlacedSurfaces::default();
         surfaces.fit(&bodies, &points);
-        surfaces.sharpen(&points);
         let mut found = Vec::new();
         let substep = Substep { count: 1, duration: 0.002, ..Substep::default() };
         PairList::default().make(&mut surfaces, &points, &bodies, substep, 0.01, Some(&mut found));

@@ -4,15 +4,16 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
+use fearless_simd::Simd;
 use glam::{Vec3, Vec3A, Vec3Swizzles};
 
 use crate::broad_phase::surface_pairs::{Lean, PlacedLeaf};
 use crate::broad_phase::swept_box::SweptBox;
 use crate::simd::columns::{Cell, LANES};
+use crate::simd::isa::Kernel;
 use crate::state::surface_leaf::{MOST_CORNERS, SurfaceLeaves};
 
 /// The leaves of one body, on an even way.
-#[derive(Clone, Copy, Debug)]
 pub(crate) struct FlyingLeaves<'a> {
     pub leaves: &'a SurfaceLeaves,
     /// Places at the start, and one substep later, in metres, with the body's origin at `origin`.
@@ -22,6 +23,7 @@ pub(crate) struct FlyingLeaves<'a> {
     pub substeps: f32,
     /// Metres by which boxes are wider than what they hold.
     pub growth: f32,
+    pub placed: &'a mut Vec<PlacedLeaf>,
 }
 
 /// How much faces turn if their corners move against each other by at most `d` metres: their normals, at rest 1 long, change
@@ -47,21 +49,26 @@ impl Turning {
 /// Change of scaled normals on the way that both its ends do not show.
 pub(crate) const MOST_BULGE: f32 = 0.05;
 
-impl FlyingLeaves<'_> {
-    /// Places all leaves, with the lean of their own faces.
-    pub fn place(&self, placed: &mut Vec<PlacedLeaf>) -> Turning {
-        placed.clear();
+/// Places all leaves, with the lean of their own faces.
+impl Kernel for FlyingLeaves<'_> {
+    type Output = Turning;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Turning {
         let mut turning = Turning::default();
         let mut corners = [[Vec3A::ZERO; 2]; MOST_CORNERS];
+        self.placed.clear();
         for leaf in 0..self.leaves.len() {
             let (placed_leaf, of_leaf) = self.place_leaf(leaf, &mut corners);
-            placed.push(placed_leaf);
+            self.placed.push(placed_leaf);
             turning = turning.or_more(of_leaf);
         }
         turning
     }
+}
 
-    #[inline]
+impl FlyingLeaves<'_> {
+    #[inline(always)]
     fn place_leaf(&self, leaf: usize, corners: &mut [[Vec3A; 2]; MOST_CORNERS]) -> (PlacedLeaf, Turning) {
         let mut bounds = SweptBox::NOTHING;
         for (&slot, corner) in self.leaves.corners(leaf).iter().zip(corners.iter_mut()) {
@@ -74,11 +81,12 @@ impl FlyingLeaves<'_> {
         bounds.low += shift - self.growth;
         bounds.high += shift + self.growth;
         let faces = self.leaves.faces(leaf);
+        let approach = (bounds.fast - bounds.slow).length();
         let scale = faces.iter().fold(0.0_f32, |most, face| most.max(face.scale));
         // The normal of a face whose corners go straight is a parabola: this is how far it may bulge.
-        let bulge = 0.25 * scale * (bounds.fast - bounds.slow).length_squared();
+        let bulge = 0.25 * scale * approach * approach;
         let bulges = !self.leaves.are_links && bulge >= MOST_BULGE;
-        let (mut low, mut high, mut longest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, 0.0_f32);
+        let (mut low, mut high, mut squares) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY, Vec3A::ZERO);
         for face in faces {
             let mut add = |normal: Vec3A| {
                 low = low.min(normal * face.scale);
@@ -97,14 +105,14 @@ impl FlyingLeaves<'_> {
                     add((cross(u, later_v) + cross(later_u, v)) * 0.5);
                 }
             }
-            let squares = (u * u + v * v).max(later_u * later_u + later_v * later_v);
-            longest = longest.max(squares.element_sum());
+            squares = squares.max(u * u + v * v);
         }
         let turning = if self.leaves.are_links {
             Turning { lever: scale, scale: 0.0 }
         } else {
             // The sum of two lengths is at most the root of twice the sum of their squares.
-            Turning { lever: scale * (2.0 * longest).sqrt(), scale }
+            let sides = (2.0 * squares.element_sum()).sqrt() + 2.0 * approach;
+            Turning { lever: scale * sides, scale }
         };
         let lean = if faces.is_empty() { Lean::EVERY_WAY } else { Lean::between(low, high) };
         (PlacedLeaf { bounds, lean }, turning)

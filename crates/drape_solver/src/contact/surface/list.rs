@@ -74,6 +74,7 @@ impl PairList {
     ) {
         self.clear();
         let substeps = substep.count - substep.index;
+        surfaces.sharpen(points);
         surfaces.look_at_all();
         self.expect(&points.start, &points.flight, substeps);
         let slack = SLACK_OF_SURFACES * distance;
@@ -98,6 +99,7 @@ impl PairList {
         distance: f32,
     ) {
         self.clear();
+        surfaces.sharpen(points);
         surfaces.look_at_all();
         self.search_onwards(surfaces, points, bodies, substep.count - substep.index, distance, substep.isa);
     }
@@ -177,70 +179,14 @@ impl PairList {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Quat, Vec3};
+    use glam::Vec3;
 
     use super::*;
-    use crate::build::cloth::ClothBuilder;
-    use crate::build::rope::RopeBuilder;
-    use crate::constants::BLUNT_EDGES;
     use crate::contact::surface::pair::Kind;
-    use crate::geometry::nearest_triangle::weighted;
+    use crate::contact::surface::testing::{DISTANCE, Numbers, bodies, flying, touching};
     use crate::simd::miri::unless_miri;
-    use crate::state::settings::{SelfContact, SolverSettings};
-    use crate::state::star::Star;
 
-    const THICKNESS: f32 = 0.005;
-    const DISTANCE: f32 = 2.0 * THICKNESS;
     const SUBSTEPS: u32 = 4;
-
-    /// Numbers from -1 to 1.
-    struct Numbers(u32);
-
-    impl Numbers {
-        fn next(&mut self) -> f32 {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (self.0 >> 8) as f32 / (1 << 23) as f32 - 1.0
-        }
-
-        fn vector(&mut self) -> Vec3 {
-            Vec3::new(self.next(), self.next(), self.next())
-        }
-    }
-
-    /// Two cloths and a rope close together, askew.
-    fn bodies(numbers: &mut Numbers) -> Vec<Body> {
-        let settings = SolverSettings {
-            thickness: THICKNESS,
-            self_contact: SelfContact::On,
-            ..SolverSettings::default()
-        };
-        let cloth = || ClothBuilder::new(0.1, 0.1, 6, 6).build(settings).expect("valid");
-        let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 0.1, 8).build(settings).expect("valid");
-        let mut bodies = vec![cloth(), cloth(), rope];
-        for body in &mut bodies {
-            body.particles.arrange(&body.topology.layout);
-            let turn = Quat::from_scaled_axis(numbers.vector());
-            let centre = numbers.vector() * 0.02;
-            for i in 0..body.particles.len() {
-                let place = turn * body.particles.position(i) + centre + numbers.vector() * 0.002;
-                body.particles.set_position(i, place);
-            }
-        }
-        bodies
-    }
-
-    /// Points that fly on, each body at its own speed and each point at a little more.
-    fn flying(bodies: &[Body], numbers: &mut Numbers) -> Points {
-        let mut points = Points::default();
-        points.begin_substep(bodies);
-        let ways = [numbers.vector(), numbers.vector(), numbers.vector()].map(|way| way * 0.01);
-        points.flight = points.start.clone();
-        for (flight, &body) in points.flight.iter_mut().zip(&points.body) {
-            *flight += (ways[body as usize] + numbers.vector() * 0.002).extend(0.0);
-        }
-        points.end = points.flight.clone();
-        points
-    }
 
     struct Made {
         bodies: Vec<Body>,
@@ -251,48 +197,18 @@ mod tests {
 
     fn made(seed: u32) -> Made {
         let mut numbers = Numbers(seed);
-        let bodies = bodies(&mut numbers);
-        let points = flying(&bodies, &mut numbers);
+        let bodies = bodies(&mut numbers, 0.02, 0.002);
+        let points = flying(&bodies, &mut numbers, 0.002);
         made_of(bodies, points)
     }
 
     fn made_of(bodies: Vec<Body>, points: Points) -> Made {
         let mut surfaces = PlacedSurfaces::default();
         surfaces.fit(&bodies, &points);
-        surfaces.sharpen(&points);
         let mut list = PairList::default();
         let substep = Substep { count: SUBSTEPS, duration: 0.002, ..Substep::default() };
         list.make(&mut surfaces, &points, &bodies, substep, DISTANCE, None);
         Made { bodies, points, surfaces, list }
-    }
-
-    /// The parts of different bodies that are nearer than the distance that they keep, at these places.
-    fn touching(made: &Made, at: &[Vec4]) -> Vec<Pair> {
-        let stars = || made.surfaces.stars.iter();
-        let body = |id: u32| made.points.body[id as usize];
-        let mut pairs = Vec::new();
-        for a in stars() {
-            for b in stars().filter(|b| body(a.centre) != body(b.centre)) {
-                for k in (0..b.face_count as usize).filter(|_| a.has_centre) {
-                    let [q, r, s] = b.face(k);
-                    pairs.push((Kind::CornerFace, [a.centre, q, r, s], DISTANCE));
-                }
-                let edges = |star: &Star| 0..star.edge_count as usize;
-                for (i, k) in edges(a).flat_map(|i| edges(b).map(move |k| (i, k))) {
-                    let [[p, q], [r, s]] = [a.edge(i), b.edge(k)];
-                    if p < r {
-                        // As blunt edges do, at least.
-                        pairs.push((Kind::EdgeEdge, [p, q, r, s], BLUNT_EDGES * DISTANCE));
-                    }
-                }
-            }
-        }
-        let is_near = |&(kind, ids, distance): &(Kind, [u32; 4], f32)| {
-            let corners = ids.map(|id| at[id as usize].truncate());
-            weighted(kind.nearest(corners), corners).length() < distance
-        };
-        let pair = |(kind, ids, distance)| Pair { kind, ids, distance, ..Pair::default() };
-        pairs.into_iter().filter(is_near).map(pair).collect()
     }
 
     /// Both parts by their sorted corners, the one with the lowest first if both are edges.
@@ -335,7 +251,7 @@ mod tests {
                 let places: Vec<Vec4> = (0..made.points.start.len() as u32)
                     .map(|id| (way.expected(id) + numbers.vector().normalize_or_zero() * slack).extend(0.0))
                     .collect();
-                count += assert_listed(&made, &touching(&made, &places));
+                count += assert_listed(&made, &touching(&made.surfaces, &made.points, &places));
             }
         }
         assert!(count > unless_miri(1000, 10), "{count} pairs touch");
@@ -352,7 +268,7 @@ mod tests {
             for end in made.points.end.iter_mut().step_by(3) {
                 *end += (numbers.vector() * 0.02).extend(0.0);
             }
-            let before = touching(&made, &made.points.end);
+            let before = touching(&made.surfaces, &made.points, &made.points.end);
             let Made { bodies, points, surfaces, list } = &mut made;
             assert!(list.renew(surfaces, points, bodies, DISTANCE, Isa::default()));
             count += assert_listed(&made, &before);
@@ -379,7 +295,7 @@ mod tests {
     #[test]
     fn bodies_far_apart_make_an_empty_list_that_holds() {
         let mut numbers = Numbers(5);
-        let mut bodies = bodies(&mut numbers);
+        let mut bodies = bodies(&mut numbers, 0.02, 0.002);
         for (k, body) in bodies.iter_mut().enumerate() {
             for i in 0..body.particles.len() {
                 let place = body.particles.position(i) + Vec3::X * k as f32;
@@ -396,6 +312,7 @@ mod tests {
         bodies.iter_mut().for_each(flat);
         let mut points = Points::default();
         points.begin_substep(&bodies);
+        points.read_starts(&bodies);
         points.flight = points.start.clone();
         let list = made_of(bodies, points).list;
         assert!(list.holds());

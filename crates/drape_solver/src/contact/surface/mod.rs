@@ -26,6 +26,8 @@ pub(crate) mod points;
 pub(crate) mod reach;
 pub(crate) mod rows;
 pub(crate) mod search;
+#[cfg(test)]
+pub(crate) mod testing;
 pub(crate) mod truncation;
 
 use glam::{Vec3, Vec4};
@@ -41,7 +43,6 @@ use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::truncation::Truncation;
-use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
@@ -106,7 +107,7 @@ impl SurfaceContacts {
         self.contacts.clear();
         self.passing.clear();
         if is_first {
-            self.surfaces.fit(bodies, self.points.start_cells.len() * LANES, &self.points.first);
+            self.surfaces.fit(bodies, &self.points);
             self.calm.end();
             self.list.clear();
             self.crossings.clear();
@@ -187,7 +188,6 @@ impl SurfaceContacts {
         let Self { points, surfaces, list, crossings, is_crossing, counts, .. } = self;
         counts.lists += 1;
         let distance = least_distance(bodies);
-        surfaces.sharpen(points);
         let of_start = (substep.index == 0).then_some(&mut *crossings);
         list.make(surfaces, points, bodies, substep, distance, of_start);
         counts.crossings = crossings.len() as u32;
@@ -295,7 +295,6 @@ impl SurfaceContacts {
         let distance = least_distance(bodies);
         if was_calm {
             let Self { points, surfaces, list, looked_at, counts, .. } = self;
-            surfaces.sharpen(points);
             list.make_at_end(surfaces, points, bodies, substep, distance);
             counts.lists += 1;
             looked_at.clone_from(&points.end);

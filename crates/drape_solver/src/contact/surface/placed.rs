@@ -99,12 +99,12 @@ const FLAT: f32 = 0.966;
 const SHARP: f32 = 0.707;
 
 impl PlacedSurfaces {
-    /// Fits everything to these bodies, with some `points` in all, from `firsts` on for each body.
-    pub fn fit(&mut self, bodies: &[Body], points: usize, firsts: &[u32]) {
+    /// Fits everything to these bodies.
+    pub fn fit(&mut self, bodies: &[Body], points: &Points) {
         let on = || bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact());
         let is_known = |known: &PlacedBody, (place, body): (usize, &Body)| {
             known.place == place
-                && known.first == firsts[place]
+                && known.first == points.first[place]
                 && core::ptr::eq(known.topology.as_ptr(), Arc::as_ptr(&body.topology))
         };
         if on().count() == self.bodies.len()
@@ -117,10 +117,10 @@ impl PlacedSurfaces {
         stars.clear();
         of.clear();
         rest.clear();
-        rest.resize(points, Vec3::ZERO);
+        rest.resize(points.len(), Vec3::ZERO);
         for (known, (place, body)) in known.iter_mut().zip(on()) {
             let topology = &body.topology;
-            let first = firsts[place];
+            let first = points.first[place];
             known.topology = Arc::downgrade(topology);
             (known.place, known.first, known.first_leaf) = (place, first, (stars.len() / LANES) as u32);
             for (index, slot) in topology.layout.slots().enumerate() {
@@ -281,6 +281,7 @@ impl PlacedSurfaces {
         column: fn(&Body) -> &Columns,
         substeps: u32,
         reach: Reach,
+        isa: Isa,
     ) -> Option<Turning> {
         let Self { bodies: placed, leaf_pairs, .. } = self;
         let mut turning = Turning::default();
@@ -292,8 +293,9 @@ impl PlacedSurfaces {
                 origin: particles.origin - bodies[0].particles.origin,
                 substeps: substeps as f32,
                 growth: settings.thickness * reach.factor + reach.slack,
+                placed: &mut body.tree.leaves,
             };
-            turning = turning.or_more(flying.place(&mut body.tree.leaves));
+            turning = turning.or_more(isa.run(flying));
             body.tree.active.fill(u16::MAX);
             body.tree.refit_from_leaves(topology.surface());
         }

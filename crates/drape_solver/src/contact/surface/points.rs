@@ -41,6 +41,11 @@ impl Points {
         self.start.clear();
     }
 
+    /// The number of particles.
+    pub fn len(&self) -> usize {
+        self.start_cells.len() * LANES
+    }
+
     /// True if no surface touches anything.
     pub fn is_empty(&self) -> bool {
         self.start_cells.is_empty()
