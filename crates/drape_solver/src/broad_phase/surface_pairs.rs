@@ -110,8 +110,6 @@ pub(crate) struct PlacedTree {
     nodes: Vec<PlacedNode>,
     /// For each star, true if the stars around it lie flat.
     is_flat: Vec<bool>,
-    /// The lean of each leaf's own faces.
-    own_leans: Vec<Lean>,
     /// Leans of wider and wider neighbourhoods.
     wider: [Vec<Lean>; 2],
 }
@@ -120,7 +118,7 @@ pub(crate) struct PlacedTree {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedLeaf {
     pub bounds: SweptBox,
-    /// The lean of all faces at its stars.
+    /// The lean of its stars' faces.
     pub lean: Lean,
 }
 
@@ -159,13 +157,12 @@ impl PlacedTree {
         self.refit(surface);
     }
 
-    /// Puts boxes around all nodes, from those of the leaves with the lean of their own faces alone.
+    /// Puts boxes around all nodes, from those of the leaves as a whole.
     pub fn refit_from_leaves(&mut self, surface: &Surface) {
-        let Self { leaves, own_leans, .. } = self;
-        own_leans.clear();
-        own_leans.extend(leaves.iter().map(|leaf| leaf.lean));
-        for (number, leaf) in leaves.iter_mut().enumerate() {
-            surface.leaves.around(number).iter().for_each(|&other| leaf.lean.add(&own_leans[other as usize]));
+        let Self { leaves, .. } = self;
+        // What does not hang together may meet itself, flat or not.
+        for node in surface.nodes.iter().filter(|node| node.right == 0 && !node.is_connected) {
+            leaves[leaf(node) as usize].lean = Lean::EVERY_WAY;
         }
         self.refit(surface);
     }
@@ -234,7 +231,8 @@ impl PlacedSurface<'_> {
         self.pairs_between(place + 1, self, right, found);
     }
 
-    /// True if two leaves that may touch lie near each other in one flat patch, which cannot meet itself.
+    /// True if two leaves that may touch are near each other in the surface and lie flat together. What lies between them is
+    /// near both and is looked at as well.
     pub fn is_flat_pair(&self, leaves: [u32; 2]) -> bool {
         self.surface.leaves.are_near(leaves) && {
             let [mut lean, other] = leaves.map(|leaf| self.at.leaves[leaf as usize].lean);

@@ -25,7 +25,6 @@ pub(crate) struct SurfaceLeaves {
     leaves: Vec<Leaf>,
     corners: Vec<u32>,
     faces: Vec<LeafFace>,
-    around: Vec<u32>,
     near: Vec<u32>,
     /// True if the surface has no faces, but links.
     pub are_links: bool,
@@ -36,7 +35,6 @@ pub(crate) struct SurfaceLeaves {
 struct Leaf {
     corners: Range<usize>,
     faces: Range<usize>,
-    around: Range<usize>,
     near: Range<usize>,
 }
 
@@ -58,10 +56,10 @@ impl SurfaceLeaves {
         for stars in leaf_stars {
             all.push(stars, rest);
         }
-        all.find_around();
-        for leaf in 0..all.leaves.len() {
-            let near = sorted(all.around(leaf).iter().flat_map(|&other| all.around(other as usize)).copied());
-            all.leaves[leaf].near = all.near.len()..all.near.len() + near.len();
+        let around = all.around();
+        for (leaf, own) in all.leaves.iter_mut().zip(&around) {
+            let near = sorted(own.iter().flat_map(|&other| &around[other as usize]).copied());
+            leaf.near = all.near.len()..all.near.len() + near.len();
             all.near.extend(near);
         }
         all
@@ -92,30 +90,22 @@ impl SurfaceLeaves {
         self.leaves.push(Leaf {
             corners: first..self.corners.len(),
             faces: first_face..self.faces.len(),
-            around: 0..0,
             near: 0..0,
         });
     }
 
-    /// Lists the leaves that share corners with each.
-    fn find_around(&mut self) {
+    /// For each leaf those that share corners with it, itself too, ascending.
+    fn around(&self) -> Vec<Vec<u32>> {
         let corners = |(number, leaf): (u32, &Leaf)| {
             self.corners[leaf.corners.clone()].iter().map(move |&slot| (slot, number))
         };
         let mut leaves_of_slots: Vec<(u32, u32)> = (0..).zip(&self.leaves).flat_map(corners).collect();
         leaves_of_slots.sort_unstable();
-        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        let mut around = vec![Vec::new(); self.leaves.len()];
         for of_slot in leaves_of_slots.chunk_by(|a, b| a.0 == b.0) {
-            pairs.extend(of_slot.iter().flat_map(|a| of_slot.iter().map(|b| [a.1, b.1])));
+            of_slot.iter().for_each(|a| around[a.1 as usize].extend(of_slot.iter().map(|b| b.1)));
         }
-        pairs.sort_unstable();
-        pairs.dedup();
-        self.around = pairs.iter().map(|pair| pair[1]).collect();
-        let mut first = 0;
-        for of_leaf in pairs.chunk_by(|a, b| a[0] == b[0]) {
-            self.leaves[of_leaf[0][0] as usize].around = first..first + of_leaf.len();
-            first += of_leaf.len();
-        }
+        around.into_iter().map(|all| sorted(all.into_iter())).collect()
     }
 
     pub fn len(&self) -> usize {
@@ -130,11 +120,6 @@ impl SurfaceLeaves {
     /// The faces that a leaf's stars own, or their links.
     pub fn faces(&self, leaf: usize) -> &[LeafFace] {
         &self.faces[self.leaves[leaf].faces.clone()]
-    }
-
-    /// The leaves that share a corner with this one, itself too, ascending.
-    pub fn around(&self, leaf: usize) -> &[u32] {
-        &self.around[self.leaves[leaf].around.clone()]
     }
 
     /// True if a leaf is around the other, or if there is one between them that is around both.
@@ -228,14 +213,13 @@ mod tests {
     }
 
     #[test]
-    fn leaves_around_share_corners_and_those_near_have_one_between_them() {
+    fn near_are_leaves_with_one_between_them_that_shares_corners_with_both() {
         for topology in topologies() {
             let leaves = &topology.surface().leaves;
             let share =
                 |a: usize, b: usize| leaves.corners(a).iter().any(|slot| leaves.corners(b).contains(slot));
             let all = || 0..leaves.len();
             for (a, b) in all().flat_map(|a| all().map(move |b| (a, b))) {
-                assert_eq!(leaves.around(a).contains(&(b as u32)), share(a, b), "{a} {b}");
                 let is_near = all().any(|c| share(a, c) && share(c, b));
                 assert_eq!(leaves.are_near([a as u32, b as u32]), is_near, "{a} {b}");
             }

@@ -114,8 +114,7 @@ impl FlyingLeaves<'_> {
             let sides = (2.0 * squares.element_sum()).sqrt() + 2.0 * approach;
             Turning { lever: scale * sides, scale }
         };
-        let lean = if faces.is_empty() { Lean::EVERY_WAY } else { Lean::between(low, high) };
-        (PlacedLeaf { bounds, lean }, turning)
+        (PlacedLeaf { bounds, lean: Lean::between(low, high) }, turning)
     }
 }
 

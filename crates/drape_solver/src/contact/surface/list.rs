@@ -198,7 +198,7 @@ mod tests {
     fn made(seed: u32) -> Made {
         let mut numbers = Numbers(seed);
         let bodies = bodies(&mut numbers, 0.02, 0.002);
-        let points = flying(&bodies, &mut numbers, 0.002);
+        let points = flying(&bodies, &mut numbers, 0.01, 0.002);
         made_of(bodies, points)
     }
 

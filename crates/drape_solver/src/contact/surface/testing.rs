@@ -52,12 +52,12 @@ pub(crate) fn bodies(numbers: &mut Numbers, spread: f32, crumple: f32) -> Vec<Bo
     bodies
 }
 
-/// Points that fly on, each body at its own speed and each point up to `crumple` metres more.
-pub(crate) fn flying(bodies: &[Body], numbers: &mut Numbers, crumple: f32) -> Points {
+/// Points that fly on, each body at its own speed of up to `speed` metres a substep, and each point up to `crumple` metres more.
+pub(crate) fn flying(bodies: &[Body], numbers: &mut Numbers, speed: f32, crumple: f32) -> Points {
     let mut points = Points::default();
     points.begin_substep(bodies);
     points.read_starts(bodies);
-    let ways = [numbers.vector(), numbers.vector(), numbers.vector()].map(|way| way * 0.01);
+    let ways = [numbers.vector(), numbers.vector(), numbers.vector()].map(|way| way * speed);
     points.flight = points.start.clone();
     for (flight, &body) in points.flight.iter_mut().zip(&points.body) {
         *flight += (ways[body as usize] + numbers.vector() * crumple).extend(0.0);
