@@ -9,10 +9,13 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use drape_solver::glam::{DVec2, DVec3, Vec3};
-use drape_solver::{Body, BuildError, ClothBuilder, Edge, Obstacle, Placement, Shape, SolverSettings};
+use drape_solver::{
+    Ball, BallMaterial, Body, BuildError, ClothBuilder, Edge, Obstacle, Placement, Shape, SolverSettings,
+};
 
 use crate::experiments::contact::setup::{PinPath, Setup};
 use crate::failure::Failure;
+use crate::scenes::world::GRAVITY;
 
 /// Friction of all obstacles.
 pub(super) const FRICTION: f32 = 0.5;
@@ -100,6 +103,26 @@ pub fn swing(n: u32, settings: SolverSettings) -> Result<Setup, Failure> {
     let place = |at: DVec2| DVec3::new(at.x - 0.5, 2.0 - at.y * FRAC_1_SQRT_2, at.y * FRAC_1_SQRT_2);
     let sheet = sheet([1.0, 1.0], [n, n], &[Edge::Top], settings, place)?;
     Ok(Setup::new(vec![sheet], Vec::new()))
+}
+
+/// The curtain of the cannon demo, 4 m x 3 m, and five balls in flight that hit it at 20 m/s, one a second.
+///
+/// # Errors
+/// [`Failure`] if the solver refuses the curtain or a ball.
+pub fn bombarded_curtain(particles: [u32; 2], settings: SolverSettings) -> Result<Setup, Failure> {
+    let place = |at: DVec2| DVec3::new(at.x - 2.0, 3.3 - at.y, 0.0);
+    let settings = SolverSettings { drag: 2.0, ..settings };
+    let curtain = sheet([4.0, 3.0], particles, &[Edge::Top], settings, place)?;
+    let mut setup = Setup::new(vec![curtain], vec![Obstacle::ground()]);
+    let material = BallMaterial { radius: 0.15, mass: 2.0, ..BallMaterial::default() };
+    for (number, across) in [0.3, -0.8, 0.9, -0.2, 0.0].into_iter().enumerate() {
+        // At this time it is as high as now.
+        let seconds = 0.5 + number as f32;
+        let at = Vec3::new(across, 1.0 + 0.3 * number as f32, 20.0 * seconds);
+        let velocity = Vec3::new(0.0, 0.5 * -GRAVITY.y * seconds, -20.0);
+        setup.island.balls.push(Ball::new(material, at, velocity)?);
+    }
+    Ok(setup)
 }
 
 /// A level sheet of 1 m, held by two opposite edges that go on this way.

@@ -15,7 +15,7 @@ use crate::report::table::write_json;
 /// Arguments of `contact`.
 #[derive(Args, Clone, Debug)]
 pub struct ContactRuns {
-    /// Scenes: fold20, fold40, stack, twistin, twist, bowline, box, sleeve, funnel, swing, several with commas, or all.
+    /// Scenes: fold20, fold40, stack, twistin, twist, bowline, box, sleeve, funnel, swing, curtain, several with commas, or all.
     #[arg(long, default_value = "fold20", value_parser = chosen::<ContactScene>)]
     scene: Chosen<ContactScene>,
     /// Modes of self-contact: off, on, several with commas, or all.
@@ -150,7 +150,7 @@ mod tests {
     fn scenes_are_chosen_by_name_several_or_all() {
         let scenes = |names| chosen::<ContactScene>(names).map(|Chosen(scenes)| scenes);
         assert_eq!(scenes("twistin,box"), Ok(vec![ContactScene::Twistin, ContactScene::Box]));
-        assert_eq!(scenes("all").map(|scenes| scenes.len()), Ok(10));
+        assert_eq!(scenes("all").map(|scenes| scenes.len()), Ok(11));
         let message = scenes("fold20,knot").expect_err("unknown");
         assert!(message.contains("no knot") && message.contains("bowline"), "{message}");
     }

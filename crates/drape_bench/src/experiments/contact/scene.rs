@@ -30,6 +30,8 @@ pub enum ContactScene {
     Funnel,
     /// A sheet swings about its upper edge, and touches nothing.
     Swing,
+    /// Five cannon balls hit a curtain, one a second.
+    Curtain,
 }
 
 impl ContactScene {
@@ -49,6 +51,7 @@ impl ContactScene {
             Self::Sleeve => narrows::sleeve(64, settings),
             Self::Funnel => narrows::funnel(3, 40, settings),
             Self::Swing => cloths::swing(64, settings),
+            Self::Curtain => cloths::bombarded_curtain([64, 48], settings),
         }
     }
 }
