@@ -25,14 +25,12 @@
 //! solvers/      this project's solver, alone and in Bevy, and scalar loops
 //! failure       failures of solvers and experiments
 //! collision/    collision detection of balls and cloth by five methods
-//! crossings     edges that pass through triangles, counted in double precision
 //! scenes/       the named scenes as data
 //! random        random numbers that are equal on every machine
 //! ```
 
 pub mod collision;
 mod command;
-pub mod crossings;
 pub mod experiments;
 mod failure;
 pub mod measure;

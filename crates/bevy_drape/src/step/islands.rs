@@ -41,6 +41,11 @@ impl Islands {
         self.live().iter().map(|island| island.solver().substeps()).max().unwrap_or(0)
     }
 
+    /// Returns the number of edges that passed through faces when this step began.
+    pub fn crossings(&self) -> u32 {
+        self.live().iter().map(|island| island.solver().self_contact_counts().crossings).sum()
+    }
+
     /// True if there are fewer than two islands, or only one thread.
     pub fn are_for_one_thread(&self) -> bool {
         self.live < 2 || pool().thread_num() < 2

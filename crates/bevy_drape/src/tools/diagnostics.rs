@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use crate::body::particles::Particles;
 use crate::schedule::StepTimes;
 use crate::sleep::activity_counts::ActivityCounts;
+use crate::step::islands::Islands;
 
 /// Measures the last step in every frame, for Bevy's log, an overlay, or your own eyes. Not among [`DrapePlugins`](crate::DrapePlugins):
 ///
@@ -42,6 +43,8 @@ impl DrapeDiagnosticsPlugin {
     pub const FROZEN: DiagnosticPath = DiagnosticPath::const_new("drape/frozen");
     /// Particles of all bodies.
     pub const PARTICLES: DiagnosticPath = DiagnosticPath::const_new("drape/particles");
+    /// Edges that passed through faces when the step began, of simulated bodies with self-contact.
+    pub const CROSSINGS: DiagnosticPath = DiagnosticPath::const_new("drape/crossings");
 }
 
 impl Plugin for DrapeDiagnosticsPlugin {
@@ -49,7 +52,8 @@ impl Plugin for DrapeDiagnosticsPlugin {
         for time in [Self::STEP, Self::DETECT, Self::RELAX] {
             app.register_diagnostic(Diagnostic::new(time).with_suffix(" ms"));
         }
-        for count in [Self::ACTIVE, Self::RESTING, Self::CULLED, Self::FROZEN, Self::PARTICLES] {
+        let bodies = [Self::ACTIVE, Self::RESTING, Self::CULLED, Self::FROZEN];
+        for count in bodies.into_iter().chain([Self::PARTICLES, Self::CROSSINGS]) {
             app.register_diagnostic(Diagnostic::new(count).with_smoothing_factor(0.0));
         }
         app.add_systems(Last, measure);
@@ -61,6 +65,7 @@ fn measure(
     times: Res<StepTimes>,
     counts: Res<ActivityCounts>,
     bodies: Query<&Particles>,
+    islands: Res<Islands>,
 ) {
     type This = DrapeDiagnosticsPlugin;
     let StepTimes { step, detect_collisions, substeps } = *times;
@@ -75,4 +80,5 @@ fn measure(
     }
     let particles = || bodies.iter().map(|particles| particles.len()).sum::<usize>() as f64;
     diagnostics.add_measurement(&This::PARTICLES, particles);
+    diagnostics.add_measurement(&This::CROSSINGS, || f64::from(islands.crossings()));
 }

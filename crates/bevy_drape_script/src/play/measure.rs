@@ -7,7 +7,7 @@ use bevy_drape::prelude::*;
 use super::event_counter::EventCounter;
 use super::points;
 use super::quantities::{
-    activity, angular_momentum, bodies, bounds, energy, momentum, speed, state_hash, stretch, volume,
+    activity, angular_momentum, bodies, bounds, crossings, energy, momentum, speed, state_hash, stretch, volume,
 };
 use super::scene_entities::SceneEntities;
 use super::simulated_entities::SimulatedEntities;
@@ -46,6 +46,7 @@ pub(super) fn measure(
         Probe::Stretch { of, measure } => number(stretch(world, &simulated(of)?, *measure)),
         Probe::Volume { of } => volume(world, &simulated(of)?).map(Measured::Number),
         Probe::Penetration { of } => number(penetration(world, entities, &simulated(of)?)),
+        Probe::Crossings { of } => number(crossings(world, &simulated(of)?) as f64),
         Probe::Energy { of, kind, .. } => number(energy(world, &simulated(of)?, *kind)),
         Probe::Momentum { of, axis } => number(along(momentum(world, &simulated(of)?), axis)),
         Probe::AngularMomentum { of, axis } => number(along(angular_momentum(world, &simulated(of)?), axis)),

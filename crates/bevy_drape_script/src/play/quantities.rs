@@ -79,6 +79,16 @@ pub(super) fn stretch(world: &World, simulated: &SimulatedEntities, kind: Measur
     simulated.bodies.iter().map(of_body).fold(0.0, f64::max)
 }
 
+/// The number of edges that pass through faces.
+pub(super) fn crossings(world: &World, simulated: &SimulatedEntities) -> usize {
+    let bodies = simulated.bodies.iter();
+    let parts = |&body: &Entity| {
+        let (particles, sticks) = (world.get::<Particles>(body)?, world.get::<Sticks>(body)?);
+        Some((&**particles, &*sticks.0))
+    };
+    measure::crossings(bodies.filter_map(parts))
+}
+
 /// The volume in units of the rest volume; of several bodies, the one farthest from 1.
 pub(super) fn volume(world: &World, simulated: &SimulatedEntities) -> Option<f64> {
     let of_body = |&body: &Entity| {

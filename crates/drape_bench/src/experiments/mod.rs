@@ -1,6 +1,6 @@
 //! One experiment per file: measurements with a question of their own, and Table 1 of the founding paper.
 //!
-//! Imports `solvers`, `scenes`, `collision`, `crossings`, and medians and times of `measure`. The program runs one per
+//! Imports `solvers`, `scenes`, `collision`, and medians and times of `measure`. The program runs one per
 //! subcommand; the cannon demo runs `table1`.
 
 pub mod bombardment;

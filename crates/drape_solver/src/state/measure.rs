@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::state::body::Body;
+use crate::state::crossings::CrossingCounter;
 use crate::state::particles::Particles;
 use crate::state::topology::{StickKind, Topology};
 
@@ -31,6 +32,19 @@ pub fn stretch(particles: &Particles, topology: &Topology) -> Stretch {
         }
     }
     Stretch { rms: (sum / f64::from(count.max(1))).sqrt(), max }
+}
+
+/// Positions of all particles in double precision, in metres.
+pub fn positions(particles: &Particles) -> impl Iterator<Item = DVec3> {
+    let origin = particles.origin().as_dvec3();
+    (0..particles.len()).map(move |i| origin + particles.local_position(i).as_dvec3())
+}
+
+/// The number of edges and links that pass through faces, of these bodies' own and of each other's. What only touches does
+/// not count, and a rope through a rope is not seen. To count many times, keep a [`CrossingCounter`].
+pub fn crossings<'a>(bodies: impl Iterator<Item = (&'a Particles, &'a Topology)> + Clone) -> usize {
+    let corners: Vec<DVec3> = bodies.clone().flat_map(|(particles, _)| positions(particles)).collect();
+    CrossingCounter::of(bodies.map(|(_, topology)| topology)).count(&corners)
 }
 
 /// Kinetic energy of the free particles in joules.

@@ -5,6 +5,7 @@
 
 pub mod ball;
 pub mod body;
+pub mod crossings;
 pub mod drag;
 pub mod frame_motion;
 pub(crate) mod friction;

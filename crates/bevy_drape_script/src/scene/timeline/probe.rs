@@ -93,6 +93,13 @@ pub enum Probe {
         /// Its name, or several names.
         of: Names,
     },
+    /// Number of edges, or links of ropes, that pass through faces: of a body itself or of another. Counted in double
+    /// precision, apart from the contacts that are to prevent it.
+    Crossings {
+        /// Its name, or several names; everything, if left out.
+        #[serde(default)]
+        of: Names,
+    },
     /// Energy in joules, with the spin of balls.
     Energy {
         /// Its name, or several names; everything that moves by itself, if left out.
@@ -249,6 +256,7 @@ impl Probe {
             | Self::Stretch { of, .. }
             | Self::Volume { of }
             | Self::Penetration { of }
+            | Self::Crossings { of }
             | Self::Energy { of, .. }
             | Self::Momentum { of, .. }
             | Self::AngularMomentum { of, .. }
@@ -290,6 +298,7 @@ impl Probe {
             Self::AngularMomentum { .. } => "kg m^2/s",
             Self::Stretch { .. }
             | Self::Volume { .. }
+            | Self::Crossings { .. }
             | Self::Activity { .. }
             | Self::Count(_)
             | Self::Hits { .. }
@@ -325,6 +334,7 @@ impl fmt::Display for Probe {
             Self::Stretch { of, measure } => write!(f, "{measure:?} stretch of {of}"),
             Self::Volume { of } => write!(f, "volume of {of}"),
             Self::Penetration { of } => write!(f, "penetration of {of}"),
+            Self::Crossings { of } => write!(f, "crossings of {of}"),
             Self::Energy { of, kind, since } => {
                 write!(f, "{kind:?} energy of {of}")?;
                 since.map_or(Ok(()), |since| write!(f, " since {} s", since.get()))

@@ -1,6 +1,6 @@
 //! Scenes of self-contact and tight contact: what a step costs, and how many edges pass through triangles.
 //!
-//! Imports the solver, `crossings`, threads of `solvers` and times of `measure`. The program calls `report`.
+//! Imports the solver, threads of `solvers` and times of `measure`. The program calls `report`.
 
 pub mod cloths;
 pub mod narrows;

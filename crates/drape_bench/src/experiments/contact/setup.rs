@@ -1,9 +1,10 @@
 //! A scene that is ready to be stepped.
 
 use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::state::crossings::CrossingCounter;
+use drape_solver::state::measure;
 use drape_solver::{Body, Environment, Island, Obstacle};
 
-use crate::crossings::CrossingCounter;
 use crate::scenes::world::{GRAVITY, STEP};
 
 /// The place in metres, some seconds after the start, of a pin that began at the first argument.
@@ -66,23 +67,11 @@ impl Setup {
 
     /// Positions of all particles in metres, body by body.
     pub fn positions(&self) -> Vec<DVec3> {
-        let of_body = |body: &Body| {
-            let origin = body.particles.origin().as_dvec3();
-            let local = |i| body.particles.local_position(i).as_dvec3();
-            (0..body.particles.len()).map(|i| origin + local(i)).collect::<Vec<_>>()
-        };
-        self.island.bodies.iter().flat_map(of_body).collect()
+        self.island.bodies.iter().flat_map(|body| measure::positions(&body.particles)).collect()
     }
 
     /// A counter of crossings of all bodies, by the numbers of [`positions`](Self::positions).
     pub fn crossing_counter(&self) -> CrossingCounter {
-        let (mut triangles, mut segments) = (Vec::new(), Vec::new());
-        let mut first = 0;
-        for body in &self.island.bodies {
-            triangles.extend(body.topology.faces().iter().map(|face| face.map(|i| first + i)));
-            segments.extend(body.topology.segments().iter().map(|ends| ends.map(|i| first + i)));
-            first += body.particles.len() as u32;
-        }
-        CrossingCounter::new(triangles, &segments)
+        CrossingCounter::of(self.island.bodies.iter().map(|body| &*body.topology))
     }
 }
