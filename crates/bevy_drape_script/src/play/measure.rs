@@ -7,7 +7,8 @@ use bevy_drape::prelude::*;
 use super::event_counter::EventCounter;
 use super::points;
 use super::quantities::{
-    activity, angular_momentum, bodies, bounds, crossings, energy, momentum, speed, state_hash, stretch, volume,
+    activity, angular_momentum, bodies, bounds, crossings, energy, momentum, speed, state_hash, stretch,
+    volume,
 };
 use super::scene_entities::SceneEntities;
 use super::simulated_entities::SimulatedEntities;

@@ -284,6 +284,11 @@ pub fn level_sheet(
     Island::of_body(body)
 }
 
+/// Edges that pass through faces.
+pub fn crossings(island: &Island) -> usize {
+    measure::crossings(island.bodies.iter().map(|body| (&body.particles, &*body.topology)))
+}
+
 /// Displaces every free particle at random by up to `most` metres along each axis.
 pub fn shake(body: &mut Body, most: f32, seed: u64) {
     let mut dice = Dice(seed);

@@ -56,6 +56,7 @@ mod tearing;
 mod terminal_velocity;
 mod tethers;
 mod tetrahedron_spin;
+mod thrown_cloths;
 mod timestep;
 mod touch;
 mod weave;

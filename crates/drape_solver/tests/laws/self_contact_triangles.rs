@@ -16,50 +16,6 @@ fn silk() -> ClothMaterial {
     ClothMaterial { bend_stiffness: 0.05, ..ClothMaterial::default() }
 }
 
-/// A triangle of the island: its body, and the indices and positions of its corners.
-struct Triangle {
-    body: usize,
-    numbers: [u32; 3],
-    corners: [DVec3; 3],
-}
-
-fn triangles(island: &Island) -> Vec<Triangle> {
-    let of_body = |(body, it): (usize, &Body)| {
-        let places: Vec<DVec3> = it.particles.positions().map(Vec3::as_dvec3).collect();
-        let at = |numbers: [u32; 3]| numbers.map(|i| places[i as usize]);
-        let faces = it.topology.faces().iter();
-        faces.map(|&numbers| Triangle { body, numbers, corners: at(numbers) }).collect::<Vec<_>>()
-    };
-    island.bodies.iter().enumerate().flat_map(of_body).collect()
-}
-
-/// True if a segment crosses a triangle.
-fn pierces(p: DVec3, q: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
-    let volume = |p: DVec3, q: DVec3, r: DVec3, s: DVec3| (q - p).cross(r - p).dot(s - p);
-    if volume(a, b, c, p) * volume(a, b, c, q) >= 0.0 {
-        return false;
-    }
-    let sides = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
-    sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0)
-}
-
-/// Pairs of crossing triangles without a common corner, found by trying all.
-fn crossings(island: &Island) -> usize {
-    let all = triangles(island);
-    let edges = |t: &Triangle| [0, 1, 2].map(|k| [t.corners[k], t.corners[(k + 1) % 3]]);
-    let cross = |a: &Triangle, b: &Triangle| {
-        let share = a.body == b.body && a.numbers.iter().any(|i| b.numbers.contains(i));
-        let low = |t: &Triangle| t.corners[0].min(t.corners[1]).min(t.corners[2]);
-        let high = |t: &Triangle| t.corners[0].max(t.corners[1]).max(t.corners[2]);
-        !share
-            && low(a).cmple(high(b)).all()
-            && low(b).cmple(high(a)).all()
-            && (edges(a).iter().any(|&[p, q]| pierces(p, q, b.corners))
-                || edges(b).iter().any(|&[p, q]| pierces(p, q, a.corners)))
-    };
-    (0..all.len()).map(|i| (0..i).filter(|&j| cross(&all[i], &all[j])).count()).sum()
-}
-
 /// A thin cloth that is dropped on its edge lies down in layers, and none passes through another.
 #[test]
 fn a_thin_cloth_dropped_on_its_edge_folds_in_layers() {
