@@ -427,8 +427,9 @@ fn finish_with(island: &mut Island, workers: &Workers) -> Result<(), StepError> 
     }
     check_finite(island)?;
     let dt = island.context.substep * island.context.substeps as f32;
-    for body in &mut island.bodies {
-        rest::account_body(body, dt);
+    for (place, body) in island.bodies.iter_mut().enumerate() {
+        let mean_square_way = island.context.contacts.surfaces.mean_square_way(place, body);
+        rest::account_body(body, dt, mean_square_way);
         let particles = &mut body.particles;
         particles.clear_requests();
         particles.limits.arrive();

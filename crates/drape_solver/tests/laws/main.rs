@@ -46,6 +46,7 @@ mod rest_shape;
 mod restitution;
 mod rigid_tetrahedron;
 mod self_contact;
+mod self_contact_rest;
 mod self_contact_triangles;
 mod soft;
 mod stability;

@@ -43,14 +43,18 @@ use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::truncation::Truncation;
+use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
+use crate::state::star::NONE;
 use crate::state::substep::Substep;
 
 /// Contacts between the surfaces of an island.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SurfaceContacts {
     points: Points,
+    /// Places of all particles when the step began.
+    step_starts: Vec<Cell>,
     surfaces: PlacedSurfaces,
     calm: Calm,
     list: PairList,
@@ -90,6 +94,18 @@ impl SurfaceContacts {
         SelfContactCounts { pairs: self.list.pairs.iter().map(Vec::len).sum(), ..self.counts }
     }
 
+    /// Mean of the squared ways of the free particles of the body at this `place` in the step, in m²; none if nothing touched.
+    pub fn mean_square_way(&self, place: usize, body: &Body) -> Option<f32> {
+        let first = self.points.first.get(place).filter(|&&first| first != NONE && self.is_near())?;
+        let starts = &self.step_starts[*first as usize / LANES..];
+        let free =
+            body.particles.inverse_mass.iter().enumerate().filter(|(_, inverse_mass)| **inverse_mass > 0.0);
+        let way = |slot: usize| body.particles.position.get(slot) - starts[slot / LANES].get(slot % LANES);
+        let (count, sum) =
+            free.fold((0.0, 0.0), |(count, sum), (slot, _)| (count + 1.0, sum + way(slot).length_squared()));
+        Some(sum / f32::max(count, 1.0))
+    }
+
     /// Particles of different bodies that were pushed apart in the last substep: each as its body and slot, the unit normal
     /// from the second to the first, and the depth in metres, summed over the projections of the substep. Edges and faces
     /// count as their nearest particles.
@@ -107,6 +123,7 @@ impl SurfaceContacts {
         self.contacts.clear();
         self.passing.clear();
         if is_first {
+            self.step_starts.clone_from(&self.points.start_cells);
             self.surfaces.fit(bodies, &self.points);
             self.calm.end();
             self.list.clear();

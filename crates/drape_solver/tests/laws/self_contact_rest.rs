@@ -1,0 +1,104 @@
+//! What lies on itself comes to rest: heaps, piles and knots fall asleep within five seconds of their last motion.
+
+use drape_solver::glam::{Quat, Vec3};
+use drape_solver::{
+    Body, ClothBuilder, Environment, Island, Obstacle, RopeBuilder, SelfContact, SolverSettings, step,
+};
+
+use crate::common::*;
+
+/// Seconds below the speed of rest after which an island falls asleep.
+const STILL: f32 = 1.0;
+
+fn settings(thickness: f32) -> SolverSettings {
+    SolverSettings { thickness, self_contact: SelfContact::On, ..SolverSettings::default() }
+}
+
+/// Seconds until the bodies have been still for long enough to fall asleep, at most `limit`.
+fn seconds_to_sleep(bodies: Vec<Body>, limit: f32) -> Option<f32> {
+    let mut island = Island { bodies, ..Island::default() };
+    let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
+    let steps = (limit / FRAME) as usize;
+    let mut was: Vec<Vec<Vec3>> = vec![];
+    let slept = (1..=steps).find(|_| {
+        step(&mut island, &environment).expect("valid");
+        if std::env::var("DBG").is_ok() {
+            let n: Vec<Vec<Vec3>> = island.bodies.iter().map(|b| b.particles.positions().collect()).collect();
+            if !was.is_empty() {
+                let v: Vec<String> = island
+                    .bodies
+                    .iter()
+                    .zip(n.iter().zip(&was))
+                    .map(|(b, (n, w)): (&Body, (&Vec<Vec3>, &Vec<Vec3>))| {
+                        let d = n.iter().zip(w).map(|(a, b)| (*a - *b) / FRAME);
+                        let m = d.clone().sum::<Vec3>() / n.len() as f32;
+                        let r = (d.map(|d| d.length_squared()).sum::<f32>() / n.len() as f32).sqrt();
+                        let vm = (0..n.len()).map(|i| b.particles.velocity(i)).sum::<Vec3>() / n.len() as f32;
+                        let vr = drape_solver::state::measure::mean_square_speed(&b.particles).sqrt();
+                        format!(
+                            "{r:.4}/{:.4} v {vr:.4}/{:.4} h {:.4}",
+                            m.y,
+                            vm.y,
+                            n.iter().map(|p| p.y).sum::<f32>() / n.len() as f32
+                        )
+                    })
+                    .collect();
+                println!("S {v:?}");
+            }
+            was = n;
+        }
+        island.bodies.iter().all(|body| body.still_for() >= STILL)
+    });
+    slept.map(|steps| steps as f32 * FRAME)
+}
+
+fn assert_sleeps(what: &str, bodies: Vec<Body>, limit: f32) {
+    let slept = seconds_to_sleep(bodies, limit);
+    println!("{what} sleeps after {slept:?} s");
+    assert!(slept.is_some(), "{what} is awake after {limit} s");
+}
+
+/// A level sheet above the ground, turned about the vertical.
+fn level(height: f32, turn: f32, thickness: f32) -> Body {
+    let turn = Quat::from_rotation_y(turn);
+    let (right, down) = (turn * Vec3::X, turn * Vec3::Z);
+    ClothBuilder::new(0.5, 0.5, 17, 17)
+        .placed(Vec3::Y * height - 0.25 * (right + down), right, down)
+        .build(settings(thickness))
+        .expect("valid")
+}
+
+#[test]
+fn a_fold_falls_asleep() {
+    let sheet = ClothBuilder::new(0.8, 0.8, 25, 25)
+        .placed(Vec3::new(-0.4, 0.85, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
+        .build(settings(0.005))
+        .expect("valid");
+    assert_sleeps("the fold", vec![sheet], 6.0);
+}
+
+#[test]
+fn a_stack_falls_asleep() {
+    let sheets = (0..5).map(|k| level(0.05 + 0.03 * k as f32, 0.1 * k as f32, 0.005));
+    assert_sleeps("the stack", sheets.collect(), 6.0);
+}
+
+#[test]
+fn a_pile_of_ropes_falls_asleep() {
+    let rope = |k: u32| {
+        let turn = Quat::from_rotation_y(0.8 * k as f32);
+        let start = Vec3::Y * (0.05 + 0.04 * k as f32) - turn * Vec3::X * 0.3;
+        RopeBuilder::new(start, start + turn * Vec3::X * 0.6, 25).build(settings(0.01)).expect("valid")
+    };
+    assert_sleeps("the pile", (0..6).map(rope).collect(), 6.0);
+}
+
+#[test]
+fn a_towel_over_a_rope_falls_asleep() {
+    let rope = RopeBuilder::new(Vec3::new(-0.5, 1.0, 0.0), Vec3::new(0.5, 1.0, 0.0), 33)
+        .pin_start()
+        .pin_end()
+        .build(settings(0.008))
+        .expect("valid");
+    assert_sleeps("the towel", vec![rope, level(1.05, 0.0, 0.005)], 7.0);
+}
