@@ -84,7 +84,7 @@ pub(crate) struct StarPairs {
     /// The centre of the first and the faces of the second.
     pub corners: Vec<[u32; 2]>,
     pub edges: Vec<[u32; 2]>,
-    /// The edges of the first and the faces of the second, if they are asked for.
+    /// The edges of the first and the faces of the second that may cross before anything moves, if they are asked for.
     pub crossings: Vec<[u32; 2]>,
     pub has_crossings: bool,
 }
@@ -107,6 +107,8 @@ pub(crate) struct PlacedTree {
     pub leans: Vec<Lean>,
     /// For each leaf, a bit mask of the stars whose pairs are looked for; pairs of two others are left out.
     pub active: Vec<u16>,
+    /// Metres by which the boxes of edges, at least, and of faces are wider than what they hold.
+    pub growth: [f32; 2],
     nodes: Vec<PlacedNode>,
     /// For each star, true if the stars around it lie flat.
     is_flat: Vec<bool>,
@@ -315,6 +317,9 @@ impl Kernel for FindStarPairs<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { own, other, is_one, leaves, found } = self;
+        // A hair less, so that rounding hides no crossing.
+        let less = |edges: &PlacedTree, faces: &PlacedTree| 0.99 * (edges.growth[0] + faces.growth[1]);
+        let (less, less_back) = (less(own.at, other.at), less(other.at, own.at));
         for &[a, b] in leaves {
             let (x, y) = (&own.at.stars[a as usize], &other.at.stars[b as usize]);
             let from = x.whole.meets(simd, &other.at.leaves[b as usize].bounds);
@@ -346,8 +351,8 @@ impl Kernel for FindStarPairs<'_> {
                 found.corners.extend(other_first(hits & y.centres.meets(simd, &faces)));
                 found.edges.extend(own_first(hits & y.edges.meets(simd, &edges)));
                 if found.has_crossings {
-                    found.crossings.extend(own_first(hits & y.faces.meets(simd, &edges)));
-                    found.crossings.extend(other_first(hits & y.edges.meets(simd, &faces)));
+                    found.crossings.extend(own_first(hits & y.faces.overlaps(simd, &edges, less)));
+                    found.crossings.extend(other_first(hits & y.edges.overlaps(simd, &faces, less_back)));
                 }
             }
         }

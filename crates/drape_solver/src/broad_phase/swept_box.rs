@@ -118,4 +118,17 @@ impl SweptBoxes {
         }
         all
     }
+
+    /// Bit mask of the things whose boxes overlap another before anything moves, if these are `less` metres smaller together.
+    #[inline(always)]
+    pub fn overlaps<S: Simd>(&self, simd: S, other: &SweptBox, less: f32) -> u16 {
+        let zero = f32x16::splat(simd, 0.0);
+        let mut all = u16::MAX;
+        for axis in 0..3 {
+            let before = f32x16::splat(simd, other.low[axis] + less) - load(simd, &self.high[axis]);
+            let behind = load(simd, &self.low[axis]) - f32x16::splat(simd, other.high[axis] - less);
+            all &= (before.simd_le(zero) & behind.simd_le(zero)).to_bitmask() as u16;
+        }
+        all
+    }
 }

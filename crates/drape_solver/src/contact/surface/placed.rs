@@ -7,7 +7,7 @@ use std::sync::{Arc, Weak};
 use glam::{Vec3, Vec4};
 
 use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs};
-use crate::constants::REST_SHARE;
+use crate::constants::{BLUNT_EDGES, REST_SHARE};
 use crate::contact::surface::leaves::{FlyingLeaves, Turning};
 use crate::contact::surface::pair::Pair;
 use crate::contact::surface::points::Points;
@@ -247,6 +247,7 @@ impl PlacedSurfaces {
             let own = first..first + body.tree.stars.len() * LANES;
             let of = &bodies[body.place];
             let (surface, thickness) = (of.topology.surface(), of.settings.thickness);
+            body.tree.growth = [BLUNT_EDGES, 1.0].map(|part| part * thickness * reach.factor + reach.slack);
             body.tree.leans.clear();
             body.tree.leans.resize(of.particles.inverse_mass.len(), Lean::NOTHING);
             isa.run(PlaceStars {
