@@ -110,6 +110,14 @@ pub const SWEPT_BYTES: usize = 3 << 19;
 /// Cells for each thread from which on threads share a body.
 pub const LEAST_SHARED_CELLS: usize = 400;
 
+/// Cells with self-contact in an island from which on threads share the search for what touches.
+pub const LEAST_TOUCHING_CELLS: usize = 64;
+
+/// Pairs for each thread from which on threads share them: of leaves of stars, and of stars or parts. Sharing costs about a
+/// microsecond.
+pub const LEAST_SHARED_LEAF_PAIRS: usize = 128;
+pub const LEAST_SHARED_PAIRS: usize = 1024;
+
 /// Strips for each thread and strip of lag from which on threads share a body: one thread alone does the wedges between
 /// their parts.
 pub const LEAST_STRIPS_PER_LAG: usize = 8;

@@ -20,8 +20,8 @@ use glam::Vec3;
 
 use crate::broad_phase::obstacle_search::SearchStep;
 use crate::constants::{
-    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_CELLS, MAX_SUBSTEPS,
-    ROUNDS_OF_LAYERS,
+    BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_CELLS,
+    LEAST_TOUCHING_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS,
 };
 use crate::constraint::{angular_momentum, stick, strain::greatest_strain, volume};
 use crate::contact::island_contacts::IslandContacts;
@@ -79,10 +79,12 @@ pub fn substeps_on(island: &mut Island, environment: &Environment, threads: &dyn
     Workers::run(threads_for(island, threads), &mut |workers| substeps(island, environment, workers));
 }
 
-/// The threads, if the island has a body that is large enough to share.
+/// The threads, if the island has a body that is large enough to share, or enough that may touch.
 fn threads_for<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads {
-    let is_large = |body: &Body| body.topology.layout.cells() >= 2 * LEAST_SHARED_CELLS;
-    if island.bodies.iter().any(is_large) { threads } else { &Alone }
+    let cells = |body: &Body| body.topology.layout.cells();
+    let is_large = island.bodies.iter().any(|body| cells(body) >= 2 * LEAST_SHARED_CELLS);
+    let touching: usize = island.bodies.iter().filter(|body| body.has_self_contact()).map(cells).sum();
+    if is_large || touching >= LEAST_TOUCHING_CELLS { threads } else { &Alone }
 }
 
 fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
@@ -97,7 +99,7 @@ fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
         count_conflicts(island, environment);
     }
     while island.context.substep_index < island.context.substeps {
-        substep(island, environment);
+        substep_on(island, environment, workers);
     }
 }
 
@@ -110,9 +112,13 @@ pub(crate) fn can_be_swept(island: &Island) -> bool {
 
 /// One substep: the three phases that a schedule may run one by one.
 pub fn substep(island: &mut Island, environment: &Environment) {
-    integrate(island, environment);
-    relax(island, environment);
-    project_collisions(island, environment);
+    substep_on(island, environment, &Workers::default());
+}
+
+fn substep_on(island: &mut Island, environment: &Environment, workers: &Workers) {
+    integrate_on(island, environment, workers);
+    relax_on(island, environment, workers);
+    project_collisions_on(island, environment, workers);
 }
 
 /// Checks the input, and sets the number of substeps and everything that depends on it.
@@ -209,27 +215,39 @@ fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
 
 /// Phase 1 of a substep: particles and balls fly freely for one substep.
 pub fn integrate(island: &mut Island, environment: &Environment) {
-    walk(island, environment, island.context.order.integrate());
+    integrate_on(island, environment, &Workers::default());
+}
+
+fn integrate_on(island: &mut Island, environment: &Environment, workers: &Workers) {
+    walk(island, environment, workers, island.context.order.integrate());
 }
 
 /// Phase 2 of a substep: N times contacts, sticks, tethers, lines. Stop after any iteration; the next step continues from
 /// there.
 pub fn relax(island: &mut Island, environment: &Environment) {
+    relax_on(island, environment, &Workers::default());
+}
+
+fn relax_on(island: &mut Island, environment: &Environment, workers: &Workers) {
     let (order, iterations) = (island.context.order, island.iterations());
     for index in 0..iterations {
         if index.is_power_of_two() && is_relaxed(island) {
             break;
         }
         island.context.iterations_taken = index + 1;
-        walk(island, environment, order.iteration(index));
+        walk(island, environment, workers, order.iteration(index));
     }
-    walk(island, environment, order.relaxed(iterations));
+    walk(island, environment, workers, order.relaxed(iterations));
 }
 
 /// Phase 3 of a substep: projects contacts once more. Then velocities follow, with restitution, friction and impact zones
 /// for balls that would have passed through a cloth; limits on motion come last.
 pub fn project_collisions(island: &mut Island, environment: &Environment) {
-    walk(island, environment, island.context.order.project_collisions(island.iterations()));
+    project_collisions_on(island, environment, &Workers::default());
+}
+
+fn project_collisions_on(island: &mut Island, environment: &Environment, workers: &Workers) {
+    walk(island, environment, workers, island.context.order.project_collisions(island.iterations()));
     island.context.substep_index += 1;
     if island.context.substep_index == island.context.substeps {
         count_conflicts(island, environment);
@@ -245,11 +263,11 @@ fn is_relaxed(island: &Island) -> bool {
 }
 
 /// Walks some spans of the order, stage by stage.
-fn walk<const N: usize>(island: &mut Island, environment: &Environment, spans: [Span; N]) {
+fn walk<const N: usize>(island: &mut Island, environment: &Environment, workers: &Workers, spans: [Span; N]) {
     for Span { stages, projection, mut first } in spans {
         for &stages in stages {
             match stages {
-                Stages::Island(stage) => run_island_stage(island, environment, stage),
+                Stages::Island(stage) => run_island_stage(island, environment, workers, stage),
                 Stages::Bodies(stages) => {
                     for index in 0..island.bodies.len() {
                         for (place, &stage) in (first..).zip(stages) {
@@ -321,7 +339,7 @@ fn run_body_stage(
 }
 
 /// Runs one stage of an island.
-fn run_island_stage(island: &mut Island, environment: &Environment, stage: IslandStage) {
+fn run_island_stage(island: &mut Island, environment: &Environment, workers: &Workers, stage: IslandStage) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, balls, touches, context, .. } = island;
     let IslandContext { contacts, report, reactions, .. } = context;
@@ -342,14 +360,14 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
             ball_obstacle::begin_substep(ball_obstacle, balls, movers, substep);
             ball_ball::begin_substep(ball_ball);
             ball_cloth::begin_substep(ball_cloth);
-            surfaces.detect_on_ropes(bodies, substep);
+            surfaces.detect_on_ropes(bodies, substep, workers);
         }
         IslandStage::RopeContacts => {
             if surface::is_on_ropes(bodies) {
                 surfaces.project(bodies, substep, false);
             }
         }
-        IslandStage::ClothContacts => project_layers(island, environment),
+        IslandStage::ClothContacts => project_layers(island, environment, workers),
         IslandStage::BallClothContacts => ball_cloth::project(ball_cloth, bodies, balls, touches, substep),
         IslandStage::BallBallContacts => ball_ball::project(ball_ball, balls, touches, substep),
         IslandStage::BallObstacleContacts => {
@@ -379,16 +397,16 @@ fn run_island_stage(island: &mut Island, environment: &Environment, stage: Islan
             report::gather(report, contacts, bodies, balls, substep);
             reaction::gather(reactions, contacts, bodies, balls, substep);
         }
-        IslandStage::KeepApart => surfaces.keep_apart(bodies, substep),
+        IslandStage::KeepApart => surfaces.keep_apart(bodies, substep, workers),
     }
 }
 
 /// Projects cloth against cloth and against obstacles in turn, so that an obstacle holds up all layers of cloth on it.
-fn project_layers(island: &mut Island, environment: &Environment) {
+fn project_layers(island: &mut Island, environment: &Environment, workers: &Workers) {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, context, .. } = island;
     let IslandContacts { bodies: contacts, surfaces, movers, .. } = &mut context.contacts;
-    surfaces.detect(bodies, substep, CONTACT_MARGIN_OF_SURFACES);
+    surfaces.detect(bodies, substep, CONTACT_MARGIN_OF_SURFACES, workers);
     let is_near = surfaces.is_near();
     for round in 1..=ROUNDS_OF_LAYERS {
         let is_last = round == ROUNDS_OF_LAYERS || !is_near;

@@ -13,7 +13,9 @@ use fearless_simd::Simd;
 use glam::{Vec3, Vec3A};
 
 use crate::broad_phase::swept_box::{SweptBox, SweptBoxes};
-use crate::constants::LEAST_FLAT_COSINE;
+use crate::constants::{LEAST_FLAT_COSINE, LEAST_SHARED_LEAF_PAIRS};
+use crate::parallel::gather::{Gathered, Spare, gather};
+use crate::parallel::workers::Workers;
 use crate::simd::columns::LANES;
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::set_lanes;
@@ -86,7 +88,6 @@ pub(crate) struct StarPairs {
     pub edges: Vec<[u32; 2]>,
     /// The edges of the first and the faces of the second that may cross before anything moves, if they are asked for.
     pub crossings: Vec<[u32; 2]>,
-    pub has_crossings: bool,
 }
 
 impl StarPairs {
@@ -95,6 +96,23 @@ impl StarPairs {
         self.edges.clear();
         self.crossings.clear();
     }
+}
+
+impl Gathered for StarPairs {
+    fn append(&mut self, later: &mut Self) {
+        self.corners.append(&mut later.corners);
+        self.edges.append(&mut later.edges);
+        self.crossings.append(&mut later.crossings);
+    }
+}
+
+/// The search for pairs of stars.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StarPairSearch {
+    pub found: StarPairs,
+    /// True if it looks for edges and faces that may cross, too.
+    pub has_crossings: bool,
+    spare: Spare<StarPairs>,
 }
 
 /// Boxes of the leaves and nodes of one body.
@@ -293,9 +311,19 @@ impl PlacedSurface<'_> {
     }
 
     /// Appends the pairs of stars of some pairs of leaves of this body and `other`.
-    pub fn star_pairs(&self, other: &PlacedSurface, leaves: &[[u32; 2]], isa: Isa, found: &mut StarPairs) {
-        let is_one = core::ptr::eq(self.at, other.at);
-        isa.run(FindStarPairs { own: self, other, is_one, leaves, found });
+    pub fn star_pairs(
+        &self,
+        other: &PlacedSurface,
+        leaves: &mut [[u32; 2]],
+        isa: Isa,
+        workers: &Workers,
+        search: &mut StarPairSearch,
+    ) {
+        let StarPairSearch { found, has_crossings, spare } = search;
+        let (is_one, has_crossings) = (core::ptr::eq(self.at, other.at), *has_crossings);
+        gather(leaves, LEAST_SHARED_LEAF_PAIRS, workers, spare, found, &|leaves, found| {
+            isa.run(FindStarPairs { own: self, other, is_one, has_crossings, leaves, found });
+        });
     }
 }
 
@@ -307,6 +335,7 @@ struct FindStarPairs<'a> {
     own: &'a PlacedSurface<'a>,
     other: &'a PlacedSurface<'a>,
     is_one: bool,
+    has_crossings: bool,
     leaves: &'a [[u32; 2]],
     found: &'a mut StarPairs,
 }
@@ -316,7 +345,7 @@ impl Kernel for FindStarPairs<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { own, other, is_one, leaves, found } = self;
+        let Self { own, other, is_one, has_crossings, leaves, found } = self;
         // A hair less, so that rounding hides no crossing.
         let less = |edges: &PlacedTree, faces: &PlacedTree| 0.99 * (edges.growth[0] + faces.growth[1]);
         let (less, less_back) = (less(own.at, other.at), less(other.at, own.at));
@@ -350,7 +379,7 @@ impl Kernel for FindStarPairs<'_> {
                 found.corners.extend(own_first(hits & y.faces.meets(simd, &centre)));
                 found.corners.extend(other_first(hits & y.centres.meets(simd, &faces)));
                 found.edges.extend(own_first(hits & y.edges.meets(simd, &edges)));
-                if found.has_crossings {
+                if has_crossings {
                     found.crossings.extend(own_first(hits & y.faces.overlaps(simd, &edges, less)));
                     found.crossings.extend(other_first(hits & y.edges.overlaps(simd, &faces, less_back)));
                 }

@@ -3,5 +3,6 @@
 //! Imports: nothing. Callers: every floor that shares a body between threads.
 
 pub(crate) mod for_each;
+pub(crate) mod gather;
 pub mod threads;
 pub(crate) mod workers;

@@ -14,14 +14,16 @@
 
 use glam::Vec4;
 
-use crate::broad_phase::surface_pairs::StarPairs;
-use crate::constants::{CONTACT_MARGIN_OF_SURFACES, SLACK_OF_SURFACES};
+use crate::broad_phase::surface_pairs::StarPairSearch;
+use crate::constants::{CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_PAIRS, SLACK_OF_SURFACES};
 use crate::contact::surface::crossing::{Crossing, FindCrossings};
-use crate::contact::surface::pair::Pair;
+use crate::contact::surface::pair::{KINDS, Pair};
 use crate::contact::surface::placed::{PlacedSurfaces, Way};
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
 use crate::contact::surface::search::Search;
+use crate::parallel::gather::{Spare, gather};
+use crate::parallel::workers::Workers;
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
@@ -34,7 +36,9 @@ pub(crate) struct PairList {
     /// The number of these that were there before the last search.
     pub known: [usize; 2],
     life: Option<Life>,
-    star_pairs: StarPairs,
+    star_pairs: StarPairSearch,
+    spare_pairs: Spare<Vec<Pair>>,
+    spare_crossings: Spare<Vec<Crossing>>,
     /// The ways that it expects: from where all points were when it was made to where they are at its end.
     starts: Vec<Vec4>,
     targets: Vec<Vec4>,
@@ -71,6 +75,7 @@ impl PairList {
         substep: Substep,
         distance: f32,
         crossings: Option<&mut Vec<Crossing>>,
+        workers: &Workers,
     ) {
         self.clear();
         let substeps = substep.count - substep.index;
@@ -79,10 +84,14 @@ impl PairList {
         self.expect(&points.start, &points.flight, substeps);
         let slack = SLACK_OF_SURFACES * distance;
         self.star_pairs.has_crossings = crossings.is_some();
-        self.search(surfaces, points, bodies, slack, 0.5, substep.isa);
+        self.search(surfaces, points, bodies, slack, 0.5, substep.isa, workers);
         if let Some(found) = crossings {
             let PlacedSurfaces { rows, stars, .. } = &*surfaces;
-            substep.isa.run(FindCrossings { rows, stars, pairs: &self.star_pairs.crossings, found });
+            let Self { star_pairs, spare_crossings: spare, .. } = self;
+            let pairs = &mut star_pairs.found.crossings;
+            gather(pairs, LEAST_SHARED_PAIRS, workers, spare, found, &|pairs, found| {
+                substep.isa.run(FindCrossings { rows, stars, pairs, found });
+            });
         }
         self.star_pairs.has_crossings = false;
         self.life = Some(Life { substeps, age: 0, slack });
@@ -97,11 +106,13 @@ impl PairList {
         bodies: &[Body],
         substep: Substep,
         distance: f32,
+        workers: &Workers,
     ) {
         self.clear();
         surfaces.sharpen(points);
         surfaces.look_at_all();
-        self.search_onwards(surfaces, points, bodies, substep.count - substep.index, distance, substep.isa);
+        let substeps = substep.count - substep.index;
+        self.search_onwards(surfaces, points, bodies, substeps, distance, substep.isa, workers);
     }
 
     /// Looks for the pairs of stars that are off their way at the end of a substep; false if there are none.
@@ -112,6 +123,7 @@ impl PairList {
         bodies: &[Body],
         distance: f32,
         isa: Isa,
+        workers: &Workers,
     ) -> bool {
         let Some(life) = self.life else { return false };
         let fraction = (life.age + 1) as f32 / life.substeps as f32;
@@ -119,7 +131,7 @@ impl PairList {
         if !surfaces.find_stale(bodies, points, way, life.slack) {
             return false;
         }
-        self.search_onwards(surfaces, points, bodies, life.substeps - life.age, distance, isa);
+        self.search_onwards(surfaces, points, bodies, life.substeps - life.age, distance, isa, workers);
         true
     }
 
@@ -132,10 +144,11 @@ impl PairList {
         substeps: u32,
         distance: f32,
         isa: Isa,
+        workers: &Workers,
     ) {
         let slack = SLACK_OF_SURFACES * distance;
         self.expect(&points.start, &points.end, substeps);
-        self.search(surfaces, points, bodies, slack, 1.0 / substeps as f32, isa);
+        self.search(surfaces, points, bodies, slack, 1.0 / substeps as f32, isa, workers);
         self.life = Some(Life { substeps, age: 0, slack });
     }
 
@@ -163,17 +176,23 @@ impl PairList {
         slack: f32,
         between: f32,
         isa: Isa,
+        workers: &Workers,
     ) {
         let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack };
-        let Self { pairs, known, star_pairs, targets, .. } = self;
+        let Self { pairs, known, star_pairs, spare_pairs: spare, targets, .. } = self;
         surfaces.place(bodies, points, targets, between, reach, isa);
-        surfaces.star_pairs(bodies, isa, star_pairs);
-        for (pairs, known) in pairs.iter_mut().zip(known) {
+        surfaces.star_pairs(bodies, isa, workers, star_pairs);
+        for (pairs, known) in pairs.iter_mut().zip(&mut *known) {
             pairs.retain(|pair| !surfaces.is_looked_at(pair.stars));
             *known = pairs.len();
         }
         let PlacedSurfaces { rows, stars, .. } = &*surfaces;
-        isa.run(Search { rows, stars, pairs: star_pairs, reach: reach.of_two(), found: pairs });
+        let star_pairs = [&mut star_pairs.found.corners, &mut star_pairs.found.edges];
+        for ((kind, star_pairs), pairs) in KINDS.into_iter().zip(star_pairs).zip(pairs) {
+            gather(star_pairs, LEAST_SHARED_PAIRS, workers, spare, pairs, &|pairs, found| {
+                isa.run(Search { kind, rows, stars, pairs, reach: reach.of_two(), found });
+            });
+        }
     }
 }
 

@@ -32,17 +32,21 @@ pub(crate) mod truncation;
 
 use glam::{Vec3, Vec4};
 
-use crate::constants::{MARGIN_IN_FREE_FLIGHT, RECOVERY_SPEED, RISKY_GAP, UNTANGLING_SPEED};
+use crate::constants::{
+    LEAST_SHARED_PAIRS, MARGIN_IN_FREE_FLIGHT, RECOVERY_SPEED, RISKY_GAP, UNTANGLING_SPEED,
+};
 use crate::contact::surface::calm::Calm;
 use crate::contact::surface::contact::Contact;
 use crate::contact::surface::counts::SelfContactCounts;
 use crate::contact::surface::crossing::Crossing;
 use crate::contact::surface::list::PairList;
-use crate::contact::surface::narrow::Narrow;
-use crate::contact::surface::pair::{Kind, Pair};
+use crate::contact::surface::narrow::{Found, Narrow};
+use crate::contact::surface::pair::{KINDS, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::truncation::Truncation;
+use crate::parallel::gather::{Spare, gather};
+use crate::parallel::workers::Workers;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
@@ -60,9 +64,8 @@ pub(crate) struct SurfaceContacts {
     list: PairList,
     crossings: Vec<Crossing>,
     is_crossing: Vec<bool>,
-    /// Pairs that touch in this substep, and pairs that may pass each other.
-    contacts: Vec<Contact>,
-    passing: Vec<Contact>,
+    found: Found,
+    spare: Spare<Found>,
     /// Places for which the contacts were found.
     looked_at: Vec<Vec4>,
     /// True for points that have moved since.
@@ -72,21 +75,18 @@ pub(crate) struct SurfaceContacts {
     counts: SelfContactCounts,
 }
 
-/// Kinds of pairs, in the order of their lists.
-const KINDS: [Kind; 2] = [Kind::CornerFace, Kind::EdgeEdge];
-
 impl SurfaceContacts {
     /// Forgets all contacts.
     pub fn clear(&mut self) {
         self.points.clear();
         self.calm.end();
         self.list.clear();
-        self.contacts.clear();
+        self.found.clear();
     }
 
     /// True if anything may touch in this substep.
     pub fn is_near(&self) -> bool {
-        !self.contacts.is_empty()
+        !self.found.contacts.is_empty()
     }
 
     /// The work of the last step.
@@ -110,7 +110,7 @@ impl SurfaceContacts {
     /// from the second to the first, and the depth in metres, summed over the projections of the substep. Edges and faces
     /// count as their nearest particles.
     pub fn pushed_bodies(&self) -> impl Iterator<Item = ([(usize, usize); 2], Vec3, f32)> + '_ {
-        self.contacts.iter().filter_map(|contact| contact.pushed_bodies(&self.points))
+        self.found.contacts.iter().filter_map(|contact| contact.pushed_bodies(&self.points))
     }
 
     /// Notes where everything is, before it moves.
@@ -120,8 +120,7 @@ impl SurfaceContacts {
             return;
         }
         self.points.begin_substep(bodies);
-        self.contacts.clear();
-        self.passing.clear();
+        self.found.clear();
         if is_first {
             self.step_starts.clone_from(&self.points.start_cells);
             self.surfaces.fit(bodies, &self.points);
@@ -133,15 +132,15 @@ impl SurfaceContacts {
     }
 
     /// Finds what touches in free flight, where a rope takes part.
-    pub fn detect_on_ropes(&mut self, bodies: &mut [Body], substep: Substep) {
+    pub fn detect_on_ropes(&mut self, bodies: &mut [Body], substep: Substep, workers: &Workers) {
         if is_on_ropes(bodies) {
-            self.detect(bodies, substep, MARGIN_IN_FREE_FLIGHT);
+            self.detect(bodies, substep, MARGIN_IN_FREE_FLIGHT, workers);
         }
     }
 
     /// Finds what touches in this substep, within a `margin` (part of the distance to keep), after everything has moved; and
     /// leads crossings apart.
-    pub fn detect(&mut self, bodies: &mut [Body], substep: Substep, margin: f32) {
+    pub fn detect(&mut self, bodies: &mut [Body], substep: Substep, margin: f32, workers: &Workers) {
         if self.points.is_empty() || self.is_calm(bodies, substep) {
             return;
         }
@@ -149,19 +148,19 @@ impl SurfaceContacts {
         self.points.read(bodies);
         self.points.read_flight(bodies);
         // Contacts of ropes that were found in free flight have pushed in each iteration.
-        if !self.contacts.is_empty() {
+        if !self.found.contacts.is_empty() {
             self.apply_friction(bodies);
             self.write(bodies);
         }
         if !self.list.holds() {
-            self.make_list(bodies, substep);
+            self.make_list(bodies, substep, workers);
         }
         if !self.crossings.is_empty() {
             let way = UNTANGLING_SPEED * substep.duration;
             self.crossings.iter().for_each(|crossing| crossing.move_apart(&mut self.points, way));
             self.write(bodies);
         }
-        self.find_contacts(bodies, margin, substep.isa);
+        self.find_contacts(bodies, margin, substep.isa, workers);
     }
 
     /// True if nothing can touch in this substep.
@@ -201,12 +200,12 @@ impl SurfaceContacts {
     }
 
     /// Lists what may touch; and, when the step begins, the edges that pass through faces.
-    fn make_list(&mut self, bodies: &[Body], substep: Substep) {
+    fn make_list(&mut self, bodies: &[Body], substep: Substep, workers: &Workers) {
         let Self { points, surfaces, list, crossings, is_crossing, counts, .. } = self;
         counts.lists += 1;
         let distance = least_distance(bodies);
         let of_start = (substep.index == 0).then_some(&mut *crossings);
-        list.make(surfaces, points, bodies, substep, distance, of_start);
+        list.make(surfaces, points, bodies, substep, distance, of_start, workers);
         counts.crossings = crossings.len() as u32;
         is_crossing.clear();
         is_crossing.resize(points.start.len(), false);
@@ -216,14 +215,15 @@ impl SurfaceContacts {
     }
 
     /// Finds the pairs that touch, within a `margin`, and those that may pass each other.
-    fn find_contacts(&mut self, bodies: &[Body], margin: f32, isa: Isa) {
-        let Self { points, surfaces, list, contacts, passing, looked_at, .. } = self;
-        contacts.clear();
-        passing.clear();
-        let risky_gap = RISKY_GAP * least_distance(bodies);
+    fn find_contacts(&mut self, bodies: &[Body], margin: f32, isa: Isa, workers: &Workers) {
+        let Self { points, surfaces, list, found, spare, looked_at, .. } = self;
+        let (points, surfaces) = (&*points, &*surfaces);
+        found.clear();
+        let (margin, risky_gap) = (Some(margin), RISKY_GAP * least_distance(bodies));
         for (kind, pairs) in KINDS.into_iter().zip(&mut list.pairs) {
-            let touching = Some((&mut *contacts, margin));
-            isa.run(Narrow { kind, pairs, surfaces, points, touching, risky_gap, passing });
+            gather(pairs, LEAST_SHARED_PAIRS, workers, spare, found, &|pairs, found| {
+                isa.run(Narrow { kind, pairs, surfaces, points, margin, risky_gap, found });
+            });
         }
         looked_at.clone_from(&points.end);
         self.leave_out_crossings();
@@ -231,8 +231,9 @@ impl SurfaceContacts {
 
     /// Finds more pairs that may pass each other: those of corners that have moved since they were looked at, and those that
     /// are `new` in the list.
-    fn find_passing(&mut self, bodies: &[Body], is_new: bool, isa: Isa) {
-        let Self { points, surfaces, list, passing, looked_at, has_moved, suspects, .. } = self;
+    fn find_passing(&mut self, bodies: &[Body], is_new: bool, isa: Isa, workers: &Workers) {
+        let Self { points, surfaces, list, found, spare, looked_at, has_moved, suspects, .. } = self;
+        let (points, surfaces) = (&*points, &*surfaces);
         let risky_gap = RISKY_GAP * least_distance(bodies);
         // Four corners may have moved since a pair was looked at, each to either side.
         let least_way = 0.25 * risky_gap;
@@ -250,14 +251,16 @@ impl SurfaceContacts {
             suspects.clear();
             suspects.extend(old.iter().filter(|pair| pair.ids.iter().any(|&id| has_moved[id as usize])));
             suspects.extend_from_slice(new);
-            isa.run(Narrow { kind, pairs: suspects, surfaces, points, touching: None, risky_gap, passing });
+            gather(suspects, LEAST_SHARED_PAIRS, workers, spare, found, &|pairs, found| {
+                isa.run(Narrow { kind, pairs, surfaces, points, margin: None, risky_gap, found });
+            });
         }
         self.leave_out_crossings();
     }
 
     /// Pairs whose corners all lie at a crossing have no side on which they could be held.
     fn leave_out_crossings(&mut self) {
-        let Self { contacts, passing, crossings, is_crossing, .. } = self;
+        let Self { found: Found { contacts, passing }, crossings, is_crossing, .. } = self;
         if !crossings.is_empty() {
             let has_side = |contact: &Contact| !contact.pair.ids.iter().all(|&id| is_crossing[id as usize]);
             contacts.retain(has_side);
@@ -267,15 +270,15 @@ impl SurfaceContacts {
 
     /// Moves contacts apart once; with friction in the last projection of the substep.
     pub fn project(&mut self, bodies: &mut [Body], substep: Substep, is_last: bool) {
-        if self.contacts.is_empty() {
+        if self.found.contacts.is_empty() {
             return;
         }
-        let Self { points, contacts, .. } = self;
+        let Self { points, found: Found { contacts, .. }, .. } = self;
         points.read(bodies);
         contacts.iter_mut().for_each(|contact| contact.push(points));
         if is_last {
             self.apply_friction(bodies);
-            let Self { points, contacts, .. } = self;
+            let Self { points, found: Found { contacts, .. }, .. } = self;
             let way = RECOVERY_SPEED * substep.duration;
             contacts.iter().for_each(|contact| contact.recover(points, way));
         }
@@ -283,7 +286,7 @@ impl SurfaceContacts {
     }
 
     fn apply_friction(&mut self, bodies: &[Body]) {
-        let Self { points, contacts, .. } = self;
+        let Self { points, found: Found { contacts, .. }, .. } = self;
         contacts.iter().for_each(|contact| contact.apply_friction(points, bodies));
     }
 
@@ -298,7 +301,7 @@ impl SurfaceContacts {
     }
 
     /// The end of the substep: moves back what would have passed through something.
-    pub fn keep_apart(&mut self, bodies: &mut [Body], substep: Substep) {
+    pub fn keep_apart(&mut self, bodies: &mut [Body], substep: Substep, workers: &Workers) {
         let was_calm = self.calm.holds();
         if was_calm {
             if self.stays_calm(bodies, substep) {
@@ -312,18 +315,18 @@ impl SurfaceContacts {
         let distance = least_distance(bodies);
         if was_calm {
             let Self { points, surfaces, list, looked_at, counts, .. } = self;
-            list.make_at_end(surfaces, points, bodies, substep, distance);
+            list.make_at_end(surfaces, points, bodies, substep, distance, workers);
             counts.lists += 1;
             looked_at.clone_from(&points.end);
         }
         self.truncation.begin();
         for attempt in 1..=ATTEMPTS {
             let Self { points, surfaces, list, counts, .. } = self;
-            let is_renewed = list.renew(surfaces, points, bodies, distance, substep.isa);
+            let is_renewed = list.renew(surfaces, points, bodies, distance, substep.isa, workers);
             let is_new = is_renewed || was_calm && attempt == 1;
             counts.lists += u32::from(is_renewed);
-            self.find_passing(bodies, is_new, substep.isa);
-            let moves = self.truncation.truncate(&self.passing, &mut self.points);
+            self.find_passing(bodies, is_new, substep.isa, workers);
+            let moves = self.truncation.truncate(&self.found.passing, &mut self.points);
             self.counts.truncated += moves;
             if moves == 0 {
                 break;

@@ -11,6 +11,7 @@ use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::rows::vector;
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
+use crate::parallel::gather::Gathered;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
 use crate::simd::lanes::{Lanes3, first_lanes, load, set_lanes};
@@ -23,11 +24,32 @@ pub(crate) struct Narrow<'a> {
     /// The surfaces at rest, from which pairs of one body get their distances.
     pub surfaces: &'a PlacedSurfaces,
     pub points: &'a Points,
-    /// Contacts of pairs that come nearer than the distance that they keep, times 1 and this margin more.
-    pub touching: Option<(&'a mut Vec<Contact>, f32)>,
-    /// Contacts of pairs that may pass each other: of those whose plane is left a gap narrower than this, in metres.
+    /// Part of the distance to keep by which contacts may be wider; none if contacts are not looked for.
+    pub margin: Option<f32>,
+    /// Pairs may pass each other if their plane is left a gap narrower than this, in metres.
     pub risky_gap: f32,
-    pub passing: &'a mut Vec<Contact>,
+    pub found: &'a mut Found,
+}
+
+/// What is found in a substep: pairs that touch, and pairs that may pass each other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Found {
+    pub contacts: Vec<Contact>,
+    pub passing: Vec<Contact>,
+}
+
+impl Found {
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+        self.passing.clear();
+    }
+}
+
+impl Gathered for Found {
+    fn append(&mut self, later: &mut Self) {
+        self.contacts.append(&mut later.contacts);
+        self.passing.append(&mut later.passing);
+    }
 }
 
 impl Kernel for Narrow<'_> {
@@ -35,16 +57,16 @@ impl Kernel for Narrow<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { kind, pairs, surfaces, points, mut touching, risky_gap, passing } = self;
+        let Self { kind, pairs, surfaces, points, margin, risky_gap, found } = self;
         let Points { start, end, flight, .. } = points;
-        let factor = touching.as_ref().map_or(0.0, |(_, margin)| 1.0 + margin);
+        let factor = margin.map_or(0.0, |margin| 1.0 + margin);
         for pairs in pairs.chunks_mut(LANES) {
             let lanes = Gap::of(simd, kind, [corners(simd, pairs, start), corners(simd, pairs, end)]);
             let mut distances = [0.0; LANES];
             distances.iter_mut().zip(&*pairs).for_each(|(distance, pair)| *distance = pair.distance);
             let distance = f32x16::load_array_ref(simd, &distances);
             let near = lanes.height.simd_lt(distance * factor).to_bitmask() as u16;
-            let near = if touching.is_some() { near } else { 0 };
+            let near = if margin.is_some() { near } else { 0 };
             let risky = lanes.gap.simd_lt(f32x16::splat(simd, risky_gap)).to_bitmask() as u16;
             let hits = (near | risky) & first_lanes(pairs.len());
             if hits == 0 {
@@ -62,13 +84,10 @@ impl Kernel for Narrow<'_> {
                 let way = Vec3::new(way[0][lane], way[1][lane], way[2][lane]);
                 let Some(contact) = contact(*pair, weights, way) else { continue };
                 if risky & (1 << lane) != 0 {
-                    passing.push(contact);
+                    found.passing.push(contact);
                 }
-                if let Some((touching, _)) = &mut touching
-                    && height[lane] < pair.distance * factor
-                    && contact.is_in_reach(flight)
-                {
-                    touching.push(contact);
+                if margin.is_some() && height[lane] < pair.distance * factor && contact.is_in_reach(flight) {
+                    found.contacts.push(contact);
                 }
             }
         }

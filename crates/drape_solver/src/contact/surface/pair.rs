@@ -41,6 +41,9 @@ impl Pair {
     }
 }
 
+/// Kinds of pairs, in the order of their lists.
+pub(crate) const KINDS: [Kind; 2] = [Kind::CornerFace, Kind::EdgeEdge];
+
 impl Kind {
     /// The number of corners of the first part.
     pub fn first_corners(self) -> usize {

@@ -6,7 +6,7 @@ use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
 
-use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairs};
+use crate::broad_phase::surface_pairs::{Lean, PlacedSurface, PlacedTree, StarBoxes, StarPairSearch};
 use crate::constants::{BLUNT_EDGES, REST_SHARE};
 use crate::contact::surface::leaves::{FlyingLeaves, Turning};
 use crate::contact::surface::pair::Pair;
@@ -14,6 +14,7 @@ use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
 use crate::contact::surface::rows::{PlaceStars, Row};
 use crate::geometry::nearest_triangle::weighted;
+use crate::parallel::workers::Workers;
 use crate::simd::columns::{Columns, LANES};
 use crate::simd::isa::Isa;
 use crate::simd::lanes::set_lanes;
@@ -316,9 +317,9 @@ impl PlacedSurfaces {
     }
 
     /// Finds the pairs of stars that may touch, where one is looked at.
-    pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, found: &mut StarPairs) {
+    pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, workers: &Workers, search: &mut StarPairSearch) {
         let Self { bodies: placed, leaf_pairs, .. } = self;
-        found.clear();
+        search.found.clear();
         for a in 0..placed.len() {
             leaf_pairs.clear();
             placed[a].surface(bodies).own_pairs(leaf_pairs);
@@ -326,13 +327,13 @@ impl PlacedSurfaces {
                 let body = &mut placed[a];
                 body.tree.find_flat(bodies[body.place].topology.surface());
                 let own = placed[a].surface(bodies);
-                own.star_pairs(&own, leaf_pairs, isa, found);
+                own.star_pairs(&own, leaf_pairs, isa, workers, search);
             }
             for b in (a + 1..placed.len()).filter(|&b| placed[a].interacts(&placed[b], bodies)) {
                 leaf_pairs.clear();
                 let [own, other] = [a, b].map(|body| placed[body].surface(bodies));
                 own.pairs_with(&other, leaf_pairs);
-                own.star_pairs(&other, leaf_pairs, isa, found);
+                own.star_pairs(&other, leaf_pairs, isa, workers, search);
             }
         }
     }

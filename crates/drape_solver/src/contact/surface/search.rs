@@ -14,7 +14,6 @@
 
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
-use crate::broad_phase::surface_pairs::StarPairs;
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::reach::{Reach, distance_of_edges};
 use crate::contact::surface::rows::{
@@ -27,14 +26,14 @@ use crate::simd::isa::Kernel;
 use crate::simd::lanes::{Lanes3, first_lanes, load, set_lanes};
 use crate::state::star::{EDGES, FACES, Star};
 
-/// Lists the parts of pairs of stars that may touch.
+/// Lists the parts of one kind that may touch, of pairs of stars.
 pub(crate) struct Search<'a> {
+    pub kind: Kind,
     pub rows: &'a [Row],
     pub stars: &'a [Star],
-    pub pairs: &'a StarPairs,
+    pub pairs: &'a [[u32; 2]],
     pub reach: Reach,
-    /// Corners and faces, and edges.
-    pub found: &'a mut [Vec<Pair>; 2],
+    pub found: &'a mut Vec<Pair>,
 }
 
 impl Kernel for Search<'_> {
@@ -42,19 +41,24 @@ impl Kernel for Search<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { rows, stars, pairs, reach, found: [on_faces, on_edges] } = self;
+        let Self { kind, rows, stars, pairs, reach, found } = self;
         let mut columns: [Columns; 2] = [[[0.0; LANES]; COLUMNS]; 2];
-        for pairs in pairs.corners.chunks(LANES) {
-            gather(simd, rows, pairs, 0, CENTRES, &mut columns[0]);
-            gather(simd, rows, pairs, 1, CENTRES, &mut columns[1]);
-            gather(simd, rows, pairs, 1, FACES_ONLY, &mut columns[1]);
-            corners(simd, &columns, reach, &Batch { stars, pairs }, on_faces);
-        }
-        for pairs in pairs.edges.chunks(LANES) {
-            for (side, columns) in columns.iter_mut().enumerate() {
-                gather(simd, rows, pairs, side, EDGES_TOO, columns);
+        for pairs in pairs.chunks(LANES) {
+            let batch = Batch { stars, pairs };
+            match kind {
+                Kind::CornerFace => {
+                    gather(simd, rows, pairs, 0, CENTRES, &mut columns[0]);
+                    gather(simd, rows, pairs, 1, CENTRES, &mut columns[1]);
+                    gather(simd, rows, pairs, 1, FACES_ONLY, &mut columns[1]);
+                    corners(simd, &columns, reach, &batch, found);
+                }
+                Kind::EdgeEdge => {
+                    for (side, columns) in columns.iter_mut().enumerate() {
+                        gather(simd, rows, pairs, side, EDGES_TOO, columns);
+                    }
+                    edges(simd, &columns, reach, &batch, found);
+                }
             }
-            edges(simd, &columns, reach, &Batch { stars, pairs }, on_edges);
         }
     }
 }
