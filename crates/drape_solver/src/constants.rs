@@ -113,9 +113,10 @@ pub const LEAST_SHARED_CELLS: usize = 400;
 /// Cells with self-contact in an island from which on threads share the search for what touches.
 pub const LEAST_TOUCHING_CELLS: usize = 64;
 
-/// Pairs for each thread from which on threads share them: of leaves of stars, and of stars or parts. Sharing costs about a
-/// microsecond.
+/// Pairs of leaves for each thread from which on threads share the search for pairs of stars.
 pub const LEAST_SHARED_LEAF_PAIRS: usize = 128;
+
+/// Pairs of stars, or of parts, for each thread from which on threads share them: sharing costs about a microsecond.
 pub const LEAST_SHARED_PAIRS: usize = 1024;
 
 /// Strips for each thread and strip of lag from which on threads share a body: one thread alone does the wedges between

@@ -358,7 +358,7 @@ impl Kernel for FindStarPairs<'_> {
             }
             for lane in set_lanes(from) {
                 let star = a * LANES as u32 + lane as u32;
-                let mut hits = to & y.whole.meets(simd, &x.whole.at(lane));
+                let mut hits = to & y.whole.meets_lane(simd, &x.whole, lane);
                 if own.at.active[a as usize] & (1 << lane) == 0 {
                     hits &= other.at.active[b as usize];
                 }
@@ -373,15 +373,16 @@ impl Kernel for FindStarPairs<'_> {
                 }
                 let star = own.first_leaf * LANES as u32 + star;
                 let first = (other.first_leaf + b) * LANES as u32;
-                let [centre, edges, faces] = [&x.centres, &x.edges, &x.faces].map(|boxes| boxes.at(lane));
                 let own_first = |hits: u16| set_lanes(hits).map(move |k| [star, first + k as u32]);
                 let other_first = |hits: u16| set_lanes(hits).map(move |k| [first + k as u32, star]);
-                found.corners.extend(own_first(hits & y.faces.meets(simd, &centre)));
-                found.corners.extend(other_first(hits & y.centres.meets(simd, &faces)));
-                found.edges.extend(own_first(hits & y.edges.meets(simd, &edges)));
+                found.corners.extend(own_first(hits & y.faces.meets_lane(simd, &x.centres, lane)));
+                found.corners.extend(other_first(hits & y.centres.meets_lane(simd, &x.faces, lane)));
+                found.edges.extend(own_first(hits & y.edges.meets_lane(simd, &x.edges, lane)));
                 if has_crossings {
-                    found.crossings.extend(own_first(hits & y.faces.overlaps(simd, &edges, less)));
-                    found.crossings.extend(other_first(hits & y.edges.overlaps(simd, &faces, less_back)));
+                    let crossing = y.faces.overlaps_lane(simd, &x.edges, lane, less);
+                    found.crossings.extend(own_first(hits & crossing));
+                    let crossing = y.edges.overlaps_lane(simd, &x.faces, lane, less_back);
+                    found.crossings.extend(other_first(hits & crossing));
                 }
             }
         }

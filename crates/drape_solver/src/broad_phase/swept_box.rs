@@ -103,31 +103,49 @@ impl SweptBoxes {
     /// Bit mask of the things that may touch another on their way.
     #[inline(always)]
     pub fn meets<S: Simd>(&self, simd: S, other: &SweptBox) -> u16 {
-        let zero = f32x16::splat(simd, 0.0);
         let mut all = u16::MAX;
         for axis in 0..3 {
-            let [low, high, slow, fast] =
-                [&self.low, &self.high, &self.slow, &self.fast].map(|axes| &axes[axis]);
-            let towards = load(simd, fast) - f32x16::splat(simd, other.slow[axis]);
-            let towards = towards.simd_gt(zero).select(towards, zero);
-            let back = f32x16::splat(simd, other.fast[axis]) - load(simd, slow);
-            let back = back.simd_gt(zero).select(back, zero);
-            let before = f32x16::splat(simd, other.low[axis]) - load(simd, high);
-            let behind = load(simd, low) - f32x16::splat(simd, other.high[axis]);
-            all &= (before.simd_le(towards) & behind.simd_le(back)).to_bitmask() as u16;
+            let SweptBox { low, high, slow, fast } = other;
+            all &= self.meets_along(simd, axis, [low[axis], high[axis], slow[axis], fast[axis]]);
         }
         all
     }
 
-    /// Bit mask of the things whose boxes overlap another before anything moves, if these are `less` metres smaller together.
+    /// The same for the thing in this `lane` of others.
     #[inline(always)]
-    pub fn overlaps<S: Simd>(&self, simd: S, other: &SweptBox, less: f32) -> u16 {
-        let zero = f32x16::splat(simd, 0.0);
+    pub fn meets_lane<S: Simd>(&self, simd: S, other: &Self, lane: usize) -> u16 {
         let mut all = u16::MAX;
         for axis in 0..3 {
-            let before = f32x16::splat(simd, other.low[axis] + less) - load(simd, &self.high[axis]);
-            let behind = load(simd, &self.low[axis]) - f32x16::splat(simd, other.high[axis] - less);
-            all &= (before.simd_le(zero) & behind.simd_le(zero)).to_bitmask() as u16;
+            let Self { low, high, slow, fast } = other;
+            let other = [low[axis][lane], high[axis][lane], slow[axis][lane], fast[axis][lane]];
+            all &= self.meets_along(simd, axis, other);
+        }
+        all
+    }
+
+    /// The same along one axis: another's least and greatest place and way.
+    #[inline(always)]
+    fn meets_along<S: Simd>(&self, simd: S, axis: usize, [low, high, slow, fast]: [f32; 4]) -> u16 {
+        let zero = f32x16::splat(simd, 0.0);
+        let towards = most(load(simd, &self.fast[axis]) - f32x16::splat(simd, slow), zero);
+        let back = most(f32x16::splat(simd, fast) - load(simd, &self.slow[axis]), zero);
+        let before = f32x16::splat(simd, low) - load(simd, &self.high[axis]);
+        let behind = load(simd, &self.low[axis]) - f32x16::splat(simd, high);
+        (before.simd_le(towards) & behind.simd_le(back)).to_bitmask() as u16
+    }
+
+    /// Bit mask of the things whose boxes overlap that in this `lane` of others before anything moves, if the two are `less`
+    /// metres smaller together.
+    #[inline(always)]
+    pub fn overlaps_lane<S: Simd>(&self, simd: S, other: &Self, lane: usize, less: f32) -> u16 {
+        let less = f32x16::splat(simd, less);
+        let mut all = u16::MAX;
+        for axis in 0..3 {
+            let low = f32x16::splat(simd, other.low[axis][lane]);
+            let high = f32x16::splat(simd, other.high[axis][lane]);
+            let is_before = (low + less).simd_le(load(simd, &self.high[axis]));
+            let is_behind = (load(simd, &self.low[axis]) + less).simd_le(high);
+            all &= (is_before & is_behind).to_bitmask() as u16;
         }
         all
     }

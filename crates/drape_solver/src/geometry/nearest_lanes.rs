@@ -9,16 +9,19 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 
 use crate::simd::lanes::Lanes3;
 
-/// The lesser of two numbers in each lane.
+/// On x86 one instruction is this very choice, down to zeros and NaN; those of other machines differ there.
+const CHOOSES_BY_ITSELF: bool = cfg!(any(target_arch = "x86", target_arch = "x86_64"));
+
+/// The lesser of two numbers in each lane; the second if neither is.
 #[inline(always)]
 pub(crate) fn least<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
-    a.simd_lt(b).select(a, b)
+    if CHOOSES_BY_ITSELF { a.min(b) } else { a.simd_lt(b).select(a, b) }
 }
 
-/// The greater.
+/// The greater; the second if neither is.
 #[inline(always)]
 pub(crate) fn most<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
-    a.simd_gt(b).select(a, b)
+    if CHOOSES_BY_ITSELF { a.max(b) } else { a.simd_gt(b).select(a, b) }
 }
 
 /// Between 0 and 1; 0 for NaN.
@@ -132,6 +135,41 @@ mod tests {
             let inverses = [inverse(simd, u.dot(u)), inverse(simd, v.dot(v))];
             let [s, t] = between_segments(simd, w, [u, v], inverses);
             [a, b, s, t].map(SimdBase::to_array)
+        }
+    }
+
+    /// Least and most of each lane of the two.
+    struct Choices([[f32; LANES]; 2]);
+
+    impl Kernel for Choices {
+        type Output = [[f32; LANES]; 2];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Self::Output {
+            let [a, b] = self.0.map(|values| f32x16::load_array_ref(simd, &values));
+            [least(a, b).to_array(), most(a, b).to_array()]
+        }
+    }
+
+    /// Equal zeros of both signs and NaN, too, give the same bits on all machines: the second of the two.
+    #[test]
+    fn least_and_most_are_choices_down_to_the_last_bit() {
+        let values = [0.0, -0.0, 1.0, -1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-42];
+        for shift in 0..values.len() {
+            let a: [f32; LANES] = core::array::from_fn(|lane| values[lane % values.len()]);
+            let b: [f32; LANES] = core::array::from_fn(|lane| values[(lane + shift) % values.len()]);
+            for isa in Isa::available() {
+                let [low, high] = isa.run(Choices([a, b]));
+                for lane in 0..LANES {
+                    let (x, y) = (a[lane], b[lane]);
+                    let expected = [if x < y { x } else { y }, if x > y { x } else { y }];
+                    assert_eq!(
+                        [low[lane], high[lane]].map(f32::to_bits),
+                        expected.map(f32::to_bits),
+                        "{x} {y}"
+                    );
+                }
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
 use glam::{Vec3, Vec4};
 
 use crate::contact::surface::contact::{Contact, contact};
@@ -14,7 +14,7 @@ use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, l
 use crate::parallel::gather::Gathered;
 use crate::simd::columns::LANES;
 use crate::simd::isa::Kernel;
-use crate::simd::lanes::{Lanes3, first_lanes, load, set_lanes};
+use crate::simd::lanes::{Lanes3, first_lanes, set_lanes};
 use crate::simd::transpose::transpose;
 
 /// Turns pairs, all of one kind, into contacts.
@@ -97,16 +97,17 @@ impl Kernel for Narrow<'_> {
 /// The corners of up to sixteen pairs: each pair is a row of four places, and a transposed block has their columns.
 #[inline(always)]
 fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec4]) -> [Lanes3<S>; 4] {
-    let mut rows = [[0.0; LANES]; LANES];
-    for (row, pair) in rows.iter_mut().zip(pairs) {
-        for (place, id) in row.as_chunks_mut().0.iter_mut().zip(pair.ids) {
-            *place = places[id as usize].to_array();
-        }
-    }
+    let mut ids = [pairs[0].ids; LANES];
+    ids.iter_mut().zip(pairs).for_each(|(ids, pair)| *ids = pair.ids);
     let mut columns = [[0.0; LANES]; LANES];
     transpose(
         #[inline(always)]
-        |row| load(simd, &rows[row]),
+        |row| {
+            let [a, b, c, d] = ids[row];
+            place(simd, places, a)
+                .combine(place(simd, places, b))
+                .combine(place(simd, places, c).combine(place(simd, places, d)))
+        },
         #[inline(always)]
         |column, vector| columns[column] = vector.to_array(),
     );
@@ -116,6 +117,11 @@ fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec4]) -> [Lanes3<S>; 4] 
         vector(simd, &columns, 8),
         vector(simd, &columns, 12),
     ]
+}
+
+#[inline(always)]
+fn place<S: Simd>(simd: S, places: &[Vec4], id: u32) -> f32x4<S> {
+    f32x4::load_array_ref(simd, places[id as usize].as_ref())
 }
 
 /// Nearest points at the start, and what is left between the two at the end.
