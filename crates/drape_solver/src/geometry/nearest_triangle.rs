@@ -2,6 +2,8 @@
 //!
 //! Design: `docs/design/ball_cloth.md`.
 
+use core::ops::{Add, Mul};
+
 use glam::Vec3;
 
 /// Weights of the point of segment `ends` that is nearest to `point`; the third is always zero.
@@ -69,10 +71,13 @@ pub(crate) fn on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
 /// The sum of `vectors`, each times its weight, from the first to the last: the point of a triangle with these barycentric
 /// weights, for example.
 #[inline]
-pub(crate) fn weighted<const N: usize>(weights: [f32; N], vectors: [Vec3; N]) -> Vec3 {
+pub(crate) fn weighted<V, const N: usize>(weights: [f32; N], vectors: [V; N]) -> V
+where
+    V: Copy + Add<Output = V> + Mul<f32, Output = V>,
+{
     let mut sum = vectors[0] * weights[0];
     for k in 1..N {
-        sum += vectors[k] * weights[k];
+        sum = sum + vectors[k] * weights[k];
     }
     sum
 }

@@ -62,7 +62,10 @@ impl Contact {
     /// Moves the two apart to the distance that they had at the start, or that they keep if that is less.
     pub fn push(&mut self, points: &mut Points) {
         let goal = self.at_start.min(self.pair.distance);
-        if !self.is_followed && self.height(points) < goal {
+        if !self.is_followed {
+            if self.height(points) >= goal {
+                return;
+            }
             self.follow(points);
         }
         if let Some(push) = self.push_to(goal, points) {
@@ -85,16 +88,21 @@ impl Contact {
 
     /// Height of the nearest point of the first above that of the second, in metres.
     fn height(&self, points: &Points) -> f32 {
-        weighted(self.weights, points.ends(self.pair.ids)).dot(self.normal)
+        // All four numbers of a place at once.
+        let ends = self.pair.ids.map(|id| points.end[id as usize]);
+        weighted(self.weights, ends).truncate().dot(self.normal)
     }
 
     /// The push that moves the two apart to the distance `goal`, if they are nearer.
     fn push_to(&self, goal: f32, points: &Points) -> Option<Push> {
         let ids = self.pair.ids;
         let height = self.height(points);
+        if height >= goal {
+            return None;
+        }
         let masses = points.inverse_masses(ids);
         let total = effective_inverse_mass(self.weights, masses);
-        if height >= goal || total == 0.0 {
+        if total == 0.0 {
             return None;
         }
         let push = self.normal * ((goal - height) / total);
