@@ -3,10 +3,11 @@
 use drape_solver::glam::Vec3;
 use drape_solver::{
     Body, ClothBuilder, ClothMaterial, Environment, Isa, Island, Obstacle, SelfContact, SolverSettings,
-    StateHasher, step,
+    StateHasher, step, step_on,
 };
 
 use crate::common::*;
+use crate::determinism::Fresh;
 use SelfContact::{Off, On};
 
 /// Distance in metres between the middles of two layers in these tests.
@@ -233,6 +234,26 @@ fn every_way_of_stepping_gives_the_same_bits() {
     }
     assert_eq!(folded(Isa::detected(), &staged), expected, "stage by stage");
     assert_eq!(folded(Isa::detected(), &cold), expected, "without memory of the step before");
+}
+
+/// Threads share long lists of pairs, and may come at any time.
+#[test]
+fn layers_give_the_same_bits_on_any_number_of_threads() {
+    let folded = |take: &dyn Fn(&mut Island, &Environment)| {
+        let mut island = Island::of_body(on_edge(37, settings(On)));
+        for _ in 0..40 {
+            take(&mut island, &over_ground());
+        }
+        assert!(island.self_contact_counts().pairs > 20_000, "there is something to share");
+        hash(&island)
+    };
+    let alone = folded(&|island, environment| step(island, environment).expect("a good step"));
+    for threads in [2, 3] {
+        let shared = folded(&|island, environment| {
+            step_on(island, environment, &Fresh(threads)).expect("a good step");
+        });
+        assert_eq!(shared, alone, "{threads} threads");
+    }
 }
 
 /// A folded cloth refined together with its thickness has as many pairs per particle as before: the cost is linear.
