@@ -155,6 +155,20 @@ impl Contact {
         ([ids[lowest], ids[highest]], (low - high).dot(self.normal))
     }
 
+    /// False if the gap is wider than the least for sure: a quick look, as nearly all pairs of a jam keep apart.
+    pub fn may_pass(&self, points: &Points) -> bool {
+        let [a, b, c, d] = self.pair.ids.map(|id| points.end[id as usize]);
+        let normal = self.normal.extend(0.0);
+        let ways = [b - a, c - a, d - a];
+        let [b, c, d] = ways.map(|way| way.dot(normal));
+        let gap = match self.pair.kind {
+            Kind::CornerFace => -b.max(c).max(d),
+            Kind::EdgeEdge => b.min(0.0) - c.max(d),
+        };
+        let size: Vec4 = ways.into_iter().map(Vec4::abs).sum();
+        gap < self.least_gap() + ROUNDING * size.element_sum()
+    }
+
     /// The gap that is left at least, in metres.
     pub fn least_gap(&self) -> f32 {
         (0.1 * self.at_start).max(0.002 * self.pair.distance).min(0.9 * self.at_start)
@@ -176,6 +190,9 @@ impl Contact {
         (self.depth > 0.0 && are_two).then_some((particles, self.normal, self.depth))
     }
 }
+
+/// Part of a size that heights may be off by rounding, at most.
+const ROUNDING: f32 = 1e-6;
 
 /// The contact of two parts whose nearest points at the start have these weights.
 pub(crate) fn contact(pair: Pair, weights: [f32; 4], way: Vec3) -> Option<Contact> {

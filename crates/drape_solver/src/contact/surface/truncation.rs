@@ -80,7 +80,9 @@ impl Truncation {
         }
         loop {
             let mut joined = 0;
-            for contact in contacts.iter().filter(|contact| contact.gap(points).1 < contact.least_gap()) {
+            let passes =
+                |contact: &&Contact| contact.may_pass(points) && contact.gap(points).1 < contact.least_gap();
+            for contact in contacts.iter().filter(passes) {
                 let [first, others @ ..] = contact.pair.ids;
                 joined +=
                     u32::from(others.into_iter().fold(false, |any, id| self.pieces.join(first, id) | any));
@@ -96,6 +98,9 @@ impl Truncation {
 
 /// Moves the corners of a pair apart; the number of moves.
 fn move_apart(contact: &Contact, points: &mut Points) -> u32 {
+    if !contact.may_pass(points) {
+        return 0;
+    }
     let least = contact.least_gap();
     for moves in 0..LOOKS_AT_PAIR {
         let (ends, gap) = contact.gap(points);
