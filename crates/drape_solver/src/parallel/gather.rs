@@ -4,6 +4,8 @@
 //!   items    | 1st part     | 2nd part     | 3rd part     |
 //!   results  | found        | spare[0]     | spare[1]     |   then all are appended to `found`, in order
 //! ```
+//!
+//! Design: `docs/design/sweeps_and_threads.md`.
 
 use crate::parallel::workers::Workers;
 
