@@ -99,7 +99,7 @@ mod tests {
                         std::thread::yield_now();
                     }
                     let mut items: Vec<usize> = (0..count).collect();
-                    let (mut spare, mut found) = (Spare::default(), Vec::new());
+                    let (mut spare, mut found) = (Spare::default(), Vec::<usize>::new());
                     for _ in 0..2 {
                         found.clear();
                         gather(&mut items, 16, workers, &mut spare, &mut found, &|items, found| {

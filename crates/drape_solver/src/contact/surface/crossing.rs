@@ -156,6 +156,7 @@ mod tests {
     use crate::build::cloth::ClothBuilder;
     use crate::contact::surface::list::PairList;
     use crate::contact::surface::placed::PlacedSurfaces;
+    use crate::parallel::workers::Workers;
     use crate::state::body::Body;
     use crate::state::settings::{SelfContact, SolverSettings};
     use crate::state::substep::Substep;
@@ -181,7 +182,8 @@ mod tests {
         surfaces.fit(&bodies, &points);
         let mut found = Vec::new();
         let substep = Substep { count: 1, duration: 0.002, ..Substep::default() };
-        PairList::default().make(&mut surfaces, &points, &bodies, substep, 0.01, Some(&mut found));
+        let workers = Workers::default();
+        PairList::default().make(&mut surfaces, &points, &bodies, substep, 0.01, Some(&mut found), &workers);
         (points, found)
     }
 

@@ -226,7 +226,7 @@ mod tests {
         surfaces.fit(&bodies, &points);
         let mut list = PairList::default();
         let substep = Substep { count: SUBSTEPS, duration: 0.002, ..Substep::default() };
-        list.make(&mut surfaces, &points, &bodies, substep, DISTANCE, None);
+        list.make(&mut surfaces, &points, &bodies, substep, DISTANCE, None, &Workers::default());
         Made { bodies, points, surfaces, list }
     }
 
@@ -289,7 +289,7 @@ mod tests {
             }
             let before = touching(&made.surfaces, &made.points, &made.points.end);
             let Made { bodies, points, surfaces, list } = &mut made;
-            assert!(list.renew(surfaces, points, bodies, DISTANCE, Isa::default()));
+            assert!(list.renew(surfaces, points, bodies, DISTANCE, Isa::default(), &Workers::default()));
             count += assert_listed(&made, &before);
         }
         assert!(count > unless_miri(200, 5), "{count} pairs touch");
@@ -298,7 +298,8 @@ mod tests {
     #[test]
     fn what_keeps_to_its_way_needs_no_new_list() {
         let Made { bodies, points, mut surfaces, mut list } = made(3);
-        assert!(!list.renew(&mut surfaces, &points, &bodies, DISTANCE, Isa::default()));
+        let workers = Workers::default();
+        assert!(!list.renew(&mut surfaces, &points, &bodies, DISTANCE, Isa::default(), &workers));
     }
 
     #[test]

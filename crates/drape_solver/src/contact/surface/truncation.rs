@@ -149,7 +149,9 @@ mod tests {
     use super::*;
     use crate::contact::surface::contact::contact;
     use crate::contact::surface::pair::{Kind, Pair};
+    use crate::contact::surface::testing::Numbers;
     use crate::geometry::nearest_triangle::weighted;
+    use crate::simd::miri::unless_miri;
 
     /// Free points with these starts and ends; those of `pins` are pinned.
     fn points(starts: &[Vec3], ends: &[Vec3], pins: &[usize]) -> Points {
@@ -247,5 +249,25 @@ mod tests {
             assert!(contact.gap(&points).1 >= contact.least_gap());
         }
         assert!(momentum(&points).distance(before) < 1e-5);
+    }
+
+    /// Wherever the two are, near the origin or far from it.
+    #[test]
+    fn the_quick_look_overlooks_nothing_that_passes() {
+        let mut numbers = Numbers(7);
+        let (mut passed, mut overlooked) = (0, 0);
+        for round in 0..unless_miri(4000, 40) {
+            let place = numbers.vector() * if round % 2 == 0 { 0.1 } else { 20.0 };
+            let starts = [(); 4].map(|()| place + numbers.vector() * 0.02);
+            let ends = starts.map(|start| start + numbers.vector() * 0.01);
+            let points = points(&starts, &ends, &[]);
+            let kind = if round % 3 == 0 { Kind::EdgeEdge } else { Kind::CornerFace };
+            let contact = contact_of(&points, kind, [0, 1, 2, 3]);
+            let passes = contact.gap(&points).1 < contact.least_gap();
+            passed += u32::from(passes);
+            overlooked += u32::from(!contact.may_pass(&points));
+            assert!(!passes || contact.may_pass(&points), "{starts:?} {ends:?}");
+        }
+        assert!(passed > 10 && overlooked > 10, "{passed} pass, {overlooked} do not");
     }
 }
