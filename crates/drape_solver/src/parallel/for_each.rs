@@ -23,22 +23,8 @@ fn split<T: Send>(things: &mut [T], share: usize, threads: &dyn Threads, work: &
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parallel::testing::Fresh;
     use crate::parallel::threads::Alone;
-
-    struct Fresh(usize);
-
-    impl Threads for Fresh {
-        fn count(&self) -> usize {
-            self.0
-        }
-
-        fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
-            std::thread::scope(|scope| {
-                scope.spawn(other);
-                one();
-            });
-        }
-    }
 
     #[test]
     fn each_is_worked_on_once() {

@@ -72,22 +72,8 @@ fn share<I: Send, R: Gathered>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parallel::testing::Fresh;
     use crate::parallel::threads::{Alone, Threads};
-
-    struct Fresh(usize);
-
-    impl Threads for Fresh {
-        fn count(&self) -> usize {
-            self.0
-        }
-
-        fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
-            std::thread::scope(|scope| {
-                scope.spawn(other);
-                one();
-            });
-        }
-    }
 
     #[test]
     fn all_is_found_in_order_by_any_number_of_workers() {

@@ -4,5 +4,7 @@
 
 pub(crate) mod for_each;
 pub(crate) mod gather;
+#[cfg(test)]
+pub(crate) mod testing;
 pub mod threads;
 pub(crate) mod workers;

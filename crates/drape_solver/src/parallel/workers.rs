@@ -185,23 +185,8 @@ fn wait(rounds: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parallel::testing::Fresh;
     use crate::parallel::threads::Alone;
-
-    /// Threads of the standard library, a new one for each call.
-    struct Fresh(usize);
-
-    impl Threads for Fresh {
-        fn count(&self) -> usize {
-            self.0
-        }
-
-        fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
-            std::thread::scope(|scope| {
-                scope.spawn(other);
-                one();
-            });
-        }
-    }
 
     /// Adds up `numbers`, halved until they are few.
     fn sum(workers: &Workers, numbers: &[u64]) -> u64 {
