@@ -214,6 +214,10 @@ pub const UNTANGLING_SPEED: f32 = 0.5;
 /// Contacts of surfaces are those that come nearer than the distance that they keep, times 1 and this more.
 pub const CONTACT_MARGIN_OF_SURFACES: f32 = 0.05;
 
+/// Substeps for which a list of surface pairs holds at most. Where something is hit a step has many, and what flies fast would have
+/// all that lies on its way through the step in its list.
+pub const MOST_LISTED_SUBSTEPS: u32 = 8;
+
 /// Distance that a corner may be off the way that a list of surface pairs expects, in distances that contacts keep. More
 /// makes longer lists, less makes more of them.
 pub const SLACK_OF_SURFACES: f32 = 0.25;

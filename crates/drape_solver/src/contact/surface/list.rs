@@ -1,6 +1,6 @@
 //! The list of pairs that may touch: made when a step begins, and renewed star by star.
 //!
-//! The list expects each corner to fly freely for the rest of the step. As long as all are within a slack of that way, a
+//! The list expects each corner to fly freely for the rest of the step, or for as many substeps as a list holds. As long as all are within a slack of that way, a
 //! pair that is not listed cannot touch. At the end of a substep the pairs of stars that have left it are looked for anew.
 //!
 //! ```text
@@ -15,7 +15,9 @@
 use glam::Vec4;
 
 use crate::broad_phase::surface_pairs::StarPairSearch;
-use crate::constants::{CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_PAIRS, SLACK_OF_SURFACES};
+use crate::constants::{
+    CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_PAIRS, MOST_LISTED_SUBSTEPS, SLACK_OF_SURFACES,
+};
 use crate::contact::surface::crossing::{Crossing, FindCrossings};
 use crate::contact::surface::pair::{KINDS, Pair};
 use crate::contact::surface::placed::{PlacedSurfaces, Way};
@@ -65,7 +67,7 @@ impl PairList {
         self.life.is_some_and(|life| life.age < life.substeps)
     }
 
-    /// Lists the pairs that may touch in all substeps that are left, if parts keep this `distance` at least (metres). Lists
+    /// Lists the pairs that may touch in the next substeps, if parts keep this `distance` at least (metres). Lists
     /// `crossings` as well, if they are given.
     pub fn make(
         &mut self,
@@ -78,7 +80,7 @@ impl PairList {
         workers: &Workers,
     ) {
         self.clear();
-        let substeps = substep.count - substep.index;
+        let substeps = substeps(substep);
         surfaces.sharpen(points);
         surfaces.look_at_all();
         self.expect(&points.start, &points.flight, substeps);
@@ -111,7 +113,7 @@ impl PairList {
         self.clear();
         surfaces.sharpen(points);
         surfaces.look_at_all();
-        let substeps = substep.count - substep.index;
+        let substeps = substeps(substep);
         self.search_onwards(surfaces, points, bodies, substeps, distance, substep.isa, workers);
     }
 
@@ -180,8 +182,9 @@ impl PairList {
     ) {
         let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack };
         let Self { pairs, known, star_pairs, spare_pairs: spare, targets, .. } = self;
-        surfaces.place(bodies, points, targets, between, reach, isa);
+        surfaces.place_boxes(bodies, points, targets, between, reach, isa);
         surfaces.star_pairs(bodies, isa, workers, star_pairs);
+        surfaces.place_rows(bodies, points, targets, isa);
         for (pairs, known) in pairs.iter_mut().zip(&mut *known) {
             pairs.retain(|pair| !surfaces.is_looked_at(pair.stars));
             *known = pairs.len();
@@ -194,6 +197,11 @@ impl PairList {
             });
         }
     }
+}
+
+/// Substeps for which a list is made in this one.
+fn substeps(substep: Substep) -> u32 {
+    (substep.count - substep.index).min(MOST_LISTED_SUBSTEPS)
 }
 
 #[cfg(test)]

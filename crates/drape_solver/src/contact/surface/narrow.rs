@@ -2,14 +2,14 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::{Vec3, Vec4};
 
 use crate::contact::surface::contact::{Contact, contact};
 use crate::contact::surface::pair::{Kind, Pair};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
-use crate::contact::surface::rows::vector;
+use crate::contact::surface::rows::{four_places, vector};
 use crate::geometry::nearest_lanes::{TriangleLanes, between_segments, inverse, least, most};
 use crate::parallel::gather::Gathered;
 use crate::simd::columns::LANES;
@@ -102,12 +102,7 @@ fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec4]) -> [Lanes3<S>; 4] 
     let mut columns = [[0.0; LANES]; LANES];
     transpose(
         #[inline(always)]
-        |row| {
-            let [a, b, c, d] = ids[row];
-            place(simd, places, a)
-                .combine(place(simd, places, b))
-                .combine(place(simd, places, c).combine(place(simd, places, d)))
-        },
+        |row| four_places(simd, places, ids[row]),
         #[inline(always)]
         |column, vector| columns[column] = vector.to_array(),
     );
@@ -117,11 +112,6 @@ fn corners<S: Simd>(simd: S, pairs: &[Pair], places: &[Vec4]) -> [Lanes3<S>; 4] 
         vector(simd, &columns, 8),
         vector(simd, &columns, 12),
     ]
-}
-
-#[inline(always)]
-fn place<S: Simd>(simd: S, places: &[Vec4], id: u32) -> f32x4<S> {
-    f32x4::load_array_ref(simd, places[id as usize].as_ref())
 }
 
 /// Nearest points at the start, and what is left between the two at the end.

@@ -2,6 +2,7 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
+use core::ops::Range;
 use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
@@ -12,7 +13,7 @@ use crate::contact::surface::leaves::{FlyingLeaves, Turning};
 use crate::contact::surface::pair::Pair;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
-use crate::contact::surface::rows::{PlaceStars, Row};
+use crate::contact::surface::rows::{FlyingStars, PlaceBoxes, PlaceRows, Row};
 use crate::geometry::nearest_triangle::weighted;
 use crate::parallel::workers::Workers;
 use crate::simd::columns::{Columns, LANES};
@@ -53,6 +54,8 @@ struct PlacedBody {
     first: u32,
     first_leaf: u32,
     tree: PlacedTree,
+    /// The leaves of which pairs were found, by number in the body.
+    paired_leaves: Vec<u32>,
 }
 
 /// The part of a star's motion that its pairs do not expect.
@@ -231,9 +234,9 @@ impl PlacedSurfaces {
         self.bodies.iter_mut().for_each(|body| body.tree.active.fill(u16::MAX));
     }
 
-    /// Places the stars, for ways from the points' starts to `targets`. Boxes are wider by their share of the reach, and faces
-    /// lean as at both ends and at a part of the way `between`.
-    pub fn place(
+    /// Puts boxes around the stars, for ways from the points' starts to `targets`. They are wider by their share of the reach,
+    /// and faces lean as at both ends and at a part of the way `between`.
+    pub fn place_boxes(
         &mut self,
         bodies: &[Body],
         points: &Points,
@@ -242,26 +245,26 @@ impl PlacedSurfaces {
         reach: Reach,
         isa: Isa,
     ) {
-        let Self { bodies: placed, stars, rows, sharpness, heights, offs, .. } = self;
+        let Self { bodies: placed, stars, sharpness, heights, offs, .. } = self;
         for body in placed {
-            let first = body.first_leaf as usize * LANES;
-            let own = first..first + body.tree.stars.len() * LANES;
+            let own = body.stars();
             let of = &bodies[body.place];
             let (surface, thickness) = (of.topology.surface(), of.settings.thickness);
             body.tree.growth = [BLUNT_EDGES, 1.0].map(|part| part * thickness * reach.factor + reach.slack);
             body.tree.leans.clear();
             body.tree.leans.resize(of.particles.inverse_mass.len(), Lean::NOTHING);
-            isa.run(PlaceStars {
-                stars: &stars[own.clone()],
-                first: body.first,
-                sharpness: &sharpness[own.clone()],
-                places: [&points.start, targets],
-                thickness,
+            isa.run(PlaceBoxes {
+                stars: FlyingStars {
+                    stars: &stars[own.clone()],
+                    first: body.first,
+                    sharpness: &sharpness[own.clone()],
+                    places: [&points.start, targets],
+                    thickness,
+                },
                 reach,
                 between,
                 has_faces: !of.topology.faces.is_empty(),
-                heights: &mut heights[own.clone()],
-                rows: &mut rows[own],
+                heights: &mut heights[own],
                 tree: &mut body.tree,
             });
             body.tree.refit_from_stars(surface);
@@ -271,6 +274,27 @@ impl PlacedSurfaces {
             let keep = if off.is_stale { 0.0 } else { 1.0 };
             off.way_before = keep * (off.way_before + off.way);
             off.turn_before = keep * (off.turn_before + off.turn);
+        }
+    }
+
+    /// Writes the rows of the stars in all leaves of which [pairs](Self::star_pairs) were found.
+    pub fn place_rows(&mut self, bodies: &[Body], points: &Points, targets: &[Vec4], isa: Isa) {
+        let Self { bodies: placed, stars, sharpness, rows, .. } = self;
+        for body in placed {
+            let own = body.stars();
+            body.paired_leaves.sort_unstable();
+            body.paired_leaves.dedup();
+            isa.run(PlaceRows {
+                stars: FlyingStars {
+                    stars: &stars[own.clone()],
+                    first: body.first,
+                    sharpness: &sharpness[own.clone()],
+                    places: [&points.start, targets],
+                    thickness: bodies[body.place].settings.thickness,
+                },
+                leaves: &body.paired_leaves,
+                rows: &mut rows[own],
+            });
         }
     }
 
@@ -320,26 +344,39 @@ impl PlacedSurfaces {
     pub fn star_pairs(&mut self, bodies: &[Body], isa: Isa, workers: &Workers, search: &mut StarPairSearch) {
         let Self { bodies: placed, leaf_pairs, .. } = self;
         search.found.clear();
+        placed.iter_mut().for_each(|body| body.paired_leaves.clear());
         for a in 0..placed.len() {
             leaf_pairs.clear();
             placed[a].surface(bodies).own_pairs(leaf_pairs);
             if !leaf_pairs.is_empty() {
                 let body = &mut placed[a];
+                body.paired_leaves.extend(leaf_pairs.iter().flatten());
                 body.tree.find_flat(bodies[body.place].topology.surface());
                 let own = placed[a].surface(bodies);
                 own.star_pairs(&own, leaf_pairs, isa, workers, search);
             }
-            for b in (a + 1..placed.len()).filter(|&b| placed[a].interacts(&placed[b], bodies)) {
+            for b in a + 1..placed.len() {
+                if !placed[a].interacts(&placed[b], bodies) {
+                    continue;
+                }
                 leaf_pairs.clear();
                 let [own, other] = [a, b].map(|body| placed[body].surface(bodies));
                 own.pairs_with(&other, leaf_pairs);
                 own.star_pairs(&other, leaf_pairs, isa, workers, search);
+                placed[a].paired_leaves.extend(leaf_pairs.iter().map(|leaves| leaves[0]));
+                placed[b].paired_leaves.extend(leaf_pairs.iter().map(|leaves| leaves[1]));
             }
         }
     }
 }
 
 impl PlacedBody {
+    /// Its stars among those of the island.
+    fn stars(&self) -> Range<usize> {
+        let first = self.first_leaf as usize * LANES;
+        first..first + self.tree.stars.len() * LANES
+    }
+
     fn interacts(&self, other: &Self, bodies: &[Body]) -> bool {
         bodies[self.place].layers.interact(bodies[other.place].layers)
     }

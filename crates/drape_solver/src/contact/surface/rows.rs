@@ -6,7 +6,7 @@
 
 use core::ops::Range;
 
-use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x16, mask32x16, prelude::*};
 use glam::{Vec3, Vec4};
 
 use crate::broad_phase::surface_pairs::{Lean, PlacedTree, StarBoxes};
@@ -81,8 +81,21 @@ pub(crate) fn gather<S: Simd>(
     }
 }
 
-/// Writes the rows and boxes of one body's stars.
-pub(crate) struct PlaceStars<'a> {
+/// The places of four points, one after another.
+#[inline(always)]
+pub(crate) fn four_places<S: Simd>(simd: S, places: &[Vec4], [a, b, c, d]: [u32; 4]) -> f32x16<S> {
+    let [a, b, c, d] = [
+        f32x4::load_array_ref(simd, places[a as usize].as_ref()),
+        f32x4::load_array_ref(simd, places[b as usize].as_ref()),
+        f32x4::load_array_ref(simd, places[c as usize].as_ref()),
+        f32x4::load_array_ref(simd, places[d as usize].as_ref()),
+    ];
+    a.combine(b).combine(c.combine(d))
+}
+
+/// The stars of one body, where they are at both ends of their ways.
+#[derive(Clone, Copy)]
+pub(crate) struct FlyingStars<'a> {
     /// The body's stars, with the numbers of their particles in the island; and the first of these.
     pub stars: &'a [Star],
     pub first: u32,
@@ -91,71 +104,112 @@ pub(crate) struct PlaceStars<'a> {
     /// Places of the island's particles at both ends of their ways.
     pub places: [&'a [Vec4]; 2],
     pub thickness: f32,
+}
+
+impl FlyingStars<'_> {
+    /// The stars of a leaf.
+    fn leaf(&self, leaf: usize) -> &[Star] {
+        &self.stars[leaf * LANES..(leaf + 1) * LANES]
+    }
+
+    /// Writes the columns of a leaf's stars.
+    #[inline(always)]
+    fn put<S: Simd>(&self, simd: S, leaf: usize, columns: &mut Columns) {
+        let stars = self.leaf(leaf);
+        for time in 0..2 {
+            let mut points = [[0.0; LANES]; LANES];
+            transpose(
+                #[inline(always)]
+                |lane| {
+                    let Star { centre, ends: [a, b, c], .. } = stars[lane];
+                    four_places(simd, self.places[time], [centre, a, b, c])
+                },
+                #[inline(always)]
+                |column, vector| points[column] = vector.to_array(),
+            );
+            let centre = vector(simd, &points, 0);
+            put(columns, CENTRE[time], centre);
+            for k in 0..EDGES {
+                put(columns, EDGE[time] + 3 * k, vector(simd, &points, 4 * (k + 1)).minus(centre));
+            }
+            transpose(
+                #[inline(always)]
+                |lane| {
+                    let [[a, b], [c, d]] = stars[lane].faces;
+                    four_places(simd, self.places[time], [a, b, c, d])
+                },
+                #[inline(always)]
+                |column, vector| points[column] = vector.to_array(),
+            );
+            for k in 0..2 * FACES {
+                put(columns, FACE[time] + 3 * k, vector(simd, &points, 4 * k).minus(centre));
+            }
+        }
+        let sharpness = &self.sharpness[leaf * LANES..(leaf + 1) * LANES];
+        for (lane, (star, sharpness)) in stars.iter().zip(sharpness).enumerate() {
+            for k in 0..EDGES {
+                let is_there = k < star.edge_count as usize;
+                columns[SHARPNESS + k][lane] = if is_there { sharpness[k] } else { -1.0 };
+            }
+            for k in 0..FACES {
+                columns[FACE_SCALE + 4 * k + 3][lane] = if k < star.face_count as usize { 1.0 } else { -1.0 };
+            }
+            columns[HAS_CENTRE][lane] = f32::from(u8::from(star.has_centre));
+        }
+        columns[THICKNESS] = [self.thickness; LANES];
+    }
+}
+
+/// Writes the boxes of one body's stars, and how their faces lean.
+pub(crate) struct PlaceBoxes<'a> {
+    pub stars: FlyingStars<'a>,
     pub reach: Reach,
     /// The part of the way at which normals are looked at, besides both ends.
     pub between: f32,
     pub has_faces: bool,
     /// For each star, the least height of its faces, or the length of its links.
     pub heights: &'a mut [f32],
-    pub rows: &'a mut [Row],
     pub tree: &'a mut PlacedTree,
 }
 
-impl Kernel for PlaceStars<'_> {
+impl Kernel for PlaceBoxes<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self {
-            stars,
-            first,
-            sharpness,
-            places,
-            thickness,
-            reach,
-            between,
-            has_faces,
-            heights,
-            rows,
-            tree,
-        } = self;
+        let Self { stars, reach, between, has_faces, heights, tree } = self;
         let mut columns: Columns = [[0.0; LANES]; COLUMNS];
-        for (leaf, stars) in stars.chunks_exact(LANES).enumerate() {
-            for (lane, star) in stars.iter().enumerate() {
-                let centre = places.map(|places| places[star.centre as usize].truncate());
-                for time in 0..2 {
-                    put(&mut columns, CENTRE[time], lane, centre[time]);
-                    let relative = |point: u32| places[time][point as usize].truncate() - centre[time];
-                    for (k, &end) in star.ends.iter().enumerate() {
-                        put(&mut columns, EDGE[time] + 3 * k, lane, relative(end));
-                    }
-                    for (k, &corner) in star.faces.as_flattened().iter().enumerate() {
-                        put(&mut columns, FACE[time] + 3 * k, lane, relative(corner));
-                    }
-                }
-                for k in 0..EDGES {
-                    let is_there = k < star.edge_count as usize;
-                    columns[SHARPNESS + k][lane] =
-                        if is_there { sharpness[leaf * LANES + lane][k] } else { -1.0 };
-                }
-                columns[THICKNESS][lane] = thickness;
-                columns[HAS_CENTRE][lane] = f32::from(u8::from(star.has_centre));
-            }
-            scale(simd, &mut columns);
-            for (lane, star) in stars.iter().enumerate() {
-                for k in star.face_count as usize..FACES {
-                    columns[FACE_SCALE + 4 * k + 3][lane] = -1.0;
-                }
-            }
-            let boxes = &mut tree.stars[leaf];
-            put_boxes(simd, &columns, reach, boxes);
-            let lengths = least_heights(simd, &columns, has_faces).to_array();
-            heights[leaf * LANES..(leaf + 1) * LANES].copy_from_slice(&lengths);
+        for (leaf, heights) in heights.chunks_exact_mut(LANES).enumerate() {
+            stars.put(simd, leaf, &mut columns);
+            put_boxes(simd, &columns, reach, &mut tree.stars[leaf]);
+            heights.copy_from_slice(&least_heights(simd, &columns, has_faces).to_array());
             if has_faces {
-                lean(simd, &columns, stars, first, between, &mut tree.leans);
+                lean(simd, &columns, stars.leaf(leaf), stars.first, between, &mut tree.leans);
             } else {
-                lean_links(&columns, stars, first, &mut tree.leans);
+                lean_links(&columns, stars.leaf(leaf), stars.first, &mut tree.leans);
             }
+        }
+    }
+}
+
+/// Writes the rows of some leaves of one body.
+pub(crate) struct PlaceRows<'a> {
+    pub stars: FlyingStars<'a>,
+    /// Leaves, by number in the body.
+    pub leaves: &'a [u32],
+    pub rows: &'a mut [Row],
+}
+
+impl Kernel for PlaceRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let Self { stars, leaves, rows } = self;
+        let mut columns: Columns = [[0.0; LANES]; COLUMNS];
+        for leaf in leaves.iter().map(|&leaf| leaf as usize) {
+            stars.put(simd, leaf, &mut columns);
+            scale(simd, &mut columns);
             let rows = &mut rows[leaf * LANES..(leaf + 1) * LANES];
             for block in 0..COLUMNS / LANES {
                 transpose(
@@ -170,10 +224,10 @@ impl Kernel for PlaceStars<'_> {
 }
 
 #[inline(always)]
-fn put(columns: &mut Columns, at: usize, lane: usize, v: Vec3) {
-    columns[at][lane] = v.x;
-    columns[at + 1][lane] = v.y;
-    columns[at + 2][lane] = v.z;
+fn put<S: Simd>(columns: &mut Columns, at: usize, v: Lanes3<S>) {
+    columns[at] = v.x.to_array();
+    columns[at + 1] = v.y.to_array();
+    columns[at + 2] = v.z.to_array();
 }
 
 /// Works out the scales of edges and faces.
@@ -184,34 +238,43 @@ fn scale<S: Simd>(simd: S, columns: &mut Columns) {
         columns[EDGE_SCALE + k] = inverse(simd, edge.dot(edge)).to_array();
     }
     for k in 0..FACES {
-        let at = FACE[0] + 6 * k;
-        let face = TriangleLanes::new(simd, [vector(simd, columns, at), vector(simd, columns, at + 3)]);
-        for (i, inverse) in face.inverses.into_iter().enumerate() {
-            columns[FACE_SCALE + 4 * k + i] = inverse.to_array();
-        }
+        let face = TriangleLanes::new(simd, sides(simd, columns, k));
+        let at = FACE_SCALE + 4 * k;
+        let is_there = load(simd, &columns[at + 3]).simd_gt(f32x16::splat(simd, 0.0));
+        let [first, second, third, area] = face.inverses;
+        columns[at] = first.to_array();
+        columns[at + 1] = second.to_array();
+        columns[at + 2] = third.to_array();
+        columns[at + 3] = is_there.select(area, f32x16::splat(simd, -1.0)).to_array();
     }
+}
+
+/// The two sides of each star's face `k` from its centre, at the start.
+#[inline(always)]
+fn sides<S: Simd>(simd: S, columns: &Columns, k: usize) -> [Lanes3<S>; 2] {
+    let at = FACE[0] + 6 * k;
+    [vector(simd, columns, at), vector(simd, columns, at + 3)]
 }
 
 /// The least height of each star's faces, or the length of its links, in metres; infinity if it has none.
 #[inline(always)]
 fn least_heights<S: Simd>(simd: S, columns: &Columns, has_faces: bool) -> f32x16<S> {
-    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+    let zero = f32x16::splat(simd, 0.0);
     let mut lowest = f32x16::splat(simd, f32::INFINITY);
     if has_faces {
         for k in 0..FACES {
-            let [first, second, third, area] = [0, 1, 2, 3].map(
-                #[inline(always)]
-                |i: usize| load(simd, &columns[FACE_SCALE + 4 * k + i]),
-            );
-            // The squared area over the squared length of the longest side.
-            let height = least(first, least(second, third)) / area;
-            lowest = area.simd_gt(zero).select(least(lowest, height), lowest);
+            let [u, v] = sides(simd, columns, k);
+            let (third, normal) = (v.minus(u), u.cross(v));
+            let longest = most(u.dot(u), most(v.dot(v), third.dot(third)));
+            let height = normal.dot(normal) * inverse(simd, longest);
+            let is_there = load(simd, &columns[FACE_SCALE + 4 * k + 3]).simd_gt(zero);
+            lowest = is_there.select(least(lowest, height), lowest);
         }
     } else {
         for k in 0..EDGES {
             let is_there = load(simd, &columns[SHARPNESS + k]).simd_ge(zero);
-            let length = one / load(simd, &columns[EDGE_SCALE + k]);
-            lowest = is_there.select(least(lowest, length), lowest);
+            let link = vector(simd, columns, EDGE[0] + 3 * k);
+            lowest = is_there.select(least(lowest, link.dot(link)), lowest);
         }
     }
     lowest.sqrt()
