@@ -1,7 +1,8 @@
 //! The list of pairs that may touch: made when a step begins, and renewed star by star.
 //!
-//! The list expects each corner to fly freely for the rest of the step, or for as many substeps as a list holds. As long as all are within a slack of that way, a
-//! pair that is not listed cannot touch. At the end of a substep the pairs of stars that have left it are looked for anew.
+//! The list expects each corner to fly freely for the rest of the step, or for as many substeps as a list holds at most. As
+//! long as all are within a slack of that way, a pair that is not listed cannot touch. At the end of a substep the pairs of
+//! stars that have left it are looked for anew.
 //!
 //! ```text
 //!     start   1   2   3   4         the way that the list expects

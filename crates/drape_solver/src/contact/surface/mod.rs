@@ -175,6 +175,8 @@ impl SurfaceContacts {
                 substep,
                 least_distance(bodies),
             );
+            // Nothing of a list that holds no more is watched.
+            list.clear();
         }
         calm.holds()
     }

@@ -254,13 +254,7 @@ impl PlacedSurfaces {
             body.tree.leans.clear();
             body.tree.leans.resize(of.particles.inverse_mass.len(), Lean::NOTHING);
             isa.run(PlaceBoxes {
-                stars: FlyingStars {
-                    stars: &stars[own.clone()],
-                    first: body.first,
-                    sharpness: &sharpness[own.clone()],
-                    places: [&points.start, targets],
-                    thickness,
-                },
+                stars: body.flying([&points.start, targets], thickness, stars, sharpness),
                 reach,
                 between,
                 has_faces: !of.topology.faces.is_empty(),
@@ -281,17 +275,11 @@ impl PlacedSurfaces {
     pub fn place_rows(&mut self, bodies: &[Body], points: &Points, targets: &[Vec4], isa: Isa) {
         let Self { bodies: placed, stars, sharpness, rows, .. } = self;
         for body in placed {
-            let own = body.stars();
+            let (own, thickness) = (body.stars(), bodies[body.place].settings.thickness);
             body.paired_leaves.sort_unstable();
             body.paired_leaves.dedup();
             isa.run(PlaceRows {
-                stars: FlyingStars {
-                    stars: &stars[own.clone()],
-                    first: body.first,
-                    sharpness: &sharpness[own.clone()],
-                    places: [&points.start, targets],
-                    thickness: bodies[body.place].settings.thickness,
-                },
+                stars: body.flying([&points.start, targets], thickness, stars, sharpness),
                 leaves: &body.paired_leaves,
                 rows: &mut rows[own],
             });
@@ -375,6 +363,19 @@ impl PlacedBody {
     fn stars(&self) -> Range<usize> {
         let first = self.first_leaf as usize * LANES;
         first..first + self.tree.stars.len() * LANES
+    }
+
+    /// The same with where they are at both ends of their ways, out of the `stars` of the island and their `sharpness`.
+    fn flying<'a>(
+        &self,
+        places: [&'a [Vec4]; 2],
+        thickness: f32,
+        stars: &'a [Star],
+        sharpness: &'a [[f32; EDGES]],
+    ) -> FlyingStars<'a> {
+        let own = self.stars();
+        let (stars, sharpness) = (&stars[own.clone()], &sharpness[own]);
+        FlyingStars { stars, first: self.first, sharpness, places, thickness }
     }
 
     fn interacts(&self, other: &Self, bodies: &[Body]) -> bool {
