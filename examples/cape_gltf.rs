@@ -1,14 +1,13 @@
 //! Capes from a glTF file, as an artist exports them: loaded by Bevy, dressed when they are there, moved by the file's animations.
 //! `docs/blender.md` tells how such a file is made, and quotes from this one.
 //!
-//! `cargo run --release --example cape_gltf --features window`; `--headless` runs without a window, with `--features meshes` at
-//! least, and `--picture FILE` draws a picture with `--features render`.
+//! `cargo run --release --example cape_gltf --features window`; `--headless` runs without a window, with `--features gltf`, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_drape::prelude::*;
 use drape_examples::feature::Feature;
-use drape_examples::view::asset_files::AwaitedFile;
+use drape_examples::view::gltf_files::AwaitedFile;
 
 /// The example.
 pub const FEATURE: Feature = Feature {

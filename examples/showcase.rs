@@ -14,18 +14,18 @@
 //! | H | help on the screen |
 //! | Esc | quit |
 //!
-//! `--headless` runs all of them without a window, with `--features meshes` at least, and prints the result of each.
+//! `--headless` runs all of them without a window, with `--features meshes` at least (with `gltf`, the one of a glTF file too), and prints the result of each.
 
 use std::process::ExitCode;
 
 use drape_examples::feature::Feature;
 
 macro_rules! features {
-    ($($name:ident: $path:literal),* $(,)?) => {
-        $(#[path = $path] pub mod $name;)*
+    ($($(#[$when:meta])? $name:ident: $path:literal),* $(,)?) => {
+        $($(#[$when])? #[path = $path] pub mod $name;)*
 
         /// The examples and their names.
-        pub const FEATURES: &[(&str, Feature)] = &[$((stringify!($name), $name::FEATURE)),*];
+        pub const FEATURES: &[(&str, Feature)] = &[$($(#[$when])? (stringify!($name), $name::FEATURE)),*];
     };
 }
 
@@ -33,6 +33,7 @@ features! {
     balloon: "balloon.rs",
     bridge: "bridge.rs",
     cape: "cape.rs",
+    #[cfg(feature = "gltf")]
     cape_gltf: "cape_gltf.rs",
     cloth_mesh: "cloth_mesh.rs",
     crates: "crates.rs",

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_drape::prelude::*;
 use drape_examples::character::{BONES, CAPE, Character};
-use drape_examples::view::asset_files::wait_for_files;
+use drape_examples::view::gltf_files::wait_for_files;
 
 use crate::cape_gltf::{CAPSULES, FILE, dress};
 use crate::measure::{Skin, Worst, measure};

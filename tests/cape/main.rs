@@ -1,9 +1,11 @@
 //! Clothes on skinned characters: pins and limits that follow joints, motion that is inherited or not, teleports.
 
 mod asset;
+#[cfg(feature = "gltf")]
 #[path = "../../examples/cape_gltf.rs"]
 #[expect(dead_code, reason = "the example's own `main`")]
 mod cape_gltf;
+#[cfg(feature = "gltf")]
 mod gltf;
 mod measure;
 mod skinned;

@@ -63,6 +63,6 @@ impl Refusals {
 }
 
 /// Forgets the faults of an entity that loses its `C`.
-pub(crate) fn forget_removed<C: Component>(removed: On<Remove, C>, mut refusals: ResMut<Refusals>) {
+pub(crate) fn forget_removed<C: Component>(removed: On<Remove<C>>, mut refusals: ResMut<Refusals>) {
     refusals.forget(removed.entity);
 }

@@ -3,7 +3,7 @@
 
 use bevy::camera::{Camera, NormalizedRenderTarget};
 use bevy::picking::backend::ray::{RayId, RayMap};
-use bevy::picking::events::{Click, Drag, Pointer, Press};
+use bevy::picking::events::{PointerClick, PointerDrag, PointerPress};
 use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::picking::{InteractionPlugin, Pickable, PickingPlugin, PickingSystems};
 use bevy::prelude::*;
@@ -107,7 +107,7 @@ fn pointers_press_what_they_see_of_a_body_as_it_is_now() {
     let curtain = curtain(&mut app);
     let rope = app.world_mut().spawn(Rope::new(Vec3::new(2.0, 0.5, 0.0), Vec3::new(2.0, -0.5, 0.0), 8)).id();
     let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(0.0, 0.0, -1.0))).id();
-    app.world_mut().add_observer(|press: On<Pointer<Press>>, mut heard: ResMut<Heard>| {
+    app.world_mut().add_observer(|press: On<PointerPress>, mut heard: ResMut<Heard>| {
         let (position, normal) = (press.hit.position.expect("a place"), press.hit.normal.expect("a normal"));
         assert!((press.hit.depth - (5.0 - position.z)).abs() < 1e-4);
         heard.0.push(format!("{} {:.2} {:.1}", press.entity, position.z, normal.z));
@@ -223,10 +223,10 @@ fn a_body_that_goes_away_in_the_middle_of_a_drag_is_let_go() {
 fn what_is_not_draggable_hears_of_drags_and_stays() {
     let mut app = app();
     let curtain = curtain(&mut app);
-    app.world_mut().entity_mut(curtain).observe(|_: On<Pointer<Drag>>, mut heard: ResMut<Heard>| {
+    app.world_mut().entity_mut(curtain).observe(|_: On<PointerDrag>, mut heard: ResMut<Heard>| {
         heard.0.push("drag".to_string());
     });
-    app.world_mut().entity_mut(curtain).observe(|_: On<Pointer<Click>>, mut heard: ResMut<Heard>| {
+    app.world_mut().entity_mut(curtain).observe(|_: On<PointerClick>, mut heard: ResMut<Heard>| {
         heard.0.push("click".to_string());
     });
     point(&mut app, PointerId::Mouse, 0.0, -0.3);

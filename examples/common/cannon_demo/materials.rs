@@ -51,12 +51,12 @@ fn spawn_frame(
     }
 }
 
-fn add_curtain_material(added: On<Add, Curtain>, mut commands: Commands, shared: Res<SharedMaterials>) {
+fn add_curtain_material(added: On<Add<Curtain>>, mut commands: Commands, shared: Res<SharedMaterials>) {
     commands.entity(added.entity).insert(MeshMaterial3d(shared.fabric.clone()));
 }
 
 fn add_ground_mesh(
-    added: On<Add, Ground>,
+    added: On<Add<Ground>>,
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,

@@ -5,8 +5,8 @@ use bevy_drape::prelude::*;
 use thiserror::Error;
 
 use crate::feature::example::{Feature, steps_in};
-#[cfg(feature = "meshes")]
-use crate::view::asset_files::{FileError, wait_for_files};
+#[cfg(feature = "gltf")]
+use crate::view::gltf_files::{FileError, wait_for_files};
 
 /// The result of a run without a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub enum FeatureError {
     #[error("{0} has a particle that is nowhere, at step {1}")]
     NotFinite(Entity, u64),
     /// A file is missing.
-    #[cfg(feature = "meshes")]
+    #[cfg(feature = "gltf")]
     #[error(transparent)]
     NotLoaded(#[from] FileError),
 }
@@ -53,7 +53,7 @@ impl Feature {
         // The first update takes no step.
         for step in 0..=steps {
             app.update();
-            #[cfg(feature = "meshes")]
+            #[cfg(feature = "gltf")]
             if step == 0 {
                 wait_for_files(&mut app)?;
             }

@@ -9,7 +9,7 @@ use bevy_drape::prelude::*;
 
 use crate::feature::example::{Feature, steps_in};
 use crate::feature::materials::FeatureMaterialsPlugin;
-use crate::view::asset_files::wait_for_files;
+use crate::view::gltf_files::wait_for_files;
 use crate::view::offscreen::{self, PictureError};
 use crate::view::viewpoint::Viewpoint;
 

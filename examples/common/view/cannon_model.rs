@@ -32,7 +32,7 @@ struct CannonMaterials {
 
 /// Gives a new cannon its model.
 pub(crate) fn build_cannon(
-    added: On<Add, Cannon>,
+    added: On<Add<Cannon>>,
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,

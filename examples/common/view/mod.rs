@@ -10,6 +10,8 @@ pub mod asset_files;
 mod cannon_model;
 #[cfg(feature = "window")]
 pub(crate) mod clock_keys;
+#[cfg(feature = "gltf")]
+pub mod gltf_files;
 #[cfg(feature = "render")]
 pub(crate) mod lighting;
 #[cfg(feature = "render")]

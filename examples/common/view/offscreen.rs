@@ -16,7 +16,8 @@ use bevy::window::ExitCondition;
 use thiserror::Error;
 
 use crate::view::adapter::{NoAdapter, find_adapter};
-use crate::view::asset_files::{FileError, asset_plugin};
+use crate::view::asset_files::asset_plugin;
+use crate::view::gltf_files::FileError;
 use crate::view::lighting::camera;
 
 /// Updates that a picture may take before it is given up.

@@ -63,7 +63,7 @@ impl FromWorld for SharedMaterials {
 
 /// The mesh is a child of the ball, whose own transform belongs to the simulation.
 fn add_ball_mesh(
-    added: On<Add, Projectile>,
+    added: On<Add<Projectile>>,
     mut commands: Commands,
     balls: Query<(&Projectile, Option<&Paint>)>,
     shared: Res<SharedMaterials>,

@@ -46,7 +46,7 @@ impl Plugin for SliderPlugin {
 }
 
 /// Adds the bars of a new slider.
-fn dress(added: On<Add, Slider>, mut commands: Commands) {
+fn dress(added: On<Add<Slider>>, mut commands: Commands) {
     let chosen = Node { width: percent(0), height: percent(100), ..default() };
     commands.entity(added.entity).insert((Interaction::default(), BackgroundColor(REST))).with_child((
         Chosen,

@@ -83,7 +83,7 @@ pub(crate) fn move_attached(
 
 /// Releases all tied particles of a body that loses its [`Attachment`].
 pub(crate) fn release_attached(
-    removed: On<Remove, Attachment>,
+    removed: On<Remove<Attachment>>,
     mut bodies: Query<(&mut AttachmentState, &mut Particles)>,
 ) {
     if let Ok((mut state, mut particles)) = bodies.get_mut(removed.entity) {

@@ -134,7 +134,7 @@ pub(crate) fn build_projectiles(
 }
 
 /// Removes the simulated ball from an entity that loses its [`Projectile`].
-pub(crate) fn remove_ball(removed: On<Remove, Projectile>, mut commands: Commands) {
+pub(crate) fn remove_ball(removed: On<Remove<Projectile>>, mut commands: Commands) {
     commands.entity(removed.entity).try_remove::<(ProjectileState, ProjectileRecord, Activity)>();
 }
 

@@ -35,6 +35,6 @@ impl Sticks {
 }
 
 /// Forgets the faults of a despawned body.
-pub(crate) fn forget_despawned_body(despawned: On<Despawn, Particles>, mut refusals: ResMut<Refusals>) {
+pub(crate) fn forget_despawned_body(despawned: On<Despawn<Particles>>, mut refusals: ResMut<Refusals>) {
     refusals.forget(despawned.entity);
 }

@@ -17,7 +17,7 @@ impl Default for Pressure {
 }
 
 /// Wakes bodies that lose their pressure.
-pub(crate) fn wake_slack(removed: On<Remove, Pressure>, mut bodies: Query<&mut Particles>) {
+pub(crate) fn wake_slack(removed: On<Remove<Pressure>>, mut bodies: Query<&mut Particles>) {
     if let Ok(mut particles) = bodies.get_mut(removed.entity) {
         particles.rouse();
     }

@@ -93,6 +93,6 @@ pub(crate) fn remove_body(commands: &mut Commands, entity: Entity) {
 }
 
 /// Removes the body from an entity that loses its description `C`.
-pub(crate) fn remove_described_body<C: Component>(removed: On<Remove, C>, mut commands: Commands) {
+pub(crate) fn remove_described_body<C: Component>(removed: On<Remove<C>>, mut commands: Commands) {
     remove_body(&mut commands, removed.entity);
 }

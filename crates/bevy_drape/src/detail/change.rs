@@ -206,7 +206,7 @@ fn move_over(old: &drape_solver::Particles, from: [u32; 2], new: &mut drape_solv
 }
 
 /// Returns the body to full detail in the next step.
-pub(crate) fn note_lost_detail(lost: On<Remove, LevelOfDetail>, mut bodies: ResMut<LostDetail>) {
+pub(crate) fn note_lost_detail(lost: On<Remove<LevelOfDetail>>, mut bodies: ResMut<LostDetail>) {
     bodies.0.push(lost.entity);
 }
 

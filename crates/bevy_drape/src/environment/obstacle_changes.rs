@@ -25,17 +25,17 @@ impl ObstacleChanges {
     }
 }
 
-pub(crate) fn note_gone_obstacle(gone: On<Remove, Obstacle>, mut changes: ResMut<ObstacleChanges>) {
+pub(crate) fn note_gone_obstacle(gone: On<Remove<Obstacle>>, mut changes: ResMut<ObstacleChanges>) {
     changes.gone.push(gone.entity);
 }
 
-pub(crate) fn note_disabled_obstacle(disabled: On<Add, Disabled>, mut changes: ResMut<ObstacleChanges>) {
+pub(crate) fn note_disabled_obstacle(disabled: On<Add<Disabled>>, mut changes: ResMut<ObstacleChanges>) {
     changes.gone.push(disabled.entity);
 }
 
 /// Checks an entity in the next step, in case it is an obstacle.
-pub(crate) fn recheck_obstacle<E: EntityEvent, C: Component>(
-    event: On<E, C>,
+pub(crate) fn recheck_obstacle<P: EventPattern<Event: EntityEvent>>(
+    event: On<P>,
     mut changes: ResMut<ObstacleChanges>,
 ) {
     changes.recheck.push(event.event_target());

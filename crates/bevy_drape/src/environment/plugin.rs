@@ -44,11 +44,11 @@ impl Plugin for ObstaclePlugin {
             .init_resource::<WakeRegions>()
             .add_observer(note_gone_obstacle)
             .add_observer(note_disabled_obstacle)
-            .add_observer(recheck_obstacle::<Remove, Disabled>)
-            .add_observer(recheck_obstacle::<Add, ContactEvents>)
-            .add_observer(recheck_obstacle::<Remove, ContactEvents>)
-            .add_observer(recheck_obstacle::<Add, TeleportObstacle>)
-            .add_observer(recheck_obstacle::<Remove, DrapeLayers>)
+            .add_observer(recheck_obstacle::<Remove<Disabled>>)
+            .add_observer(recheck_obstacle::<Add<ContactEvents>>)
+            .add_observer(recheck_obstacle::<Remove<ContactEvents>>)
+            .add_observer(recheck_obstacle::<Add<TeleportObstacle>>)
+            .add_observer(recheck_obstacle::<Remove<DrapeLayers>>)
             .add_observer(forget_removed::<Obstacle>)
             .add_systems(DrapeSchedule, sync_obstacles.in_set(ScenePhase::SyncObstacles));
     }
@@ -60,9 +60,9 @@ pub(crate) struct DynamicObstaclePlugin;
 impl Plugin for DynamicObstaclePlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<(DynamicObstacle, ObstacleReaction)>()
-            .add_observer(recheck_obstacle::<Add, ObstacleReaction>)
-            .add_observer(recheck_obstacle::<Remove, ObstacleReaction>)
-            .add_observer(recheck_obstacle::<Remove, DynamicObstacle>)
+            .add_observer(recheck_obstacle::<Add<ObstacleReaction>>)
+            .add_observer(recheck_obstacle::<Remove<ObstacleReaction>>)
+            .add_observer(recheck_obstacle::<Remove<DynamicObstacle>>)
             .add_observer(forget_removed::<DynamicObstacle>)
             .add_systems(DrapeSchedule, fly_dynamic_obstacles.in_set(ScenePhase::FlyDynamicObstacles));
     }

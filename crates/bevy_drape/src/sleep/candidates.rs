@@ -91,7 +91,7 @@ pub(crate) fn collect_candidates(
 
 /// Notes the box of a vanished body.
 pub(crate) fn note_gone_body(
-    gone: On<Remove, Particles>,
+    gone: On<Remove<Particles>>,
     states: Query<&BodyState>,
     mut candidates: ResMut<Candidates>,
 ) {
@@ -101,7 +101,7 @@ pub(crate) fn note_gone_body(
 
 /// Notes the box of a vanished ball.
 pub(crate) fn note_gone_ball(
-    gone: On<Remove, ProjectileState>,
+    gone: On<Remove<ProjectileState>>,
     balls: Query<&ProjectileState>,
     mut candidates: ResMut<Candidates>,
 ) {
@@ -109,6 +109,6 @@ pub(crate) fn note_gone_ball(
 }
 
 /// Notes an entity that lost its own settings or layers.
-pub(crate) fn note_lost_component<C: Component>(lost: On<Remove, C>, mut candidates: ResMut<Candidates>) {
+pub(crate) fn note_lost_component<C: Component>(lost: On<Remove<C>>, mut candidates: ResMut<Candidates>) {
     candidates.lost.push(lost.entity);
 }

@@ -2,7 +2,7 @@
 //!
 //! ```
 //! # use bevy::prelude::*;
-//! # use bevy::picking::events::{Click, Pointer};
+//! # use bevy::picking::events::PointerClick;
 //! # use bevy_drape::prelude::*;
 //! fn setup(mut commands: Commands) {
 //!     // Mouse and fingers take hold of it, each with no more than 30 N.
@@ -10,7 +10,7 @@
 //!     commands.spawn((Cloth::new(2.0, 1.5), draggable)).observe(pierce);
 //! }
 //!
-//! fn pierce(click: On<Pointer<Click>>, mut commands: Commands) {
+//! fn pierce(click: On<PointerClick>, mut commands: Commands) {
 //!     if let (Some(place), Some(normal)) = (click.hit.position, click.hit.normal)
 //!         && let Ok(direction) = Dir3::new(-normal)
 //!     {
@@ -23,7 +23,7 @@ use bevy::camera::Camera;
 use bevy::camera::visibility::{InheritedVisibility, RenderLayers};
 use bevy::picking::backend::ray::RayMap;
 use bevy::picking::backend::{HitData, PointerHits};
-use bevy::picking::events::{Cancel, DragEnd, DragStart, Pointer};
+use bevy::picking::events::{PointerCancel, PointerDragEnd, PointerDragStart};
 use bevy::picking::pointer::{PointerButton, PointerId};
 use bevy::picking::{Pickable, PickingSystems};
 use bevy::prelude::*;
@@ -40,7 +40,7 @@ const LINK_RADIUS: f32 = 0.03;
 /// First id of the hands of pointers; smaller ids are free for others.
 const FIRST_HAND: u64 = 1 << 63;
 
-/// A backend for Bevy's picking: observers of [`Pointer`] events on bodies and balls work, and pointers drag
+/// A backend for Bevy's picking: observers of [`PointerEvent`](bevy::picking::events::PointerEvent)s on bodies and balls work, and pointers drag
 /// [`Draggable`] bodies. Hits carry a [`BodyHit`] as extra data.
 ///
 /// Does nothing in an app without Bevy's `PickingPlugin`. [`Pickable`], [`RenderLayers`] and visibility count as for meshes.
@@ -158,16 +158,17 @@ fn meets_box(ray: Ray3d, low: Vec3, high: Vec3) -> bool {
 
 /// Puts a hand on the body when a drag begins.
 fn take_hold(
-    start: On<Pointer<DragStart>>,
+    start: On<PointerDragStart>,
     mut bodies: Query<(&Particles, &Draggable, Option<&mut Grab>)>,
     mut drags: ResMut<Drags>,
     mut commands: Commands,
 ) {
     let Ok((particles, draggable, grab)) = bodies.get_mut(start.entity) else { return };
-    let (DragStart { button, hit }, Some(place)) = (&start.event, start.hit.position) else { return };
+    let hit = &start.hit;
+    let Some(place) = hit.position else { return };
     let known = hit.extra_as::<BodyHit>().map(|hit| hit.particle).filter(|&known| known < particles.len());
     let Some(particle) = known.or_else(|| nearest_particle(particles, place)) else { return };
-    if *button != PointerButton::Primary {
+    if start.button != PointerButton::Primary {
         return;
     }
     drags.count += 1;
@@ -175,7 +176,7 @@ fn take_hold(
     let mut hand = Hand::new(particles, particle, draggable.radius);
     (hand.id, hand.greatest_force) = (id, draggable.greatest_force);
     drags.under_way.push(PointerDrag {
-        pointer: start.pointer_id,
+        pointer: start.pointer.id,
         camera: hit.camera,
         hand: id,
         distance: hit.depth,
@@ -208,14 +209,14 @@ fn pull_dragged(rays: Res<RayMap>, mut drags: ResMut<Drags>, mut grabs: Query<&m
     });
 }
 
-fn let_go_at_end(end: On<Pointer<DragEnd>>, drags: ResMut<Drags>, grabs: Hands, commands: Commands) {
+fn let_go_at_end(end: On<PointerDragEnd>, drags: ResMut<Drags>, grabs: Hands, commands: Commands) {
     if end.button == PointerButton::Primary {
-        let_go(end.pointer_id, drags, grabs, commands);
+        let_go(end.pointer.id, drags, grabs, commands);
     }
 }
 
-fn let_go_if_cancelled(end: On<Pointer<Cancel>>, drags: ResMut<Drags>, grabs: Hands, commands: Commands) {
-    let_go(end.pointer_id, drags, grabs, commands);
+fn let_go_if_cancelled(end: On<PointerCancel>, drags: ResMut<Drags>, grabs: Hands, commands: Commands) {
+    let_go(end.pointer.id, drags, grabs, commands);
 }
 
 type Hands<'w, 's> = Query<'w, 's, (Entity, &'static mut Grab)>;

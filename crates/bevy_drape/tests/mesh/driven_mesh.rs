@@ -312,7 +312,7 @@ fn it_is_hidden_with_its_driver_and_leaves_nothing_behind() {
     frame(&mut app, 1.0);
     let names = |app: &App| {
         let components = app.world().inspect_entity(driven).expect("there");
-        let mut names: Vec<String> = components.map(|info| info.name().to_string()).collect();
+        let mut names: Vec<String> = components.map(|(_, info)| info.name().to_string()).collect();
         names.sort_unstable();
         names
     };

@@ -261,7 +261,7 @@ fn what_is_changed_is_built_anew_and_what_is_taken_off_leaves_nothing() {
 /// The components of an entity that are not what Bevy's renderer side makes of any mesh.
 fn names(app: &App, entity: Entity) -> Vec<String> {
     let components = app.world().inspect_entity(entity).expect("there");
-    let mut names: Vec<String> = components.map(|info| info.name().to_string()).collect();
+    let mut names: Vec<String> = components.map(|(_, info)| info.name().to_string()).collect();
     names.sort_unstable();
     names
 }

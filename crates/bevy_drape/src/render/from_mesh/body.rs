@@ -196,7 +196,7 @@ fn follow_pose(commands: &mut Commands, entity: Entity, pose: Option<AnimatedPos
 }
 
 /// Removes everything but the body from an entity that loses its `D`. The mesh stays.
-pub(crate) fn remove_mesh_body<D: MeshDescription>(removed: On<Remove, D>, mut commands: Commands) {
+pub(crate) fn remove_mesh_body<D: MeshDescription>(removed: On<Remove<D>>, mut commands: Commands) {
     commands
         .entity(removed.entity)
         .try_remove::<(Surface, D::Parts, MeshSource, SkinOfCloth, AnimatedPose, NoAutoAabb)>();

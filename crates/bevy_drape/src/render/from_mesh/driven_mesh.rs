@@ -175,6 +175,6 @@ pub(crate) fn hide_driven(
 }
 
 /// Removes everything that an entity got for its lost [`DrivenMesh`]. The mesh stays.
-pub(crate) fn remove_driven_mesh(removed: On<Remove, DrivenMesh>, mut commands: Commands) {
+pub(crate) fn remove_driven_mesh(removed: On<Remove<DrivenMesh>>, mut commands: Commands) {
     commands.entity(removed.entity).try_remove::<(Surface, Binding, MeshSource, NoAutoAabb)>();
 }
