@@ -2,7 +2,8 @@
 """Checks the dependency tree against deny.toml: licences, sources, and crates that may be there only once.
 
 Reads `cargo metadata --all-features --format-version 1` from standard input. What cargo-deny would check, less its
-advisories, without the ten minutes it takes to compile cargo-deny.
+advisories, without the ten minutes it takes to compile cargo-deny. With `--rust-version`, on the metadata of default features, checks
+instead that no package asks for a newer Rust than ours: the README's commands run without a flag.
 """
 
 import json
@@ -54,8 +55,29 @@ def licence_allowed(expression, allowed):
     return either()
 
 
+def version(text):
+    """`1.95` and `1.95.0` as equal tuples."""
+    return (*(int(number) for number in text.split(".")), 0, 0)[:3]
+
+
+def too_new(metadata):
+    """A fault for each package of the build that asks for a newer Rust than the members of the workspace."""
+    members, used = set(metadata["workspace_members"]), {node["id"] for node in metadata["resolve"]["nodes"]}
+    packages = [package for package in metadata["packages"] if package["id"] in used and package["rust_version"]]
+    ours = min(version(package["rust_version"]) for package in packages if package["id"] in members)
+    print(f"{len(packages)} packages name a Rust version, ours is {'.'.join(map(str, ours))}")
+    return [
+        f"{package['name']} {package['version']} asks for Rust {package['rust_version']}"
+        for package in packages
+        if version(package["rust_version"]) > ours
+    ]
+
+
 def main():
-    packages = json.load(sys.stdin)["packages"]
+    metadata = json.load(sys.stdin)
+    if "--rust-version" in sys.argv:
+        return finish(too_new(metadata))
+    packages = metadata["packages"]
     allowed = set(RULES["licenses"]["allow"])
     faults = []
     versions = {}
@@ -75,6 +97,11 @@ def main():
             faults.append(f"{ban['crate']}: {len(found)} versions in the tree: {', '.join(sorted(found))}")
         print(f"{ban['crate']}: {', '.join(sorted(found)) or 'not in the tree'}")
     print(f"{len(packages)} packages, {len(faults)} faults")
+    return finish(faults)
+
+
+def finish(faults):
+    """Prints the faults; 1 if there are any, as exit status."""
     for fault in faults:
         print(f"error: {fault}", file=sys.stderr)
     return 1 if faults else 0

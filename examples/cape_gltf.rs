@@ -6,6 +6,8 @@
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_drape::prelude::*;
+use bevy_drape::render::PaintChannel;
+use bevy_drape::transform::MovedByFrame;
 use drape_examples::feature::Feature;
 use drape_examples::view::gltf_files::AwaitedFile;
 

@@ -4,6 +4,8 @@
 //! a picture with `--features render`.
 
 use bevy::prelude::*;
+use bevy_drape::body::DefaultSolverSettings;
+use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
 use drape_examples::feature::{Feature, Paint};
 

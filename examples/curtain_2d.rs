@@ -5,6 +5,7 @@
 //! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
+use bevy_drape::attach::PlaneLock;
 use bevy_drape::prelude::*;
 use drape_examples::feature::{Feature, Paint};
 

@@ -5,6 +5,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::tear::CutCloth;
 use drape_examples::feature::{Feature, Paint};
 
 /// The example.

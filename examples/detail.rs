@@ -4,7 +4,10 @@
 //! a picture with `--features render`. The one who looks runs down the street and back, wherever the camera is.
 
 use bevy::prelude::*;
+use bevy_drape::detail::{CurrentDetail, LevelOfDetail};
+use bevy_drape::environment::Gusts;
 use bevy_drape::prelude::*;
+use bevy_drape::viewer::Viewer;
 use drape_examples::feature::{Feature, Paint};
 
 /// The example.

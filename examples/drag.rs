@@ -4,6 +4,7 @@
 //! least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
+use bevy_drape::gestures::Gestures;
 use bevy_drape::prelude::*;
 use drape_examples::feature::{Feature, Paint};
 

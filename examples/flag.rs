@@ -4,6 +4,7 @@
 //! a picture with `--features render`.
 
 use bevy::prelude::*;
+use bevy_drape::environment::Gusts;
 use bevy_drape::prelude::*;
 use drape_examples::feature::{Feature, Paint};
 

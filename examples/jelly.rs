@@ -5,6 +5,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::render::DrivenMesh;
 use drape_examples::feature::{Feature, Paint};
 
 /// The example.
@@ -35,7 +36,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
         let place = Vec3::new(DEPTH * (f32::from(step) - 1.5), 0.5 * height, 0.0);
         commands.spawn((Obstacle::cuboid(DEPTH, height, 3.0), Transform::from_translation(place)));
     }
-    let jelly = SoftBody { stiffness: 0.8, ..default() };
+    let jelly = SoftBodyMesh { stiffness: 0.8, ..default() };
     let cube = meshes.add(Cuboid::from_length(0.36));
     for (place, turn, paint) in [
         (Vec3::new(-0.85, 1.5, 0.7), 0.2, Paint::rgb(0.85, 0.25, 0.35)),
@@ -48,7 +49,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
     }
     let ring = meshes.add(Torus { minor_radius: 0.1, major_radius: 0.26 });
     let place = Transform::from_xyz(0.1, 1.1, -0.1).with_rotation(Quat::from_rotation_z(0.9));
-    let soft = SoftBody { spacing: Some(0.075), stiffness: 0.9, ..default() };
+    let soft = SoftBodyMesh { spacing: Some(0.075), stiffness: 0.9, ..default() };
     commands.spawn((Mesh3d(ring), soft, Paint::rgb(0.30, 0.45, 0.80), place));
     // A fine mesh is drawn; a coarse ball without paint is solved, and its cells carry the mesh.
     let coarse = meshes.add(Sphere::new(0.24).mesh().uv(16, 10));

@@ -5,6 +5,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::Ragdoll;
 use drape_examples::feature::Feature;
 
 /// The example.

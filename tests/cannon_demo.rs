@@ -1,6 +1,7 @@
 //! The founding experiment as a test: five shots at the curtain, and what must come of them.
 
 use bevy::prelude::*;
+use bevy_drape::cannon::Cannon;
 use bevy_drape::prelude::*;
 use bevy_drape_script::scene::{Action, Body, SceneScript};
 use drape_examples::cannon_demo::headless::{app, run_to_rest};

@@ -2,7 +2,8 @@
 
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::{App, FixedUpdate, Startup, Transform, Update, Vec3};
-use bevy_drape::prelude::{Attachment, CurrentDetail, Particles};
+use bevy_drape::detail::CurrentDetail;
+use bevy_drape::prelude::{Attachment, Particles};
 use drape_examples::feature::{Feature, FeatureReport, bare_app, steps_in};
 
 #[path = "../examples/showcase.rs"]

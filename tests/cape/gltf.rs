@@ -7,6 +7,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_drape::prelude::*;
+use bevy_drape::render::WeldedVertices;
 use drape_examples::character::{BONES, CAPE, Character};
 use drape_examples::view::gltf_files::wait_for_files;
 
@@ -144,7 +145,7 @@ fn assert_worn(name: &str, worst: &Worst) {
 }
 
 fn has_no_refusal(app: &App) {
-    let refused: Vec<_> = app.world().resource::<Refusals>().messages().collect();
+    let refused: Vec<_> = app.world().resource::<Refusals>().iter().collect();
     assert!(refused.is_empty(), "{refused:?}");
 }
 

@@ -3,7 +3,10 @@
 use bevy::math::Affine3A;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
+use bevy_drape::body::Sticks;
 use bevy_drape::prelude::*;
+use bevy_drape::render::WeldedVertices;
+use bevy_drape::step::MotionLimitCounts;
 use drape_solver::state::measure::stretch;
 
 use drape_examples::character::{Character, FULL_DISTANCE, cape_mesh, capsule, inverse_bind_poses};

@@ -3,7 +3,9 @@
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
+use bevy_drape::body::Sticks;
 use bevy_drape::prelude::*;
+use bevy_drape::render::WeldedVertices;
 use bevy_drape::snapshot::Snapshot;
 use drape_solver::StateHasher;
 

@@ -1,8 +1,10 @@
 //! Particles that follow entities, and entities that follow particles.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::Snapshot;
+use bevy_drape::tear::CutCloth;
 
 use crate::common::*;
 

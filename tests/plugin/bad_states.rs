@@ -1,7 +1,10 @@
 //! States that are not finite are contained, and so is what jumps.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::prelude::*;
+use bevy_drape::schedule::{DrapeSchedule, DrapeSubsteps};
 
 use crate::common::*;
 

@@ -1,6 +1,9 @@
 //! Cannons fire when they are told to, from the muzzle and at the muzzle speed.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::cannon::{Cannon, FireCannon};
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use crate::common::*;

@@ -1,6 +1,7 @@
 //! Pause, single steps and slow motion.
 
 use bevy::prelude::*;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use crate::common::*;

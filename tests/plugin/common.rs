@@ -5,7 +5,12 @@ use std::time::Duration;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::Activity;
+use bevy_drape::cannon::CannonFired;
+use bevy_drape::contact::BallHit;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::ActivityCounts;
 use drape_solver::StateHasher;
 use drape_solver::state::measure;
 
@@ -189,7 +194,7 @@ pub fn assert_refused(bundle: impl Bundle, words: &[&str]) -> (App, Entity) {
     for word in [bad.to_string().as_str()].iter().chain(words) {
         assert!(messages[0].contains(word), "“{}” does not name {word}", messages[0]);
     }
-    assert_eq!(app.world().resource::<Refusals>().messages().len(), 1);
+    assert_eq!(app.world().resource::<Refusals>().iter().len(), 1);
     let fallen = -ball_position(&app, witness).y;
     assert!((fallen - 0.5 * GRAVITY * 0.25).abs() < 1e-3, "the witness fell {fallen} m");
     let counts = counts(&app);

@@ -1,6 +1,8 @@
 //! Bodies come with their description, change with it and go with it.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::{Activity, DefaultSolverSettings, Sticks};
 use bevy_drape::prelude::*;
 
 use crate::common::*;

@@ -1,6 +1,11 @@
 //! Contacts are told to those that ask: when they begin, when they end, when they are hard.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::contact::{
+    ContactFeature, DrapeContactCounts, DrapeContactEnded, DrapeContactHit, DrapeContactSettings,
+    DrapeContactStarted,
+};
 use bevy_drape::prelude::*;
 
 use crate::common::*;

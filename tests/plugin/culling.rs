@@ -1,7 +1,10 @@
 //! Bodies out of sight are culled, and come back as they were.
 
 use bevy::prelude::*;
+use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::SceneManager;
+use bevy_drape::viewer::Viewer;
 
 use crate::common::*;
 

@@ -1,7 +1,10 @@
 //! Despawning is safe in every state and at every moment.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
+use bevy_drape::cannon::{Cannon, FireCannon};
 use bevy_drape::prelude::*;
+use bevy_drape::schedule::{DrapeSchedule, DrapeSubsteps};
 
 use crate::common::*;
 

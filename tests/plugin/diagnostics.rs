@@ -2,6 +2,7 @@
 
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::prelude::*;
+use bevy_drape::diagnostics::DrapeDiagnosticsPlugin;
 use bevy_drape::prelude::*;
 
 use crate::common::*;

@@ -1,6 +1,7 @@
 //! Cloths that are dropped on obstacles fall asleep there, and stay.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
 use drape_solver::Shape;
 use drape_solver::parry3d::math::{IVector, Pose};

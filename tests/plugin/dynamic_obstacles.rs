@@ -1,6 +1,7 @@
 //! Obstacles that are pushed back, are told of it, or are put somewhere else.
 
 use bevy::prelude::*;
+use bevy_drape::environment::{ObstacleReaction, TeleportObstacle};
 use bevy_drape::prelude::*;
 use drape_solver::state::measure;
 

@@ -1,7 +1,12 @@
 //! Swords, bullets and hands: what each does, and ten thousand of them at random.
 
 use bevy::prelude::*;
+use bevy_drape::attach::{Grab, Winch};
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::Sticks;
+use bevy_drape::gestures::Gestures;
 use bevy_drape::prelude::*;
+use bevy_drape::tear::BodySplit;
 
 use crate::common::*;
 use crate::operations::{Dice, cloth, settings};

@@ -1,6 +1,8 @@
 //! Balls tell what they hit, once for each touch, with the moment of it.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::contact::{BallHit, HitTarget};
 use bevy_drape::prelude::*;
 
 use crate::common::*;

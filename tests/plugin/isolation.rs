@@ -1,6 +1,7 @@
 //! The result does not depend on other apps, entity ids or other islands.
 
 use bevy::prelude::*;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use crate::common::*;

@@ -1,6 +1,7 @@
 //! Bodies that touch each other share an island: layers of cloth rest, sleep and wake as one.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
 
 use crate::common::*;

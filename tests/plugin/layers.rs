@@ -1,6 +1,8 @@
 //! Layers tell who touches whom.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
 
 use crate::common::*;

@@ -1,8 +1,13 @@
 //! Distant bodies cost less, and no difference is seen.
 
 use bevy::prelude::*;
+use bevy_drape::attach::Grab;
+use bevy_drape::body::Activity;
+use bevy_drape::detail::{CurrentDetail, LevelOfDetail};
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::ActivityCounts;
 use bevy_drape::snapshot::Snapshot;
+use bevy_drape::viewer::Viewer;
 use drape_solver::state::measure;
 
 use crate::common::*;

@@ -2,7 +2,27 @@
 
 use bevy::prelude::*;
 use bevy::reflect::TypePath;
+use bevy_drape::attach::{FollowedParticle, Grab, Hand, PlaneLock, TeleportCloth, Winch};
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::{Activity, DefaultSolverSettings, Pressure, StickProjection, Sticks, StructuralSolve};
+use bevy_drape::build::RigidTetrahedron;
+use bevy_drape::cannon::{Cannon, CannonFired, FireCannon};
+use bevy_drape::clock::DrapeClock;
+use bevy_drape::contact::{
+    BallHit, ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded, DrapeContactHit,
+    DrapeContactSettings, DrapeContactStarted, HitTarget,
+};
+use bevy_drape::detail::{CurrentDetail, DetailLevel, LevelOfDetail};
+use bevy_drape::diagnostics::DrapeDiagnosticsPlugin;
+use bevy_drape::environment::{Gusts, ObstacleReaction, TeleportObstacle, WindFlow, WindRegion};
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{InRig, Particle, Ragdoll, RagdollEntities, Rig, Stick, StickBound, StickKind};
+use bevy_drape::schedule::{DrapeSchedule, DrapeSubsteps};
+use bevy_drape::sleep::{ActivityCounts, SceneManager};
+use bevy_drape::step::MotionLimitCounts;
+use bevy_drape::tear::{BodySplit, CutCloth, StickTorn};
+use bevy_drape::transform::MovedByFrame;
+use bevy_drape::viewer::Viewer;
 
 use crate::common::*;
 
@@ -97,48 +117,8 @@ fn a_cloth_is_made_and_changed_by_reflection_alone() {
     assert!((high.x - low.x - 2.0).abs() < 1e-4);
 }
 
-/// Both preludes as globs, as every app has them: a name that both have would not compile where it is used.
-mod both {
-    use bevy::prelude::*;
-    use bevy_drape::prelude::*;
-
-    macro_rules! full_names {
-        ($($name:ident)*) => { [$((stringify!($name), core::any::type_name::<$name>())),*] };
-    }
-
-    /// Every name of the prelude, and the full one that it stands for.
-    pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
-        full_names! {
-            Activity ActivityCounts Attachment BallHit BodySplit Cannon CannonFired Cloth ClothPins ContactEvents
-            ContactFeature CurrentDetail CutCloth DefaultSolverSettings DetailLevel DrapeClock DrapeContact DrapeContactCounts
-            DrapeContactEnded DrapeContactHit DrapeContactSettings DrapeContactStarted DrapeDiagnosticsPlugin
-            DrapeGravity DrapeLayers DrapePlugins DrapeSchedule DrapeSubsteps DrapeSystems DynamicObstacle FireCannon
-            FollowParticle FollowedParticle Grab Gusts Hand HitTarget InRig Interpolated LevelOfDetail MotionLimitCounts
-            MovedByFrame Obstacle ObstacleReaction ObstacleShape Particle Particles PlaneLock Preset Pressure
-            Projectile ProjectileState Quality Ragdoll RagdollEntities Refusals Rig RigidTetrahedron Rope
-            SceneManager SelfContact SoftBall SolverSettings Stick StickBound StickKind StickProjection StickTorn
-            Sticks StructuralSolve Tearable TeleportCloth TeleportObstacle Tie TiedParticles Viewer Winch Wind
-            WindFlow WindRegion WindZone WorldMotion
-        }
-        .into_iter()
-    }
-
-    /// A name of Bevy's, so that its prelude is in use.
-    pub type Bevys = Transform;
-}
-
-#[test]
-fn the_prelude_has_no_name_of_bevys() {
-    for (name, full) in both::names() {
-        let is_ours =
-            ["bevy_drape::", "drape_solver::"].iter().any(|crate_name| full.starts_with(crate_name));
-        assert!(is_ours, "{name} is {full}");
-    }
-    assert!(core::any::type_name::<both::Bevys>().starts_with("bevy_transform::"));
-}
-
 /// The names in the source of the prelude, those of optional features included.
-fn names_in_source() -> Vec<&'static str> {
+fn names_of_the_prelude() -> Vec<&'static str> {
     let source = include_str!("../../crates/bevy_drape/src/lib.rs");
     let (_, prelude) = source.split_once("pub mod prelude {").expect("a prelude");
     let words = prelude.split(|c: char| !c.is_alphanumeric() && c != '_');
@@ -146,36 +126,30 @@ fn names_in_source() -> Vec<&'static str> {
 }
 
 #[test]
-fn the_test_above_knows_every_name() {
-    /// Those that exist only with some feature.
-    const OPTIONAL: [&str; 10] = [
-        "ClothMesh",
-        "ClothPaint",
-        "ClothWeave",
-        "Draggable",
-        "DrapeGizmos",
-        "DrivenMesh",
-        "PaintChannel",
-        "RopeMesh",
-        "SoftBody",
-        "WeldedVertices",
-    ];
-    const TRAITS: [&str; 1] = ["Gestures"];
-    for name in names_in_source() {
-        let is_known = OPTIONAL.contains(&name)
-            || TRAITS.contains(&name)
-            || both::names().any(|(known, _)| known == name);
-        assert!(is_known, "add {name} to the list of `both`");
-    }
+fn the_prelude_is_what_a_first_app_needs() {
+    let names = names_of_the_prelude();
+    assert!(names.contains(&"DrapePlugins") && names.contains(&"Cloth"), "{names:?}");
+    assert!(names.len() <= 35, "{} names", names.len());
 }
 
-/// `avian_prelude.txt` lists what `avian3d` 0.7.0 has in its prelude, all features on. The crate itself would be a
-/// heavy dependency for a test.
+/// `preludes.txt` lists the preludes that an app may import beside ours; `.ci/preludes` asks the compiler for them. The crates
+/// themselves would be heavy dependencies of a test.
 #[test]
-fn the_prelude_has_no_name_of_avians() {
-    let avians: Vec<&str> = include_str!("avian_prelude.txt").split_whitespace().collect();
-    assert!(avians.contains(&"Gravity") && avians.contains(&"SubstepCount"));
-    for name in names_in_source() {
-        assert!(!avians.contains(&name), "{name} is Avian's, too");
+fn the_prelude_has_no_name_of_another_prelude() {
+    let preludes = include_str!("preludes.txt").split("# ").skip(1).map(|prelude| {
+        let (title, names) = prelude.split_once('\n').expect("a title and names");
+        (title, names.split_whitespace().collect::<Vec<_>>())
+    });
+    let preludes: Vec<_> = preludes.collect();
+    let known = [("bevy,", "Transform"), ("avian2d,", "Gravity"), ("avian3d,", "SubstepCount")];
+    let rapiers = [("bevy_rapier2d,", "RapierContext"), ("bevy_rapier3d,", "SoftBody")];
+    for (title, name) in known.into_iter().chain(rapiers) {
+        let prelude = preludes.iter().find(|prelude| prelude.0.starts_with(title)).expect(title);
+        assert!(prelude.1.contains(&name), "{title} {name}");
+    }
+    for name in names_of_the_prelude() {
+        for (title, names) in &preludes {
+            assert!(!names.contains(&name), "{name} is in the prelude of {title}, too");
+        }
     }
 }

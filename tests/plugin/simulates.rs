@@ -1,6 +1,7 @@
 //! Adding the plugin to an app is enough for cloths, ropes and balls to move as physics has it.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
 use bevy_drape::prelude::*;
 
 use crate::common::*;

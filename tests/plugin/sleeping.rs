@@ -2,7 +2,10 @@
 
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::SceneManager;
 use drape_solver::constants::REST_SPEED;
 
 use crate::common::*;

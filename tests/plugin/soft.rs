@@ -1,7 +1,9 @@
 //! Soft balls, and air in closed bodies.
 
 use bevy::prelude::*;
+use bevy_drape::body::{Activity, Pressure, Sticks};
 use bevy_drape::prelude::*;
+use bevy_drape::rig::StickKind;
 use drape_solver::volume;
 use drape_solver::{StickKind, StickMaterial, TopologyBuilder};
 

@@ -1,7 +1,11 @@
 //! Tears and cuts: what comes off is a body of its own, and everyone is told.
 
 use bevy::prelude::*;
+use bevy_drape::attach::Grab;
+use bevy_drape::body::{Activity, Sticks};
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
+use bevy_drape::tear::{BodySplit, CutCloth, StickTorn};
 use drape_solver::state::measure;
 
 use crate::common::*;
@@ -200,8 +204,7 @@ fn a_tear_that_cannot_be_and_a_blade_that_is_nowhere_are_said_to_be_so() {
     app.world_mut().spawn(curtain());
     app.world_mut().write_message(CutCloth { blade: vec![[Vec3::NAN; 3]], only: None });
     step(&mut app, 2);
-    let messages: Vec<String> =
-        app.world().resource::<Refusals>().messages().map(ToString::to_string).collect();
+    let messages: Vec<String> = app.world().resource::<Refusals>().iter().map(ToString::to_string).collect();
     assert!(messages.len() == 1 && messages[0].contains("CutCloth"), "{messages:?}");
 }
 

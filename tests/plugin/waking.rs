@@ -1,6 +1,9 @@
 //! Events that wake a body at rest, and events that do not.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::{Activity, DefaultSolverSettings, Pressure};
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use crate::common::*;

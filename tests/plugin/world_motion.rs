@@ -1,7 +1,10 @@
 //! The share of its parent's motion that a body feels; teleports; parents that move once a frame.
 
 use bevy::prelude::*;
+use bevy_drape::attach::TeleportCloth;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
+use bevy_drape::transform::MovedByFrame;
 
 use crate::common::*;
 

@@ -1,7 +1,9 @@
 //! Bad input is reported once, with the entity and the field, and everything else runs.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{Particle, Stick};
 
 use crate::support::{Rigs, assert_near};
 

@@ -1,7 +1,12 @@
 //! Rigs can be edited while they move.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{Particle, Rig, Stick, StickKind};
+use bevy_drape::schedule::DrapeSchedule;
+use bevy_drape::sleep::ActivityCounts;
 
 use crate::support::{Rigs, STEP, assert_near};
 

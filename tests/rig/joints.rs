@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{Particle, Stick};
 
 use crate::support::*;
 

@@ -3,7 +3,11 @@
 use std::f32::consts::TAU;
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::Activity;
+use bevy_drape::contact::{BallHit, HitTarget};
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{Particle, Stick, StickKind};
 
 use crate::support::{Rigs, STEP, assert_near};
 

@@ -1,7 +1,9 @@
 //! Ragdolls.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{Particle, Ragdoll, Rig, Stick, StickBound};
 
 use crate::support::*;
 

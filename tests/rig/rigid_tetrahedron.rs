@@ -1,6 +1,8 @@
 //! Rigid bodies of four particles, as entities.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
+use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::Snapshot;
 

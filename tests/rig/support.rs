@@ -7,7 +7,10 @@ use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, SingleThreadedExecuto
 use bevy::log::tracing_subscriber::{self, util::SubscriberInitExt};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::body::{Activity, DefaultSolverSettings};
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{InRig, Particle, Stick};
+use bevy_drape::schedule::DrapeSchedule;
 
 /// Length of a step in seconds.
 pub const STEP: f32 = 1.0 / 60.0;

@@ -1,7 +1,10 @@
 //! Particles and their transforms.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{InRig, Particle};
+use bevy_drape::sleep::SceneManager;
 
 use crate::support::{Rigs, STEP, assert_near};
 

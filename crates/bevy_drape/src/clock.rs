@@ -1,4 +1,16 @@
 //! The simulation's clock: pause, single steps, slow motion.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy_drape::clock::DrapeClock;
+//!
+//! let mut clock = DrapeClock::default();
+//! clock.time_scale = 0.25; // slow motion
+//! clock.paused = true;
+//! clock.step_once(); // one step, then it is paused again
+//! assert_eq!(clock.steps(), 0, "the plugin counts the steps that it takes");
+//! ```
 
 use bevy::prelude::*;
 

@@ -24,6 +24,7 @@
 //! schedule           labels of a step: schedules, sets, times
 //! viewer             viewers, and distances from them
 //! pending_messages   messages that wait for the next step
+//! entity_events      messages that observers hear of too
 //! change_detection   change ticks read as columns
 //! rigid_motion       placements, and rigid motions between them
 //! clock              simulated time
@@ -39,6 +40,7 @@ mod change_detection;
 pub mod clock;
 pub mod contact;
 pub mod detail;
+mod entity_events;
 pub mod environment;
 mod pending_messages;
 pub mod plugin;
@@ -54,96 +56,44 @@ pub mod sleep;
 pub mod snapshot;
 pub mod step;
 pub mod tear;
-pub mod tools;
+mod tools;
 pub mod transform;
 pub mod viewer;
 
+pub use ball::cannon;
 pub use drape_solver;
 pub use plugin::DrapePlugins;
+#[cfg(feature = "gizmos")]
+pub use tools::gizmos;
+#[cfg(feature = "picking")]
+pub use tools::picking;
+pub use tools::{diagnostics, gestures, ray_cast};
 
-/// Everything that an app with cloth in it usually needs.
+/// What a first app with cloth in it needs. The rest is in the modules of its subject: [`rig`], [`cannon`], [`tear`], ..
 ///
 /// ```
-/// use bevy_drape::prelude::*;
+/// # use bevy_drape::prelude::*;
 /// ```
 pub mod prelude {
-    #[cfg(feature = "mesh")]
-    #[doc(inline)]
-    pub use crate::render::from_mesh::{
-        cloth_mesh::{ClothMesh, ClothWeave, WeldedVertices},
-        driven_mesh::DrivenMesh,
-        paint::{ClothPaint, PaintChannel},
-        soft_body::SoftBody,
-    };
-    #[cfg(feature = "mesh")]
-    #[doc(inline)]
-    pub use crate::render::rope_mesh::RopeMesh;
     #[cfg(feature = "gizmos")]
     #[doc(inline)]
-    pub use crate::tools::gizmos::DrapeGizmos;
+    pub use crate::gizmos::DrapeGizmos;
     #[cfg(feature = "picking")]
     #[doc(inline)]
-    pub use crate::tools::picking::Draggable;
+    pub use crate::picking::Draggable;
+    #[cfg(feature = "mesh")]
+    #[doc(inline)]
+    pub use crate::render::{ClothMesh, ClothPaint, RopeMesh, SoftBodyMesh};
     #[doc(inline)]
     pub use crate::{
-        attach::{
-            attachment::{Attachment, Tie, TiedParticles},
-            follow_particle::{FollowParticle, FollowedParticle},
-            grab::{Grab, Hand},
-            plane_lock::PlaneLock,
-            winch::Winch,
-            world_motion::{TeleportCloth, WorldMotion},
-        },
-        ball::{
-            cannon::{Cannon, CannonFired, FireCannon},
-            projectile::{Projectile, ProjectileState},
-        },
-        body::{
-            activity::Activity,
-            contact_events::ContactEvents,
-            layers::DrapeLayers,
-            particles::{Particles, Sticks},
-            pressure::Pressure,
-            settings::{
-                DefaultSolverSettings, Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve,
-            },
-            tearable::Tearable,
-        },
-        build::{
-            cloth::{Cloth, ClothPins},
-            preset::Preset,
-            rigid_tetrahedron::RigidTetrahedron,
-            rope::Rope,
-            soft_ball::SoftBall,
-        },
-        clock::DrapeClock,
-        contact::{
-            events::{
-                ContactFeature, DrapeContact, DrapeContactCounts, DrapeContactEnded, DrapeContactHit,
-                DrapeContactSettings, DrapeContactStarted,
-            },
-            hit::{BallHit, HitTarget},
-        },
-        detail::level::{CurrentDetail, DetailLevel, LevelOfDetail},
-        environment::{
-            dynamic_obstacle::{DynamicObstacle, ObstacleReaction},
-            gravity::DrapeGravity,
-            obstacle::{Obstacle, ObstacleShape, TeleportObstacle},
-            wind::{Gusts, Wind},
-            wind_zone::{WindFlow, WindRegion, WindZone},
-        },
+        attach::{Attachment, FollowParticle, Tie, TiedParticles, WorldMotion},
+        ball::Projectile,
+        body::{ContactEvents, DrapeLayers, Particles, Quality, SelfContact, SolverSettings, Tearable},
+        build::{Cloth, ClothPins, Preset, Rope, SoftBall},
+        environment::{DrapeGravity, DynamicObstacle, Obstacle, ObstacleShape, Wind, WindZone},
         plugin::DrapePlugins,
         refusal::Refusals,
-        rig::{
-            components::{InRig, Particle, Rig, Stick, StickBound, StickKind},
-            ragdoll::{Ragdoll, RagdollEntities},
-        },
-        schedule::{DrapeSchedule, DrapeSubsteps, DrapeSystems},
-        sleep::{activity_counts::ActivityCounts, scene_manager::SceneManager},
-        step::motion_limits::MotionLimitCounts,
-        tear::messages::{BodySplit, CutCloth, StickTorn},
-        tools::{diagnostics::DrapeDiagnosticsPlugin, gestures::Gestures},
-        transform::{interpolation::Interpolated, moved_by_frame::MovedByFrame},
-        viewer::Viewer,
+        schedule::DrapeSystems,
+        transform::Interpolated,
     };
 }

@@ -1,4 +1,16 @@
 //! The plugins.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! // A fast game on a server: sixty steps a second, no window, no meshes.
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()));
+//! app.insert_resource(Time::<Fixed>::from_hz(60.0));
+//! let curtain = app.world_mut().spawn(Cloth::new(2.0, 1.5)).id();
+//! app.update();
+//! assert!(app.world().get::<Cloth>(curtain).is_some());
+//! ```
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 use bevy::ecs::intern::Interned;
@@ -26,7 +38,7 @@ use crate::transform::plugin::PropagationPlugin;
 ///
 /// ```no_run
 /// use bevy::prelude::*;
-/// use bevy_drape::prelude::*;
+/// # use bevy_drape::prelude::*;
 ///
 /// App::new()
 ///     .add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()))

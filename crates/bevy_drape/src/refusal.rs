@@ -1,68 +1,143 @@
 //! Invalid input: logged once and left out of the simulation.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy_drape::drape_solver::BuildError;
+//!
+//! fn report(refusals: Res<Refusals>) {
+//!     // Empty as long as everything that was spawned can be simulated.
+//!     for refusal in refusals.iter() {
+//!         let is_out_of_range = matches!(refusal.error().downcast_ref(), Some(BuildError::OutOfRange { .. }));
+//!         println!("{:?}, {}: {is_out_of_range}", refusal.entity, refusal.component);
+//!     }
+//! }
+//! # App::new().init_resource::<Refusals>().add_systems(Update, report).update();
+//! ```
 
+use core::error::Error;
+use core::fmt;
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 
-/// Everything that is left out of the simulation, and why. Each fault is logged once as an error, not sixty times a
-/// second.
-#[derive(Resource, Reflect, Clone, Debug, Default)]
-#[reflect(opaque)]
-#[reflect(Resource, Default, Debug, Clone)]
-pub struct Refusals(BTreeMap<(Option<Entity>, &'static str), String>);
+/// The error of a refusal, by which type it has.
+pub(crate) type Cause = Box<dyn Error + Send + Sync>;
 
-impl Refusals {
-    /// The faults as logged. A fault is forgotten when its component is rebuilt or removed.
-    pub fn messages(&self) -> impl ExactSizeIterator<Item = &str> {
-        self.0.values().map(String::as_str)
+/// A component of an entity, or a resource, that cannot be used.
+#[derive(Debug)]
+pub struct Refusal {
+    /// The entity; none for a resource.
+    pub entity: Option<Entity>,
+    /// The component, or resource.
+    pub component: &'static str,
+    error: Cause,
+    is_logged: bool,
+}
+
+impl Refusal {
+    /// What is wrong with it. Errors of the solver and of meshes keep their types:
+    /// [`BuildError`](drape_solver::BuildError), `MeshFault` (as the [source](Error::source) of one that names the mesh),
+    /// [`DetailError`](crate::detail::DetailError). Others are words.
+    pub fn error(&self) -> &(dyn Error + Send + Sync + 'static) {
+        &*self.error
     }
 
-    /// The faults of `entity`.
-    pub fn of(&self, entity: Entity) -> impl Iterator<Item = &str> {
-        let faults = self.0.iter().filter(move |((about, _), _)| *about == Some(entity));
-        faults.map(|(_, message)| message.as_str())
-    }
-
-    /// Logs that a component of `entity` cannot be used, unless that was logged before.
-    pub(crate) fn entity(
-        &mut self,
-        entity: Entity,
-        component: &'static str,
-        reason: impl core::fmt::Display,
-    ) {
-        let message = format!("{component} of entity {entity} is left out of the simulation: {reason}");
-        self.tell((Some(entity), component), message);
-    }
-
-    /// Logs that a resource cannot be used, unless that was logged before.
-    pub(crate) fn resource(&mut self, resource: &'static str, reason: impl core::fmt::Display) {
-        self.tell((None, resource), format!("resource {resource} cannot be used: {reason}"));
-    }
-
-    /// Forgets the faults of `entity`, after it was despawned or mended.
-    pub(crate) fn forget(&mut self, entity: Entity) {
-        self.0.retain(|(about, _), _| *about != Some(entity));
-    }
-
-    /// Forgets the fault of a component of `entity`, after it was changed.
-    pub(crate) fn forget_component(&mut self, entity: Entity, component: &'static str) {
-        self.0.remove(&(Some(entity), component));
-    }
-
-    /// Forgets the fault of a resource, after it was mended.
-    pub(crate) fn forget_resource(&mut self, resource: &'static str) {
-        self.0.remove(&(None, resource));
-    }
-
-    fn tell(&mut self, about: (Option<Entity>, &'static str), message: String) {
-        if self.0.get(&about) != Some(&message) {
-            error!("{message}");
-            self.0.insert(about, message);
+    /// The refusal in a sentence, with the name of the entity if it has one.
+    fn told(&self, name: Option<&Name>) -> String {
+        let Self { entity, component, error, .. } = self;
+        match (entity, name) {
+            (Some(entity), Some(name)) => {
+                format!("{component} of “{name}”, entity {entity}, is left out of the simulation: {error}")
+            }
+            (Some(entity), None) => {
+                format!("{component} of entity {entity} is left out of the simulation: {error}")
+            }
+            (None, _) => format!("resource {component} cannot be used: {error}"),
         }
     }
 }
 
-/// Forgets the faults of an entity that loses its `C`.
+impl fmt::Display for Refusal {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str(&self.told(None))
+    }
+}
+
+/// Everything that is left out of the simulation, and why. Each fault is logged once as an error, not sixty times a
+/// second, with the [`Name`] of the entity.
+#[derive(Resource, Reflect, Debug, Default)]
+#[reflect(opaque)]
+#[reflect(Resource, Default, Debug)]
+pub struct Refusals {
+    refused: BTreeMap<(Option<Entity>, &'static str), Refusal>,
+    /// True if something was refused that is not logged yet.
+    has_news: bool,
+}
+
+impl Refusals {
+    /// What is refused now, by entity. A refusal is forgotten when its component is rebuilt or removed.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &Refusal> {
+        self.refused.values()
+    }
+
+    /// What is refused of `entity`.
+    pub fn of(&self, entity: Entity) -> impl Iterator<Item = &Refusal> {
+        self.iter().filter(move |refusal| refusal.entity == Some(entity))
+    }
+
+    /// True if everything can be simulated.
+    pub fn is_empty(&self) -> bool {
+        self.refused.is_empty()
+    }
+
+    /// Notes that a component of `entity` cannot be used.
+    pub(crate) fn entity(&mut self, entity: Entity, component: &'static str, error: impl Into<Cause>) {
+        self.note(Some(entity), component, error.into());
+    }
+
+    /// Notes that a resource cannot be used.
+    pub(crate) fn resource(&mut self, resource: &'static str, error: impl Into<Cause>) {
+        self.note(None, resource, error.into());
+    }
+
+    /// Forgets the refusals of `entity`, after it was despawned or mended.
+    pub(crate) fn forget(&mut self, entity: Entity) {
+        self.refused.retain(|(about, _), _| *about != Some(entity));
+    }
+
+    /// Forgets the refusal of a component of `entity`, after it was changed.
+    pub(crate) fn forget_component(&mut self, entity: Entity, component: &'static str) {
+        self.refused.remove(&(Some(entity), component));
+    }
+
+    /// Forgets the refusal of a resource, after it was mended.
+    pub(crate) fn forget_resource(&mut self, resource: &'static str) {
+        self.refused.remove(&(None, resource));
+    }
+
+    fn note(&mut self, entity: Option<Entity>, component: &'static str, error: Cause) {
+        let known = self.refused.get(&(entity, component));
+        if known.is_none_or(|known| known.error.to_string() != error.to_string()) {
+            self.refused.insert((entity, component), Refusal { entity, component, error, is_logged: false });
+            self.has_news = true;
+        }
+    }
+}
+
+/// Logs what was refused since this last ran.
+pub(crate) fn log_refusals(mut refusals: ResMut<Refusals>, names: Query<&Name>) {
+    if !refusals.has_news {
+        return;
+    }
+    refusals.has_news = false;
+    for refusal in refusals.refused.values_mut().filter(|refusal| !refusal.is_logged) {
+        refusal.is_logged = true;
+        error!("{}", refusal.told(refusal.entity.and_then(|entity| names.get(entity).ok())));
+    }
+}
+
+/// Forgets the refusals of an entity that loses its `C`.
 pub(crate) fn forget_removed<C: Component>(removed: On<Remove<C>>, mut refusals: ResMut<Refusals>) {
     refusals.forget(removed.entity);
 }

@@ -17,6 +17,26 @@
 //! run one by one, and bodies and balls are in their components in between. The substeps still run at once unless a
 //! user system is in [`DrapeSubsteps`]. All ways run the same functions in the same order and give the same bits.
 //!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy_drape::schedule::DrapeSchedule;
+//!
+//! /// A magnet at the origin, for everything that is made of particles.
+//! fn pull(mut bodies: Query<&mut Particles>) {
+//!     for mut particles in &mut bodies {
+//!         for i in 0..particles.len() {
+//!             let force = -0.1 * particles.position(i);
+//!             particles.add_force(i, force);
+//!         }
+//!     }
+//! }
+//! # let mut app = App::new();
+//! # app.add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()));
+//! app.add_systems(DrapeSchedule, pull.in_set(DrapeSystems::AccumulateForces));
+//! # app.update();
+//! ```
+//!
 //! Both schedules run their many short systems on one thread. Islands spread the work over all threads.
 
 use std::time::Duration;
@@ -101,6 +121,7 @@ pub(crate) enum FinishPhase {
     WriteRigidTetrahedra,
     TearBodies,
     CountActivity,
+    TriggerObservers,
 }
 
 /// The systems that collect requests in each tick, also while the simulation is paused. They run before the step.
@@ -189,6 +210,7 @@ fn configure_finish_phases(schedule: &mut Schedule) {
             Phase::WriteRigidTetrahedra,
             Phase::TearBodies,
             Phase::CountActivity,
+            Phase::TriggerObservers,
         )
             .chain()
             .in_set(DrapeSystems::Finish),

@@ -1,4 +1,16 @@
 //! Viewers, and the distances of bodies from them.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy_drape::viewer::Viewer;
+//!
+//! fn setup(mut commands: Commands) {
+//!     // Beside your camera. Level of detail and culling ask how far the nearest viewer is.
+//!     commands.spawn((Transform::from_xyz(0.0, 2.0, 6.0), Viewer));
+//! }
+//! # App::new().add_systems(Startup, setup).update();
+//! ```
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;

@@ -7,7 +7,10 @@ use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::clock::DrapeClock;
+use bevy_drape::contact::DrapeContactCounts;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::{ActivityCounts, SceneManager};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]

@@ -8,7 +8,9 @@ use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, 
 use bevy::picking::{InteractionPlugin, Pickable, PickingPlugin, PickingSystems};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::attach::Grab;
 use bevy_drape::prelude::*;
+use bevy_drape::tear::CutCloth;
 
 /// Where pointers look along, by pointer.
 #[derive(Resource, Default)]

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use bevy::asset::{AssetPlugin, LoadState};
 use bevy::ecs::message::{MessageCursor, Messages};
 use bevy::prelude::*;
+use bevy_drape::body::Pressure;
 use bevy_drape::prelude::*;
 use bevy_drape_script::asset::{SceneAssetPlugin, SceneScriptLoader};
 use bevy_drape_script::checkpoint::Checkpoint;

@@ -2,6 +2,7 @@
 
 mod random;
 
+use bevy_drape::ball::ProjectileState;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use bevy_drape_script::{SceneRunner, SceneScript};

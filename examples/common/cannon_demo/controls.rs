@@ -1,6 +1,8 @@
 //! The keys of the window: aim, fire, wind, reset, pause, views.
 
 use bevy::prelude::*;
+use bevy_drape::cannon::{Cannon, FireCannon};
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use crate::cannon_demo::plugin::begin;

@@ -1,7 +1,12 @@
 //! Captures the frames of a run that become pictures. They are drawn after the run, which they do not change.
 
 use bevy::prelude::*;
+use bevy_drape::body::Sticks;
+use bevy_drape::cannon::{Cannon, CannonFired};
+use bevy_drape::clock::DrapeClock;
+use bevy_drape::contact::{BallHit, HitTarget};
 use bevy_drape::prelude::*;
+use bevy_drape::schedule::DrapeSchedule;
 
 use crate::cannon_demo::scene::{Curtain, STEP};
 

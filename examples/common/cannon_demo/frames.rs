@@ -7,6 +7,7 @@ use std::path::Path;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use crate::cannon_demo::frame_capture::CapturedFrame;

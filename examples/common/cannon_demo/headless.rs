@@ -6,7 +6,9 @@ use std::time::Instant;
 use bevy::app::TaskPoolThreadAssignmentPolicy;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::ActivityCounts;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cannon_demo::arguments::Arguments;

@@ -4,8 +4,12 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
+use bevy_drape::body::Sticks;
+use bevy_drape::cannon::Cannon;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::StepTimes;
+use bevy_drape::sleep::ActivityCounts;
 use drape_solver::state::measure;
 
 use crate::cannon_demo::controls::{Blowing, ClothView};

@@ -1,6 +1,8 @@
 //! Builds the scene in a Bevy app, and fires the planned shots.
 
 use bevy::prelude::*;
+use bevy_drape::cannon::{Cannon, FireCannon};
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use crate::cannon_demo::scene::{CannonScene, Curtain, Ground, MUZZLE, STEP, cannon_ball};

@@ -3,8 +3,15 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::{Activity, Sticks};
+use bevy_drape::cannon::CannonFired;
+use bevy_drape::clock::DrapeClock;
+use bevy_drape::contact::BallHit;
 use bevy_drape::prelude::*;
+use bevy_drape::schedule::DrapeSchedule;
 use bevy_drape::schedule::StepTimes;
+use bevy_drape::sleep::ActivityCounts;
 use drape_solver::StateHasher;
 use drape_solver::state::measure;
 

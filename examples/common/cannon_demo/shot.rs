@@ -2,6 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_drape::cannon::Cannon;
 use bevy_drape::prelude::*;
 use drape_solver::motion::ballistics;
 

@@ -6,7 +6,12 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::cannon::{Cannon, CannonFired, FireCannon};
+use bevy_drape::clock::DrapeClock;
+use bevy_drape::contact::{BallHit, HitTarget};
 use bevy_drape::prelude::*;
+use bevy_drape::schedule::DrapeSchedule;
 use serde::Serialize;
 
 use crate::cannon_demo::arguments::Arguments;

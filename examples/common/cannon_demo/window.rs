@@ -4,6 +4,7 @@ use bevy::light::DirectionalLightShadowMap;
 use bevy::prelude::*;
 use bevy::render::renderer::RenderAdapterInfo;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::SceneManager;
 use wgpu::DeviceType;
 
 use crate::cannon_demo::arguments::Arguments;

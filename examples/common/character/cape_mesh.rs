@@ -4,6 +4,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::render::PaintChannel;
 
 use crate::character::skeleton::{CHEST, HIPS, THIGHS};
 

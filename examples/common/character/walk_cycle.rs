@@ -5,6 +5,7 @@ use core::f32::consts::{PI, TAU};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::transform::MovedByFrame;
 
 use crate::character::cape_mesh::{cape, cape_mesh};
 use crate::character::skeleton::{ARMS, BONES, CHEST, HIPS, SHINS, SPINE, THIGHS, inverse_bind_poses};

@@ -1,6 +1,7 @@
 //! An example without a window: runs as fast as it goes, and returns what came of it.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
 use bevy_drape::prelude::*;
 use thiserror::Error;
 
@@ -68,7 +69,7 @@ impl Feature {
 
 /// Counts bodies and balls after `step`, and checks that all positions and velocities are finite.
 fn look_at(world: &mut World, step: u64, report: &mut FeatureReport) -> Result<(), FeatureError> {
-    if let Some(message) = world.resource::<Refusals>().messages().next() {
+    if let Some(message) = world.resource::<Refusals>().iter().next() {
         return Err(FeatureError::Refused(message.to_string()));
     }
     (report.bodies, report.particles, report.balls) = (0, 0, 0);

@@ -1,7 +1,9 @@
 //! Meshes and materials of an example's bodies and obstacles, in the colours of their [`Paint`].
 
 use bevy::prelude::*;
+use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
+use bevy_drape::render::DrivenMesh;
 use bevy_drape_script::recording::Form;
 use drape_solver::Shape;
 use drape_solver::parry3d::shape::{SharedShape, TypedShape};
@@ -36,7 +38,7 @@ type Bare = (
         With<RopeMesh>,
         With<DrivenMesh>,
         // Those without paint drive others.
-        (With<SoftBody>, With<Paint>),
+        (With<SoftBodyMesh>, With<Paint>),
     )>,
 );
 

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::ActivityCounts;
 
 use crate::feature::example::Feature;
 use crate::feature::materials::FeatureMaterialsPlugin;

@@ -1,6 +1,8 @@
 //! The viewpoints of a scene: its cameras, or one from which all of it is seen.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::cannon::Cannon;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use bevy_drape_script::scene::Camera as SceneCamera;

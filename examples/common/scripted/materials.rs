@@ -40,7 +40,7 @@ fn colour(material: &scene::Material) -> Color {
 fn add_cloth_materials(
     cloths: Query<
         (Entity, &Name),
-        (Or<(With<Cloth>, With<ClothMesh>, With<SoftBody>)>, Without<MeshMaterial3d<StandardMaterial>>),
+        (Or<(With<Cloth>, With<ClothMesh>, With<SoftBodyMesh>)>, Without<MeshMaterial3d<StandardMaterial>>),
     >,
     play: Option<Res<ScenePlay>>,
     shared: Res<SharedMaterials>,

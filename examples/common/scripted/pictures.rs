@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::{PictureDue, ScenePlay, ScenePlugin};
 use bevy_drape_script::{SceneRunner, SceneScript};

@@ -5,6 +5,9 @@ use std::path::Path;
 
 // Not all of the prelude, whose `Color` clashes with that of the plots.
 use bevy::prelude::World;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::Sticks;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use drape_solver::state::measure;

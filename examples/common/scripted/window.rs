@@ -5,6 +5,7 @@ use std::time::SystemTime;
 
 use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::{ScenePlay, ScenePlugin, begin_scene};
 use bevy_drape_script::{Override, SceneError, SceneScript, scene_name};

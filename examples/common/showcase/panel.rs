@@ -5,6 +5,9 @@ use core::time::Duration;
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
+use bevy_drape::body::DefaultSolverSettings;
+use bevy_drape::clock::DrapeClock;
+use bevy_drape::diagnostics::DrapeDiagnosticsPlugin;
 use bevy_drape::prelude::*;
 
 use crate::feature::example::Feature;

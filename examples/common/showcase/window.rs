@@ -5,7 +5,9 @@
 
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
+use bevy_drape::body::DefaultSolverSettings;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::Stick;
 
 use crate::feature::example::Feature;
 use crate::feature::materials::FeatureMaterialsPlugin;

@@ -1,6 +1,7 @@
 //! The keys that stop and slow down the clock, the same in every window.
 
 use bevy::prelude::*;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 /// The speed of slow motion, as a fraction of real time.

@@ -6,6 +6,7 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::light::{CascadeShadowConfigBuilder, NotShadowCaster, NotShadowReceiver};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::viewer::Viewer;
 
 use crate::view::textures;
 

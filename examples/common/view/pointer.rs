@@ -3,6 +3,7 @@
 use bevy::picking::hover::HoverMap;
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
+use bevy_drape::cannon::{Cannon, FireCannon};
 use bevy_drape::prelude::*;
 
 /// Radius of the piece of cloth that is held, in metres.

@@ -4,7 +4,10 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoFrustumCulling;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy_drape::body::Sticks;
+use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::StickKind;
 use drape_solver::StickKind;
 
 /// Sides of a tube.

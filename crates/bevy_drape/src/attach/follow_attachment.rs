@@ -37,7 +37,7 @@ pub(crate) fn move_attached(
             let made = state.make(attachment, &mut particles, finite_pose);
             state.body = body.order;
             if let Err(index) = made {
-                let reason = format_args!("there is no particle {index}: it has {}", particles.len());
+                let reason = format!("there is no particle {index}: it has {}", particles.len());
                 refusals.entity(entity, "Attachment", reason);
             }
         }

@@ -33,7 +33,7 @@ pub(crate) fn move_posed(
     let longest_pull = TELEPORT_SPEED * clock.delta();
     for (entity, mut posed, mut particles, mut state, activity, mut tied) in &mut bodies {
         if let Err(joint) = posed.matrices(|joint| places.get(joint).ok(), &mut matrices) {
-            let reason = format_args!("joint {joint} is gone, or not finite; the cloth stays where it was");
+            let reason = format!("joint {joint} is gone, or not finite; the cloth stays where it was");
             refusals.entity(entity, "SkinnedMesh", reason);
             continue;
         }

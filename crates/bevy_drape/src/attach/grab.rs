@@ -6,7 +6,8 @@
 //! ```
 //! # use bevy::prelude::*;
 //! # use bevy_drape::prelude::*;
-//! # use bevy_drape::attach::grab::pick;
+//! use bevy_drape::attach::{Grab, pick};
+//!
 //! fn take_hold(ray: Ray3d, bodies: Query<(Entity, &Particles)>, mut commands: Commands) {
 //!     if let Some(picked) = pick(ray, 0.1, bodies.iter().map(|(entity, particles)| (entity, &particles.0)))
 //!         && let Ok((_, particles)) = bodies.get(picked.entity)

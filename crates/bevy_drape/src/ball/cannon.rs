@@ -1,4 +1,17 @@
 //! Cannons.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy_drape::cannon::{Cannon, FireCannon};
+//!
+//! fn setup(mut commands: Commands, mut fire: MessageWriter<FireCannon>) {
+//!     let cannon = Cannon { elevation: 0.2, muzzle_speed: 25.0, ..default() };
+//!     let cannon = commands.spawn((cannon, Transform::from_xyz(0.0, 0.5, 8.0))).id();
+//!     fire.write(FireCannon { cannon });
+//! }
+//! # App::new().add_message::<FireCannon>().add_systems(Startup, setup).update();
+//! ```
 
 use bevy::prelude::*;
 use drape_solver::motion::ballistics;
@@ -93,7 +106,7 @@ pub(crate) fn fire_cannons(
             continue;
         }
         if let Err(error) = ball.launch(muzzle, Vec3::ZERO) {
-            refusals.entity(entity, "Cannon", format_args!("its ball cannot be: {error}"));
+            refusals.entity(entity, "Cannon", error);
             continue;
         }
         refusals.forget(entity);

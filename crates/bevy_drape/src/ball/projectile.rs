@@ -114,9 +114,9 @@ pub(crate) fn build_projectiles(
     for (entity, projectile, transform, global) in &projectiles {
         let built = if global.affine().is_finite() {
             let ball = projectile.launch(global.translation(), gravity);
-            ball.map_err(|error| ("Projectile", error.to_string()))
+            ball.map_err(|error| ("Projectile", error.into()))
         } else {
-            Err(("Transform", "it must be finite".to_string()))
+            Err(("Transform", "it must be finite".into()))
         };
         match built {
             Ok(mut ball) => {

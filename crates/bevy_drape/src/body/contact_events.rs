@@ -11,6 +11,8 @@ use bevy::prelude::*;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::contact::DrapeContactStarted;
+///
 /// fn set_up(mut commands: Commands) {
 ///     commands.spawn((Obstacle::cuboid(4.0, 0.1, 4.0).as_sensor(), ContactEvents));
 /// }

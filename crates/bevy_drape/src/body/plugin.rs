@@ -10,7 +10,7 @@ use crate::body::particles::{Particles, Sticks, forget_despawned_body};
 use crate::body::pressure::{Pressure, wake_pressed, wake_slack};
 use crate::body::settings::{DefaultSolverSettings, Quality, SolverSettings};
 use crate::clock::DrapeClock;
-use crate::refusal::Refusals;
+use crate::refusal::{Refusals, log_refusals};
 use crate::schedule::{DrapeSchedule, ScenePhase};
 
 /// Particles, settings, layers and marks of bodies; the clock; and the list of what is refused.
@@ -24,7 +24,8 @@ impl Plugin for BodyPlugin {
             .init_resource::<DefaultSolverSettings>()
             .init_resource::<DrapeClock>()
             .init_resource::<Refusals>()
-            .add_observer(forget_despawned_body);
+            .add_observer(forget_despawned_body)
+            .add_systems(Last, log_refusals);
     }
 }
 

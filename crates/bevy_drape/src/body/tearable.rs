@@ -10,6 +10,8 @@ use drape_solver::TearLimits;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::tear::CutCloth;
+///
 /// fn spawn(mut commands: Commands) {
 ///     commands.spawn((Cloth::new(2.0, 1.5), Tearable::default()));
 /// }

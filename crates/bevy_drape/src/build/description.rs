@@ -8,6 +8,7 @@ use drape_solver::world::extent::Extent;
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{BodyParts, Particles, Sticks};
+use crate::build::built::BodyBuilt;
 use crate::change_detection::collect_changed;
 use crate::refusal::Refusals;
 
@@ -42,9 +43,9 @@ pub(crate) fn build_described<D: Description>(
     for entity in to_build.drain(..) {
         let Ok((description, transform)) = descriptions.get(entity) else { continue };
         let built = if transform.affine().is_finite() {
-            description.build(transform).map_err(|error| (D::NAME, error.to_string()))
+            description.build(transform).map_err(|error| (D::NAME, error.into()))
         } else {
-            Err(("Transform", "it must be finite".to_string()))
+            Err(("Transform", "it must be finite".into()))
         };
         match built {
             Ok(parts) => {
@@ -78,6 +79,7 @@ pub(crate) fn insert_body(
         ..default()
     };
     commands.entity(entity).insert((Particles(particles), Sticks(topology), Activity::Active, state));
+    commands.write_message(BodyBuilt { body: entity });
 }
 
 /// Returns the pinned particles and their positions in the coordinates of an entity at `anchor`.

@@ -2,12 +2,14 @@
 
 use bevy::prelude::*;
 
+use crate::build::built::BodyBuilt;
 use crate::build::cloth::Cloth;
 use crate::build::description::{build_described, remove_described_body};
 use crate::build::preset::Preset;
 use crate::build::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedra, write_rigid_tetrahedra};
 use crate::build::rope::Rope;
 use crate::build::soft_ball::SoftBall;
+use crate::entity_events::trigger_written;
 use crate::refusal::forget_removed;
 use crate::schedule::{DrapeSchedule, FinishPhase, ScenePhase};
 
@@ -16,7 +18,9 @@ pub(crate) struct DescriptionPlugin;
 
 impl Plugin for DescriptionPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(Cloth, Rope, SoftBall, Preset)>()
+        app.register_type::<(Cloth, Rope, SoftBall, Preset, BodyBuilt)>()
+            .add_message::<BodyBuilt>()
+            .add_systems(DrapeSchedule, trigger_written::<BodyBuilt>.in_set(FinishPhase::TriggerObservers))
             .add_observer(remove_described_body::<Cloth>)
             .add_observer(remove_described_body::<Rope>)
             .add_observer(remove_described_body::<SoftBall>)

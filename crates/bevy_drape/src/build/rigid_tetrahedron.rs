@@ -21,6 +21,8 @@ use crate::build::description::Description;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::build::RigidTetrahedron;
+///
 /// fn spawn_crate(mut commands: Commands) {
 ///     commands.spawn((RigidTetrahedron::cuboid(8.0, Vec3::splat(0.25)), Transform::from_xyz(0.0, 3.0, 0.0)));
 /// }

@@ -1,7 +1,10 @@
 //! Messages about contacts: beginnings, ends, hard hits.
 
+use bevy::ecs::event::EntityTrigger;
 use bevy::prelude::*;
 use drape_solver::Feature;
+
+use crate::entity_events::EntityMessage;
 
 /// The part of a body that touches, by index.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,7 +29,8 @@ impl From<Feature> for ContactFeature {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct DrapeContact {
-    /// The body or ball that touches something. Between a ball and a cloth, the ball.
+    /// The body or ball that touches something. Between a ball and a cloth, the ball. Observers see the entity that they observe,
+    /// be it an obstacle.
     pub body: Entity,
     /// The entity that it touches.
     pub other: Entity,
@@ -44,23 +48,65 @@ pub struct DrapeContact {
     pub feature: Option<ContactFeature>,
 }
 
-/// Sent in the step in which a contact begins.
+impl DrapeContact {
+    /// The same as the other entity sees it. The part that touches is the body's, and is left out.
+    fn for_the_other(&self) -> Self {
+        Self { body: self.other, other: self.body, normal: -self.normal, feature: None, ..*self }
+    }
+}
+
+macro_rules! contact_events {
+    ($($event:ident)*) => { $(
+        impl Event for $event {
+            type Trigger<'a> = EntityTrigger;
+        }
+
+        impl EntityEvent for $event {
+            fn event_target(&self) -> Entity {
+                self.body
+            }
+        }
+    )* };
+}
+
+contact_events! { DrapeContactStarted DrapeContactHit }
+
+impl EntityMessage for DrapeContactStarted {
+    fn for_the_other(&self) -> Option<Self> {
+        Some(Self(self.0.for_the_other()))
+    }
+}
+
+impl EntityMessage for DrapeContactHit {
+    fn for_the_other(&self) -> Option<Self> {
+        Some(Self(self.0.for_the_other()))
+    }
+}
+
+impl EntityMessage for DrapeContactEnded {
+    fn for_the_other(&self) -> Option<Self> {
+        Some(Self { body: self.other, other: self.body, time: self.time })
+    }
+}
+
+/// Written in the step in which a contact begins, and triggered on both entities.
 #[derive(Message, Reflect, Clone, Copy, Debug, PartialEq, Deref)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct DrapeContactStarted(pub DrapeContact);
 
-/// Sent in the step in which the impulse of a contact reaches [`hit_impulse`](DrapeContactSettings::hit_impulse), and
-/// again only after the impulse has fallen below half of that.
+/// Written in the step in which the impulse of a contact reaches [`hit_impulse`](DrapeContactSettings::hit_impulse), and triggered
+/// on both entities; again only after the impulse has fallen below half of that.
 #[derive(Message, Reflect, Clone, Copy, Debug, PartialEq, Deref)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct DrapeContactHit(pub DrapeContact);
 
-/// Sent when two entities have not touched for a tenth of a second. Resting entities keep touching. An entity may have
-/// been despawned by then.
-#[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
+/// Written when two entities have not touched for a tenth of a second, and triggered on both. Resting entities keep touching. An
+/// entity may have been despawned by then.
+#[derive(EntityEvent, Message, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct DrapeContactEnded {
-    /// The body or ball that touched something.
+    /// The body or ball that touched something; for observers, the entity that they observe.
+    #[event_target]
     pub body: Entity,
     /// The entity that it touched.
     pub other: Entity,

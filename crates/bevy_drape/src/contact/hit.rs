@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use crate::entity_events::EntityMessage;
+
 /// Kind of entity that a ball hits.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Debug, Clone, PartialEq)]
@@ -14,11 +16,12 @@ pub enum HitTarget {
     Obstacle,
 }
 
-/// Sent in the step in which a ball begins to touch something.
-#[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
+/// Written in the step in which a ball begins to touch something, and triggered on the ball.
+#[derive(EntityEvent, Message, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct BallHit {
     /// The ball.
+    #[event_target]
     pub projectile: Entity,
     /// The entity that it hit.
     pub target: Entity,
@@ -37,6 +40,8 @@ pub struct BallHit {
     /// Magnitude of the normal impulse in this step, in newton seconds.
     pub impulse: f32,
 }
+
+impl EntityMessage for BallHit {}
 
 /// Time in seconds that two must be apart before a touch counts as new. A ball that slides down a curtain loses contact
 /// for moments.

@@ -11,6 +11,7 @@ use crate::contact::hit::{BallHit, Touching};
 use crate::contact::reactions::give_reactions;
 use crate::contact::report_hits::report_hits;
 use crate::contact::send_contacts::send_contacts;
+use crate::entity_events::trigger_written;
 use crate::schedule::{DrapeSchedule, FinishPhase};
 
 /// Hits of balls.
@@ -21,7 +22,8 @@ impl Plugin for HitPlugin {
         app.register_type::<BallHit>()
             .init_resource::<Touching>()
             .add_message::<BallHit>()
-            .add_systems(DrapeSchedule, report_hits.in_set(FinishPhase::ReportHits));
+            .add_systems(DrapeSchedule, report_hits.in_set(FinishPhase::ReportHits))
+            .add_systems(DrapeSchedule, trigger_written::<BallHit>.in_set(FinishPhase::TriggerObservers));
     }
 }
 
@@ -38,7 +40,19 @@ impl Plugin for ContactEventsPlugin {
             .add_message::<DrapeContactEnded>()
             .add_message::<DrapeContactHit>()
             .add_message::<DrapeContactStarted>()
-            .add_systems(DrapeSchedule, send_contacts.in_set(FinishPhase::SendContacts));
+            .add_systems(
+                DrapeSchedule,
+                (
+                    send_contacts.in_set(FinishPhase::SendContacts),
+                    (
+                        trigger_written::<DrapeContactStarted>,
+                        trigger_written::<DrapeContactHit>,
+                        trigger_written::<DrapeContactEnded>,
+                    )
+                        .chain()
+                        .in_set(FinishPhase::TriggerObservers),
+                ),
+            );
     }
 }
 

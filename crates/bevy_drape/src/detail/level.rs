@@ -17,6 +17,9 @@ const HYSTERESIS: f32 = 0.1;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::detail::LevelOfDetail;
+/// use bevy_drape::viewer::Viewer;
+///
 /// fn setup(mut commands: Commands) {
 ///     commands.spawn((Camera3d::default(), Viewer));
 ///     commands.spawn((Cloth::new(1.5, 1.0).with_pins(ClothPins::Left), LevelOfDetail::default()));

@@ -101,6 +101,8 @@ impl Obstacle {
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::environment::TeleportObstacle;
+///
 /// fn open(mut commands: Commands, door: Single<Entity, With<Obstacle>>) {
 ///     commands.entity(*door).insert((Transform::from_xyz(3.0, 0.0, 0.0), TeleportObstacle));
 /// }

@@ -12,6 +12,7 @@ use crate::refusal::Refusals;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::environment::{WindFlow, WindRegion};
 /// # fn spawn(mut commands: Commands) {
 /// // A fan at the left, that blows 3 m far.
 /// let region = WindRegion::Cuboid(Vec3::new(1.5, 0.5, 0.5));

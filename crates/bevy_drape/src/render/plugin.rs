@@ -26,7 +26,7 @@ use crate::render::from_mesh::cloth_mesh::{ClothMesh, WeldedVertices};
 use crate::render::from_mesh::driven_mesh::{
     DrivenMesh, build_driven_meshes, hide_driven, record_driven_surfaces, remove_driven_mesh,
 };
-use crate::render::from_mesh::soft_body::SoftBody;
+use crate::render::from_mesh::soft_body::SoftBodyMesh;
 use crate::render::from_mesh::source::mark_modified;
 use crate::render::rope_mesh::{RopeMesh, build_rope_meshes, record_ropes};
 use crate::render::torn_mesh::tear_meshes;
@@ -63,25 +63,25 @@ impl Plugin for MeshPlugin {
             FixedPostUpdate.intern(),
             FixedLast.intern(),
         ];
-        app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBody, DrivenMesh)>()
+        app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBodyMesh, DrivenMesh)>()
             .add_observer(remove_described_body::<ClothMesh>)
-            .add_observer(remove_described_body::<SoftBody>)
+            .add_observer(remove_described_body::<SoftBodyMesh>)
             .add_observer(remove_mesh_body::<ClothMesh>)
-            .add_observer(remove_mesh_body::<SoftBody>)
+            .add_observer(remove_mesh_body::<SoftBodyMesh>)
             .add_observer(remove_driven_mesh)
             .add_observer(forget_removed::<ClothMesh>)
-            .add_observer(forget_removed::<SoftBody>)
+            .add_observer(forget_removed::<SoftBodyMesh>)
             .add_observer(forget_removed::<DrivenMesh>);
         app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
         app.add_systems(
             self.schedule,
-            (mark_modified::<ClothMesh>, mark_modified::<SoftBody>, mark_modified::<DrivenMesh>)
+            (mark_modified::<ClothMesh>, mark_modified::<SoftBodyMesh>, mark_modified::<DrivenMesh>)
                 .run_if(resource_exists::<Messages<AssetEvent<Mesh>>>)
                 .before(run_drape_schedule),
         );
         app.add_systems(
             DrapeSchedule,
-            (build_mesh_bodies::<ClothMesh>, build_mesh_bodies::<SoftBody>)
+            (build_mesh_bodies::<ClothMesh>, build_mesh_bodies::<SoftBodyMesh>)
                 .chain()
                 .run_if(resource_exists::<Assets<Mesh>>)
                 .in_set(DrapeSystems::ManageScene)

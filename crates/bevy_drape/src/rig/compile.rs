@@ -13,7 +13,8 @@ use drape_solver::world::extent::Extent;
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
-use crate::refusal::Refusals;
+use crate::build::built::BodyBuilt;
+use crate::refusal::{Cause, Refusals};
 use crate::rig::body::{CompiledRig, Link, RigMember, connected};
 use crate::rig::components::{
     InRig, Particle, ParticleRecord, Rig, RigEdits, Stick, StickBound, StickRecord,
@@ -138,6 +139,7 @@ fn update_body(
             commands.spawn((name, compiled.rig, Particles(columns), Sticks(topology), state)).id()
         }
     };
+    commands.write_message(BodyBuilt { body });
     match settings {
         Some(settings) => commands.entity(body).try_insert(settings),
         None => commands.entity(body).try_remove::<SolverSettings>(),
@@ -186,12 +188,15 @@ fn collect_members(
             let (position, velocity) = state?;
             (is_placed(position) && velocity.is_finite()).then_some((body, position, velocity))
         });
-        let fault = match particle.validate() {
-            Err(error) => Some(error.to_string()),
+        let fault: Option<Cause> = match particle.validate() {
+            Err(error) => Some(error.into()),
             Ok(()) if state.is_none() && !is_placed(global.translation()) => {
                 edits.misplaced.push(entity);
                 let place = global.translation();
-                Some(format!("the translation of its Transform must be finite and below 1e6, but is {place}"))
+                Some(
+                    format!("the translation of its Transform must be finite and below 1e6, but is {place}")
+                        .into(),
+                )
             }
             Ok(()) => None,
         };
@@ -252,8 +257,8 @@ fn collect_links(
     let mut links = Vec::new();
     for (_, entity) in by_age {
         let Ok((_, stick, mut record)) = sticks.get_mut(entity) else { continue };
-        let link = check_ends(&stick, &index_of, all).and_then(|ends| {
-            stick.validate().map_err(|error| error.to_string())?;
+        let link = check_ends(&stick, &index_of, all).map_err(Cause::from).and_then(|ends| {
+            stick.validate()?;
             let rest_length =
                 rest_length(&stick, stick.is_changed(), &mut record, ends.map(|i| members[i].position))?;
             // A least and a greatest length may join the same ends.
@@ -261,7 +266,8 @@ fn collect_links(
             if let Some(other) = joined.get(&pair) {
                 return Err(format!(
                     "its ends `a` and `b` are joined by the stick of entity {other} already"
-                ));
+                )
+                .into());
             }
             joined.insert(pair, entity);
             Ok(Link { entity, ends, rest_length, material: stick.material(), is_changed: stick.is_changed() })

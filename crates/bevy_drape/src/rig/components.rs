@@ -92,6 +92,8 @@ impl Particle {
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::rig::{Particle, Stick};
+///
 /// fn spawn_pendulum(mut commands: Commands) {
 ///     let a = commands.spawn((Particle::pinned(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
 ///     let b = commands.spawn((Particle::new(0.5), Transform::from_xyz(1.0, 2.0, 0.0))).id();

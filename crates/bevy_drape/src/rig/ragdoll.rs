@@ -14,6 +14,8 @@ use crate::rig::components::{Particle, Stick, StickBound, StickKind};
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::rig::Ragdoll;
+///
 /// fn spawn_ragdoll(mut commands: Commands) {
 ///     let start = Transform::from_xyz(0.0, 1.0, 0.0);
 ///     let limbs = Ragdoll::default().spawn(&mut commands, start).expect("its height and mass are positive");

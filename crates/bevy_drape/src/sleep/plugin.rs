@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use crate::body::layers::DrapeLayers;
 use crate::body::settings::SolverSettings;
+use crate::entity_events::trigger_written;
 use crate::schedule::{DrapeSchedule, FinishPhase, ScenePhase};
 use crate::sleep::activity_counts::{ActivityCounts, count_activity};
 use crate::sleep::candidates::{
@@ -11,6 +12,7 @@ use crate::sleep::candidates::{
 };
 use crate::sleep::cull::cull;
 use crate::sleep::fall_asleep::fall_asleep;
+use crate::sleep::messages::{BodySlept, BodyWoken, Sleepers, forget_sleeper, report_sleep};
 use crate::sleep::scene_manager::SceneManager;
 use crate::sleep::waking::wake;
 use crate::viewer::Viewer;
@@ -20,7 +22,11 @@ pub(crate) struct SleepPlugin;
 
 impl Plugin for SleepPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(SceneManager, Viewer, ActivityCounts)>()
+        app.register_type::<(SceneManager, Viewer, ActivityCounts, BodySlept, BodyWoken)>()
+            .add_message::<BodySlept>()
+            .add_message::<BodyWoken>()
+            .init_resource::<Sleepers>()
+            .add_observer(forget_sleeper)
             .init_resource::<ActivityCounts>()
             .init_resource::<Candidates>()
             .init_resource::<SceneManager>()
@@ -33,7 +39,10 @@ impl Plugin for SleepPlugin {
                 (
                     (collect_candidates, wake, cull).chain().in_set(ScenePhase::WakeAndCull),
                     fall_asleep.in_set(FinishPhase::FallAsleep),
-                    count_activity.in_set(FinishPhase::CountActivity),
+                    (report_sleep, count_activity).chain().in_set(FinishPhase::CountActivity),
+                    (trigger_written::<BodySlept>, trigger_written::<BodyWoken>)
+                        .chain()
+                        .in_set(FinishPhase::TriggerObservers),
                 ),
             );
     }

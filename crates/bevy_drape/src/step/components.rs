@@ -93,7 +93,7 @@ impl StepComponents<'_, '_> {
             if self.refuse(island, &error) {
                 stages(island, &self.solver.environment);
             } else {
-                self.refusals.resource("Time<Fixed>, DrapeGravity or Wind", &error);
+                self.refusals.resource("Time<Fixed>, DrapeGravity or Wind", error.clone());
                 island.staged.error = Some(error);
                 break;
             }
@@ -115,7 +115,7 @@ impl StepComponents<'_, '_> {
                     state.refused = true;
                 }
                 if let StepError::BadSettings { source, .. } = error {
-                    self.refusals.entity(entity, "SolverSettings", source);
+                    self.refusals.entity(entity, "SolverSettings", source.clone());
                 } else {
                     self.refusals.entity(entity, "Particles", NOT_FINITE);
                 }

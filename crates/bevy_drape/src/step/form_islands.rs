@@ -42,7 +42,7 @@ pub(crate) fn form_islands(
         }
         if !sticks.fit(particles) {
             let (count, wanted) = (particles.len(), sticks.particle_count());
-            let reason = format_args!("it has {count} particles, but its Sticks join {wanted}");
+            let reason = format!("it has {count} particles, but its Sticks join {wanted}");
             refusals.entity(entity, "Particles", reason);
             state.refused = true;
             *activity = Activity::Culled;

@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
 
+use crate::entity_events::EntityMessage;
+
 /// Cuts everything that a blade passes through. Send it at any time; the next step cuts first.
 #[derive(Message, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Debug, Default, Clone, PartialEq)]
@@ -67,11 +69,12 @@ impl CutCloth {
     }
 }
 
-/// Sent for each stick that tears or is cut.
-#[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
+/// Written for each stick that tears or is cut, and triggered on the body.
+#[derive(EntityEvent, Message, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct StickTorn {
     /// The body.
+    #[event_target]
     pub body: Entity,
     /// Middle of the stick when it parted, in the world, in metres.
     pub position: Vec3,
@@ -85,7 +88,9 @@ pub struct StickTorn {
     pub time: f64,
 }
 
-/// Triggered on a torn body, once for each piece that comes off; also sent as a message.
+impl EntityMessage for StickTorn {}
+
+/// Written for each piece that comes off a body, and triggered on the body at once.
 #[derive(EntityEvent, Message, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct BodySplit {

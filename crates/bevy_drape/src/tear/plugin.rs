@@ -5,6 +5,7 @@ use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 
 use crate::body::tearable::Tearable;
+use crate::entity_events::trigger_written;
 use crate::pending_messages::{Pending, collect_pending};
 use crate::refusal::forget_removed;
 use crate::schedule::{CollectRequests, DrapeSchedule, FinishPhase, ScenePhase};
@@ -32,6 +33,7 @@ impl Plugin for TearPlugin {
                     collect_pending::<CutCloth>.in_set(ScenePhase::CollectCuts),
                     cut_bodies.in_set(ScenePhase::CutBodies),
                     tear_bodies.in_set(FinishPhase::TearBodies),
+                    trigger_written::<StickTorn>.in_set(FinishPhase::TriggerObservers),
                 ),
             );
     }

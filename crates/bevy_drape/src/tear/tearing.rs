@@ -75,7 +75,7 @@ pub(crate) fn tear_bodies(
             tearing.refusals.entity(
                 entity,
                 "Tearable",
-                format_args!("strain must be finite and above zero, but is {strain}"),
+                format!("strain must be finite and above zero, but is {strain}"),
             );
         } else if *activity == Activity::Active && !state.refused {
             awake.push((state.order, entity, TearLimits { strain, most: most_at_once }));

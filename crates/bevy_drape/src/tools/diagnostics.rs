@@ -1,4 +1,16 @@
 //! Bevy diagnostics: costs of a step and numbers of bodies.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy::diagnostic::LogDiagnosticsPlugin;
+//! use bevy_drape::diagnostics::DrapeDiagnosticsPlugin;
+//!
+//! App::new()
+//!     .add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()))
+//!     .add_plugins((DrapeDiagnosticsPlugin, LogDiagnosticsPlugin::default()))
+//!     .update();
+//! ```
 
 use core::time::Duration;
 
@@ -10,19 +22,7 @@ use crate::schedule::StepTimes;
 use crate::sleep::activity_counts::ActivityCounts;
 use crate::step::islands::Islands;
 
-/// Measures the last step in every frame, for Bevy's log, an overlay, or your own eyes. Not among [`DrapePlugins`](crate::DrapePlugins):
-///
-/// ```no_run
-/// use bevy::diagnostic::LogDiagnosticsPlugin;
-/// use bevy::prelude::*;
-/// use bevy_drape::tools::diagnostics::DrapeDiagnosticsPlugin;
-/// use bevy_drape::prelude::*;
-///
-/// App::new()
-///     .add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()))
-///     .add_plugins((DrapeDiagnosticsPlugin, LogDiagnosticsPlugin::default()))
-///     .run();
-/// ```
+/// Measures the last step in every frame, for Bevy's log, an overlay, or your own eyes. Not among [`DrapePlugins`](crate::DrapePlugins).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DrapeDiagnosticsPlugin;
 

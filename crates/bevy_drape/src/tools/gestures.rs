@@ -1,4 +1,18 @@
 //! Commands for swords, bullets and hands.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy_drape::gestures::Gestures;
+//!
+//! fn shoot(mut commands: Commands) {
+//!     // A bullet leaves a star-shaped hole of 5 cm in whatever cloth is in its way.
+//!     commands.pierce(Vec3::new(0.0, 1.5, 0.0), Dir3::NEG_Z, 0.05);
+//! }
+//! # let mut app = App::new();
+//! # app.add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()));
+//! # app.add_systems(Startup, shoot).update();
+//! ```
 
 use bevy::prelude::*;
 
@@ -11,6 +25,8 @@ use crate::tear::messages::CutCloth;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::gestures::Gestures;
+///
 /// fn fight(mut commands: Commands, curtain: Single<Entity, With<Cloth>>) {
 ///     // A sword that reaches half a metre to both sides goes along this path.
 ///     commands.cut_along([Vec3::new(-1.0, 1.0, 0.0), Vec3::new(0.0, 1.2, 0.0), Vec3::X], Vec3::Z * 0.5);

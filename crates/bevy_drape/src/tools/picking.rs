@@ -4,6 +4,8 @@
 //! # use bevy::prelude::*;
 //! # use bevy::picking::events::PointerClick;
 //! # use bevy_drape::prelude::*;
+//! use bevy_drape::gestures::Gestures;
+//!
 //! fn setup(mut commands: Commands) {
 //!     // Mouse and fingers take hold of it, each with no more than 30 N.
 //!     let draggable = Draggable { greatest_force: 30.0, ..default() };

@@ -1,4 +1,21 @@
 //! Ray casts against the faces of simulated bodies, or against the links of bodies without faces.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! use bevy_drape::body::Sticks;
+//! use bevy_drape::ray_cast::cast_ray;
+//!
+//! fn look(bodies: Query<(Entity, &Particles, &Sticks)>) {
+//!     let ray = Ray3d::new(Vec3::new(0.0, 1.0, 5.0), Dir3::NEG_Z);
+//!     for (body, particles, sticks) in &bodies {
+//!         if let Some(hit) = cast_ray(ray, 10.0, particles, sticks, 0.03) {
+//!             println!("{body} is seen {} m away", hit.distance);
+//!         }
+//!     }
+//! }
+//! # App::new().add_systems(Update, look).update();
+//! ```
 
 use bevy::prelude::*;
 use drape_solver::{Particles, Topology};

@@ -33,11 +33,11 @@ fn drivers(app: &mut App) -> Vec<(&'static str, Entity, Mesh)> {
     let pipe = add(app, pipe.build());
     let pipe = app.world_mut().spawn((Mesh3d(pipe), ClothMesh::default(), place)).id();
     let cube = add(app, Cuboid::from_length(1.0).mesh().build());
-    let cube = app.world_mut().spawn((Mesh3d(cube), SoftBody::new(0.3), place)).id();
+    let cube = app.world_mut().spawn((Mesh3d(cube), SoftBodyMesh::new(0.3), place)).id();
     vec![
         ("Cloth", cloth, sheet(0.02)),
         ("ClothMesh", pipe, Cylinder::new(0.52, 1.1).mesh().resolution(40).segments(11).build()),
-        ("SoftBody", cube, Sphere::new(0.55).mesh().uv(24, 16)),
+        ("SoftBodyMesh", cube, Sphere::new(0.55).mesh().uv(24, 16)),
     ]
 }
 

@@ -1,6 +1,7 @@
 //! Transforms between fixed steps.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
 use bevy_drape::prelude::*;
 
 use crate::*;

@@ -3,6 +3,7 @@
 use core::f32::consts::PI;
 
 use bevy::prelude::*;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use crate::*;

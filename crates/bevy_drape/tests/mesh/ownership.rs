@@ -3,6 +3,7 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
+use bevy_drape::body::Sticks;
 use bevy_drape::prelude::*;
 
 use crate::*;

@@ -19,7 +19,7 @@ fn places(mesh: &Mesh) -> Vec<Vec3> {
 }
 
 /// An app with a solid of `mesh` at `transform`, after a step.
-fn built(mesh: Mesh, solid: SoftBody, transform: Transform) -> (App, Entity) {
+fn built(mesh: Mesh, solid: SoftBodyMesh, transform: Transform) -> (App, Entity) {
     let mut app = app();
     let handle = add(&mut app, mesh);
     let entity = app.world_mut().spawn((Mesh3d(handle), solid, transform)).id();
@@ -76,7 +76,7 @@ fn a_dropped_jelly_keeps_its_volume_and_its_mesh_its_shape_and_seams() {
         let seams = seams(&rest);
         assert!(!seams.is_empty(), "{name} has its vertices once only");
         let place = Transform::from_xyz(0.0, 2.5, 0.0).with_rotation(turn);
-        let (mut app, solid) = built(mesh, SoftBody::default(), place);
+        let (mut app, solid) = built(mesh, SoftBodyMesh::default(), place);
         app.world_mut().spawn(Obstacle::ground());
         let whole = own_volume(&app, solid);
         let (mut least, mut most, mut open, mut squeezed) = (1.0_f64, 1.0_f64, 0.0_f32, 0.0_f32);
@@ -107,7 +107,7 @@ fn a_dropped_jelly_keeps_its_volume_and_its_mesh_its_shape_and_seams() {
 #[test]
 fn a_cube_lies_on_its_ground_and_weighs_what_it_should() {
     let place = Transform::from_xyz(1.0, 0.32, -2.0).with_scale(Vec3::new(2.0, 1.0, 1.0));
-    let (mut app, solid) = built(Cuboid::from_length(0.6).mesh().build(), SoftBody::new(0.13), place);
+    let (mut app, solid) = built(Cuboid::from_length(0.6).mesh().build(), SoftBodyMesh::new(0.13), place);
     assert!((mass(&app, solid) - 100.0 * 1.2 * 0.36).abs() < 1e-3, "{} kg", mass(&app, solid));
     assert_eq!(particles(&app, solid).len(), 11 * 6 * 6, "cells of 0.12 m");
     app.world_mut().spawn(Obstacle::ground());
@@ -125,7 +125,7 @@ fn the_shown_mesh_keeps_textures_edges_and_its_place() {
     let mut app = app();
     app.insert_resource(DrapeGravity(Vec3::ZERO));
     let handle = add(&mut app, mesh.clone());
-    let solid = app.world_mut().spawn((Mesh3d(handle.clone()), SoftBody::default(), mirrored)).id();
+    let solid = app.world_mut().spawn((Mesh3d(handle.clone()), SoftBodyMesh::default(), mirrored)).id();
     start(&mut app);
     (0..3).for_each(|_| frame(&mut app, 1.0));
     let shown = mesh_of(&app, solid);
@@ -144,7 +144,7 @@ fn the_shown_mesh_keeps_textures_edges_and_its_place() {
 #[test]
 fn it_is_shown_between_steps() {
     let (mut app, solid) =
-        built(Sphere::new(0.3).mesh().uv(12, 8), SoftBody::default(), Transform::default());
+        built(Sphere::new(0.3).mesh().uv(12, 8), SoftBodyMesh::default(), Transform::default());
     (0..8).for_each(|_| frame(&mut app, 1.0));
     let before = vertices(&app, solid);
     frame(&mut app, 0.5);
@@ -171,20 +171,20 @@ fn what_is_no_solid_is_refused_by_name_and_the_rest_runs_on() {
     let ball = || Sphere::new(0.3).mesh().uv(16, 9);
     let lines = Mesh::new(PrimitiveTopology::LineList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; 2]);
-    let solid = SoftBody::default;
+    let solid = SoftBodyMesh::default;
     for (mesh, solid, words) in [
         (holed(), solid(), "not closed, as a solid must be: 16 of its edges"),
-        (ball(), SoftBody::new(0.0), "spacing must be above zero"),
-        (ball(), SoftBody::new(f32::NAN), "spacing must be finite"),
-        (ball(), SoftBody::new(0.001), "cells of 0.001 m are too small for the mesh"),
-        (Torus::new(0.4, 0.5).mesh().build(), SoftBody::new(2.0), "take a smaller spacing"),
-        (ball(), SoftBody { density: -1.0, ..solid() }, "density must be above zero"),
-        (ball(), SoftBody { stiffness: 1.5, ..solid() }, "stiffness must be from 0 to 1"),
-        (ball(), SoftBody { damping: f32::NAN, ..solid() }, "damping must be finite"),
+        (ball(), SoftBodyMesh::new(0.0), "spacing must be above zero"),
+        (ball(), SoftBodyMesh::new(f32::NAN), "spacing must be finite"),
+        (ball(), SoftBodyMesh::new(0.001), "cells of 0.001 m are too small for the mesh"),
+        (Torus::new(0.4, 0.5).mesh().build(), SoftBodyMesh::new(2.0), "take a smaller spacing"),
+        (ball(), SoftBodyMesh { density: -1.0, ..solid() }, "density must be above zero"),
+        (ball(), SoftBodyMesh { stiffness: 1.5, ..solid() }, "stiffness must be from 0 to 1"),
+        (ball(), SoftBodyMesh { damping: f32::NAN, ..solid() }, "damping must be finite"),
         (ball(), solid().with_pins([9999]), "a pin names particle 9999"),
         (
             ball(),
-            SoftBody { painted_pins: Some(PaintChannel::Attribute("Held".into())), ..solid() },
+            SoftBodyMesh { painted_pins: Some(PaintChannel::Attribute("Held".into())), ..solid() },
             "no attribute “Held”",
         ),
         (lines, solid(), "it is a LineList"),
@@ -198,7 +198,7 @@ fn what_is_no_solid_is_refused_by_name_and_the_rest_runs_on() {
         (0..32).for_each(|_| frame(&mut app, 1.0));
         let messages = refusals(&app, bad);
         assert_eq!(messages.len(), 1, "{messages:?}");
-        for word in ["SoftBody", bad.to_string().as_str(), words] {
+        for word in ["SoftBodyMesh", bad.to_string().as_str(), words] {
             assert!(messages[0].contains(word), "“{}” does not name {word}", messages[0]);
         }
         assert!(app.world().get::<Particles>(bad).is_none());
@@ -206,7 +206,7 @@ fn what_is_no_solid_is_refused_by_name_and_the_rest_runs_on() {
         assert!(ball.position().y < -1.0, "the witness hangs at {}", ball.position());
         // Mended, it is built.
         let good = add(&mut app, Sphere::new(0.3).mesh().uv(16, 9));
-        app.world_mut().entity_mut(bad).insert((Mesh3d(good), SoftBody::default()));
+        app.world_mut().entity_mut(bad).insert((Mesh3d(good), SoftBodyMesh::default()));
         frame(&mut app, 1.0);
         assert!(refusals(&app, bad).is_empty() && app.world().get::<Particles>(bad).is_some());
     }
@@ -222,10 +222,10 @@ fn what_is_changed_is_built_anew_and_what_is_taken_off_leaves_nothing() {
     let before = app.world_mut().spawn((Mesh3d(cube.clone()), Transform::default())).id();
     frame(&mut app, 1.0);
     let plain: Vec<String> = names(&app, before);
-    let solid = app.world_mut().spawn((Mesh3d(cube.clone()), SoftBody::default())).id();
+    let solid = app.world_mut().spawn((Mesh3d(cube.clone()), SoftBodyMesh::default())).id();
     (0..10).for_each(|_| frame(&mut app, 1.0));
     let weighed = mass(&app, solid);
-    app.world_mut().get_mut::<SoftBody>(solid).expect("described").density *= 2.0;
+    app.world_mut().get_mut::<SoftBodyMesh>(solid).expect("described").density *= 2.0;
     frame(&mut app, 1.0);
     assert!((mass(&app, solid) / weighed - 2.0).abs() < 1e-5, "of the mesh and not of what it looks like");
     // The asset is saved anew.
@@ -245,13 +245,13 @@ fn what_is_changed_is_built_anew_and_what_is_taken_off_leaves_nothing() {
     // Those of the solids before are gone.
     frame(&mut app, 1.0);
     assert_eq!(count(&app), 3, "two meshes, and the copy that is shown");
-    app.world_mut().entity_mut(solid).remove::<SoftBody>();
+    app.world_mut().entity_mut(solid).remove::<SoftBodyMesh>();
     frame(&mut app, 1.0);
     assert!(app.world().get::<Particles>(solid).is_none());
     // `Pressure` came by the solid's requirement, and stays as `Transform` does.
     app.world_mut().entity_mut(solid).remove::<Pressure>();
     assert_eq!(names(&app, solid), plain, "nothing else is left");
-    app.world_mut().entity_mut(solid).insert(SoftBody::default());
+    app.world_mut().entity_mut(solid).insert(SoftBodyMesh::default());
     frame(&mut app, 1.0);
     app.world_mut().entity_mut(solid).despawn();
     (0..2).for_each(|_| frame(&mut app, 1.0));
@@ -273,8 +273,8 @@ fn pins_follow_the_entity() {
     let painted: Vec<[f32; 4]> =
         places(&mesh).iter().map(|place| [0.0, f32::from(place.y > 0.0), 0.0, 1.0]).collect();
     let painted = mesh.clone().with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, painted);
-    let by_paint = SoftBody { painted_pins: Some(PaintChannel::Green), ..default() };
-    for (mesh, solid) in [(mesh, SoftBody::default().with_pins(top.clone())), (painted, by_paint)] {
+    let by_paint = SoftBodyMesh { painted_pins: Some(PaintChannel::Green), ..default() };
+    for (mesh, solid) in [(mesh, SoftBodyMesh::default().with_pins(top.clone())), (painted, by_paint)] {
         let (mut app, solid) = built(mesh, solid, Transform::default());
         let at_first = vertices(&app, solid);
         (0..64).for_each(|_| frame(&mut app, 1.0));
@@ -301,7 +301,7 @@ fn colours_that_are_read_as_paint_do_not_tint_the_solid() {
     let painted = mesh.with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, green);
     let has_colours = |painted_pins: Option<PaintChannel>| {
         let (app, solid) =
-            built(painted.clone(), SoftBody { painted_pins, ..default() }, Transform::default());
+            built(painted.clone(), SoftBodyMesh { painted_pins, ..default() }, Transform::default());
         mesh_of(&app, solid).contains_attribute(Mesh::ATTRIBUTE_COLOR)
     };
     assert!(has_colours(None), "colours of another purpose");
@@ -311,7 +311,7 @@ fn colours_that_are_read_as_paint_do_not_tint_the_solid() {
 #[test]
 fn it_neither_tears_nor_is_cut() {
     let (mut app, solid) =
-        built(Cuboid::from_length(0.5).mesh().build(), SoftBody::default(), Transform::default());
+        built(Cuboid::from_length(0.5).mesh().build(), SoftBodyMesh::default(), Transform::default());
     let count = particles(&app, solid).len();
     app.world_mut().entity_mut(solid).insert(Tearable { strain: 0.001, ..default() });
     let blade = [Vec3::new(-2.0, 0.02, -2.0), Vec3::new(-2.0, 0.02, 2.0)];
@@ -345,7 +345,7 @@ fn a_solid_with_a_skin_is_refused() {
     let handle = add(&mut app, mesh);
     let joint = app.world_mut().spawn(Transform::default()).id();
     let skin = bevy::mesh::skinning::SkinnedMesh { inverse_bindposes: poses, joints: vec![joint] };
-    let solid = app.world_mut().spawn((Mesh3d(handle), SoftBody::default(), skin)).id();
+    let solid = app.world_mut().spawn((Mesh3d(handle), SoftBodyMesh::default(), skin)).id();
     start(&mut app);
     (0..2).for_each(|_| frame(&mut app, 1.0));
     let messages = refusals(&app, solid);
@@ -356,10 +356,10 @@ fn a_solid_with_a_skin_is_refused() {
 fn editors_and_scene_files_know_it_by_reflection() {
     let app = app();
     let registry = app.world().resource::<AppTypeRegistry>().read();
-    for name in ["SoftBody", "DrivenMesh"] {
+    for name in ["SoftBodyMesh", "DrivenMesh"] {
         let registration = registry.get_with_short_type_path(name).expect(name);
         assert!(registration.data::<ReflectComponent>().is_some(), "{name} is no component there");
     }
-    let solid = registry.get_with_short_type_path("SoftBody").expect("registered");
+    let solid = registry.get_with_short_type_path("SoftBodyMesh").expect("registered");
     assert!(solid.data::<ReflectDefault>().is_some());
 }

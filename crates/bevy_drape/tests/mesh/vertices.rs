@@ -3,6 +3,7 @@
 use bevy::camera::primitives::Aabb;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::SceneManager;
 
 use crate::*;
 

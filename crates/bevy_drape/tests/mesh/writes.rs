@@ -3,7 +3,10 @@
 use bevy::asset::AssetEvent;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
+use bevy_drape::viewer::Viewer;
 
 use crate::*;
 

@@ -1,7 +1,10 @@
 //! Carries out the events of the timeline.
 
 use bevy::prelude::*;
+use bevy_drape::cannon::FireCannon;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
+use bevy_drape::tear::CutCloth;
 
 use super::command::{BodyCommand, CommandKind};
 use super::drag::Drag;

@@ -1,6 +1,7 @@
 //! The beginning and the end of a scene.
 
 use bevy::prelude::*;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use super::change::apply_settings;

@@ -1,7 +1,9 @@
 //! Changes a scene while it is played: applies the differences to the world.
 
 use bevy::prelude::*;
+use bevy_drape::body::DefaultSolverSettings;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::SceneManager;
 
 use super::components::{mark, place, set_dynamic, set_pressure, set_tearable, set_touch};
 use super::named_entity::NamedEntity;
@@ -135,7 +137,7 @@ impl ScenePlay {
                 replace(world, entity, [was, is].map(SoftBall::from))
             }
             (Body::SoftBody(was), Body::SoftBody(is)) => {
-                replace(world, entity, [was, is].map(SoftBody::from))
+                replace(world, entity, [was, is].map(SoftBodyMesh::from))
             }
             _ => false,
         };

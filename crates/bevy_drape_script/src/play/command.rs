@@ -1,7 +1,9 @@
 //! Commands to bodies: pin, unpin, push. They wait until the body has been built.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::Particle;
 use serde::{Deserialize, Serialize};
 
 use super::named_entity::NamedEntity;

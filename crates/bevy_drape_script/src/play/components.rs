@@ -1,6 +1,7 @@
 //! Components that entities of a scene get when they are spawned, and when the scene changes.
 
 use bevy::prelude::*;
+use bevy_drape::body::Pressure;
 use bevy_drape::prelude::*;
 
 use crate::scene::{self, Body, Motion};

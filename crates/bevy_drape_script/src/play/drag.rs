@@ -1,6 +1,7 @@
 //! Particles dragged along paths.
 
 use bevy::prelude::*;
+use bevy_drape::attach::{Grab, Hand};
 use bevy_drape::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -2,8 +2,11 @@
 
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
+use bevy_drape::cannon::CannonFired;
+use bevy_drape::contact::{BallHit, DrapeContactEnded, DrapeContactStarted};
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::Key;
+use bevy_drape::tear::{BodySplit, StickTorn};
 use serde::{Deserialize, Serialize};
 
 use super::scene_entities::SceneEntities;

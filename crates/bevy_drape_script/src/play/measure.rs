@@ -2,7 +2,9 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::ActivityCounts;
 
 use super::event_counter::EventCounter;
 use super::points;

@@ -1,7 +1,10 @@
 //! The entities that a name of the scene stands for.
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::cannon::Cannon;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::Rig;
 
 /// The entities that a name stands for.
 #[derive(Clone, Debug)]

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::schedule::DrapeSchedule;
 
 use super::messages::{CheckpointTaken, PictureDue};
 use super::step;

@@ -2,7 +2,9 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::InRig;
 
 use super::named_entity::NamedEntity;
 use super::scene_entities::SceneEntities;

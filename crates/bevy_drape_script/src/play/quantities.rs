@@ -2,9 +2,12 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::drape_solver::state::measure;
 use bevy_drape::drape_solver::{self, StateHasher, StickBatch, StickKind};
 use bevy_drape::prelude::*;
+use bevy_drape::rig::StickKind;
 
 use super::simulated_entities::SimulatedEntities;
 use crate::scene::{Energy, Measure};

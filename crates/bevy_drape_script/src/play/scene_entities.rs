@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::Rig;
 
 use super::named_entity::{NamedEntity, despawn, is_ball, is_body};
 use super::simulated_entities::SimulatedEntities;

@@ -1,6 +1,7 @@
 //! The state of a scene that is being played.
 
 use bevy::prelude::*;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use super::command::BodyCommand;

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::InRig;
 
 use super::named_entity::{NamedEntity, is_ball, is_body};
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use bevy::ecs::message::MessageRegistry;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::rig::{Particle, Stick};
 
 use super::command::{BodyCommand, CommandKind};
 use super::components::{mark, place, set_dynamic, set_pressure, set_tearable};
@@ -28,7 +29,7 @@ impl ScenePlay {
                 None => return,
             },
             Body::SoftBody(solid) => match self.mesh_of(world, name, &solid.mesh) {
-                Some(mesh) => self.spawn_described(world, name, body, (mesh, SoftBody::from(solid))),
+                Some(mesh) => self.spawn_described(world, name, body, (mesh, SoftBodyMesh::from(solid))),
                 None => return,
             },
             Body::Rig(rig) => self.spawn_rig(world, name, rig),

@@ -1,6 +1,7 @@
 //! The systems that run before and after each step.
 
 use bevy::prelude::*;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 
 use super::measure::measure;
@@ -77,7 +78,7 @@ impl ScenePlay {
     fn after_step(&mut self, world: &mut World) {
         self.counter.read(world, &mut self.entities);
         self.notes.add_vain_cuts(&self.counter);
-        for message in world.resource::<Refusals>().messages() {
+        for message in world.resource::<Refusals>().iter() {
             if !self.problems.iter().any(|known| known == message) {
                 self.problems.push(message.to_string());
             }

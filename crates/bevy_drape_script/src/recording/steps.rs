@@ -5,8 +5,13 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::Sticks;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::drape_solver::{StickBatch, StickKind, Topology};
 use bevy_drape::prelude::*;
+use bevy_drape::rig::StickKind;
+use bevy_drape::schedule::DrapeSchedule;
 use bevy_drape::snapshot::{Key, members};
 
 use super::error::RecordingError;

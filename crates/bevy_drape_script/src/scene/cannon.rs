@@ -1,8 +1,8 @@
 //! Cannons.
 
 use bevy::math::DVec3;
+use bevy_drape as drape;
 use bevy_drape::drape_solver::motion::ballistics;
-use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -65,7 +65,7 @@ impl Default for Aim {
 
 impl Cannon {
     /// The plugin's component, in a world with this gravity.
-    pub fn component(&self, gravity: Vector) -> drape::Cannon {
+    pub fn component(&self, gravity: Vector) -> drape::cannon::Cannon {
         let (elevation, azimuth) = match self.aim {
             Aim::Angles { elevation, azimuth } => {
                 (f64::from(elevation.get()).to_radians(), f64::from(azimuth.get()).to_radians())
@@ -79,7 +79,7 @@ impl Cannon {
                 (elevation, libm::atan2(-way.x, -way.z))
             }
         };
-        drape::Cannon {
+        drape::cannon::Cannon {
             elevation: elevation as f32,
             azimuth: azimuth as f32,
             muzzle_speed: self.speed.get(),

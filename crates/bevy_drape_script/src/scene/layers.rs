@@ -1,6 +1,6 @@
 //! Collision layers.
 
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub struct Layers {
     pub filters: Vec<Whole<0, 31>>,
 }
 
-impl From<&Layers> for drape::DrapeLayers {
+impl From<&Layers> for drape::body::DrapeLayers {
     fn from(layers: &Layers) -> Self {
         let bits =
             |numbers: &[Whole<0, 31>]| numbers.iter().fold(0, |bits, number| bits | 1_u32 << number.get());

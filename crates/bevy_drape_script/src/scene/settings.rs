@@ -1,7 +1,7 @@
 //! Settings of the whole scene.
 
 use bevy::prelude::*;
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ impl Default for Settings {
         Self {
             duration: Seconds::known(5.0),
             dt: StepLength::known(1.0 / 60.0),
-            gravity: Vector::known(drape::DrapeGravity::default().0),
+            gravity: Vector::known(drape::environment::DrapeGravity::default().0),
             wind: Wind::default(),
             solver: Solver::default(),
             sleeping: true,
@@ -74,12 +74,12 @@ pub struct Gusts {
 
 impl Default for Gusts {
     fn default() -> Self {
-        let drape::Gusts { speed, length, seed } = drape::Gusts::default();
+        let drape::environment::Gusts { speed, length, seed } = drape::environment::Gusts::default();
         Self { speed: NonNegative::known(speed), length: Positive::known(length), seed }
     }
 }
 
-impl From<Gusts> for drape::Gusts {
+impl From<Gusts> for drape::environment::Gusts {
     fn from(gusts: Gusts) -> Self {
         Self { speed: gusts.speed.get(), length: gusts.length.get(), seed: gusts.seed }
     }
@@ -87,8 +87,14 @@ impl From<Gusts> for drape::Gusts {
 
 impl Default for Wind {
     fn default() -> Self {
-        let drape::Wind { velocity, air_density, drag_coefficient, lift_coefficient, shelter, .. } =
-            drape::Wind::default();
+        let drape::environment::Wind {
+            velocity,
+            air_density,
+            drag_coefficient,
+            lift_coefficient,
+            shelter,
+            ..
+        } = drape::environment::Wind::default();
         Self {
             velocity: Vector::known(velocity),
             air_density: NonNegative::known(air_density),
@@ -100,7 +106,7 @@ impl Default for Wind {
     }
 }
 
-impl From<&Wind> for drape::Wind {
+impl From<&Wind> for drape::environment::Wind {
     fn from(wind: &Wind) -> Self {
         Self {
             velocity: wind.velocity.get(),
@@ -113,7 +119,7 @@ impl From<&Wind> for drape::Wind {
     }
 }
 
-impl From<&Settings> for drape::DrapeGravity {
+impl From<&Settings> for drape::environment::DrapeGravity {
     fn from(settings: &Settings) -> Self {
         Self(settings.gravity.get())
     }

@@ -1,6 +1,6 @@
 //! Solver settings.
 
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -77,14 +77,14 @@ pub enum SelfContact {
 
 impl Solver {
     /// The plugin's settings: these, with `base` for fields that are left out.
-    pub fn over(&self, base: drape::SolverSettings) -> drape::SolverSettings {
+    pub fn over(&self, base: drape::body::SolverSettings) -> drape::body::SolverSettings {
         let quality = self.quality.map(|quality| match quality {
-            Quality::Low => drape::Quality::Low,
-            Quality::Medium => drape::Quality::Medium,
-            Quality::High => drape::Quality::High,
+            Quality::Low => drape::body::Quality::Low,
+            Quality::Medium => drape::body::Quality::Medium,
+            Quality::High => drape::body::Quality::High,
         });
         let base = quality.map_or(base, |quality| base.with_quality(quality));
-        drape::SolverSettings {
+        drape::body::SolverSettings {
             substeps: self.substeps.map_or(base.substeps, Whole::get),
             iterations: self.iterations.map_or(base.iterations, Whole::get),
             tolerance: self.tolerance.map_or(base.tolerance, Fraction::get),
@@ -93,17 +93,17 @@ impl Solver {
             static_friction: self.static_friction.map_or(base.static_friction, NonNegative::get),
             thickness: self.thickness.map_or(base.thickness, NonNegative::get),
             projection: self.projection.map_or(base.projection, |projection| match projection {
-                StickProjection::Exact => drape::StickProjection::Exact,
-                StickProjection::SquareRootFree => drape::StickProjection::SquareRootFree,
+                StickProjection::Exact => drape::body::StickProjection::Exact,
+                StickProjection::SquareRootFree => drape::body::StickProjection::SquareRootFree,
             }),
             structural: self.structural.map_or(base.structural, |structural| match structural {
-                StructuralSolve::Sweeps => drape::StructuralSolve::Sweeps,
-                StructuralSolve::Lines => drape::StructuralSolve::Lines,
+                StructuralSolve::Sweeps => drape::body::StructuralSolve::Sweeps,
+                StructuralSolve::Lines => drape::body::StructuralSolve::Lines,
             }),
             tethers: self.tethers.unwrap_or(base.tethers),
             self_contact: self.self_contact.map_or(base.self_contact, |contact| match contact {
-                SelfContact::Off => drape::SelfContact::Off,
-                SelfContact::On => drape::SelfContact::On,
+                SelfContact::Off => drape::body::SelfContact::Off,
+                SelfContact::On => drape::body::SelfContact::On,
             }),
         }
     }

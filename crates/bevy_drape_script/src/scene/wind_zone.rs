@@ -1,7 +1,7 @@
 //! Local winds.
 
 use bevy::prelude::*;
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -73,17 +73,17 @@ impl WindZone {
     }
 }
 
-impl From<&WindZone> for drape::WindZone {
+impl From<&WindZone> for drape::environment::WindZone {
     fn from(zone: &WindZone) -> Self {
         let region = match zone.region {
-            WindRegion::Sphere { radius } => drape::WindRegion::Sphere(radius.get()),
+            WindRegion::Sphere { radius } => drape::environment::WindRegion::Sphere(radius.get()),
             WindRegion::Cuboid { size: (x, y, z) } => {
-                drape::WindRegion::Cuboid(Vec3::new(x.get(), y.get(), z.get()) * 0.5)
+                drape::environment::WindRegion::Cuboid(Vec3::new(x.get(), y.get(), z.get()) * 0.5)
             }
         };
         let flow = match zone.flow {
-            WindFlow::Along(velocity) => drape::WindFlow::Along(velocity.get()),
-            WindFlow::Outwards(speed) => drape::WindFlow::Outwards(speed.get()),
+            WindFlow::Along(velocity) => drape::environment::WindFlow::Along(velocity.get()),
+            WindFlow::Outwards(speed) => drape::environment::WindFlow::Outwards(speed.get()),
         };
         Self { region, flow, falloff: zone.falloff.get() }
     }

@@ -1,7 +1,10 @@
 //! Checkpoints: a world that was saved and restored goes on with the same bits.
 
 use bevy::prelude::*;
+use bevy_drape::clock::DrapeClock;
+use bevy_drape::contact::BallHit;
 use bevy_drape::prelude::*;
+use bevy_drape::sleep::ActivityCounts;
 use bevy_drape::snapshot::{SnapshotError, members};
 use bevy_drape_script::checkpoint::{Checkpoint, CheckpointError};
 

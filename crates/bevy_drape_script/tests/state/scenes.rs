@@ -5,6 +5,8 @@ use std::sync::{Arc, Mutex};
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::drape_solver::StateHasher;
 use bevy_drape::prelude::*;
 use bevy_drape::snapshot::members;

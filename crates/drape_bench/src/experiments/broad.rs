@@ -7,8 +7,9 @@
 use std::error::Error;
 
 use bevy::prelude::{Entity, Transform, UVec2, Vec2};
-use bevy_drape::prelude::{Cloth, Obstacle, Particles, SceneManager};
+use bevy_drape::prelude::{Cloth, Obstacle, Particles};
 use bevy_drape::schedule::StepTimes;
+use bevy_drape::sleep::SceneManager;
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::Vec3;

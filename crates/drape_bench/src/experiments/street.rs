@@ -4,11 +4,12 @@ use std::error::Error;
 use std::time::Duration;
 
 use bevy::prelude::{App, Entity, Transform};
-use bevy_drape::environment::wind::{Gusts, Wind};
-use bevy_drape::prelude::{
-    ActivityCounts, Cloth, ClothPins, CurrentDetail, LevelOfDetail, Particles, SceneManager, Viewer,
-};
+use bevy_drape::detail::{CurrentDetail, LevelOfDetail};
+use bevy_drape::environment::{Gusts, Wind};
+use bevy_drape::prelude::{Cloth, ClothPins, Particles};
 use bevy_drape::schedule::StepTimes;
+use bevy_drape::sleep::{ActivityCounts, SceneManager};
+use bevy_drape::viewer::Viewer;
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::Vec3;

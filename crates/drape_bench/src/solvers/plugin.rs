@@ -6,10 +6,10 @@ use std::time::Duration;
 use bevy::prelude::{App, Entity, MinimalPlugins, Time, Transform};
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use bevy::time::{Fixed, TimeUpdateStrategy};
-use bevy_drape::prelude::{
-    ActivityCounts, DrapeGravity, DrapePlugins, Obstacle, Particles, SceneManager, SolverSettings, Sticks,
-};
+use bevy_drape::body::Sticks;
+use bevy_drape::prelude::{DrapeGravity, DrapePlugins, Obstacle, Particles, SolverSettings};
 use bevy_drape::schedule::StepTimes;
+use bevy_drape::sleep::{ActivityCounts, SceneManager};
 use drape_solver::Isa;
 use drape_solver::glam::Vec3;
 

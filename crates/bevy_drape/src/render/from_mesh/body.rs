@@ -13,10 +13,10 @@ use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::Particles;
 use crate::build::description::{insert_body, remove_body};
 use crate::change_detection::collect_changed;
-use crate::refusal::Refusals;
+use crate::refusal::{Cause, Refusals};
 use crate::render::from_mesh::reading::MeshFault;
 use crate::render::from_mesh::skin::ClothSkin;
-use crate::render::from_mesh::source::{ChangedMeshes, MeshParts, MeshSource, called, show_copy};
+use crate::render::from_mesh::source::{ChangedMeshes, FaultyMesh, MeshParts, MeshSource, called, show_copy};
 use crate::render::surface::Surface;
 use crate::render::vertices::Vertices;
 use crate::transform::moved_by_frame::MovedByFrame;
@@ -111,7 +111,7 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
             later.push(entity);
             continue;
         };
-        let fault = |fault| (D::NAME, format!("{}: {fault}", called(&source)));
+        let fault = |fault| (D::NAME, Cause::from(FaultyMesh::new(&source, fault)));
         let place = |joint| places.get(joint).ok();
         let mut is_skinned = false;
         let built = if transform.affine().is_finite() {

@@ -15,10 +15,10 @@ use drape_solver::{Embedding, MeshError, Topology};
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
-use crate::refusal::Refusals;
+use crate::refusal::{Cause, Refusals};
 use crate::render::from_mesh::reading::MeshFault;
 use crate::render::from_mesh::soft_body::SolidCells;
-use crate::render::from_mesh::source::{ChangedMeshes, MeshParts, MeshSource, called, show_copy};
+use crate::render::from_mesh::source::{ChangedMeshes, FaultyMesh, MeshParts, MeshSource, show_copy};
 use crate::render::surface::Surface;
 use crate::render::vertices::{EmbeddedVertices, Vertices};
 use crate::render::visibility::HiddenByCulling;
@@ -28,7 +28,7 @@ use crate::render::visibility::HiddenByCulling;
 ///
 /// Each vertex is bound to the nearest triangle of the body at rest and keeps its distance along the normal. Bent
 /// triangles count as curved, so that the mesh shows no creases; at sharp folds the mesh leaves the flat triangles by
-/// less than half their sides. On a [`SoftBody`](crate::render::from_mesh::soft_body::SoftBody) a vertex follows its
+/// less than half their sides. On a [`SoftBodyMesh`](crate::render::from_mesh::soft_body::SoftBodyMesh) a vertex follows its
 /// cell. The [`Transform`]s of the two entities place the mesh on the body: align it with the body at rest. Once bound,
 /// vertices follow the body, wherever the entity is. Texture coordinates and indices stay as they are; a copy of the
 /// mesh is shown.
@@ -41,8 +41,9 @@ use crate::render::visibility::HiddenByCulling;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// use bevy_drape::render::DrivenMesh;
 /// # fn setup(mut commands: Commands, assets: Res<AssetServer>) {
-/// let cells = commands.spawn((Mesh3d(assets.load("bunny.gltf#Mesh0/Primitive0")), SoftBody::new(0.1))).id();
+/// let cells = commands.spawn((Mesh3d(assets.load("bunny.gltf#Mesh0/Primitive0")), SoftBodyMesh::new(0.1))).id();
 /// commands.spawn((Mesh3d(assets.load("bunny.gltf#Mesh1/Primitive0")), DrivenMesh { driver: cells }));
 /// # }
 /// ```
@@ -52,7 +53,7 @@ use crate::render::visibility::HiddenByCulling;
 pub struct DrivenMesh {
     /// The entity with the body: a [`Cloth`](crate::build::cloth::Cloth),
     /// [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh),
-    /// [`SoftBody`](crate::render::from_mesh::soft_body::SoftBody) or [`SoftBall`](crate::build::soft_ball::SoftBall).
+    /// [`SoftBodyMesh`](crate::render::from_mesh::soft_body::SoftBodyMesh) or [`SoftBall`](crate::build::soft_ball::SoftBall).
     #[entities]
     pub driver: Entity,
 }
@@ -102,7 +103,7 @@ pub(crate) fn build_driven_meshes(
                 }
             };
             let local = |&place: &[f32; 3]| to_driver.transform_point3(place.into());
-            let fault = |fault| ("DrivenMesh", format!("{}: {fault}", called(&source)));
+            let fault = |fault| ("DrivenMesh", Cause::from(FaultyMesh::new(&source, fault)));
             bind(asset, |positions| embed(&positions.iter().map(local).collect::<Vec<_>>())).map_err(fault)
         } else {
             Err(("Transform", "it and that of the driver must be finite, with a scale above zero".into()))

@@ -5,10 +5,10 @@
 //! Design: `docs/design/cloth_from_meshes.md`.
 
 pub(crate) mod body;
-pub mod cloth_mesh;
-pub mod driven_mesh;
-pub mod paint;
-pub mod reading;
+pub(crate) mod cloth_mesh;
+pub(crate) mod driven_mesh;
+pub(crate) mod paint;
+pub(crate) mod reading;
 pub(crate) mod skin;
-pub mod soft_body;
+pub(crate) mod soft_body;
 pub(crate) mod source;

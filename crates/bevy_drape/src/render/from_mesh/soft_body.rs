@@ -29,13 +29,13 @@ use crate::render::vertices::{EmbeddedVertices, Vertices};
 /// # use bevy_drape::prelude::*;
 /// # fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
 /// let cube = meshes.add(Cuboid::from_length(0.5));
-/// commands.spawn((Mesh3d(cube), SoftBody::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
+/// commands.spawn((Mesh3d(cube), SoftBodyMesh::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, Pressure)]
-pub struct SoftBody {
+pub struct SoftBodyMesh {
     /// Greatest width of a cell in the world in metres; at most 128 cells lie along an axis. None, the default: a sixth
     /// of the longest side of the mesh.
     pub spacing: Option<f32>,
@@ -52,7 +52,7 @@ pub struct SoftBody {
     pub painted_pins: Option<PaintChannel>,
 }
 
-impl Default for SoftBody {
+impl Default for SoftBodyMesh {
     fn default() -> Self {
         Self {
             spacing: None,
@@ -70,7 +70,7 @@ const CELLS: f32 = 6.0;
 /// Value above which a painted vertex is pinned.
 const PINNED: f32 = 0.5;
 
-impl SoftBody {
+impl SoftBodyMesh {
     /// A solid of cells at most `spacing` metres wide.
     pub fn new(spacing: f32) -> Self {
         Self { spacing: Some(spacing), ..Self::default() }
@@ -112,7 +112,7 @@ fn longest_side(vertices: &[Vec3], transform: &GlobalTransform) -> f32 {
     if longest > 0.0 && longest.is_finite() { longest } else { 1.0 }
 }
 
-/// The cells of a [`SoftBody`], which other meshes can be bound to. Comes with its [`Particles`](crate::body::particles::Particles).
+/// The cells of a [`SoftBodyMesh`], which other meshes can be bound to. Comes with its [`Particles`](crate::body::particles::Particles).
 #[derive(Component, Clone, Debug)]
 pub(crate) struct SolidCells(SoftLattice);
 
@@ -123,8 +123,8 @@ impl SolidCells {
     }
 }
 
-impl MeshDescription for SoftBody {
-    const NAME: &'static str = "SoftBody";
+impl MeshDescription for SoftBodyMesh {
+    const NAME: &'static str = "SoftBodyMesh";
     type Parts = (SolidCells, Untearable);
 
     fn takes_colours(&self) -> bool {

@@ -6,6 +6,7 @@ use bevy::ecs::component::Mutable;
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
+use thiserror::Error;
 
 use crate::change_detection::collect_changed;
 use crate::render::from_mesh::reading::{MeshFault, faces, positions};
@@ -145,6 +146,21 @@ fn list_of_triangles(strip: &Mesh, faces: &[[u32; 3]]) -> Mesh {
         list.insert_attribute(attribute, values.clone());
     }
     list.with_inserted_indices(Indices::U32(faces.as_flattened().to_vec()))
+}
+
+/// A mesh that no body can be made from.
+#[derive(Debug, Error)]
+#[error("{mesh}: {fault}")]
+pub(crate) struct FaultyMesh {
+    mesh: String,
+    #[source]
+    fault: MeshFault,
+}
+
+impl FaultyMesh {
+    pub fn new(mesh: &Handle<Mesh>, fault: MeshFault) -> Self {
+        Self { mesh: called(mesh), fault }
+    }
 }
 
 /// Names a mesh by the path that it was loaded from.

@@ -1,6 +1,6 @@
 //! Balls.
 
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -42,7 +42,7 @@ pub struct Balls {
 
 impl Default for Balls {
     fn default() -> Self {
-        let plain = drape::Projectile::default();
+        let plain = drape::ball::Projectile::default();
         Self {
             at: Vector::default(),
             velocity: Vector::known(plain.velocity),
@@ -62,7 +62,7 @@ impl Default for Balls {
     }
 }
 
-impl From<&Balls> for drape::Projectile {
+impl From<&Balls> for drape::ball::Projectile {
     fn from(balls: &Balls) -> Self {
         Self {
             radius: balls.radius.get(),

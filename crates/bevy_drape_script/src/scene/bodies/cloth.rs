@@ -1,7 +1,7 @@
 //! Rectangular cloths.
 
 use bevy::prelude::*;
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +69,7 @@ pub enum Pins {
 
 impl Default for Cloth {
     fn default() -> Self {
-        let plain = drape::Cloth::default();
+        let plain = drape::build::Cloth::default();
         Self {
             size: (Positive::known(plain.size.x), Positive::known(plain.size.y)),
             particles: (Whole::known(plain.particles.x), Whole::known(plain.particles.y)),
@@ -92,7 +92,7 @@ impl Default for Cloth {
     }
 }
 
-impl From<&Cloth> for drape::Cloth {
+impl From<&Cloth> for drape::build::Cloth {
     fn from(cloth: &Cloth) -> Self {
         Self {
             size: Vec2::new(cloth.size.0.get(), cloth.size.1.get()),
@@ -103,12 +103,12 @@ impl From<&Cloth> for drape::Cloth {
             bend_stiffness: cloth.bend_stiffness.get(),
             damping: cloth.damping.get(),
             pins: match &cloth.pins {
-                Pins::None => drape::ClothPins::None,
-                Pins::Top => drape::ClothPins::Top,
-                Pins::TopCorners => drape::ClothPins::TopCorners,
-                Pins::Left => drape::ClothPins::Left,
-                Pins::Corners => drape::ClothPins::Corners,
-                Pins::Indices(indices) => drape::ClothPins::Indices(indices.clone()),
+                Pins::None => drape::build::ClothPins::None,
+                Pins::Top => drape::build::ClothPins::Top,
+                Pins::TopCorners => drape::build::ClothPins::TopCorners,
+                Pins::Left => drape::build::ClothPins::Left,
+                Pins::Corners => drape::build::ClothPins::Corners,
+                Pins::Indices(indices) => drape::build::ClothPins::Indices(indices.clone()),
             },
         }
     }

@@ -1,8 +1,8 @@
 //! Cloths from any mesh.
 
 use bevy::prelude::*;
+use bevy_drape as drape;
 use bevy_drape::drape_solver::MeshCloth;
-use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -59,7 +59,7 @@ pub struct ClothMesh {
 
 impl Default for ClothMesh {
     fn default() -> Self {
-        let plain = drape::ClothMesh::default();
+        let plain = drape::render::ClothMesh::default();
         Self {
             mesh: MeshSource::default(),
             areal_density: Positive::known(plain.areal_density),
@@ -92,11 +92,11 @@ impl ClothMesh {
     pub(crate) fn build(&self, files: &MeshFiles) -> Result<MeshCloth, String> {
         let place = Transform::from_translation(self.at.get()).with_rotation(self.turn.quaternion());
         let mesh = self.mesh.mesh(files)?;
-        drape::ClothMesh::from(self).build(&mesh, &place.into()).map_err(|fault| fault.to_string())
+        drape::render::ClothMesh::from(self).build(&mesh, &place.into()).map_err(|fault| fault.to_string())
     }
 }
 
-impl From<&ClothMesh> for drape::ClothMesh {
+impl From<&ClothMesh> for drape::render::ClothMesh {
     fn from(cloth: &ClothMesh) -> Self {
         Self {
             areal_density: cloth.areal_density.get(),
@@ -104,7 +104,7 @@ impl From<&ClothMesh> for drape::ClothMesh {
             bend_stiffness: cloth.bend_stiffness.get(),
             damping: cloth.damping.get(),
             pins: cloth.pins.clone(),
-            paint: drape::ClothPaint {
+            paint: drape::render::ClothPaint {
                 pins: cloth.painted_pins.map(Into::into),
                 max_distance: cloth.painted_limits.map(Into::into),
                 full_distance: cloth.full_distance.get(),

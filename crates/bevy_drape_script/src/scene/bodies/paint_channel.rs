@@ -1,6 +1,6 @@
 //! Numbers that are painted on the vertices of a mesh.
 
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub enum PaintChannel {
     Alpha,
 }
 
-impl From<PaintChannel> for drape::PaintChannel {
+impl From<PaintChannel> for drape::render::PaintChannel {
     fn from(channel: PaintChannel) -> Self {
         match channel {
             PaintChannel::Red => Self::Red,

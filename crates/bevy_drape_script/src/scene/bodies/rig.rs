@@ -1,6 +1,6 @@
 //! Hand-built rigs.
 
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -56,12 +56,12 @@ pub struct RigParticle {
 
 impl Default for RigParticle {
     fn default() -> Self {
-        let drape::Particle { mass, pinned, velocity } = drape::Particle::default();
+        let drape::rig::Particle { mass, pinned, velocity } = drape::rig::Particle::default();
         Self { at: Vector::default(), mass: Positive::known(mass), pinned, velocity: Vector::known(velocity) }
     }
 }
 
-impl From<&RigParticle> for drape::Particle {
+impl From<&RigParticle> for drape::rig::Particle {
     fn from(particle: &RigParticle) -> Self {
         Self { mass: particle.mass.get(), pinned: particle.pinned, velocity: particle.velocity.get() }
     }
@@ -108,7 +108,7 @@ pub enum StickKind {
     Bend,
 }
 
-impl From<StickKind> for drape::StickKind {
+impl From<StickKind> for drape::rig::StickKind {
     fn from(kind: StickKind) -> Self {
         match kind {
             StickKind::Structural => Self::Structural,
@@ -130,7 +130,7 @@ pub enum StickBound {
     AtMost,
 }
 
-impl From<StickBound> for drape::StickBound {
+impl From<StickBound> for drape::rig::StickBound {
     fn from(bound: StickBound) -> Self {
         match bound {
             StickBound::Exact => Self::Exact,

@@ -1,6 +1,6 @@
 //! Ropes.
 
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -48,7 +48,7 @@ pub struct Rope {
 
 impl Default for Rope {
     fn default() -> Self {
-        let plain = drape::Rope::default();
+        let plain = drape::build::Rope::default();
         Self {
             start: Vector::known(plain.start),
             end: Vector::known(plain.end),
@@ -71,7 +71,7 @@ impl Default for Rope {
     }
 }
 
-impl From<&Rope> for drape::Rope {
+impl From<&Rope> for drape::build::Rope {
     fn from(rope: &Rope) -> Self {
         Self {
             start: rope.start.get(),

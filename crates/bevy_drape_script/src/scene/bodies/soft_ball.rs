@@ -1,6 +1,6 @@
 //! Soft balls.
 
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +44,7 @@ pub struct SoftBall {
 
 impl Default for SoftBall {
     fn default() -> Self {
-        let plain = drape::SoftBall::default();
+        let plain = drape::build::SoftBall::default();
         Self {
             radius: Positive::known(plain.radius),
             rings: Whole::known(plain.rings),
@@ -72,7 +72,7 @@ impl SoftBall {
     }
 }
 
-impl From<&SoftBall> for drape::SoftBall {
+impl From<&SoftBall> for drape::build::SoftBall {
     fn from(ball: &SoftBall) -> Self {
         Self {
             radius: ball.radius.get(),

@@ -1,8 +1,8 @@
 //! Soft solids.
 
 use bevy::prelude::*;
+use bevy_drape as drape;
 use bevy_drape::drape_solver::SoftSolid;
-use bevy_drape::prelude as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -51,7 +51,7 @@ pub struct SoftBody {
 
 impl Default for SoftBody {
     fn default() -> Self {
-        let plain = drape::SoftBody::default();
+        let plain = drape::render::SoftBody::default();
         Self {
             mesh: MeshSource::default(),
             spacing: None,
@@ -81,11 +81,11 @@ impl SoftBody {
     pub(crate) fn build(&self, files: &MeshFiles) -> Result<SoftSolid, String> {
         let place = Transform::from_translation(self.at.get()).with_rotation(self.turn.quaternion());
         let mesh = self.mesh.mesh(files)?;
-        drape::SoftBody::from(self).build(&mesh, &place.into()).map_err(|fault| fault.to_string())
+        drape::render::SoftBody::from(self).build(&mesh, &place.into()).map_err(|fault| fault.to_string())
     }
 }
 
-impl From<&SoftBody> for drape::SoftBody {
+impl From<&SoftBody> for drape::render::SoftBody {
     fn from(body: &SoftBody) -> Self {
         Self {
             spacing: body.spacing.map(Positive::get),

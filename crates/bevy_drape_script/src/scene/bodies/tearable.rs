@@ -1,6 +1,6 @@
 //! Tearing limits.
 
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,8 @@ pub struct Tearable {
 
 impl Default for Tearable {
     fn default() -> Self {
-        let drape::Tearable { strain, most_at_once, least_particles } = drape::Tearable::default();
+        let drape::body::Tearable { strain, most_at_once, least_particles } =
+            drape::body::Tearable::default();
         Self {
             strain: Positive::known(strain),
             most_at_once: Whole::known(most_at_once),
@@ -30,7 +31,7 @@ impl Default for Tearable {
     }
 }
 
-impl From<&Tearable> for drape::Tearable {
+impl From<&Tearable> for drape::body::Tearable {
     fn from(tearable: &Tearable) -> Self {
         Self {
             strain: tearable.strain.get(),

@@ -1,7 +1,7 @@
 //! Motions of obstacles.
 
 use bevy::prelude::*;
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -84,17 +84,21 @@ impl Default for Dynamic {
 
 impl Dynamic {
     /// The plugin's component for a solid of this shape; none if its moments of inertia are unknown.
-    pub fn component(&self, shape: &Shape) -> Option<drape::DynamicObstacle> {
+    pub fn component(&self, shape: &Shape) -> Option<drape::environment::DynamicObstacle> {
         let mass = self.mass.get();
         let still = match (&self.inertia, shape) {
-            (Some((x, y, z)), _) => drape::DynamicObstacle::new(mass, Vec3::new(x.get(), y.get(), z.get())),
-            (None, Shape::Sphere { radius }) => drape::DynamicObstacle::sphere(mass, radius.get()),
+            (Some((x, y, z)), _) => {
+                drape::environment::DynamicObstacle::new(mass, Vec3::new(x.get(), y.get(), z.get()))
+            }
+            (None, Shape::Sphere { radius }) => {
+                drape::environment::DynamicObstacle::sphere(mass, radius.get())
+            }
             (None, Shape::Cuboid { size: (x, y, z) }) => {
-                drape::DynamicObstacle::cuboid(mass, Vec3::new(x.get(), y.get(), z.get()))
+                drape::environment::DynamicObstacle::cuboid(mass, Vec3::new(x.get(), y.get(), z.get()))
             }
             (None, _) => return None,
         };
-        Some(drape::DynamicObstacle {
+        Some(drape::environment::DynamicObstacle {
             velocity: self.velocity.get(),
             angular_velocity: self.angular_velocity.get(),
             gravity_scale: self.gravity_scale.get(),

@@ -1,7 +1,7 @@
 //! Obstacles.
 
 use bevy::prelude::*;
-use bevy_drape::prelude as drape;
+use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -49,7 +49,7 @@ pub struct Obstacle {
 }
 
 fn usual_friction() -> NonNegative {
-    NonNegative::known(drape::Obstacle::ground().friction)
+    NonNegative::known(drape::environment::Obstacle::ground().friction)
 }
 
 fn present() -> bool {
