@@ -183,7 +183,7 @@ fn a_cape_waits_for_its_joints_and_says_what_is_wrong_with_its_skin() {
     one_step_a_frame(&mut app);
     app.update();
     let refusals = app.world().resource::<Refusals>();
-    let messages: Vec<_> = refusals.of(character.cape).collect();
+    let messages: Vec<String> = refusals.of(character.cape).map(ToString::to_string).collect();
     assert_eq!(messages.len(), 1, "{messages:?}");
     assert!(messages[0].contains("joint 7") && messages[0].contains('4'), "{messages:?}");
 }

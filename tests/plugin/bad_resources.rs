@@ -47,7 +47,8 @@ fn gravity_and_wind_that_are_not_finite() {
         // A ball that is launched meanwhile flies under the last good gravity.
         let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(9.0, 0.0, 0.0))).id();
         run(&mut app, 1.0);
-        let messages: Vec<&str> = app.world().resource::<Refusals>().iter().collect();
+        let messages: Vec<String> =
+            app.world().resource::<Refusals>().iter().map(ToString::to_string).collect();
         assert_eq!(messages.len(), 2, "{messages:?}");
         for word in ["DrapeGravity", "Wind"] {
             assert!(messages.iter().any(|message| message.contains(word)), "{messages:?} do not name {word}");

@@ -87,7 +87,7 @@ fn a_winch_that_is_none_is_told_and_a_sleeping_rope_wakes_for_one_that_turns() {
     let mut app = app();
     let rope = app.world_mut().spawn((Rope::default(), Winch { least: 0.0, ..Winch::new(1.0) })).id();
     step(&mut app, 2);
-    let told = app.world().resource::<Refusals>().iter().any(|message| message.contains("Winch"));
+    let told = app.world().resource::<Refusals>().iter().any(|refusal| refusal.component == "Winch");
     assert!(told && (at_rest(&app, rope) - 1.0).abs() < 1e-6);
     get_mut::<Winch>(&mut app, rope).set_if_neq(Winch::default());
     run(&mut app, 10.0);

@@ -3,7 +3,6 @@
 use bevy::prelude::*;
 use bevy_drape::body::{Activity, Pressure, Sticks};
 use bevy_drape::prelude::*;
-use bevy_drape::rig::StickKind;
 use drape_solver::volume;
 use drape_solver::{StickKind, StickMaterial, TopologyBuilder};
 

@@ -18,20 +18,21 @@
 use core::error::Error;
 use core::fmt;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
-/// The error of a refusal, by which type it has.
+/// An error of any type.
 pub(crate) type Cause = Box<dyn Error + Send + Sync>;
 
 /// A component of an entity, or a resource, that cannot be used.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Refusal {
     /// The entity; none for a resource.
     pub entity: Option<Entity>,
     /// The component, or resource.
     pub component: &'static str,
-    error: Cause,
+    error: Arc<dyn Error + Send + Sync>,
     is_logged: bool,
 }
 
@@ -66,9 +67,9 @@ impl fmt::Display for Refusal {
 
 /// Everything that is left out of the simulation, and why. Each fault is logged once as an error, not sixty times a
 /// second, with the [`Name`] of the entity.
-#[derive(Resource, Reflect, Debug, Default)]
+#[derive(Resource, Reflect, Clone, Debug, Default)]
 #[reflect(opaque)]
-#[reflect(Resource, Default, Debug)]
+#[reflect(Resource, Default, Debug, Clone)]
 pub struct Refusals {
     refused: BTreeMap<(Option<Entity>, &'static str), Refusal>,
     /// True if something was refused that is not logged yet.
@@ -119,7 +120,10 @@ impl Refusals {
     fn note(&mut self, entity: Option<Entity>, component: &'static str, error: Cause) {
         let known = self.refused.get(&(entity, component));
         if known.is_none_or(|known| known.error.to_string() != error.to_string()) {
-            self.refused.insert((entity, component), Refusal { entity, component, error, is_logged: false });
+            self.refused.insert(
+                (entity, component),
+                Refusal { entity, component, error: error.into(), is_logged: false },
+            );
             self.has_news = true;
         }
     }

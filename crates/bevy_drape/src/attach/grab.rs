@@ -276,6 +276,7 @@ mod tests {
     use bevy::time::TimeUpdateStrategy;
 
     use super::*;
+    use crate::body::{Activity, Sticks};
     use crate::prelude::*;
 
     fn row(z: f32) -> drape_solver::Particles {

@@ -9,7 +9,7 @@ use crate::body::activity::Activity;
 use crate::body::body_state::CreationOrder;
 use crate::environment::gravity::DrapeGravity;
 use crate::environment::solver_environment::SolverEnvironment;
-use crate::refusal::Refusals;
+use crate::refusal::{Cause, Refusals};
 
 /// A ball: flies, hits, rolls and comes to rest. Cloth acts back on it.
 ///
@@ -114,7 +114,7 @@ pub(crate) fn build_projectiles(
     for (entity, projectile, transform, global) in &projectiles {
         let built = if global.affine().is_finite() {
             let ball = projectile.launch(global.translation(), gravity);
-            ball.map_err(|error| ("Projectile", error.into()))
+            ball.map_err(|error| ("Projectile", Cause::from(error)))
         } else {
             Err(("Transform", "it must be finite".into()))
         };

@@ -10,7 +10,7 @@ use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::build::built::BodyBuilt;
 use crate::change_detection::collect_changed;
-use crate::refusal::Refusals;
+use crate::refusal::{Cause, Refusals};
 
 /// A component that describes a body.
 pub(crate) trait Description: Component {
@@ -43,7 +43,7 @@ pub(crate) fn build_described<D: Description>(
     for entity in to_build.drain(..) {
         let Ok((description, transform)) = descriptions.get(entity) else { continue };
         let built = if transform.affine().is_finite() {
-            description.build(transform).map_err(|error| (D::NAME, error.into()))
+            description.build(transform).map_err(|error| (D::NAME, Cause::from(error)))
         } else {
             Err(("Transform", "it must be finite".into()))
         };

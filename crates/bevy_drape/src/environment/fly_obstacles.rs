@@ -27,7 +27,7 @@ pub(crate) fn fly_dynamic_obstacles(
         let body = dynamic.body();
         match &body {
             Ok(_) if refused.remove(&entity) => refusals.forget(entity),
-            Err(error) if refused.insert(entity) => refusals.entity(entity, "DynamicObstacle", error),
+            Err(error) if refused.insert(entity) => refusals.entity(entity, "DynamicObstacle", error.clone()),
             _ => {}
         }
         let Some(slot) = known.slot(entity) else { continue };

@@ -3,8 +3,12 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
 use bevy::prelude::*;
+use bevy_drape::body::Sticks;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::drape_solver::state::measure;
 use bevy_drape::drape_solver::{StateHasher, StickKind};
+use bevy_drape::render::{ClothWeave, PaintChannel, WeldedVertices};
+use bevy_drape::tear::CutCloth;
 
 use crate::*;
 

@@ -1,6 +1,9 @@
 //! A change of the level of detail is not seen.
 
 use super::*;
+use bevy_drape::detail::LevelOfDetail;
+use bevy_drape::environment::Gusts;
+use bevy_drape::viewer::Viewer;
 
 /// Size of a pixel at a distance of one metre, in metres: 1080 of them in a field of view of 45 degrees, which is Bevy's default.
 const PIXEL: f32 = 2.0 * 0.414_213_56 / 1080.0;

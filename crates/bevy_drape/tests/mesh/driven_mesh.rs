@@ -2,6 +2,10 @@
 
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
+use bevy_drape::body::{Activity, Sticks};
+use bevy_drape::render::DrivenMesh;
+use bevy_drape::sleep::SceneManager;
+use bevy_drape::tear::CutCloth;
 
 use crate::*;
 

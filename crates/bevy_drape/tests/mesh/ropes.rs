@@ -1,6 +1,7 @@
 //! Tubes around ropes, and meshes of two dimensions.
 
 use super::*;
+use bevy_drape::tear::CutCloth;
 
 /// A rope that swings, shown as a tube, on an entity of its own place.
 fn rope(app: &mut App, particles: u32) -> Entity {

@@ -4,8 +4,12 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
 use bevy::mesh::{PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
+use bevy_drape::body::{Activity, Pressure, Sticks};
 use bevy_drape::drape_solver::state::measure;
 use bevy_drape::drape_solver::volume;
+use bevy_drape::render::PaintChannel;
+use bevy_drape::tear::CutCloth;
 
 use crate::*;
 

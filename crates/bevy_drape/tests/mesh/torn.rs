@@ -1,6 +1,8 @@
 //! The meshes of torn cloth.
 
 use super::*;
+use bevy_drape::body::Sticks;
+use bevy_drape::tear::CutCloth;
 
 fn texture_coordinates(app: &App, entity: Entity) -> Vec<[f32; 2]> {
     match mesh_of(app, entity).attribute(Mesh::ATTRIBUTE_UV_0) {

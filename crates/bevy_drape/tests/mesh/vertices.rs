@@ -2,7 +2,6 @@
 
 use bevy::camera::primitives::Aabb;
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
 use bevy_drape::sleep::SceneManager;
 
 use crate::*;

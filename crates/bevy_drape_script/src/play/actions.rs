@@ -3,7 +3,6 @@
 use bevy::prelude::*;
 use bevy_drape::cannon::FireCannon;
 use bevy_drape::clock::DrapeClock;
-use bevy_drape::prelude::*;
 use bevy_drape::tear::CutCloth;
 
 use super::command::{BodyCommand, CommandKind};

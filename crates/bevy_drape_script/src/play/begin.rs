@@ -2,7 +2,6 @@
 
 use bevy::prelude::*;
 use bevy_drape::clock::DrapeClock;
-use bevy_drape::prelude::*;
 
 use super::change::apply_settings;
 use super::scene_play::ScenePlay;

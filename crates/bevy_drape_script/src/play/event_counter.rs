@@ -4,7 +4,6 @@ use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy_drape::cannon::CannonFired;
 use bevy_drape::contact::{BallHit, DrapeContactEnded, DrapeContactStarted};
-use bevy_drape::prelude::*;
 use bevy_drape::snapshot::Key;
 use bevy_drape::tear::{BodySplit, StickTorn};
 use serde::{Deserialize, Serialize};

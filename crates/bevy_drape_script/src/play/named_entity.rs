@@ -2,9 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::ball::ProjectileState;
-use bevy_drape::cannon::Cannon;
 use bevy_drape::prelude::*;
-use bevy_drape::rig::Rig;
 
 /// The entities that a name stands for.
 #[derive(Clone, Debug)]

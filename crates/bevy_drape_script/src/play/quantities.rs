@@ -7,7 +7,6 @@ use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::drape_solver::state::measure;
 use bevy_drape::drape_solver::{self, StateHasher, StickBatch, StickKind};
 use bevy_drape::prelude::*;
-use bevy_drape::rig::StickKind;
 
 use super::simulated_entities::SimulatedEntities;
 use crate::scene::{Energy, Measure};

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
 use bevy_drape::rig::InRig;
 use bevy_drape::snapshot::{Key, members, number_from};
 use serde::{Deserialize, Serialize};

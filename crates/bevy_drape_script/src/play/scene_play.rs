@@ -2,7 +2,6 @@
 
 use bevy::prelude::*;
 use bevy_drape::clock::DrapeClock;
-use bevy_drape::prelude::*;
 
 use super::command::BodyCommand;
 use super::drag::Drag;

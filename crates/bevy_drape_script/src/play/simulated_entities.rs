@@ -1,7 +1,6 @@
 //! Entities that can be measured and pushed.
 
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
 use bevy_drape::rig::InRig;
 
 use super::named_entity::{NamedEntity, is_ball, is_body};

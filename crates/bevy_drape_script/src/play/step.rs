@@ -78,9 +78,9 @@ impl ScenePlay {
     fn after_step(&mut self, world: &mut World) {
         self.counter.read(world, &mut self.entities);
         self.notes.add_vain_cuts(&self.counter);
-        for message in world.resource::<Refusals>().iter() {
-            if !self.problems.iter().any(|known| known == message) {
-                self.problems.push(message.to_string());
+        for problem in world.resource::<Refusals>().iter().map(ToString::to_string) {
+            if !self.problems.contains(&problem) {
+                self.problems.push(problem);
             }
         }
         let time = self.time(world);

@@ -10,7 +10,6 @@ use bevy_drape::body::Sticks;
 use bevy_drape::clock::DrapeClock;
 use bevy_drape::drape_solver::{StickBatch, StickKind, Topology};
 use bevy_drape::prelude::*;
-use bevy_drape::rig::StickKind;
 use bevy_drape::schedule::DrapeSchedule;
 use bevy_drape::snapshot::{Key, members};
 

@@ -51,7 +51,7 @@ pub struct SoftBody {
 
 impl Default for SoftBody {
     fn default() -> Self {
-        let plain = drape::render::SoftBody::default();
+        let plain = drape::render::SoftBodyMesh::default();
         Self {
             mesh: MeshSource::default(),
             spacing: None,
@@ -81,11 +81,11 @@ impl SoftBody {
     pub(crate) fn build(&self, files: &MeshFiles) -> Result<SoftSolid, String> {
         let place = Transform::from_translation(self.at.get()).with_rotation(self.turn.quaternion());
         let mesh = self.mesh.mesh(files)?;
-        drape::render::SoftBody::from(self).build(&mesh, &place.into()).map_err(|fault| fault.to_string())
+        drape::render::SoftBodyMesh::from(self).build(&mesh, &place.into()).map_err(|fault| fault.to_string())
     }
 }
 
-impl From<&SoftBody> for drape::render::SoftBody {
+impl From<&SoftBody> for drape::render::SoftBodyMesh {
     fn from(body: &SoftBody) -> Self {
         Self {
             spacing: body.spacing.map(Positive::get),
