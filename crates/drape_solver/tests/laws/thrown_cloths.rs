@@ -181,3 +181,12 @@ fn cloths_of_many_seeds_do_not_cross() {
     }
     assert!(faults.is_empty(), "faults in the scenes of {faults:?}");
 }
+
+/// The one fault of the first ten thousand seeds: in the ninth step the third cloth, which was hit at 13 m/s, has two edges through its own
+/// faces. Nothing was moved back in that step, so the two were not seen beside each other. They come apart in the next.
+#[test]
+#[ignore = "a known limit: a pair is overlooked"]
+fn the_cloth_of_seed_4405_does_not_cross_itself() {
+    let (cloths, obstacles) = scene(4405);
+    assert_eq!(play(cloths, obstacles).err(), None);
+}
