@@ -49,6 +49,7 @@ mod rigid_tetrahedron;
 mod self_contact;
 mod self_contact_collision;
 mod self_contact_load;
+mod self_contact_obstacles;
 mod self_contact_rest;
 mod self_contact_slope;
 mod self_contact_triangles;
