@@ -144,17 +144,13 @@ fn folds_at_rest_keep_most_of_their_thickness() {
     assert!(gap > 0.85, "{gap}");
 }
 
-/// A known limit, and the least case of it: of ten equal sheets that lie on each other the lowest two keep less than a tenth of their
-/// distance. Sweeps over contacts leave a rest of the load, which moves the lowest layers into each other in each substep; what
-/// recovers it is undone by the ground, which pushes the lowest layer back.
+/// A known limit, and the least case of it: from four equal sheets on, the lowest two do not keep their distance to 2 %.
 #[test]
 #[ignore = "a known limit: the lowest layers of a stack are squeezed"]
 fn the_lowest_layers_of_a_stack_are_not_squeezed() {
-    for layers in [4, 6, 10] {
-        let gaps = gaps(&stack(layers));
-        println!("law: thickness left in a stack of {layers}: {gaps:.3?}");
-        assert!(gaps.iter().all(|&gap| gap > 0.98), "{gaps:?}");
-    }
+    let all = [4, 6, 10].map(|layers| gaps(&stack(layers)));
+    println!("law: thickness left in stacks: {all:.3?}");
+    assert!(all.iter().flatten().all(|&gap| gap > 0.98), "{all:?}");
 }
 
 /// The same in heaps: thickness is to hold to 2 % everywhere.
