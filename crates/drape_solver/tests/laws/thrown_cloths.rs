@@ -1,11 +1,25 @@
-//! Cloths thrown at each other and at obstacles at random do not pass through themselves or each other, and gain no energy.
+//! Cloths thrown at each other and at obstacles at random do not pass through themselves or each other, gain no energy, and
+//! fly no faster than they were thrown.
+//!
+//! As many scenes as you like, in release: the scene of a seed is always the same.
+//!
+//! ```text
+//! THROWN=0..10000 cargo test --release -p drape_solver --test laws -- --ignored --nocapture cloths_of_many_seeds
+//! ```
+
+use core::ops::Range;
+use std::panic::catch_unwind;
 
 use drape_solver::glam::{Quat, Vec3};
+use drape_solver::state::crossings::CrossingCounter;
 use drape_solver::state::measure;
 use drape_solver::{
     Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, SelfContact, Shape, SolverSettings,
+    step,
 };
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
 use crate::common::*;
 use crate::random::{between, cases};
@@ -15,6 +29,13 @@ const START: f32 = 0.8;
 
 /// Sides from which the cloths come.
 const SIDES: [Vec3; 5] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::Z, Vec3::NEG_Z];
+
+/// Steps of a scene: a second.
+const STEPS: usize = 60;
+
+/// A particle may fly so much faster than the fastest that was thrown, with what it fell added: a cloth whose middle is
+/// stopped cracks its hem like a whip.
+const WHIP: f32 = 3.0;
 
 fn vector() -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(between(-1.0, 1.0)).prop_map(Vec3::from_array)
@@ -80,19 +101,92 @@ fn energy(island: &Island, environment: &Environment) -> f64 {
     kinetic_energy(island) + bodies.sum::<f64>()
 }
 
+fn fastest(island: &Island) -> f32 {
+    let speeds = island.bodies.iter().flat_map(|body| body.particles.velocities().map(Vec3::length));
+    speeds.fold(0.0, f32::max)
+}
+
+/// Plays a scene for a second. Gives its greatest speed in parts of what the input explains, or what went wrong.
+fn play(cloths: Vec<Body>, obstacles: Vec<Obstacle>) -> Result<f32, String> {
+    let mut island = Island { bodies: cloths, ..Island::default() };
+    let environment = Environment { obstacles: obstacles.into(), ..gravity(FRAME) };
+    let mut counter = CrossingCounter::of(island.bodies.iter().map(|body| &*body.topology));
+    let (before, thrown) = (energy(&island, &environment), fastest(&island));
+    let mut most = 0.0_f32;
+    for index in 0..STEPS {
+        step(&mut island, &environment).map_err(|error| format!("{error} in step {index}"))?;
+        let corners: Vec<_> =
+            island.bodies.iter().flat_map(|body| measure::positions(&body.particles)).collect();
+        let crossings = counter.count(&corners);
+        if crossings > 0 {
+            return Err(format!("{crossings} crossings in step {index}"));
+        }
+        let gain = energy(&island, &environment) - before;
+        if gain >= 1e-3 * before.abs() {
+            return Err(format!("{gain} J gained of {before} in step {index}"));
+        }
+        let fallen = G * FRAME * (index + 1) as f32;
+        most = most.max(fastest(&island) / (thrown + fallen));
+        if most > WHIP {
+            return Err(format!("{} m/s after {thrown} m/s in step {index}", fastest(&island)));
+        }
+    }
+    Ok(most)
+}
+
 proptest! {
     #![proptest_config(cases(12))]
 
     #[test]
     fn random_cloths_thrown_at_each_other_do_not_cross(cloths in cloths(), obstacles in obstacles()) {
-        let mut island = Island { bodies: cloths, ..Island::default() };
-        let environment = Environment { obstacles: obstacles.into(), ..gravity(FRAME) };
-        let before = energy(&island, &environment);
-        for index in 0..60 {
-            run(&mut island, &environment, FRAME);
-            prop_assert_eq!(crossings(&island), 0, "in step {}", index);
-            let gain = energy(&island, &environment) - before;
-            prop_assert!(gain < 1e-3 * before.abs(), "{} J gained of {} in step {}", gain, before, index);
+        let played = play(cloths, obstacles);
+        prop_assert!(played.is_ok(), "{played:?}");
+    }
+}
+
+/// The scene of a seed.
+fn scene(seed: u64) -> (Vec<Body>, Vec<Obstacle>) {
+    let random = TestRng::from_seed(RngAlgorithm::ChaCha, &[seed.to_le_bytes(); 4].concat());
+    let mut runner = TestRunner::new_with_rng(cases(1), random);
+    (cloths(), obstacles()).new_tree(&mut runner).expect("nothing is rejected").current()
+}
+
+/// The seeds that `THROWN` names, as `first..end`.
+fn seeds() -> Range<u64> {
+    let text = std::env::var("THROWN").unwrap_or_else(|_| "0..100".into());
+    let (first, end) = text.split_once("..").expect("THROWN=first..end");
+    let number = |text: &str| text.parse().expect("a number");
+    number(first)..number(end)
+}
+
+#[test]
+#[ignore = "as many scenes as one likes, see the head of this file"]
+fn cloths_of_many_seeds_do_not_cross() {
+    let (mut faults, mut most) = (Vec::new(), 0.0_f32);
+    for seed in seeds() {
+        let played = catch_unwind(|| {
+            let (cloths, obstacles) = scene(seed);
+            play(cloths, obstacles)
+        });
+        match played.unwrap_or_else(|_| Err("a panic".into())) {
+            Ok(speed) => most = most.max(speed),
+            Err(fault) => {
+                println!("seed {seed}: {fault}");
+                faults.push(seed);
+            }
+        }
+        if seed % 100 == 99 {
+            println!("up to seed {seed}: {} faults, at most {most} of the speed thrown", faults.len());
         }
     }
+    assert!(faults.is_empty(), "faults in the scenes of {faults:?}");
+}
+
+/// The one fault of the first ten thousand seeds: in the ninth step the third cloth, which was hit at 13 m/s, has two edges through its own
+/// faces. Nothing was moved back in that step, so the two were not seen beside each other. They come apart in the next.
+#[test]
+#[ignore = "a known limit: a pair is overlooked"]
+fn the_cloth_of_seed_4405_does_not_cross_itself() {
+    let (cloths, obstacles) = scene(4405);
+    assert_eq!(play(cloths, obstacles).err(), None);
 }
