@@ -4,9 +4,9 @@ use bevy::prelude::*;
 use bevy_drape::body::Sticks;
 use bevy_drape::cannon::{Cannon, FireCannon};
 use bevy_drape::prelude::*;
-use drape_solver::Shape;
 use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
+use drape_solver::{BuildError, Shape};
 
 use crate::common::*;
 
@@ -270,4 +270,13 @@ fn particles_and_sticks_that_do_not_belong_together() {
     assert_eq!(refusals(&app, empty).len(), 1);
     assert!(refusals(&app, alone).is_empty(), "it is no body yet");
     assert!(ball_position(&app, witness).y < -1.0);
+}
+
+#[test]
+fn a_refusal_has_its_entity_its_component_and_a_typed_error() {
+    let (app, entity) = assert_refused(Cloth { areal_density: -1.0, ..curtain() }, &["areal_density"]);
+    let refusals: Vec<_> = app.world().resource::<Refusals>().of(entity).collect();
+    assert_eq!((refusals[0].entity, refusals[0].component), (Some(entity), "Cloth"));
+    let error = refusals[0].error().downcast_ref::<BuildError>();
+    assert!(matches!(error, Some(BuildError::NotPositive { value: -1.0, .. })), "{error:?}");
 }

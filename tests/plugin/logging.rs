@@ -34,7 +34,10 @@ fn a_fault_is_logged_as_an_error_once() {
     let mut app = app();
     // Other tests log, too: this value is this test's own.
     let cloth = app.world_mut().spawn(Cloth { areal_density: -123.25, ..curtain() }).id();
-    let transform = app.world_mut().spawn((free_cloth(), Transform::from_xyz(f32::NAN, 0.0, 0.0))).id();
+    let transform = app
+        .world_mut()
+        .spawn((free_cloth(), Name::new("a lost banner"), Transform::from_xyz(f32::NAN, 0.0, 0.0)))
+        .id();
     for _ in 0..60 {
         get_mut::<Cloth>(&mut app, cloth).set_changed();
         get_mut::<Transform>(&mut app, transform).set_changed();
@@ -45,5 +48,8 @@ fn a_fault_is_logged_as_an_error_once() {
     let lines = told("-123.25");
     assert_eq!(lines.len(), 1, "{lines:?}");
     assert!(lines[0].starts_with("ERROR") && lines[0].contains(&cloth.to_string()), "{lines:?}");
+    let named = told("“a lost banner”");
+    assert_eq!(named.len(), 1, "{named:?}");
+    assert!(named[0].contains("Transform") && named[0].contains(&transform.to_string()), "{named:?}");
     assert_eq!(refusals(&app, transform).len(), 1);
 }

@@ -22,6 +22,7 @@ mod layered_clothes;
 mod layers;
 mod levels_of_detail;
 mod logging;
+mod observers;
 mod operations;
 mod pins;
 mod reflection;

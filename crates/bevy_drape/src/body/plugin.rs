@@ -11,7 +11,7 @@ use crate::body::pressure::{Pressure, wake_pressed, wake_slack};
 use crate::body::settings::{DefaultSolverSettings, Quality, SolverSettings};
 use crate::clock::DrapeClock;
 use crate::refusal::{Refusals, log_refusals};
-use crate::schedule::{DrapeSchedule, ScenePhase};
+use crate::schedule::{DrapeSchedule, FinishPhase, ScenePhase};
 
 /// Particles, settings, layers and marks of bodies; the clock; and the list of what is refused.
 pub(crate) struct BodyPlugin;
@@ -25,6 +25,8 @@ impl Plugin for BodyPlugin {
             .init_resource::<DrapeClock>()
             .init_resource::<Refusals>()
             .add_observer(forget_despawned_body)
+            .add_systems(DrapeSchedule, log_refusals.in_set(FinishPhase::TriggerObservers))
+            // What is refused between steps.
             .add_systems(Last, log_refusals);
     }
 }
