@@ -100,7 +100,8 @@ impl ScenePlay {
     }
 
     /// All entities of the scene that have positions, in the order of their names: cloths, ropes and rigs with
-    /// [`Particles`], and balls with a [`ProjectileState`].
+    /// [`Particles`](bevy_drape::body::Particles), and balls with a
+    /// [`ProjectileState`](bevy_drape::ball::ProjectileState).
     pub fn bodies(&self, world: &World) -> Vec<(String, Entity)> {
         self.entities.moving(world)
     }
