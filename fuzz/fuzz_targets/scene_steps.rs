@@ -6,8 +6,8 @@
 
 use core::fmt::Write;
 
-use bevy_drape::prelude::*;
 use bevy_drape::ball::ProjectileState;
+use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use bevy_drape_script::{SceneRunner, SceneScript};
 use libfuzzer_sys::fuzz_target;
