@@ -79,7 +79,7 @@ fn column(node: Node) -> impl Bundle {
 fn spawn_list(mut commands: Commands, showcase: Res<Showcase>) {
     commands.spawn(column(Node { top: px(120), left: px(10), ..default() })).with_children(|list| {
         for (index, (name, _)) in showcase.features.iter().enumerate() {
-            list.spawn((Entry(index), Interaction::default(), words(name)));
+            list.spawn((Entry(index), words(name)));
         }
     });
 }
@@ -95,9 +95,16 @@ fn spawn_sliders(mut commands: Commands) {
 }
 
 /// Shows the example that is pressed in the list, and marks the one that is shown.
-fn choose(mut entries: Query<(&Entry, Ref<Interaction>, &mut TextColor)>, mut showcase: ResMut<Showcase>) {
-    for (&Entry(index), interaction, mut colour) in &mut entries {
-        if interaction.is_changed() && *interaction == Interaction::Pressed {
+fn choose(
+    mut entries: Query<(&Entry, &ComputedNode, &UiGlobalTransform, &mut TextColor)>,
+    mut showcase: ResMut<Showcase>,
+    windows: Query<&Window>,
+    buttons: Res<ButtonInput<MouseButton>>,
+) {
+    let pointer = windows.iter().find_map(Window::physical_cursor_position);
+    let pressed = pointer.filter(|_| buttons.just_pressed(MouseButton::Left));
+    for (&Entry(index), node, transform, mut colour) in &mut entries {
+        if pressed.is_some_and(|pointer| node.contains_point(*transform, pointer)) {
             showcase.current = index;
             showcase.is_due = true;
         }

@@ -7,7 +7,6 @@ use core::f32::consts::{FRAC_PI_2, TAU};
 
 use bevy::prelude::*;
 use bevy_drape::cannon::Cannon;
-use bevy_drape::prelude::*;
 
 /// From the muzzle back to the trunnions, about which a real barrel turns, in metres.
 const TRUNNION: f32 = 0.55;

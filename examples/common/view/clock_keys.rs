@@ -2,7 +2,6 @@
 
 use bevy::prelude::*;
 use bevy_drape::clock::DrapeClock;
-use bevy_drape::prelude::*;
 
 /// The speed of slow motion, as a fraction of real time.
 const SLOW_MOTION: f32 = 0.2;

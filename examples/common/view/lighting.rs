@@ -5,7 +5,6 @@ use core::f32::consts::FRAC_PI_2;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::light::{CascadeShadowConfigBuilder, NotShadowCaster, NotShadowReceiver};
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
 use bevy_drape::viewer::Viewer;
 
 use crate::view::textures;

@@ -48,7 +48,7 @@ impl Plugin for SliderPlugin {
 /// Adds the bars of a new slider.
 fn dress(added: On<Add<Slider>>, mut commands: Commands) {
     let chosen = Node { width: percent(0), height: percent(100), ..default() };
-    commands.entity(added.entity).insert((Interaction::default(), BackgroundColor(REST))).with_child((
+    commands.entity(added.entity).insert(BackgroundColor(REST)).with_child((
         Chosen,
         chosen,
         BackgroundColor(CHOSEN),
@@ -57,13 +57,16 @@ fn dress(added: On<Add<Slider>>, mut commands: Commands) {
 
 /// Takes the number at which a bar is held.
 fn hold(
-    mut sliders: Query<(&mut Slider, &Interaction, &ComputedNode, &UiGlobalTransform)>,
+    mut sliders: Query<(&mut Slider, &ComputedNode, &UiGlobalTransform)>,
     windows: Query<&Window>,
+    buttons: Res<ButtonInput<MouseButton>>,
 ) {
     let pointer = windows.iter().find_map(Window::physical_cursor_position);
-    for (mut slider, interaction, node, transform) in &mut sliders {
+    for (mut slider, node, transform) in &mut sliders {
         let place = pointer.and_then(|pointer| node.normalize_point(*transform, pointer));
-        let is_held = *interaction == Interaction::Pressed && place.is_some();
+        let is_over = pointer.is_some_and(|pointer| node.contains_point(*transform, pointer));
+        let begins = is_over && buttons.just_pressed(MouseButton::Left);
+        let is_held = place.is_some() && (begins || slider.is_held && buttons.pressed(MouseButton::Left));
         if let Some(place) = place.filter(|_| is_held) {
             let part = (place.x + 0.5).clamp(0.0, 1.0);
             slider.value = slider.from + part * (slider.to - slider.from);

@@ -8,7 +8,6 @@ use bevy_drape::body::Sticks;
 use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
 use bevy_drape::rig::StickKind;
-use drape_solver::StickKind;
 
 /// Sides of a tube.
 const SIDES: u32 = 6;
