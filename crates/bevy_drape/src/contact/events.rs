@@ -55,6 +55,7 @@ impl DrapeContact {
     }
 }
 
+/// Events that are a [`DrapeContact`].
 macro_rules! contact_events {
     ($($event:ident)*) => { $(
         impl Event for $event {
@@ -66,22 +67,16 @@ macro_rules! contact_events {
                 self.body
             }
         }
+
+        impl EntityMessage for $event {
+            fn for_the_other(&self) -> Option<Self> {
+                Some(Self(self.0.for_the_other()))
+            }
+        }
     )* };
 }
 
 contact_events! { DrapeContactStarted DrapeContactHit }
-
-impl EntityMessage for DrapeContactStarted {
-    fn for_the_other(&self) -> Option<Self> {
-        Some(Self(self.0.for_the_other()))
-    }
-}
-
-impl EntityMessage for DrapeContactHit {
-    fn for_the_other(&self) -> Option<Self> {
-        Some(Self(self.0.for_the_other()))
-    }
-}
 
 impl EntityMessage for DrapeContactEnded {
     fn for_the_other(&self) -> Option<Self> {
