@@ -3,7 +3,7 @@
 use bevy::ecs::event::EntityTrigger;
 use bevy::prelude::*;
 
-/// What happens to an entity: written as a [`Message`] for those who read all of them at once, and triggered on the entity for
+/// An event of an entity: written as a [`Message`] for those who read all of them at once, and triggered on the entity for
 /// its observers.
 pub(crate) trait EntityMessage:
     Message + Clone + for<'a> EntityEvent<Trigger<'a> = EntityTrigger>

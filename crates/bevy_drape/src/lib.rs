@@ -69,7 +69,7 @@ pub use tools::gizmos;
 pub use tools::picking;
 pub use tools::{diagnostics, gestures, ray_cast};
 
-/// What a first app with cloth in it needs. The rest is in the modules of its subject: [`rig`], [`cannon`], [`tear`], ..
+/// The names that a first app with cloth in it needs. The rest is in the modules of its subject: [`rig`], [`cannon`], [`tear`], ..
 ///
 /// ```
 /// # use bevy_drape::prelude::*;

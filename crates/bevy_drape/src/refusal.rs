@@ -37,7 +37,7 @@ pub struct Refusal {
 }
 
 impl Refusal {
-    /// What is wrong with it. Errors of the solver and of meshes keep their types:
+    /// The error. Errors of the solver and of meshes keep their types:
     /// [`BuildError`](drape_solver::BuildError), `MeshFault` (as the [source](Error::source) of one that names the mesh),
     /// [`DetailError`](crate::detail::DetailError). Others are words.
     pub fn error(&self) -> &(dyn Error + Send + Sync + 'static) {
@@ -77,12 +77,12 @@ pub struct Refusals {
 }
 
 impl Refusals {
-    /// What is refused now, by entity. A refusal is forgotten when its component is rebuilt or removed.
+    /// All refusals, by entity. A refusal is forgotten when its component is rebuilt or removed.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Refusal> {
         self.refused.values()
     }
 
-    /// What is refused of `entity`.
+    /// The refusals of `entity`.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = &Refusal> {
         self.iter().filter(move |refusal| refusal.entity == Some(entity))
     }

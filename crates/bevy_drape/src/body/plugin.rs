@@ -26,7 +26,7 @@ impl Plugin for BodyPlugin {
             .init_resource::<Refusals>()
             .add_observer(forget_despawned_body)
             .add_systems(DrapeSchedule, log_refusals.in_set(FinishPhase::TriggerObservers))
-            // What is refused between steps.
+            // Refusals between steps.
             .add_systems(Last, log_refusals);
     }
 }

@@ -28,7 +28,7 @@ pub struct BodyWoken {
 impl EntityMessage for BodySlept {}
 impl EntityMessage for BodyWoken {}
 
-/// What slept at the end of the last step.
+/// The bodies and balls that slept at the end of the last step.
 #[derive(Resource, Default)]
 pub(crate) struct Sleepers(EntityHashSet);
 
