@@ -24,7 +24,7 @@ pub const FEATURE: Feature = Feature {
     },
 };
 
-/// The file, in the folder of assets. `examples/cape_model.rs` writes it.
+/// The file, in the folder of assets. `examples/models.rs` writes it.
 pub const FILE: &str = "models/cape.glb";
 
 /// Runs it.

@@ -6,8 +6,6 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use drape_examples::feature::{Feature, Paint};
-use drape_solver::Shape;
-use drape_solver::parry3d::shape::SharedShape;
 
 /// The example.
 pub const FEATURE: Feature = Feature {
@@ -28,16 +26,16 @@ pub fn main() -> std::process::ExitCode {
 
 fn setup(mut commands: Commands) {
     commands.spawn(Obstacle::ground());
-    let shapes: [(Shape, f32); 5] = [
-        (Shape::Sphere { radius: 0.4 }, 0.4),
-        (Shape::Cuboid { half_extents: Vec3::splat(0.35) }, 0.35),
-        (Shape::Parry(SharedShape::cylinder(0.45, 0.3)), 0.45),
-        (Shape::Parry(SharedShape::cone(0.45, 0.4)), 0.45),
-        (Shape::Capsule { half_length: 0.35, radius: 0.2 }, 0.55),
+    let obstacles = [
+        (Obstacle::sphere(0.4), 0.4),
+        (Obstacle::cuboid(0.7, 0.7, 0.7), 0.35),
+        (Obstacle::cylinder(0.3, 0.9), 0.45),
+        (Obstacle::cone(0.4, 0.9), 0.45),
+        (Obstacle::capsule(0.2, 0.7), 0.55),
     ];
-    for (place, (shape, height)) in shapes.into_iter().enumerate() {
+    for (place, (obstacle, height)) in obstacles.into_iter().enumerate() {
         let x = 1.35 * (place as f32 - 2.0);
-        commands.spawn((Obstacle::new(shape), Transform::from_xyz(x, height, 0.0)));
+        commands.spawn((obstacle, Transform::from_xyz(x, height, 0.0)));
         let cloth = Cloth::new(1.15, 1.15).with_particles(44, 44).with_pins(ClothPins::None);
         let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
         let paint = Paint::rgb(0.85 - 0.14 * place as f32, 0.42, 0.22 + 0.12 * place as f32);

@@ -14,7 +14,7 @@
 //! | H | help on the screen |
 //! | Esc | quit |
 //!
-//! `--headless` runs all of them without a window, with `--features meshes` at least (with `gltf`, the one of a glTF file too), and prints the result of each.
+//! `--headless` runs all of them without a window, with `--features meshes` at least (with `gltf`, those of glTF files too), and prints the result of each.
 
 use std::process::ExitCode;
 
@@ -42,6 +42,8 @@ features! {
     detail: "detail.rs",
     drag: "drag.rs",
     drape: "drape.rs",
+    #[cfg(feature = "gltf")]
+    dust_sheets: "dust_sheets.rs",
     fan: "fan.rs",
     flag: "flag.rs",
     folds: "folds.rs",

@@ -16,9 +16,9 @@ use showcase::FEATURES;
 const TOO_FAST: f32 = 100.0;
 
 /// Examples that are no features of their own: they have other tests.
-const OTHERS: [&str; 5] = ["cannon", "cape_model", "readme", "scene", "showcase"];
+const OTHERS: [&str; 5] = ["cannon", "models", "readme", "scene", "showcase"];
 /// Examples that need the feature `gltf`.
-const OF_GLTF: [&str; 1] = ["cape_gltf"];
+const OF_GLTF: [&str; 2] = ["cape_gltf", "dust_sheets"];
 
 macro_rules! runs {
     ($($(#[$when:meta])? $name:ident),* $(,)?) => {
@@ -32,7 +32,8 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cape, #[cfg(feature = "gltf")] cape_gltf, cloth_mesh, crates, curtain_2d, cut, detail, drag, drape, fan, flag,
+    balloon, bridge, cape, #[cfg(feature = "gltf")] cape_gltf, cloth_mesh, crates, curtain_2d, cut, detail, drag, drape,
+    #[cfg(feature = "gltf")] dust_sheets, fan, flag,
     folds, jelly, knot, lamps, layers, presets, ragdoll, soft_ball, tear, trampoline, winch,
 }
 

@@ -13,6 +13,7 @@
 //! scripted/       the runner of scripted scenes: suites, recordings, plots, pictures, windows
 //! cannon_demo/    the cannon demo: scene, report, Table 1, soak, window
 //! character/      a walking character in a cape, and its glTF file
+//! furniture       furniture, as a glTF file
 //! view/           meshes, materials, light, cameras, windows, drawing without a window
 //! ```
 
@@ -20,6 +21,8 @@ pub mod cannon_demo;
 #[cfg(feature = "meshes")]
 pub mod character;
 pub mod feature;
+#[cfg(feature = "meshes")]
+pub mod furniture;
 #[cfg(feature = "scenes")]
 pub mod scripted;
 #[cfg(feature = "window")]

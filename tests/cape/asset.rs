@@ -35,7 +35,7 @@ fn bytes<'a>(text: &Value, numbers: &'a [u8], accessor: &Value) -> &'a [u8] {
 
 #[test]
 fn the_file_is_what_the_example_writes() {
-    assert!(*FILE == model(), "run `cargo run --features meshes --example cape_model`");
+    assert!(*FILE == model(), "run `cargo run --features meshes --example models`");
     assert!(FILE.len() < 200_000, "{} bytes", FILE.len());
 }
 

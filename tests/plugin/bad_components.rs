@@ -112,7 +112,9 @@ fn obstacles_that_cannot_be() {
     let bad = [
         (Obstacle::sphere(0.0), "radius"),
         (Obstacle::sphere(f32::NAN), "radius"),
-        (Obstacle::cuboid(1.0, -1.0, 1.0), "extent"),
+        (Obstacle::cuboid(1.0, -1.0, 1.0), "size"),
+        (Obstacle::cylinder(0.1, 0.0), "height"),
+        (Obstacle::cone(f32::INFINITY, 1.0), "radius"),
         (Obstacle::capsule(-0.1, 1.0), "radius"),
         (ground.clone().with_friction(-1.0), "friction"),
         (ground.clone().with_friction(f32::NAN), "friction"),

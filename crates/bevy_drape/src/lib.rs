@@ -83,7 +83,7 @@ pub mod prelude {
     pub use crate::picking::Draggable;
     #[cfg(feature = "mesh")]
     #[doc(inline)]
-    pub use crate::render::{ClothMesh, ClothPaint, RopeMesh, SoftBodyMesh};
+    pub use crate::render::{ClothMesh, ClothPaint, ObstacleHierarchy, RopeMesh, SoftBodyMesh};
     #[doc(inline)]
     pub use crate::{
         attach::{Attachment, FollowParticle, Tie, TiedParticles, WorldMotion},

@@ -103,7 +103,7 @@ fn add_rigid_meshes(
 struct HasMeshes;
 
 fn add_obstacle_meshes(
-    obstacles: Query<(Entity, &Obstacle, Option<&Paint>), Without<HasMeshes>>,
+    obstacles: Query<(Entity, &Obstacle, Option<&Paint>), (Without<HasMeshes>, Without<Mesh3d>)>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
@@ -115,11 +115,11 @@ fn add_obstacle_meshes(
         if obstacle.is_sensor {
             continue;
         }
-        let shape = &obstacle.shape.0;
+        let Ok(Some(shape)) = obstacle.shape.solid(None) else { continue };
         let usual = if matches!(shape, Shape::HalfSpace { .. }) { EARTH } else { SOLID };
         let colour = paint.map_or(usual, Paint::color);
-        let form = Form::of(shape);
-        let (looks, form) = match round(shape) {
+        let form = Form::of(&shape);
+        let (looks, form) = match round(&shape) {
             Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),
             None => (mesh_of(form), form),
         };

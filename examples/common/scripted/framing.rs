@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_drape::ball::ProjectileState;
 use bevy_drape::cannon::Cannon;
+use bevy_drape::environment::ShapeFromMesh;
 use bevy_drape::prelude::*;
 use bevy_drape_script::play::ScenePlay;
 use bevy_drape_script::scene::Camera as SceneCamera;
@@ -43,9 +44,10 @@ impl Framing {
                 seen.push((ball.position(), ball.material().radius));
             }
         }
-        let mut obstacles = world.query::<(&Obstacle, &Transform)>();
-        for (obstacle, place) in obstacles.iter(world) {
-            let (low, high) = obstacle.shape.local_bounds();
+        let mut obstacles = world.query::<(&Obstacle, Option<&ShapeFromMesh>, &Transform)>();
+        for (obstacle, from_mesh, place) in obstacles.iter(world) {
+            let Ok(Some(shape)) = obstacle.shape.solid(from_mesh) else { continue };
+            let (low, high) = shape.local_bounds();
             let radius = 0.5 * (high - low).length();
             if radius <= 0.5 * LARGEST {
                 seen.push((place.transform_point(0.5 * (low + high)), radius));

@@ -12,6 +12,8 @@ mod cannon_model;
 pub(crate) mod clock_keys;
 #[cfg(feature = "gltf")]
 pub mod gltf_files;
+#[cfg(feature = "meshes")]
+pub mod gltf_writer;
 #[cfg(feature = "render")]
 pub(crate) mod lighting;
 #[cfg(feature = "render")]

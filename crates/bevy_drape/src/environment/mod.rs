@@ -26,6 +26,7 @@ pub(crate) mod gravity;
 pub(crate) mod known_obstacles;
 pub(crate) mod obstacle;
 pub(crate) mod obstacle_changes;
+pub(crate) mod obstacle_shape;
 pub(crate) mod plugin;
 pub(crate) mod solver_environment;
 pub(crate) mod sync_obstacles;
@@ -35,6 +36,7 @@ pub(crate) mod wind_zone;
 
 pub use dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
 pub use gravity::DrapeGravity;
-pub use obstacle::{Obstacle, ObstacleShape, TeleportObstacle};
+pub use obstacle::{Obstacle, TeleportObstacle};
+pub use obstacle_shape::{CustomShape, ObstacleShape, ShapeFromMesh};
 pub use wind::{Gusts, Wind};
 pub use wind_zone::{WindFlow, WindRegion, WindZone};

@@ -4,6 +4,8 @@ use bevy::prelude::*;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{BuildError, Layers, Placement, Shape};
 
+use crate::environment::obstacle_shape::ObstacleShape;
+
 /// A solid that cloth, ropes and balls collide with. Nothing pushes it back unless it is a
 /// [`DynamicObstacle`](crate::environment::dynamic_obstacle::DynamicObstacle). Its [`Transform`] gives place and scale.
 /// Moving it carries its velocity into contacts.
@@ -11,7 +13,7 @@ use drape_solver::{BuildError, Layers, Placement, Shape};
 /// A move faster than 1500 m/s counts as a teleport and carries no velocity, and so does any move with
 /// [`TeleportObstacle`].
 #[derive(Component, Reflect, Clone, Debug)]
-#[reflect(Component, Debug, Clone)]
+#[reflect(Component, Default, Debug, Clone)]
 #[require(Transform)]
 pub struct Obstacle {
     /// Shape in the entity's coordinates.
@@ -26,47 +28,65 @@ pub struct Obstacle {
     pub is_sensor: bool,
 }
 
-/// Shape of an [`Obstacle`]: half-space, sphere, capsule, cuboid, the inside of a box, or any parry shape.
-#[derive(Reflect, Clone, Debug, Deref)]
-#[reflect(opaque)]
-#[reflect(Debug, Clone)]
-pub struct ObstacleShape(pub Shape);
+impl Default for Obstacle {
+    /// A box with sides of one metre.
+    fn default() -> Self {
+        Self::new(ObstacleShape::default())
+    }
+}
 
 impl Obstacle {
     /// An obstacle of `shape` with friction 0.5. The next step checks sizes: invalid obstacles are logged and left out.
-    pub fn new(shape: Shape) -> Self {
-        Self {
-            shape: ObstacleShape(shape),
-            friction: 0.5,
-            static_friction: 0.0,
-            restitution: 0.0,
-            is_sensor: false,
-        }
+    pub fn new(shape: impl Into<ObstacleShape>) -> Self {
+        Self { shape: shape.into(), friction: 0.5, static_friction: 0.0, restitution: 0.0, is_sensor: false }
     }
 
     /// The half-space below the entity.
     pub fn ground() -> Self {
-        Self::new(Shape::HalfSpace { normal: Vec3::Y })
+        Self::new(ObstacleShape::HalfSpace { normal: Vec3::Y })
     }
 
     /// A sphere of `radius` metres.
     pub fn sphere(radius: f32) -> Self {
-        Self::new(Shape::Sphere { radius })
+        Self::new(ObstacleShape::Sphere { radius })
     }
 
     /// A capsule along the entity's Y axis: all points within `radius` metres of a segment of `length` metres.
     pub fn capsule(radius: f32, length: f32) -> Self {
-        Self::new(Shape::Capsule { half_length: length * 0.5, radius })
+        Self::new(ObstacleShape::Capsule { radius, length })
     }
 
     /// A box with sides of `x`, `y` and `z` metres.
     pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
-        Self::new(Shape::Cuboid { half_extents: Vec3::new(x, y, z) * 0.5 })
+        Self::new(ObstacleShape::Cuboid { size: Vec3::new(x, y, z) })
+    }
+
+    /// A cylinder along the entity's Y axis, of `radius` and `height` metres.
+    pub fn cylinder(radius: f32, height: f32) -> Self {
+        Self::new(ObstacleShape::Cylinder { radius, height })
+    }
+
+    /// A cone along the entity's Y axis with its tip up, of `radius` and `height` metres.
+    pub fn cone(radius: f32, height: f32) -> Self {
+        Self::new(ObstacleShape::Cone { radius, height })
     }
 
     /// The inside of a box with sides of `x`, `y` and `z` metres. Nothing leaves it.
     pub fn container(x: f32, y: f32, z: f32) -> Self {
-        Self::new(Shape::Container { half_extents: Vec3::new(x, y, z) * 0.5 })
+        Self::new(ObstacleShape::Container { size: Vec3::new(x, y, z) })
+    }
+
+    /// The triangles of the entity's [`Mesh3d`]: the obstacle is there once the mesh has loaded, and follows its changes. The
+    /// inside of a closed mesh is solid; an open mesh is a thin sheet.
+    #[cfg(feature = "mesh")]
+    pub fn trimesh() -> Self {
+        Self::new(ObstacleShape::TriMesh)
+    }
+
+    /// The convex hull of the entity's [`Mesh3d`]: cheaper than [`trimesh`](Self::trimesh), and always solid.
+    #[cfg(feature = "mesh")]
+    pub fn convex_hull() -> Self {
+        Self::new(ObstacleShape::ConvexHull)
     }
 
     /// Makes it a sensor, which moves nothing. Contacts are reported if it or the other entity has
@@ -113,19 +133,20 @@ pub struct TeleportObstacle;
 
 impl From<SharedShape> for Obstacle {
     fn from(shape: SharedShape) -> Self {
-        Self::new(Shape::Parry(shape))
+        Self::new(shape)
     }
 }
 
-/// Builds the solver's obstacle. The flags turn on reports of contacts and of reactions.
+/// Builds the solver's obstacle of an unscaled `shape`. The flags turn on reports of contacts and of reactions.
 pub(crate) fn built(
     obstacle: &Obstacle,
+    shape: &Shape,
     scale: Vec3,
     placement: Placement,
     layers: Layers,
     [reports_contacts, reports_reaction]: [bool; 2],
 ) -> Result<drape_solver::Obstacle, BuildError> {
-    let built = drape_solver::Obstacle::new(obstacle.shape.scaled(scale)?, placement, obstacle.friction)?
+    let built = drape_solver::Obstacle::new(shape.scaled(scale)?, placement, obstacle.friction)?
         .with_static_friction(obstacle.static_friction)?
         .with_restitution(obstacle.restitution)?
         .with_layers(layers);

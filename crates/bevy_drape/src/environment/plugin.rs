@@ -12,6 +12,7 @@ use crate::environment::obstacle::{Obstacle, TeleportObstacle};
 use crate::environment::obstacle_changes::{
     ObstacleChanges, note_disabled_obstacle, note_gone_obstacle, recheck_obstacle,
 };
+use crate::environment::obstacle_shape::ShapeFromMesh;
 use crate::environment::solver_environment::{SolverEnvironment, read_environment};
 use crate::environment::sync_obstacles::sync_obstacles;
 use crate::environment::wake_regions::WakeRegions;
@@ -49,6 +50,8 @@ impl Plugin for ObstaclePlugin {
             .add_observer(recheck_obstacle::<Remove<ContactEvents>>)
             .add_observer(recheck_obstacle::<Add<TeleportObstacle>>)
             .add_observer(recheck_obstacle::<Remove<DrapeLayers>>)
+            .add_observer(recheck_obstacle::<Insert<ShapeFromMesh>>)
+            .add_observer(recheck_obstacle::<Remove<ShapeFromMesh>>)
             .add_observer(forget_removed::<Obstacle>)
             .add_systems(DrapeSchedule, sync_obstacles.in_set(ScenePhase::SyncObstacles));
     }

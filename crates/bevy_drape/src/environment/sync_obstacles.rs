@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;
-use drape_solver::{Layers, Obstacles, Placement};
+use drape_solver::{BuildError, Layers, Obstacles, Placement};
 
 use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
@@ -14,6 +14,7 @@ use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
 use crate::environment::known_obstacles::KnownObstacles;
 use crate::environment::obstacle::{Obstacle, TeleportObstacle, built};
 use crate::environment::obstacle_changes::ObstacleChanges;
+use crate::environment::obstacle_shape::ShapeFromMesh;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wake_regions::WakeRegions;
 use crate::refusal::Refusals;
@@ -27,6 +28,7 @@ type ObstacleQuery<'w, 's> = Query<
         Ref<'static, Obstacle>,
         Ref<'static, GlobalTransform>,
         Option<Ref<'static, DrapeLayers>>,
+        Option<Ref<'static, ShapeFromMesh>>,
         Has<ContactEvents>,
         Has<ObstacleReaction>,
         Has<TeleportObstacle>,
@@ -59,8 +61,17 @@ pub(crate) fn sync_obstacles(
     collect_outdated(&obstacles, &mut changes);
     let ObstacleChanges { moving, outdated, .. } = &mut *changes;
     for &entity in &*outdated {
-        let Ok((_, obstacle, transform, layers, reports_contacts, reports_reaction, is_teleport, is_dynamic)) =
-            obstacles.get(entity)
+        let Ok((
+            _,
+            obstacle,
+            transform,
+            layers,
+            from_mesh,
+            reports_contacts,
+            reports_reaction,
+            is_teleport,
+            is_dynamic,
+        )) = obstacles.get(entity)
         else {
             continue;
         };
@@ -71,7 +82,8 @@ pub(crate) fn sync_obstacles(
         let is_moving = sync.update(&ObstacleState {
             entity,
             obstacle: &obstacle,
-            is_changed: obstacle.is_changed(),
+            from_mesh: from_mesh.as_deref(),
+            is_changed: obstacle.is_changed() || from_mesh.as_ref().is_some_and(DetectChanges::is_changed),
             scale,
             placement: Placement { translation, rotation },
             layers: DrapeLayers::of(layers.as_deref()),
@@ -118,7 +130,8 @@ fn collect_outdated(obstacles: &ObstacleQuery, changes: &mut ObstacleChanges) {
 struct ObstacleState<'a> {
     entity: Entity,
     obstacle: &'a Obstacle,
-    /// True if the component was added or changed since the last step.
+    from_mesh: Option<&'a ShapeFromMesh>,
+    /// True if its shape or another field was added or changed since the last step.
     is_changed: bool,
     scale: Vec3,
     placement: Placement,
@@ -127,6 +140,16 @@ struct ObstacleState<'a> {
     reports: [bool; 2],
     is_teleport: bool,
     is_dynamic: bool,
+}
+
+impl ObstacleState<'_> {
+    /// The solver's obstacle; none while its mesh has not loaded.
+    fn built(&self) -> Result<Option<drape_solver::Obstacle>, BuildError> {
+        let shape = self.obstacle.shape.solid(self.from_mesh)?;
+        let build =
+            |shape| built(self.obstacle, &shape, self.scale, self.placement, self.layers, self.reports);
+        shape.map(build).transpose()
+    }
 }
 
 /// The solver's obstacles, and everything that their changes affect.
@@ -179,15 +202,16 @@ impl ObstacleSync<'_> {
             && built.layers() == state.layers
             && [built.reports_contacts(), built.reports_reaction()] == state.reports
             && (state.is_dynamic || built.rigid_body().is_none())
+            && (state.from_mesh.is_some() || !state.obstacle.shape.is_from_mesh())
     }
 
     fn rebuild(&mut self, slot: Option<usize>, state: &ObstacleState) {
-        let &ObstacleState { entity, obstacle, scale, placement, layers, reports, .. } = state;
+        let &ObstacleState { entity, scale, .. } = state;
         if let Some(slot) = slot {
             self.wake_regions.push(&self.built[slot]);
         }
-        match (built(obstacle, scale, placement, layers, reports), slot) {
-            (Ok(built), slot) => {
+        match (state.built(), slot) {
+            (Ok(Some(built)), slot) => {
                 self.refusals.forget(entity);
                 self.wake_regions.push(&built);
                 match slot {
@@ -201,8 +225,10 @@ impl ObstacleSync<'_> {
                     }
                 }
             }
-            (Err(error), slot) => {
-                self.refusals.entity(entity, "Obstacle", error);
+            (missing, slot) => {
+                if let Err(error) = missing {
+                    self.refusals.entity(entity, "Obstacle", error);
+                }
                 if let Some(slot) = slot {
                     self.built.swap_remove(slot);
                     self.known.swap_remove(slot);

@@ -36,6 +36,7 @@ pub(crate) mod write_surfaces;
 pub use from_mesh::{
     cloth_mesh::{ClothMesh, ClothWeave, WeldedVertices},
     driven_mesh::DrivenMesh,
+    obstacle_hierarchy::ObstacleHierarchy,
     paint::{ClothPaint, PaintChannel},
     reading::MeshFault,
     soft_body::SoftBodyMesh,

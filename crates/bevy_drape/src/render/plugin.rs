@@ -19,6 +19,7 @@ use crate::ball::projectile::build_projectiles;
 use crate::build::cloth::Cloth;
 use crate::build::description::remove_described_body;
 use crate::build::soft_ball::SoftBall;
+use crate::environment::obstacle::Obstacle;
 use crate::refusal::forget_removed;
 use crate::render::build_surfaces::build_surfaces;
 use crate::render::from_mesh::body::{build_mesh_bodies, remove_mesh_body};
@@ -26,6 +27,10 @@ use crate::render::from_mesh::cloth_mesh::{ClothMesh, WeldedVertices};
 use crate::render::from_mesh::driven_mesh::{
     DrivenMesh, build_driven_meshes, hide_driven, record_driven_surfaces, remove_driven_mesh,
 };
+use crate::render::from_mesh::obstacle_hierarchy::{
+    ObstacleHierarchy, make_obstacles, remove_made_obstacles,
+};
+use crate::render::from_mesh::obstacle_mesh::{remove_obstacle_mesh, shape_obstacles};
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
 use crate::render::from_mesh::source::mark_modified;
 use crate::render::rope_mesh::{RopeMesh, build_rope_meshes, record_ropes};
@@ -33,7 +38,7 @@ use crate::render::torn_mesh::tear_meshes;
 use crate::render::visibility::hide_culled;
 use crate::render::write_surfaces::{InterpolateSurfaces, record_surfaces, write_surfaces};
 use crate::rig::compile::compile_rigs;
-use crate::schedule::{DrapeSchedule, DrapeSystems};
+use crate::schedule::{DrapeSchedule, DrapeSystems, ScenePhase};
 use crate::step::run::run_drape_schedule;
 
 /// Gives each [`Cloth`] and [`SoftBall`] a [`Mesh3d`] and updates it with the simulation. Add a `MeshMaterial3d` to see
@@ -63,19 +68,26 @@ impl Plugin for MeshPlugin {
             FixedPostUpdate.intern(),
             FixedLast.intern(),
         ];
-        app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBodyMesh, DrivenMesh)>()
+        app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBodyMesh, DrivenMesh, ObstacleHierarchy)>()
             .add_observer(remove_described_body::<ClothMesh>)
             .add_observer(remove_described_body::<SoftBodyMesh>)
             .add_observer(remove_mesh_body::<ClothMesh>)
             .add_observer(remove_mesh_body::<SoftBodyMesh>)
             .add_observer(remove_driven_mesh)
+            .add_observer(remove_obstacle_mesh)
+            .add_observer(remove_made_obstacles)
             .add_observer(forget_removed::<ClothMesh>)
             .add_observer(forget_removed::<SoftBodyMesh>)
             .add_observer(forget_removed::<DrivenMesh>);
         app.insert_resource(InterpolateSurfaces(fixed.contains(&self.schedule)));
         app.add_systems(
             self.schedule,
-            (mark_modified::<ClothMesh>, mark_modified::<SoftBodyMesh>, mark_modified::<DrivenMesh>)
+            (
+                mark_modified::<ClothMesh>,
+                mark_modified::<SoftBodyMesh>,
+                mark_modified::<DrivenMesh>,
+                mark_modified::<Obstacle>,
+            )
                 .run_if(resource_exists::<Messages<AssetEvent<Mesh>>>)
                 .before(run_drape_schedule),
         );
@@ -87,6 +99,17 @@ impl Plugin for MeshPlugin {
                 .in_set(DrapeSystems::ManageScene)
                 .after(build_projectiles)
                 .before(compile_rigs),
+        );
+        app.add_systems(
+            DrapeSchedule,
+            (
+                make_obstacles.run_if(any_with_component::<ObstacleHierarchy>),
+                shape_obstacles.run_if(resource_exists::<Assets<Mesh>>),
+            )
+                .chain()
+                .in_set(DrapeSystems::ManageScene)
+                .after(ScenePhase::InheritMotion)
+                .before(ScenePhase::SyncObstacles),
         );
         app.add_systems(
             self.schedule,

@@ -1,7 +1,7 @@
 //! The state of obstacles.
 
 use bevy::prelude::*;
-use drape_solver::Placement;
+use drape_solver::{BuildError, Placement};
 
 use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
@@ -47,8 +47,10 @@ impl ObstacleSnapshot {
         });
         let layers = DrapeLayers::of(self.own_layers.as_ref());
         let asks = [entity.contains::<ContactEvents>(), self.reaction.is_some()];
-        let built = built(&obstacle, self.scale.into(), before, layers, asks);
-        let mut built = built.map_err(|source| SnapshotError::BadState { key, source })?;
+        let bad = |source| SnapshotError::BadState { key, source };
+        let shape = obstacle.shape.solid(entity.get()).map_err(bad)?;
+        let shape = shape.ok_or(bad(BuildError::BadShape { reason: "its mesh has not loaded" }))?;
+        let mut built = built(&obstacle, &shape, self.scale.into(), before, layers, asks).map_err(bad)?;
         if now != before {
             // A move, not a teleport, as it was then.
             built.move_to(now, f32::INFINITY);

@@ -6,6 +6,7 @@ mod driven_mesh;
 mod gizmos;
 mod interpolation;
 mod normals;
+mod obstacles;
 mod ownership;
 mod ropes;
 mod schedules;

@@ -128,7 +128,8 @@ fn sample(entity: EntityRef<'_>, key: Key) -> Option<Sample<'_>> {
         }
         Key::Obstacle(order) => {
             let (obstacle, place) = (entity.get::<Obstacle>()?, entity.get::<GlobalTransform>()?);
-            let kind = TrackKind::Obstacle { form: Form::of(&obstacle.shape) };
+            let shape = obstacle.shape.solid(entity.get()).ok().flatten()?;
+            let kind = TrackKind::Obstacle { form: Form::of(&shape) };
             let describe = Box::new(move || Track { name: name("obstacle", order), kind });
             Sample { id, describe, values: place.affine().to_cols_array().to_vec() }
         }

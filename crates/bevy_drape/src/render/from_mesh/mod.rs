@@ -1,4 +1,4 @@
-//! Bodies made from meshes: cloths, soft solids and meshes that follow a cloth.
+//! Bodies made from meshes: cloths, soft solids and meshes that follow a cloth; and obstacles.
 //!
 //! Reads a mesh, builds the body, and shows it by a copy of the mesh.
 //!
@@ -7,6 +7,8 @@
 pub(crate) mod body;
 pub(crate) mod cloth_mesh;
 pub(crate) mod driven_mesh;
+pub(crate) mod obstacle_hierarchy;
+pub(crate) mod obstacle_mesh;
 pub(crate) mod paint;
 pub(crate) mod reading;
 pub(crate) mod skin;

@@ -12,8 +12,8 @@ use crate::change_detection::collect_changed;
 use crate::render::from_mesh::reading::{MeshFault, faces, positions};
 use crate::render::surface::{EntitySpace, Surface};
 
-/// The mesh that a body was made from, which stays unchanged, and the copy that is shown.
-#[derive(Component, Clone, Debug)]
+/// The mesh that a body or an obstacle was made from, which stays unchanged, and the copy that is shown.
+#[derive(Component, Clone, Debug, Default)]
 pub(crate) struct MeshSource {
     pub source: Handle<Mesh>,
     /// None if no body was ever made from it.
