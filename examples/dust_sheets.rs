@@ -36,8 +36,8 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
 fn furnish(file: Res<AwaitedFile>, files: Res<Assets<Gltf>>, mut commands: Commands) {
     let Some(file) = files.get(&file.0) else { return };
     let obstacles = ObstacleHierarchy::new(Obstacle::trimesh())
-        .with_named("Vase", Obstacle::convex_hull().with_friction(0.8))
-        .without_named("Rug");
+        .and_named("Vase", Obstacle::convex_hull().with_friction(0.8))
+        .except_named("Rug");
     commands.spawn((WorldAssetRoot(file.scenes[0].clone()), obstacles));
     commands.remove_resource::<AwaitedFile>();
     let flat = Quat::from_rotation_x(-FRAC_PI_2);

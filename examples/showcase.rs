@@ -32,6 +32,7 @@ macro_rules! features {
 features! {
     balloon: "balloon.rs",
     bridge: "bridge.rs",
+    bsn: "bsn.rs",
     cape: "cape.rs",
     #[cfg(feature = "gltf")]
     cape_gltf: "cape_gltf.rs",
@@ -51,6 +52,7 @@ features! {
     knot: "knot.rs",
     lamps: "lamps.rs",
     layers: "layers.rs",
+    observers: "observers.rs",
     presets: "presets.rs",
     ragdoll: "ragdoll.rs",
     soft_ball: "soft_ball.rs",

@@ -16,7 +16,7 @@ pub const FEATURE: Feature = Feature {
     target: Vec3::new(0.0, 1.2, 0.0),
     picture_time: 1.2,
     build: |app| {
-        app.add_systems(Startup, setup).add_systems(FixedUpdate, (hang, turn));
+        app.add_systems(Startup, setup).add_systems(FixedUpdate, turn);
     },
 };
 
@@ -25,32 +25,19 @@ pub fn main() -> std::process::ExitCode {
     FEATURE.run()
 }
 
-/// A rope on which its load has yet to be hung.
-#[derive(Component)]
-struct Unladen;
-
 fn setup(mut commands: Commands) {
     commands.spawn(Obstacle::ground());
-    let rope = Rope::new(Vec3::ZERO, Vec3::NEG_Y * 1.8, 64);
+    let rope = Rope { end_mass: 10.0, ..Rope::new(Vec3::ZERO, Vec3::NEG_Y * 1.8, 64) };
     let winch = Winch { speed: -0.6, least: 0.4, greatest: 1.8 };
-    let place = Transform::from_xyz(0.0, 2.4, 0.0);
+    let place = Transform::from_xyz(0.0, 2.43, 0.0);
     let paint = Paint::rgb(0.70, 0.55, 0.30);
-    let rope = commands.spawn((rope, winch, Unladen, RopeMesh::new(0.015), paint, place)).id();
+    let rope = commands.spawn((rope, winch, RopeMesh::new(0.015), paint, place)).id();
     // Only to look at: it touches nothing.
     let load = (Obstacle::cuboid(0.24, 0.24, 0.24), DrapeLayers::new(0, 0), Paint::rgb(0.35, 0.35, 0.38));
-    commands.spawn((load, FollowParticle::last(rope)));
+    commands.spawn((load, FollowParticle::last(rope).with_offset(Vec3::NEG_Y * 0.12)));
     let beam = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     commands.spawn((Obstacle::capsule(0.05, 2.4), Transform::from_xyz(-0.6, 1.2, 0.0)));
     commands.spawn((Obstacle::capsule(0.05, 0.7), Transform::from_xyz(-0.25, 2.48, 0.0).with_rotation(beam)));
-}
-
-/// The last particle of the rope weighs ten kilograms once it has been built.
-fn hang(mut ropes: Query<(Entity, &mut Particles), With<Unladen>>, mut commands: Commands) {
-    for (rope, mut particles) in &mut ropes {
-        let last = particles.len() - 1;
-        particles.set_inverse_mass(last, 0.1);
-        commands.entity(rope).remove::<Unladen>();
-    }
 }
 
 /// Up for three seconds, down for three.

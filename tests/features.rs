@@ -32,9 +32,9 @@ macro_rules! runs {
 }
 
 runs! {
-    balloon, bridge, cape, #[cfg(feature = "gltf")] cape_gltf, cloth_mesh, crates, curtain_2d, cut, detail, drag, drape,
+    balloon, bridge, bsn, cape, #[cfg(feature = "gltf")] cape_gltf, cloth_mesh, crates, curtain_2d, cut, detail, drag, drape,
     #[cfg(feature = "gltf")] dust_sheets, fan, flag,
-    folds, jelly, knot, lamps, layers, presets, ragdoll, soft_ball, tear, trampoline, winch,
+    folds, jelly, knot, lamps, layers, observers, presets, ragdoll, soft_ball, tear, trampoline, winch,
 }
 
 fn run(feature: &Feature) -> FeatureReport {

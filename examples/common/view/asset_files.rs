@@ -3,13 +3,14 @@
 use bevy::asset::AssetPlugin;
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
+use bevy::scene::ScenePlugin;
 
 /// Assets in the repository's folder, wherever the program lies or is called from.
 pub fn asset_plugin() -> AssetPlugin {
     AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(), ..default() }
 }
 
-/// Meshes and animations, for an app without a renderer; with the feature `gltf`, glTF files too.
+/// Meshes, animations and scenes, for an app without a renderer; with the feature `gltf`, glTF files too.
 pub struct MeshFilePlugins;
 
 impl Plugin for MeshFilePlugins {
@@ -17,6 +18,6 @@ impl Plugin for MeshFilePlugins {
         app.add_plugins((asset_plugin(), MeshPlugin, ImagePlugin::default()));
         #[cfg(feature = "gltf")]
         app.add_plugins(crate::view::gltf_files::GltfFilePlugins);
-        app.add_plugins(AnimationPlugin);
+        app.add_plugins((AnimationPlugin, ScenePlugin));
     }
 }

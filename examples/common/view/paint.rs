@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 
-/// The colour of a body, ball or obstacle, in a window and in pictures. Those without have the usual one.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+/// The colour of a body, ball or obstacle, in a window and in pictures. Those without have the usual one. Black by default.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Paint {
     /// Red, green and blue in sRGB, from 0 to 1. Not a `Color`: an example that draws nothing compiles no colours.
     rgb: [f32; 3],

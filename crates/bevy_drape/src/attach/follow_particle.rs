@@ -11,8 +11,10 @@ use crate::change_detection::collect_changed;
 /// motion.
 ///
 /// The entity has no mass: add the mass of the lamp to the particle
-/// ([`set_inverse_mass`](drape_solver::Particles::set_inverse_mass)). If body or particle is gone, the entity stays in
-/// place.
+/// ([`set_inverse_mass`](drape_solver::Particles::set_inverse_mass)), or to the [end](crate::build::rope::Rope::end_mass) of a
+/// rope. If body or particle is gone, the entity stays in place.
+///
+/// It is a relationship: the body has its [`ParticleFollowers`]. To change it, insert it again.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -23,11 +25,13 @@ use crate::change_detection::collect_changed;
 /// }
 /// # #[derive(Component, Default)] struct PointLight;
 /// ```
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, FromTemplate, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 #[require(Transform)]
+#[relationship(relationship_target = ParticleFollowers)]
 pub struct FollowParticle {
     /// The body.
+    #[relationship]
     #[entities]
     pub body: Entity,
     /// The particle.
@@ -38,6 +42,12 @@ pub struct FollowParticle {
     /// the rope that it hangs on. The turn is minimal, so the entity does not spin about the rope.
     pub turns: bool,
 }
+
+/// The entities that follow particles of a body: see [`FollowParticle`].
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[relationship_target(relationship = FollowParticle)]
+pub struct ParticleFollowers(Vec<Entity>);
 
 /// The particle that is followed.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -33,7 +33,7 @@ pub(crate) mod winch;
 pub(crate) mod world_motion;
 
 pub use attachment::{Attachment, Tie, TiedParticles};
-pub use follow_particle::{FollowParticle, FollowedParticle};
+pub use follow_particle::{FollowParticle, FollowedParticle, ParticleFollowers};
 pub use grab::{Grab, Hand, Pick, pick};
 pub use plane_lock::PlaneLock;
 pub use winch::{Winch, rest_length};

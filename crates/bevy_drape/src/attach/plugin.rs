@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::attach::attachment::{Attachment, Tie, TiedParticles};
 use crate::attach::follow_attachment::{move_attached, release_attached};
-use crate::attach::follow_particle::{FollowParticle, FollowedParticle, follow_particles};
+use crate::attach::follow_particle::{FollowParticle, FollowedParticle, ParticleFollowers, follow_particles};
 use crate::attach::follow_pose::move_posed;
 use crate::attach::grab::{Grab, Hand, pull_grabbed};
 use crate::attach::pins::move_pins;
@@ -70,7 +70,7 @@ pub(crate) struct FollowParticlePlugin;
 
 impl Plugin for FollowParticlePlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(FollowParticle, FollowedParticle)>()
+        app.register_type::<(FollowParticle, FollowedParticle, ParticleFollowers)>()
             .add_systems(DrapeSchedule, follow_particles.in_set(FinishPhase::FollowParticles));
     }
 }

@@ -43,6 +43,9 @@ pub struct Cloth {
     pub pins: ClothPins,
 }
 
+/// The greatest number of particles that [`Cloth::new`] gives a side.
+const MOST_BY_DEFAULT: u32 = 128;
+
 /// The pinned particles of a cloth. Particle `row * columns + column` counts from the top left.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
@@ -80,15 +83,37 @@ impl Default for Cloth {
 }
 
 impl Cloth {
-    /// A curtain of `width` x `height` metres with a particle about every 5 cm (at most 128 a side), pinned along
-    /// its top edge.
+    /// A curtain of `width` x `height` metres with a particle about every 5 cm, pinned along its top edge.
+    ///
+    /// A side of more than 6.4 m gets 128 particles and logs a warning: describe large cloths by their fields, with as many
+    /// particles as your frame can pay for.
     pub fn new(width: f32, height: f32) -> Self {
-        let count = |side: f32| (side * 20.0).clamp(1.0, 127.0) as u32 + 1;
+        let count = |side: f32| {
+            if side * 20.0 > MOST_BY_DEFAULT as f32 {
+                warn!(
+                    "a cloth of {width} m x {height} m has only {MOST_BY_DEFAULT} particles on a side, not one every 5 cm"
+                );
+            }
+            (side * 20.0).clamp(1.0, (MOST_BY_DEFAULT - 1) as f32) as u32 + 1
+        };
         Self {
             size: Vec2::new(width, height),
             particles: UVec2::new(count(width), count(height)),
             ..Self::default()
         }
+    }
+
+    /// Sets the number of particles so that they are about `spacing` metres apart, in the [`size`](Self::size) that the cloth
+    /// has now.
+    pub fn with_spacing(mut self, spacing: f32) -> Self {
+        let gaps = |side: f32| (side / spacing).round().max(1.0) as u32;
+        self.particles = if spacing > 0.0 {
+            UVec2::new(gaps(self.size.x), gaps(self.size.y)).saturating_add(UVec2::ONE)
+        } else {
+            // Refused when the cloth is built.
+            UVec2::MAX
+        };
+        self
     }
 
     /// Sets the number of particles in a row and in a column.

@@ -13,7 +13,7 @@ use drape_solver::world::extent::Extent;
 use drape_solver::{BodyContext, BuildError};
 
 use crate::attach::attachment::Attachment;
-use crate::attach::follow_particle::FollowParticle;
+use crate::attach::follow_particle::ParticleFollowers;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
@@ -66,7 +66,7 @@ pub(crate) fn choose_detail(
     mut view: View,
     mut bodies: ParamSet<(Query<(Entity, &Activity, Ref<Particles>), With<CurrentDetail>>, Query<Detailed>)>,
     levels: Query<(Entity, Ref<LevelOfDetail>)>,
-    followers: Query<&FollowParticle>,
+    followed: Query<(), With<ParticleFollowers>>,
     mut lost: ResMut<LostDetail>,
     mut refusals: ResMut<Refusals>,
     mut to_look_at: Local<Vec<Entity>>,
@@ -105,8 +105,7 @@ pub(crate) fn choose_detail(
     *is_behind = false;
     for change in changes.drain(..) {
         let Ok(mut body) = bodies.get_mut(change.entity) else { continue };
-        let is_followed = || followers.iter().any(|follower| follower.body == change.entity);
-        if !may_change(&body) || is_followed() {
+        if !may_change(&body) || followed.contains(change.entity) {
             continue;
         }
         if left == 0 {

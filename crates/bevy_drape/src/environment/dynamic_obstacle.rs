@@ -39,7 +39,7 @@ pub struct ObstacleReaction {
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, Clone, PartialEq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(ObstacleReaction)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DynamicObstacle {
@@ -56,6 +56,13 @@ pub struct DynamicObstacle {
     pub angular_velocity: Vec3,
     /// Factor on [gravity](crate::environment::gravity::DrapeGravity): 1 for all of it, 0 for none.
     pub gravity_scale: f32,
+}
+
+impl Default for DynamicObstacle {
+    /// A solid box of one kilogram with sides of one metre, at rest.
+    fn default() -> Self {
+        Self::cuboid(1.0, Vec3::ONE)
+    }
 }
 
 impl DynamicObstacle {

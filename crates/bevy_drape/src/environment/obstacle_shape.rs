@@ -70,7 +70,9 @@ pub struct CustomShape(pub Shape);
 
 /// The shape that an obstacle has got from its [`Mesh3d`], without the scale of its [`Transform`]. Present once the mesh has
 /// loaded.
-#[derive(Component, Clone, Debug, Deref)]
+#[derive(Component, Reflect, Clone, Debug, Deref)]
+#[reflect(opaque)]
+#[reflect(Component, Debug, Clone)]
 pub struct ShapeFromMesh(pub(crate) Shape);
 
 impl Default for ObstacleShape {

@@ -40,7 +40,7 @@ pub(crate) struct ObstaclePlugin;
 
 impl Plugin for ObstaclePlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(Obstacle, TeleportObstacle)>()
+        app.register_type::<(Obstacle, ShapeFromMesh, TeleportObstacle)>()
             .init_resource::<ObstacleChanges>()
             .init_resource::<WakeRegions>()
             .add_observer(note_gone_obstacle)

@@ -215,7 +215,7 @@ fn scene(app: &mut App, hierarchy: ObstacleHierarchy) -> Scene {
 fn a_scene_becomes_obstacles_but_for_what_is_named_and_what_is_soft() {
     let mut app = app();
     let rough = Obstacle::convex_hull().with_friction(0.9);
-    let hierarchy = ObstacleHierarchy::default().with_named("Lamp", rough).without_named("Rug");
+    let hierarchy = ObstacleHierarchy::default().and_named("Lamp", rough).except_named("Rug");
     let Scene { root, table, lamp, rug, cloth, skin } = scene(&mut app, hierarchy);
     start(&mut app);
     frame(&mut app, 1.0);
@@ -232,7 +232,7 @@ fn a_scene_becomes_obstacles_but_for_what_is_named_and_what_is_soft() {
     frame(&mut app, 1.0);
     assert!(is_obstacle(&app, late));
     *app.world_mut().get_mut(root).expect("the root") =
-        ObstacleHierarchy::only_named().with_named("Rug", Obstacle::trimesh());
+        ObstacleHierarchy::only_named().and_named("Rug", Obstacle::trimesh());
     frame(&mut app, 1.0);
     assert!(!is_obstacle(&app, table) && !is_obstacle(&app, late) && is_obstacle(&app, rug));
     app.world_mut().entity_mut(root).remove::<ObstacleHierarchy>();

@@ -98,9 +98,9 @@ impl Default for ClothMesh {
 }
 
 impl ClothMesh {
-    /// Pins these vertices too.
+    /// Sets the pinned vertices.
     pub fn with_pins(mut self, pins: impl IntoIterator<Item = u32>) -> Self {
-        self.pins.extend(pins);
+        self.pins = pins.into_iter().collect();
         self
     }
 

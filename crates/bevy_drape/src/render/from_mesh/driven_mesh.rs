@@ -47,7 +47,7 @@ use crate::render::visibility::HiddenByCulling;
 /// commands.spawn((Mesh3d(assets.load("bunny.gltf#Mesh1/Primitive0")), DrivenMesh { driver: cells }));
 /// # }
 /// ```
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Component, FromTemplate, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 #[require(Transform)]
 pub struct DrivenMesh {

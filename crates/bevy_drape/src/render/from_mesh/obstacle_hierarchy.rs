@@ -24,8 +24,8 @@ use crate::render::from_mesh::soft_body::SoftBodyMesh;
 /// # use bevy_drape::prelude::*;
 /// # fn setup(mut commands: Commands, assets: Res<AssetServer>) {
 /// let obstacles = ObstacleHierarchy::new(Obstacle::trimesh())
-///     .with_named("Boulder", Obstacle::convex_hull().with_friction(0.9))
-///     .without_named("Grass");
+///     .and_named("Boulder", Obstacle::convex_hull().with_friction(0.9))
+///     .except_named("Grass");
 /// commands.spawn((WorldAssetRoot(assets.load("garden.gltf#Scene0")), obstacles));
 /// # }
 /// ```
@@ -59,13 +59,13 @@ impl ObstacleHierarchy {
     }
 
     /// Makes an `obstacle` of the mesh with this name, and of each below an entity with this name.
-    pub fn with_named(mut self, name: impl Into<String>, obstacle: Obstacle) -> Self {
+    pub fn and_named(mut self, name: impl Into<String>, obstacle: Obstacle) -> Self {
         self.named.insert(name.into(), Some(obstacle));
         self
     }
 
     /// Leaves out the mesh with this name, and all below an entity with this name.
-    pub fn without_named(mut self, name: impl Into<String>) -> Self {
+    pub fn except_named(mut self, name: impl Into<String>) -> Self {
         self.named.insert(name.into(), None);
         self
     }

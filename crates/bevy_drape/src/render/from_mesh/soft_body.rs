@@ -76,9 +76,9 @@ impl SoftBodyMesh {
         Self { spacing: Some(spacing), ..Self::default() }
     }
 
-    /// Pins these vertices too.
+    /// Sets the pinned vertices.
     pub fn with_pins(mut self, pins: impl IntoIterator<Item = u32>) -> Self {
-        self.pins.extend(pins);
+        self.pins = pins.into_iter().collect();
         self
     }
 
