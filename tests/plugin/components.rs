@@ -40,6 +40,20 @@ fn a_body_comes_and_goes_with_its_description() {
 }
 
 #[test]
+fn the_spacing_of_a_cloth_gives_its_particles() {
+    let counts = |spacing| Cloth::new(2.0, 1.5).with_spacing(spacing).particles;
+    assert_eq!(counts(0.1), UVec2::new(21, 16));
+    assert_eq!(counts(0.4), UVec2::new(6, 5));
+    assert_eq!(counts(9.0), UVec2::new(2, 2));
+    for bad in [0.0, -1.0, f32::NAN, 1e-12] {
+        let mut app = app();
+        let cloth = app.world_mut().spawn(Cloth::new(2.0, 1.5).with_spacing(bad)).id();
+        step(&mut app, 2);
+        assert!(refusals(&app, cloth)[0].contains("particles"), "{bad}: {:?}", refusals(&app, cloth));
+    }
+}
+
+#[test]
 fn a_changed_description_builds_the_body_anew() {
     let mut app = app();
     let entity = app.world_mut().spawn((curtain(), quiet(), Transform::from_xyz(0.0, 3.0, 0.0))).id();

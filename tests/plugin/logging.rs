@@ -43,11 +43,16 @@ fn a_fault_is_logged_as_an_error_once() {
         get_mut::<Transform>(&mut app, transform).set_changed();
         step(&mut app, 1);
     }
+    drop(Cloth::new(7.5, 1.0));
+    drop(Cloth::new(6.25, 1.0));
     let log = LOG.lock().expect("no panic while it is held");
     let told = |word: &str| log.iter().filter(|line| line.contains(word)).cloned().collect::<Vec<_>>();
     let lines = told("-123.25");
     assert_eq!(lines.len(), 1, "{lines:?}");
     assert!(lines[0].starts_with("ERROR") && lines[0].contains(&cloth.to_string()), "{lines:?}");
+    let capped = told("7.5 m x 1 m");
+    assert!(capped.len() == 1 && capped[0].starts_with("WARN"), "{capped:?}");
+    assert!(told("6.25").is_empty(), "it has a particle every 5 cm");
     let named = told("“a lost banner”");
     assert_eq!(named.len(), 1, "{named:?}");
     assert!(named[0].contains("Transform") && named[0].contains(&transform.to_string()), "{named:?}");

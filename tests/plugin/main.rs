@@ -27,6 +27,7 @@ mod operations;
 mod pins;
 mod reflection;
 mod ropes;
+mod scene_notation;
 mod schedule;
 mod simulates;
 mod sleeping;

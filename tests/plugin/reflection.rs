@@ -12,6 +12,7 @@ use bevy_drape::contact::{DrapeContactCounts, DrapeContactSettings};
 use bevy_drape::detail::{CurrentDetail, LevelOfDetail};
 use bevy_drape::environment::{ObstacleReaction, TeleportObstacle};
 use bevy_drape::prelude::*;
+use bevy_drape::render::DrivenMesh;
 use bevy_drape::rig::{InRig, Particle, Rig, Stick};
 use bevy_drape::sleep::{ActivityCounts, SceneManager};
 use bevy_drape::step::MotionLimitCounts;
@@ -110,6 +111,30 @@ fn a_cloth_is_made_and_changed_by_reflection_alone() {
     step(&mut app, 1);
     let (low, high) = get::<Particles>(&app, entity).bounds();
     assert!((high.x - low.x - 2.0).abs() < 1e-4);
+}
+
+/// What can be made without code: by a default that editors find, or by a template that `bsn!` fills with entities.
+#[test]
+fn components_that_describe_something_have_defaults_or_templates() {
+    fn assert_template<C: Component + FromTemplate>() {}
+    assert_template::<DrivenMesh>();
+    assert_template::<FollowParticle>();
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    // The plugin itself inserts these, or they have a template.
+    let others = ["DrivenMesh", "FollowParticle", "InRig", "ProjectileState", "ShapeFromMesh"];
+    let mut count = 0;
+    for registration in
+        registry.iter().filter(|registration| registration.data::<ReflectComponent>().is_some())
+    {
+        let path = registration.type_info().type_path_table();
+        let is_ours = path.crate_name().is_some_and(|name| name == "bevy_drape" || name == "drape_solver");
+        if is_ours && !others.contains(&path.short_path()) {
+            count += 1;
+            assert!(registration.data::<ReflectDefault>().is_some(), "{}", path.short_path());
+        }
+    }
+    assert!(count > 35, "{count} components");
 }
 
 /// The names in the source of the prelude, those of optional features included.

@@ -99,17 +99,15 @@ fn simulated(world: &World, entities: &SceneEntities, names: &Names) -> Option<S
 fn penetration(world: &World, entities: &SceneEntities, simulated: &SimulatedEntities) -> f64 {
     let mut deepest = 0.0_f32;
     let everything = entities.simulated(world, []);
+    let solids = entities.obstacles().filter_map(|(_, entity)| {
+        let obstacle = world.get::<Obstacle>(entity).filter(|obstacle| !obstacle.is_sensor)?;
+        Some((obstacle.shape.solid(None).ok()??, world.get::<Transform>(entity)?))
+    });
+    let solids: Vec<_> = solids.collect();
     let mut look = |point: Vec3, radius: f32, own: Option<Entity>| {
-        for (_, obstacle) in entities.obstacles() {
-            let (Some(solid), Some(place)) =
-                (world.get::<Obstacle>(obstacle), world.get::<Transform>(obstacle))
-            else {
-                continue;
-            };
-            if !solid.is_sensor {
-                let local = place.rotation.inverse() * (point - place.translation);
-                deepest = deepest.max(radius - solid.shape.distance(local));
-            }
+        for (shape, place) in &solids {
+            let local = place.rotation.inverse() * (point - place.translation);
+            deepest = deepest.max(radius - shape.distance(local));
         }
         for &ball in everything.balls.iter().filter(|&&ball| Some(ball) != own) {
             if let Some(ball) = world.get::<ProjectileState>(ball) {
