@@ -1,8 +1,10 @@
 //! One island's run through a step: makes the solver's bodies and balls of their components, steps them, moves them back.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
+use core::time::Duration;
+
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use drape_solver::world::staged_island::{StagedIsland, StepStage};
 use drape_solver::{Alone, Body, BodyScratch, Environment, Island, Threads};

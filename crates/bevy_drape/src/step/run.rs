@@ -1,7 +1,6 @@
 //! Runs the schedule of a step, and that of its substeps.
 
-use std::time::Instant;
-
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use drape_solver::world::staged_island::StepStage;
 
