@@ -13,11 +13,11 @@ use drape_examples::feature::{Feature, Paint};
 pub const FEATURE: Feature = Feature {
     title: "A scene in Bevy's scene notation",
     controls: "",
-    eye: Vec3::new(0.6, 2.0, 5.2),
-    target: Vec3::new(0.1, 1.2, 0.0),
+    eye: Vec3::new(0.4, 1.7, 4.4),
+    target: Vec3::new(0.0, 1.35, 0.0),
     picture_time: 2.0,
     build: |app| {
-        app.insert_resource(Wind { velocity: Vec3::new(4.0, 0.0, -1.5), ..default() });
+        app.insert_resource(Wind { velocity: Vec3::new(2.5, 0.0, 1.0), ..default() });
         app.add_systems(Startup, |mut commands: Commands| commands.spawn_scene_list(scene()));
     },
 };
@@ -59,10 +59,16 @@ fn scene() -> impl SceneList {
         @pole(1.8)
         Transform { translation: Vec3 { x: -0.4, y: 0.9 } }
         --
+        #Line
+        Rope { end: { Vec3::X * 1.8 }, particles: 40, pin_end: true }
+        RopeMesh { radius: 0.008 }
+        Paint::rgb(0.70, 0.55, 0.30)
+        Transform { translation: Vec3 { x: -2.2, y: 1.76 } }
+        --
         #Sheet
         Cloth { size: Vec2 { x: 1.4, y: 1.1 }, particles: UVec2 { x: 44, y: 35 } }
         Paint::rgb(0.88, 0.86, 0.78)
-        Transform { translation: Vec3 { x: -1.3, y: 1.2 } }
+        Transform { translation: Vec3 { x: -1.3, y: 1.205 } }
         --
         #Beam
         @pole(0.9)
