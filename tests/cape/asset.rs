@@ -40,6 +40,13 @@ fn the_file_is_what_the_example_writes() {
 }
 
 #[test]
+fn the_furniture_is_what_the_example_writes() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/models/furniture.glb");
+    let file = std::fs::read(path).expect("the file");
+    assert!(file == drape_examples::furniture::model(), "run `cargo run --features meshes --example models`");
+}
+
+#[test]
 fn the_cape_in_the_file_is_painted_and_skinned() {
     let (text, numbers) = parts();
     let node = text["nodes"].as_array().expect("nodes").iter().find(|node| node["name"] == "Cape");

@@ -52,11 +52,9 @@ pub enum ObstacleShape {
         size: Vec3,
     },
     /// The triangles of the entity's [`Mesh3d`], once it has loaded. The inside of a closed mesh is solid; an open mesh is a
-    /// thin sheet.
-    #[cfg(feature = "mesh")]
+    /// thin sheet. Needs the feature `mesh`, without which no mesh is looked at.
     TriMesh,
-    /// The convex hull of the entity's [`Mesh3d`], once it has loaded.
-    #[cfg(feature = "mesh")]
+    /// The convex hull of the entity's [`Mesh3d`], once it has loaded. Needs the feature `mesh`, too.
     ConvexHull,
     /// Any other shape, such as one of parry's.
     Custom(CustomShape),
@@ -104,10 +102,7 @@ impl From<SharedShape> for ObstacleShape {
 impl ObstacleShape {
     /// True if the entity's mesh gives the shape.
     pub fn is_from_mesh(&self) -> bool {
-        #[cfg(feature = "mesh")]
-        return matches!(self, Self::TriMesh | Self::ConvexHull);
-        #[cfg(not(feature = "mesh"))]
-        false
+        matches!(self, Self::TriMesh | Self::ConvexHull)
     }
 
     /// The solver's shape, without the scale of the [`Transform`]; none while its mesh has not loaded.
@@ -132,7 +127,6 @@ impl ObstacleShape {
                 let (radius, height) = (length("radius", radius)?, length("height", height)?);
                 Shape::Parry(SharedShape::cone(0.5 * height, radius))
             }
-            #[cfg(feature = "mesh")]
             Self::TriMesh | Self::ConvexHull => return Ok(from_mesh.map(|shape| shape.0.clone())),
             Self::Custom(CustomShape(ref shape)) => shape.clone(),
         }))
