@@ -28,6 +28,7 @@ use crate::render::from_mesh::soft_body::SoftBodyMesh;
 ///     .except_named("Grass");
 /// commands.spawn((WorldAssetRoot(assets.load("garden.gltf#Scene0")), obstacles));
 /// # }
+/// # #[derive(Component)] struct WorldAssetRoot(Handle<Mesh>);
 /// ```
 #[derive(Component, Reflect, Clone, Debug)]
 #[reflect(Component, Default, Debug, Clone)]
