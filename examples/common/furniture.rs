@@ -29,7 +29,7 @@ fn pole(radius: f32, [x, z]: [f32; 2], [low, high]: [f32; 2], material: usize) -
     (mesh, Vec3::new(x, 0.5 * (low + high), z), material)
 }
 
-/// What a potter turns: an outline of radii and heights in metres, from the middle of the foot to the middle of the top.
+/// A potter's work: an outline of radii and heights in metres, from the middle of the foot to the middle of the top.
 ///
 /// ```text
 /// height   top

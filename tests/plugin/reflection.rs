@@ -113,7 +113,7 @@ fn a_cloth_is_made_and_changed_by_reflection_alone() {
     assert!((high.x - low.x - 2.0).abs() < 1e-4);
 }
 
-/// What can be made without code: by a default that editors find, or by a template that `bsn!` fills with entities.
+/// Components that can be made without code: by a default that editors find, or by a template that `bsn!` fills with entities.
 #[test]
 fn components_that_describe_something_have_defaults_or_templates() {
     fn assert_template<C: Component + FromTemplate>() {}

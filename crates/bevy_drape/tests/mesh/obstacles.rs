@@ -113,7 +113,7 @@ fn triangles(corners: Vec<[f32; 3]>, indices: Vec<u32>) -> Mesh {
         .with_inserted_indices(Indices::U32(indices))
 }
 
-/// What parry would panic on, and what has no surface.
+/// Parry would panic on some of these; the others have no surface.
 #[test]
 fn meshes_that_no_obstacle_can_be_made_of_are_refused_by_name() {
     let corners = || vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];

@@ -34,10 +34,10 @@ use crate::render::from_mesh::soft_body::SoftBodyMesh;
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Transform)]
 pub struct ObstacleHierarchy {
-    /// What a mesh becomes, unless it is named below; none to take named ones only.
+    /// The obstacle that a mesh becomes, unless it is named below; none to take named ones only.
     pub obstacle: Option<Obstacle>,
-    /// What the mesh of this [`Name`] becomes, and all below an entity of this name; none to leave them out. The nearest
-    /// name counts.
+    /// The obstacle that the mesh of this [`Name`] becomes, and each below an entity of this name; none to leave them out. The
+    /// nearest name counts.
     pub named: BTreeMap<String, Option<Obstacle>>,
 }
 
