@@ -1,8 +1,7 @@
 //! One island's run through a step: makes the solver's bodies and balls of their components, steps them, moves them back.
 
-use std::sync::Arc;
-
 use core::time::Duration;
+use std::sync::Arc;
 
 use bevy::platform::time::Instant;
 use bevy::prelude::*;

@@ -1,6 +1,6 @@
 //! Obstacles from meshes: alone, and from whole scenes.
 
-use bevy::asset::RenderAssetUsages;
+use bevy::asset::{AssetPlugin, RenderAssetUsages};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
@@ -148,6 +148,23 @@ fn meshes_that_no_obstacle_can_be_made_of_are_refused_by_name() {
         assert!((height_over(&mut app, entity) - 0.3).abs() < 0.005, "case {index}: mended");
         assert!(self::refusals(&app, entity).is_empty(), "case {index}");
     }
+}
+
+/// The asset of a refused mesh was not watched where Bevy's `MeshPlugin`, which marks `Mesh3d` as changed, is missing.
+#[test]
+fn a_refused_mesh_that_is_mended_in_place_makes_its_obstacle() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, DrapePlugins::default()))
+        .init_asset::<Mesh>();
+    let mesh = add(&mut app, triangles(vec![[0.0; 3]; 3], Vec::new()));
+    let entity = app.world_mut().spawn((mesh.clone(), Obstacle::trimesh())).id();
+    start(&mut app);
+    frame(&mut app, 2.0);
+    assert!(refusals(&app, entity)[0].contains("triangles"), "{:?}", refusals(&app, entity));
+    let good = Cuboid::new(1.0, 0.4, 1.0).into();
+    *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&mesh).expect("loaded") = good;
+    assert!((height_over(&mut app, entity) - 0.3).abs() < 0.005);
+    assert!(refusals(&app, entity).is_empty());
 }
 
 #[test]

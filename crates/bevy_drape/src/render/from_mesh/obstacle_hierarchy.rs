@@ -104,8 +104,8 @@ pub(crate) fn make_obstacles(
     let of_changed = changed.iter().flat_map(below).filter(|&entity| solids.contains(entity));
     for entity in new.iter().chain(of_changed) {
         let ancestors = || core::iter::once(entity).chain(parents.iter_ancestors(entity));
-        let Some(root) = ancestors().find(|&ancestor| hierarchies.contains(ancestor)) else { continue };
-        let Ok(hierarchy) = hierarchies.get(root) else { continue };
+        let mut found = ancestors().filter_map(|ancestor| Some((ancestor, hierarchies.get(ancestor).ok()?)));
+        let Some((root, hierarchy)) = found.next() else { continue };
         let above_or_root = ancestors().take_while(|&ancestor| ancestor != root).chain([root]);
         let named = above_or_root
             .filter_map(|ancestor| names.get(ancestor).ok())

@@ -29,22 +29,20 @@ pub(crate) fn shape_obstacles(
         if !obstacle.shape.is_from_mesh() {
             return false;
         }
+        let mut commands = commands.entity(entity);
         let shaped = match mesh {
             Some(mesh) => {
                 let Some(asset) = meshes.get(mesh) else { return true };
+                commands.insert(MeshSource { source: mesh.0.clone(), shown: None });
                 solid_of(&obstacle.shape, asset).map_err(|fault| FaultyMesh::new(mesh, fault).into())
             }
             None => Err(Cause::from("its shape is that of its mesh, but it has no `Mesh3d`")),
         };
-        let mut entity = commands.entity(entity);
         match shaped {
-            Ok(shape) => {
-                let source = mesh.map(|mesh| MeshSource { source: mesh.0.clone(), shown: None });
-                entity.insert((ShapeFromMesh(shape), source.unwrap_or_default()));
-            }
+            Ok(shape) => _ = commands.insert(ShapeFromMesh(shape)),
             Err(reason) => {
-                refusals.entity(entity.id(), "Obstacle", reason);
-                entity.remove::<ShapeFromMesh>();
+                refusals.entity(entity, "Obstacle", reason);
+                commands.remove::<ShapeFromMesh>();
             }
         }
         false

@@ -13,7 +13,7 @@ use crate::render::from_mesh::reading::{MeshFault, faces, positions};
 use crate::render::surface::{EntitySpace, Surface};
 
 /// The mesh that a body or an obstacle was made from, which stays unchanged, and the copy that is shown.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Clone, Debug)]
 pub(crate) struct MeshSource {
     pub source: Handle<Mesh>,
     /// None if no body was ever made from it.
