@@ -364,7 +364,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, workers: &Wo
         }
         IslandStage::RopeContacts => {
             if surface::is_on_ropes(bodies) {
-                surfaces.project(bodies, substep, false);
+                surfaces.project(bodies);
             }
         }
         IslandStage::ClothContacts => project_layers(island, environment, workers),
@@ -407,12 +407,13 @@ fn project_layers(island: &mut Island, environment: &Environment, workers: &Work
     let Island { bodies, context, .. } = island;
     let IslandContacts { bodies: contacts, surfaces, movers, .. } = &mut context.contacts;
     surfaces.detect(bodies, substep, CONTACT_MARGIN_OF_SURFACES, workers);
-    let is_near = surfaces.is_near();
+    if !surfaces.is_near() {
+        return;
+    }
     for round in 1..=ROUNDS_OF_LAYERS {
-        let is_last = round == ROUNDS_OF_LAYERS || !is_near;
-        surfaces.project(bodies, substep, is_last);
-        if is_last {
-            return;
+        surfaces.project(bodies);
+        if round == ROUNDS_OF_LAYERS {
+            break;
         }
         let all = bodies.iter_mut().zip(contacts.iter_mut()).zip(&context.plans);
         for ((body, contacts), plan) in all.filter(|((body, _), _)| body.has_self_contact()) {
@@ -421,6 +422,7 @@ fn project_layers(island: &mut Island, environment: &Environment, workers: &Work
             particle_dynamic::project(&mut contacts.obstacles, body, substep, movers, false);
         }
     }
+    surfaces.settle(bodies, contacts, substep);
 }
 
 /// Counts the particles that limits on motion keep in obstacles.

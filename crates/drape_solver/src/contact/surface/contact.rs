@@ -37,17 +37,12 @@ pub(crate) struct Contact {
 /// Distance from which on two parts are not near each other, in distances that they keep.
 const FAR: f32 = 1.5;
 
-/// A push on the corners of two parts.
-struct Push {
-    /// In metres.
-    depth: f32,
-    /// Particles, by number, and their ways in metres.
-    shares: [(usize, Vec3); 4],
-}
-
 /// Way along the nearest points, of the length of the distance between them, whose direction still counts as that of the
 /// start: at most 72 degrees off.
 const LEAST_COSINE: f32 = 0.3;
+
+/// Cosine of the angle up to which what holds a particle holds it against a push.
+const LEAST_HOLD: f32 = 0.5;
 
 impl Contact {
     /// True if the two were near each other at the start, or come near in free flight: what sticks alone draw together from
@@ -59,7 +54,8 @@ impl Contact {
         self.at_start < FAR * distance || height() < FAR * distance
     }
 
-    /// Moves the two apart to the distance that they had at the start, or that they keep if that is less.
+    /// Moves the two apart to the distance that they had at the start, or that they keep if that is less. Pushes of a substep only
+    /// add up to a push: what others have moved apart since is given back.
     pub fn push(&mut self, points: &mut Points) {
         let goal = self.at_start.min(self.pair.distance);
         if !self.is_followed {
@@ -68,21 +64,57 @@ impl Contact {
             }
             self.follow(points);
         }
-        if let Some(push) = self.push_to(goal, points) {
-            self.depth += push.depth;
-            push.shares.into_iter().for_each(|(id, way)| points.move_by(id, way));
+        let ids = self.pair.ids;
+        let way = goal - self.height(points);
+        if way <= 0.0 && self.depth == 0.0 {
+            return;
+        }
+        let masses = points.inverse_masses(ids);
+        let total = effective_inverse_mass(self.weights, masses);
+        if total == 0.0 {
+            return;
+        }
+        // No more becomes velocity than stops the two along the normal, so a push never adds energy.
+        let apart = weighted(self.weights, points.motions(ids)).dot(self.normal);
+        let moving = if way > 0.0 { way.min((-apart).max(0.0)) } else { -(-way).min(apart.max(0.0)).min(self.depth) };
+        self.depth += moving;
+        let [moving, shift] = [moving, (way - moving).max(0.0)].map(|part| self.normal * (part / total));
+        for k in 0..4 {
+            let share = self.weights[k] * masses[k];
+            points.move_by(ids[k] as usize, moving * share);
+            points.shift_by(ids[k] as usize, shift * share);
         }
     }
 
     /// Moves the two apart by `way` metres more than they were at the start, but not beyond the distance that they keep: in
-    /// position only. It comes last, as a push that follows from this one must not become velocity either.
+    /// position only. What is held does not give way, and holds what lies on it.
     pub fn recover(&self, points: &mut Points, way: f32) {
-        let goal = (self.at_start + way).min(self.pair.distance);
-        if let Some(push) = self.push_to(goal, points) {
-            for (id, way) in push.shares {
-                points.move_by(id, way);
-                points.shift[id] += way;
+        let Pair { ids, kind, .. } = self.pair;
+        let depth = (self.at_start + way).min(self.pair.distance) - self.height(points);
+        if depth <= 0.0 && self.depth == 0.0 {
+            return;
+        }
+        let sides = [0..kind.first_corners(), kind.first_corners()..4];
+        let directions = [self.normal, -self.normal];
+        let is_held = [0, 1].map(|side| {
+            let weight_held = |k: usize| {
+                let is_held = points.held[ids[k] as usize].dot(directions[side]) < -LEAST_HOLD;
+                if is_held { self.weights[k].abs() } else { 0.0 }
+            };
+            sides[side].clone().map(weight_held).sum::<f32>() > 0.5
+        });
+        let mut masses = points.inverse_masses(ids);
+        if is_held[0] != is_held[1] {
+            let [held, free] = if is_held[0] { [0, 1] } else { [1, 0] };
+            masses[sides[held].clone()].fill(0.0);
+            for k in sides[free].clone().filter(|&k| self.weights[k] != 0.0) {
+                points.held[ids[k] as usize] = directions[free];
             }
+        }
+        let total = effective_inverse_mass(self.weights, masses);
+        if depth > 0.0 && total > 0.0 {
+            let push = self.normal * (depth / total);
+            (0..4).for_each(|k| points.shift_by(ids[k] as usize, push * (self.weights[k] * masses[k])));
         }
     }
 
@@ -91,23 +123,6 @@ impl Contact {
         // All four numbers of a place at once.
         let ends = self.pair.ids.map(|id| points.end[id as usize]);
         weighted(self.weights, ends).truncate().dot(self.normal)
-    }
-
-    /// The push that moves the two apart to the distance `goal`, if they are nearer.
-    fn push_to(&self, goal: f32, points: &Points) -> Option<Push> {
-        let ids = self.pair.ids;
-        let height = self.height(points);
-        if height >= goal {
-            return None;
-        }
-        let masses = points.inverse_masses(ids);
-        let total = effective_inverse_mass(self.weights, masses);
-        if total == 0.0 {
-            return None;
-        }
-        let push = self.normal * ((goal - height) / total);
-        let shares = [0, 1, 2, 3].map(|k| (ids[k] as usize, push * (self.weights[k] * masses[k])));
-        Some(Push { depth: goal - height, shares })
     }
 
     /// Takes the nearest points and the normal from where the two are now, before the first push.
@@ -132,8 +147,7 @@ impl Contact {
         let Pair { ids, .. } = self.pair;
         let rough = |id: u32| bodies[points.body[id as usize] as usize].settings.surface_friction();
         let friction = rough(ids[0]).with(rough(ids[3]));
-        let ways = ids.map(|id| points.way(id as usize) - points.shift[id as usize]);
-        let slip = weighted(self.weights, ways);
+        let slip = weighted(self.weights, points.motions(ids));
         let masses = points.inverse_masses(ids);
         let total = effective_inverse_mass(self.weights, masses);
         let push = friction.slip_taken(slip, self.normal, self.depth) / total;

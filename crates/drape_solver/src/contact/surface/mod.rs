@@ -35,6 +35,7 @@ use glam::{Vec3, Vec4};
 use crate::constants::{
     LEAST_SHARED_PAIRS, MARGIN_IN_FREE_FLIGHT, RECOVERY_SPEED, RISKY_GAP, UNTANGLING_SPEED,
 };
+use crate::contact::body_contacts::BodyContacts;
 use crate::contact::surface::calm::Calm;
 use crate::contact::surface::contact::Contact;
 use crate::contact::surface::counts::SelfContactCounts;
@@ -145,7 +146,7 @@ impl SurfaceContacts {
             return;
         }
         self.points.read_starts(bodies);
-        self.points.read(bodies);
+        self.points.read(bodies, |body| &body.context.integrated);
         self.points.read_flight(bodies);
         // Contacts of ropes that were found in free flight have pushed in each iteration.
         if !self.found.contacts.is_empty() {
@@ -270,20 +271,28 @@ impl SurfaceContacts {
         }
     }
 
-    /// Moves contacts apart once; with friction in the last projection of the substep.
-    pub fn project(&mut self, bodies: &mut [Body], substep: Substep, is_last: bool) {
+    /// Moves contacts apart once.
+    pub fn project(&mut self, bodies: &mut [Body]) {
         if self.found.contacts.is_empty() {
             return;
         }
         let Self { points, found: Found { contacts, .. }, .. } = self;
-        points.read(bodies);
+        points.read(bodies, |body| &body.context.integrated);
         contacts.iter_mut().for_each(|contact| contact.push(points));
-        if is_last {
-            self.apply_friction(bodies);
-            let Self { points, found: Found { contacts, .. }, .. } = self;
-            let way = RECOVERY_SPEED * substep.duration;
-            contacts.iter().for_each(|contact| contact.recover(points, way));
+        self.write(bodies);
+    }
+
+    /// After the last projection of the substep: friction, and recovery from overlap, away from the obstacles that hold layers up.
+    /// It goes through the contacts to and fro, as either may be the way up.
+    pub fn settle(&mut self, bodies: &mut [Body], obstacles: &[BodyContacts], substep: Substep) {
+        if self.found.contacts.is_empty() {
+            return;
         }
+        self.apply_friction(bodies);
+        let Self { points, found: Found { contacts, .. }, .. } = self;
+        let way = RECOVERY_SPEED * substep.duration;
+        points.read_held(obstacles);
+        contacts.iter().chain(contacts.iter().rev()).for_each(|contact| contact.recover(points, way));
         self.write(bodies);
     }
 
@@ -295,10 +304,10 @@ impl SurfaceContacts {
     /// Moves the bodies' particles; what was moved in position only gets no velocity. Pushes go into the displacement at once:
     /// what positions gain on it later is counted as the work of sticks, which cannot change a body's momentum.
     fn write(&mut self, bodies: &mut [Body]) {
-        self.points.write(bodies, |body, slot, way, shift| {
+        self.points.write(bodies, |body, slot, way, moving| {
             body.particles.position.add(slot, way);
             body.context.integrated.add(slot, way);
-            body.particles.displacement.add(slot, way - shift);
+            body.particles.displacement.add(slot, moving);
         });
     }
 
@@ -313,7 +322,7 @@ impl SurfaceContacts {
             return;
         }
         self.points.read_starts(bodies);
-        self.points.read(bodies);
+        self.points.read(bodies, |body| &body.particles.position);
         let distance = least_distance(bodies);
         if was_calm {
             let Self { points, surfaces, list, looked_at, counts, .. } = self;
@@ -335,9 +344,9 @@ impl SurfaceContacts {
             }
             self.counts.unfinished += u32::from(attempt == ATTEMPTS);
         }
-        self.points.write(bodies, |body, slot, way, _| {
+        self.points.write(bodies, |body, slot, way, moving| {
             body.particles.position.add(slot, way);
-            body.particles.displacement.add(slot, way);
+            body.particles.displacement.add(slot, moving);
         });
         self.list.grow_older();
     }

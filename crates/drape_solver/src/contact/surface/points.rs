@@ -6,8 +6,10 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
+use crate::contact::body_contacts::BodyContacts;
 use crate::simd::columns::{Cell, Columns, LANES};
 use crate::state::body::Body;
+use crate::state::particles::Particles;
 use crate::state::star::NONE;
 
 /// Places of particles at the start of a substep and now, relative to the origin of the first body, in metres. The fourth
@@ -26,10 +28,12 @@ pub(crate) struct Points {
     pub end: Vec<Vec4>,
     /// Places after free flight.
     pub flight: Vec<Vec4>,
-    /// Motion in this substep that is not to become velocity.
-    pub shift: Vec<Vec3>,
-    /// The part of `shift` that the bodies know.
-    known_shift: Vec<Vec3>,
+    /// The part of their ways in this substep that becomes velocity, in metres.
+    pub motion: Vec<Vec3>,
+    /// Motion as the bodies have it.
+    known_motion: Vec<Vec3>,
+    /// Unit normals of what holds particles up: of obstacles, or of layers that lie on them. Zero if nothing does.
+    pub held: Vec<Vec3>,
     /// Places as the bodies have them.
     known: Vec<Vec4>,
 }
@@ -79,12 +83,6 @@ impl Points {
             inverse_mass.extend_from_slice(&body.particles.inverse_mass);
             of.resize(inverse_mass.len(), place);
         }
-        for shift in [&mut self.shift, &mut self.known_shift] {
-            shift.clear();
-            shift.resize(self.start.len(), Vec3::ZERO);
-        }
-        self.end.clone_from(&self.start);
-        self.known.clone_from(&self.start);
     }
 
     /// The bodies whose surfaces may touch: the place of each one's cells in the island, a column of its own, and its places
@@ -104,10 +102,21 @@ impl Points {
         })
     }
 
-    /// Reads where the particles are now.
-    pub fn read(&mut self, bodies: &[Body]) {
+    /// Reads where the particles are now, and their motion: what they have moved since this `followed` column is part of it.
+    pub fn read<'a>(&mut self, bodies: &'a [Body], followed: impl Fn(&'a Body) -> &'a Columns) {
         read(bodies, &mut self.end);
         self.known.clone_from(&self.end);
+        self.motion.clear();
+        for body in bodies.iter().filter(|body| body.has_self_contact()) {
+            let Particles { position, displacement, .. } = &body.particles;
+            for ((position, displacement), followed) in
+                position.cells.iter().zip(&displacement.cells).zip(&followed(body).cells)
+            {
+                let motion = |lane| displacement.get(lane) + (position.get(lane) - followed.get(lane));
+                self.motion.extend((0..LANES).map(motion));
+            }
+        }
+        self.known_motion.clone_from(&self.motion);
     }
 
     /// Reads where the particles were after free flight.
@@ -116,21 +125,28 @@ impl Points {
     }
 
     /// Moves the bodies' particles to where they are now. `move_particle` gets the body, the slot, the way in metres, and the
-    /// part of it that is not to become velocity.
+    /// part of it that becomes velocity.
     pub fn write(&mut self, bodies: &mut [Body], move_particle: impl Fn(&mut Body, usize, Vec3, Vec3)) {
         for (body, &first) in bodies.iter_mut().zip(&self.first).filter(|(_, first)| **first != NONE) {
             for slot in 0..body.particles.inverse_mass.len() {
                 let id = first as usize + slot;
-                let (end, shift) = (self.end[id], self.shift[id]);
-                if end != self.known[id] || shift != self.known_shift[id] {
-                    move_particle(
-                        body,
-                        slot,
-                        (end - self.known[id]).truncate(),
-                        shift - self.known_shift[id],
-                    );
-                    (self.known[id], self.known_shift[id]) = (end, shift);
+                let (end, motion) = (self.end[id], self.motion[id]);
+                if end != self.known[id] || motion != self.known_motion[id] {
+                    let way = (end - self.known[id]).truncate();
+                    move_particle(body, slot, way, motion - self.known_motion[id]);
+                    (self.known[id], self.known_motion[id]) = (end, motion);
                 }
+            }
+        }
+    }
+
+    /// Notes the particles that obstacles hold up.
+    pub fn read_held(&mut self, contacts: &[BodyContacts]) {
+        self.held.clear();
+        self.held.resize(self.start.len(), Vec3::ZERO);
+        for (contacts, &first) in contacts.iter().zip(&self.first).filter(|(_, first)| **first != NONE) {
+            for (_, slot, normal, _) in contacts.obstacles.pushed() {
+                self.held[first as usize + slot] = normal;
             }
         }
     }
@@ -145,11 +161,23 @@ impl Points {
         ids.map(|id| self.start[id as usize].truncate())
     }
 
+    /// The parts of their ways that become velocity, in metres.
+    pub fn motions<const N: usize>(&self, ids: [u32; N]) -> [Vec3; N] {
+        ids.map(|id| self.motion[id as usize])
+    }
+
     pub fn inverse_masses<const N: usize>(&self, ids: [u32; N]) -> [f32; N] {
         ids.map(|id| self.inverse_mass[id as usize])
     }
 
+    /// Moves particle `id` by this way in metres, which becomes velocity.
     pub fn move_by(&mut self, id: usize, way: Vec3) {
+        self.end[id] += way.extend(0.0);
+        self.motion[id] += way;
+    }
+
+    /// Moves particle `id` by this way in metres, in position only.
+    pub fn shift_by(&mut self, id: usize, way: Vec3) {
         self.end[id] += way.extend(0.0);
     }
 

@@ -39,21 +39,23 @@ pub(crate) struct Truncation {
     motions: Vec<Motion>,
 }
 
-/// The motion of a piece in a substep.
+/// The motion of a piece in a substep: sums over its free particles, or over its pins if it has any.
 #[derive(Clone, Copy, Debug, Default)]
 struct Motion {
     count: u32,
+    has_pins: bool,
     mass: f32,
-    /// Sum of the ways times masses.
-    momentum: Vec3,
-    pins: f32,
-    /// Sum of the ways of pins, in metres.
-    pinned: Vec3,
+    /// Ways times masses; the mass of a pin counts as 1.
+    way: Vec3,
+    /// The same of what becomes velocity.
+    motion: Vec3,
 }
 
 impl Motion {
-    fn way(&self) -> Vec3 {
-        if self.pins > 0.0 { self.pinned / self.pins } else { self.momentum / self.mass }
+    fn add(&mut self, mass: f32, way: Vec3, motion: Vec3) {
+        self.mass += mass;
+        self.way += way * mass;
+        self.motion += motion * mass;
     }
 }
 
@@ -109,9 +111,15 @@ fn move_apart(contact: &Contact, points: &mut Points) -> u32 {
             return moves;
         }
         // A hair more, so that rounding does not bring the pair back.
-        let push = contact.normal * ((1.01 * least - gap) / (low + high));
-        points.move_by(ends[0] as usize, push * low);
-        points.move_by(ends[1] as usize, -push * high);
+        let way = 1.01 * least - gap;
+        let [a, b] = ends.map(|id| id as usize);
+        // No more becomes velocity than stops the two: what moved them in position only may be undone in position only.
+        let moving = (points.motion[b] - points.motion[a]).dot(contact.normal).clamp(0.0, way);
+        let [moving, shift] = [moving, way - moving].map(|part| contact.normal * (part / (low + high)));
+        for (id, share) in [(a, low), (b, -high)] {
+            points.move_by(id, moving * share);
+            points.shift_by(id, shift * share);
+        }
     }
     LOOKS_AT_PAIR
 }
@@ -123,20 +131,22 @@ impl Truncation {
         motions.clear();
         motions.resize(points.start.len(), Motion::default());
         for (id, &inverse_mass) in points.inverse_mass.iter().enumerate() {
-            let motion = &mut motions[pieces.root(id as u32) as usize];
-            motion.count += 1;
-            if inverse_mass == 0.0 {
-                motion.pins += 1.0;
-                motion.pinned += points.way(id);
-            } else {
-                motion.mass += 1.0 / inverse_mass;
-                motion.momentum += points.way(id) / inverse_mass;
+            let piece = &mut motions[pieces.root(id as u32) as usize];
+            let is_pin = inverse_mass == 0.0;
+            if is_pin && !piece.has_pins {
+                *piece = Motion { count: piece.count, has_pins: true, ..Motion::default() };
+            }
+            piece.count += 1;
+            if is_pin == piece.has_pins {
+                let mass = if is_pin { 1.0 } else { 1.0 / inverse_mass };
+                piece.add(mass, points.way(id), points.motion[id]);
             }
         }
         for id in 0..points.start.len() {
-            let motion = &motions[pieces.root(id as u32) as usize];
-            if motion.count > 1 && points.inverse_mass[id] > 0.0 {
-                points.end[id] = points.start[id] + motion.way().extend(0.0);
+            let piece = &motions[pieces.root(id as u32) as usize];
+            if piece.count > 1 && points.inverse_mass[id] > 0.0 {
+                points.end[id] = points.start[id] + (piece.way / piece.mass).extend(0.0);
+                points.motion[id] = piece.motion / piece.mass;
             }
         }
     }
@@ -159,6 +169,7 @@ mod tests {
         let places = |places: &[Vec3]| places.iter().map(|place| place.extend(0.0)).collect::<Vec<Vec4>>();
         points.start = places(starts);
         points.end = places(ends);
+        points.motion = starts.iter().zip(ends).map(|(start, end)| end - start).collect();
         points.inverse_mass = (0..starts.len()).map(|id| 1.0 + id as f32).collect();
         pins.iter().for_each(|&pin| points.inverse_mass[pin] = 0.0);
         points
