@@ -21,7 +21,7 @@ use glam::Vec3;
 use crate::broad_phase::obstacle_search::SearchStep;
 use crate::constants::{
     BALL_TRAVEL_PER_SUBSTEP, CONTACT_MARGIN, CONTACT_MARGIN_OF_SURFACES, LEAST_SHARED_CELLS,
-    LEAST_TOUCHING_CELLS, MAX_SUBSTEPS, ROUNDS_OF_LAYERS,
+    LEAST_TOUCHING_CELLS, MAX_SUBSTEPS, OVER_RELAXATION, ROUNDS_OF_LAYERS,
 };
 use crate::constraint::{angular_momentum, stick, strain::greatest_strain, volume};
 use crate::contact::island_contacts::IslandContacts;
@@ -364,7 +364,7 @@ fn run_island_stage(island: &mut Island, environment: &Environment, workers: &Wo
         }
         IslandStage::RopeContacts => {
             if surface::is_on_ropes(bodies) {
-                surfaces.project(bodies);
+                surfaces.project(bodies, 1.0);
             }
         }
         IslandStage::ClothContacts => project_layers(island, environment, workers),
@@ -410,11 +410,8 @@ fn project_layers(island: &mut Island, environment: &Environment, workers: &Work
     if !surfaces.is_near() {
         return;
     }
-    for round in 1..=ROUNDS_OF_LAYERS {
-        surfaces.project(bodies);
-        if round == ROUNDS_OF_LAYERS {
-            break;
-        }
+    for _ in 1..ROUNDS_OF_LAYERS {
+        surfaces.project(bodies, OVER_RELAXATION);
         let all = bodies.iter_mut().zip(contacts.iter_mut()).zip(&context.plans);
         for ((body, contacts), plan) in all.filter(|((body, _), _)| body.has_self_contact()) {
             let last = plan.plan.last_contacts.clone();
@@ -422,7 +419,8 @@ fn project_layers(island: &mut Island, environment: &Environment, workers: &Work
             particle_dynamic::project(&mut contacts.obstacles, body, substep, movers, false);
         }
     }
-    surfaces.settle(bodies, contacts, substep);
+    surfaces.project(bodies, 1.0);
+    surfaces.settle(bodies, substep);
 }
 
 /// Counts the particles that limits on motion keep in obstacles.

@@ -56,12 +56,11 @@ fn inner_energy(island: &Island) -> f64 {
     kinetic_energy(island) - momentum(island).length_squared() / (2.0 * mass)
 }
 
-/// Restitution is 0: sheets whose particles meet particles stop each other at once. Where corners meet the insides of faces, pushes come
-/// one after another, and each adds to what others gave the same corners: a third of the speed comes back at 1 and 2 m/s, which is a known
-/// limit. Momentum is kept, and energy never gained.
+/// Restitution is 0: sheets stop each other at once, whether particles meet particles or the insides of faces. There a third of the speed
+/// came back: each push added to what others gave the same corners, and none gave it back. Momentum is kept, and energy never gained.
 #[test]
-fn two_sheets_that_collide_keep_momentum_and_hardly_bounce() {
-    for (aside, most_restitution) in [(0.0, 0.01), (0.011, 0.45)] {
+fn two_sheets_that_collide_keep_momentum_and_do_not_bounce() {
+    for (aside, most_restitution) in [(0.0, 0.01), (0.011, 0.03)] {
         for densities in [[0.2, 0.2], [0.1, 0.3], [0.3, 0.1]] {
             for speed in [1.0, 2.0, 5.0, 20.0] {
                 let mut island = colliding(aside, densities, 0.0, Vec3::NEG_Y * speed);

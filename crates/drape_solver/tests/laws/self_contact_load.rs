@@ -109,10 +109,10 @@ fn the_ground_bears_all_layers_of_a_stack() {
     }
 }
 
-/// Up to three layers, thickness holds to 2 % under all that lies above. More are squeezed: see below.
+/// Up to four layers, thickness holds to 2 % under all that lies above. More are squeezed: see below.
 #[test]
 fn the_lowest_layers_of_a_low_stack_are_not_squeezed() {
-    for layers in [2, 3] {
+    for layers in [2, 3, 4] {
         let gaps = gaps(&stack(layers));
         println!("law: thickness left in a stack of {layers}: {gaps:.3?}");
         assert!(gaps.iter().all(|&gap| gap > 0.98), "{gaps:?}");
@@ -138,17 +138,17 @@ fn most_layers_of_a_pile_at_rest_keep_their_thickness() {
 
 /// Folds of one sheet that has fallen on its edge.
 #[test]
-fn folds_at_rest_keep_most_of_their_thickness() {
+fn folds_at_rest_keep_their_thickness() {
     let gap = fold_gap(&fold());
     println!("law: least thickness left in a fold: {gap:.3}");
-    assert!(gap > 0.85, "{gap}");
+    assert!(gap > 0.98, "{gap}");
 }
 
-/// A known limit, and the least case of it: from four equal sheets on, the lowest two do not keep their distance to 2 %.
+/// A known limit, and the least case of it: from six equal sheets on, the lowest two do not keep their distance to 2 %.
 #[test]
 #[ignore = "a known limit: the lowest layers of a stack are squeezed"]
 fn the_lowest_layers_of_a_stack_are_not_squeezed() {
-    let all = [4, 6, 10].map(|layers| gaps(&stack(layers)));
+    let all = [6, 10].map(|layers| gaps(&stack(layers)));
     println!("law: thickness left in stacks: {all:.3?}");
     assert!(all.iter().flatten().all(|&gap| gap > 0.98), "{all:?}");
 }

@@ -41,9 +41,6 @@ const FAR: f32 = 1.5;
 /// start: at most 72 degrees off.
 const LEAST_COSINE: f32 = 0.3;
 
-/// Cosine of the angle up to which what holds a particle holds it against a push.
-const LEAST_HOLD: f32 = 0.5;
-
 impl Contact {
     /// True if the two were near each other at the start, or come near in free flight: what sticks alone draw together from
     /// farther away has other layers between.
@@ -54,9 +51,9 @@ impl Contact {
         self.at_start < FAR * distance || height() < FAR * distance
     }
 
-    /// Moves the two apart to the distance that they had at the start, or that they keep if that is less. Pushes of a substep only
-    /// add up to a push: what others have moved apart since is given back.
-    pub fn push(&mut self, points: &mut Points) {
+    /// Moves the two apart to the distance that they had at the start, or that they keep if that is less; what is to become velocity
+    /// by `relaxation` times as much. Only the sum of a substep's pushes is a push: what others have moved apart since is given back.
+    pub fn push(&mut self, points: &mut Points, relaxation: f32) {
         let goal = self.at_start.min(self.pair.distance);
         if !self.is_followed {
             if self.height(points) >= goal {
@@ -64,58 +61,43 @@ impl Contact {
             }
             self.follow(points);
         }
-        let ids = self.pair.ids;
         let way = goal - self.height(points);
         if way <= 0.0 && self.depth == 0.0 {
             return;
         }
+        // No more becomes velocity than stops the two, so a push adds no energy. What is left of the way was made in position only.
+        let apart = weighted(self.weights, points.motions(self.pair.ids)).dot(self.normal);
+        let stop = if way > 0.0 { way.min((-apart).max(0.0)) } else { way.max(-apart.max(0.0)) };
+        let moving = (relaxation * stop).max(-self.depth);
+        if self.move_apart(points, moving, (way - stop).max(0.0)) {
+            self.depth += moving;
+        }
+    }
+
+    /// Moves the two apart by `way` metres more than they were at the start, but not beyond the distance that they keep: in
+    /// position only.
+    pub fn recover(&self, points: &mut Points, way: f32) {
+        let depth = (self.at_start + way).min(self.pair.distance) - self.height(points);
+        if depth > 0.0 {
+            self.move_apart(points, 0.0, depth);
+        }
+    }
+
+    /// Moves the two apart by ways in metres of which the first becomes velocity; false if both are pinned.
+    fn move_apart(&self, points: &mut Points, moving: f32, shift: f32) -> bool {
+        let ids = self.pair.ids;
         let masses = points.inverse_masses(ids);
         let total = effective_inverse_mass(self.weights, masses);
         if total == 0.0 {
-            return;
+            return false;
         }
-        // No more becomes velocity than stops the two along the normal, so a push never adds energy.
-        let apart = weighted(self.weights, points.motions(ids)).dot(self.normal);
-        let moving = if way > 0.0 { way.min((-apart).max(0.0)) } else { -(-way).min(apart.max(0.0)).min(self.depth) };
-        self.depth += moving;
-        let [moving, shift] = [moving, (way - moving).max(0.0)].map(|part| self.normal * (part / total));
+        let [moving, shift] = [moving, shift].map(|part| self.normal * (part / total));
         for k in 0..4 {
             let share = self.weights[k] * masses[k];
             points.move_by(ids[k] as usize, moving * share);
             points.shift_by(ids[k] as usize, shift * share);
         }
-    }
-
-    /// Moves the two apart by `way` metres more than they were at the start, but not beyond the distance that they keep: in
-    /// position only. What is held does not give way, and holds what lies on it.
-    pub fn recover(&self, points: &mut Points, way: f32) {
-        let Pair { ids, kind, .. } = self.pair;
-        let depth = (self.at_start + way).min(self.pair.distance) - self.height(points);
-        if depth <= 0.0 && self.depth == 0.0 {
-            return;
-        }
-        let sides = [0..kind.first_corners(), kind.first_corners()..4];
-        let directions = [self.normal, -self.normal];
-        let is_held = [0, 1].map(|side| {
-            let weight_held = |k: usize| {
-                let is_held = points.held[ids[k] as usize].dot(directions[side]) < -LEAST_HOLD;
-                if is_held { self.weights[k].abs() } else { 0.0 }
-            };
-            sides[side].clone().map(weight_held).sum::<f32>() > 0.5
-        });
-        let mut masses = points.inverse_masses(ids);
-        if is_held[0] != is_held[1] {
-            let [held, free] = if is_held[0] { [0, 1] } else { [1, 0] };
-            masses[sides[held].clone()].fill(0.0);
-            for k in sides[free].clone().filter(|&k| self.weights[k] != 0.0) {
-                points.held[ids[k] as usize] = directions[free];
-            }
-        }
-        let total = effective_inverse_mass(self.weights, masses);
-        if depth > 0.0 && total > 0.0 {
-            let push = self.normal * (depth / total);
-            (0..4).for_each(|k| points.shift_by(ids[k] as usize, push * (self.weights[k] * masses[k])));
-        }
+        true
     }
 
     /// Height of the nearest point of the first above that of the second, in metres.

@@ -35,7 +35,6 @@ use glam::{Vec3, Vec4};
 use crate::constants::{
     LEAST_SHARED_PAIRS, MARGIN_IN_FREE_FLIGHT, RECOVERY_SPEED, RISKY_GAP, UNTANGLING_SPEED,
 };
-use crate::contact::body_contacts::BodyContacts;
 use crate::contact::surface::calm::Calm;
 use crate::contact::surface::contact::Contact;
 use crate::contact::surface::counts::SelfContactCounts;
@@ -271,27 +270,23 @@ impl SurfaceContacts {
         }
     }
 
-    /// Moves contacts apart once.
-    pub fn project(&mut self, bodies: &mut [Body]) {
+    /// Moves contacts apart once, by `relaxation` times as much as they need.
+    pub fn project(&mut self, bodies: &mut [Body], relaxation: f32) {
         if self.found.contacts.is_empty() {
             return;
         }
         let Self { points, found: Found { contacts, .. }, .. } = self;
         points.read(bodies, |body| &body.context.integrated);
-        contacts.iter_mut().for_each(|contact| contact.push(points));
+        contacts.iter_mut().for_each(|contact| contact.push(points, relaxation));
         self.write(bodies);
     }
 
-    /// After the last projection of the substep: friction, and recovery from overlap, away from the obstacles that hold layers up.
-    /// It goes through the contacts to and fro, as either may be the way up.
-    pub fn settle(&mut self, bodies: &mut [Body], obstacles: &[BodyContacts], substep: Substep) {
-        if self.found.contacts.is_empty() {
-            return;
-        }
+    /// After the last projection of a substep: friction, and recovery from overlap.
+    pub fn settle(&mut self, bodies: &mut [Body], substep: Substep) {
         self.apply_friction(bodies);
         let Self { points, found: Found { contacts, .. }, .. } = self;
         let way = RECOVERY_SPEED * substep.duration;
-        points.read_held(obstacles);
+        // To and fro, as either may be the way up.
         contacts.iter().chain(contacts.iter().rev()).for_each(|contact| contact.recover(points, way));
         self.write(bodies);
     }

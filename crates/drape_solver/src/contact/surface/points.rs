@@ -6,7 +6,6 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use crate::contact::body_contacts::BodyContacts;
 use crate::simd::columns::{Cell, Columns, LANES};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
@@ -32,8 +31,6 @@ pub(crate) struct Points {
     pub motion: Vec<Vec3>,
     /// Motion as the bodies have it.
     known_motion: Vec<Vec3>,
-    /// Unit normals of what holds particles up: of obstacles, or of layers that lie on them. Zero if nothing does.
-    pub held: Vec<Vec3>,
     /// Places as the bodies have them.
     known: Vec<Vec4>,
 }
@@ -136,17 +133,6 @@ impl Points {
                     move_particle(body, slot, way, motion - self.known_motion[id]);
                     (self.known[id], self.known_motion[id]) = (end, motion);
                 }
-            }
-        }
-    }
-
-    /// Notes the particles that obstacles hold up.
-    pub fn read_held(&mut self, contacts: &[BodyContacts]) {
-        self.held.clear();
-        self.held.resize(self.start.len(), Vec3::ZERO);
-        for (contacts, &first) in contacts.iter().zip(&self.first).filter(|(_, first)| **first != NONE) {
-            for (_, slot, normal, _) in contacts.obstacles.pushed() {
-                self.held[first as usize + slot] = normal;
             }
         }
     }
