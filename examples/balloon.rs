@@ -33,7 +33,7 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
         (0.0, 1.0, Paint::rgb(0.90, 0.70, 0.30)),
         (1.1, 1.5, Paint::rgb(0.35, 0.55, 0.45)),
     ] {
-        let skin = ClothMesh { bend_stiffness: 0.05, ..default() };
+        let skin = (ClothMesh::default(), Fabric { bend_stiffness: 0.05, ..default() });
         let turned = Transform::from_xyz(x, 1.2, 0.0).with_rotation(Quat::from_rotation_x(0.4));
         commands.spawn((Mesh3d(ball.clone()), skin, Pressure(pressure), paint, turned));
     }

@@ -46,7 +46,7 @@ fn scene() -> impl SceneList {
         Children [
             #Flag
             Cloth { size: Vec2 { x: 1.3, y: 0.8 }, particles: UVec2 { x: 40, y: 25 }, pins: ClothPins::Left }
-            SolverSettings { drag: 1.2 }
+            Fabric { drag: 1.2 }
             Paint::rgb(0.78, 0.12, 0.10)
             Transform { translation: Vec3 { x: 0.68, y: 0.85 } }
         ]

@@ -29,8 +29,8 @@ pub fn main() -> std::process::ExitCode {
 
 fn setup(world: &mut World) {
     world.spawn(Obstacle::ground());
-    let settings = SolverSettings { drag: 1.0, thickness: 0.01, ..default() };
-    let character = character::spawn(world, (settings, Paint::rgb(0.62, 0.10, 0.14)));
+    let surface = BodySurface { drag: 1.0, thickness: 0.01, ..default() };
+    let character = character::spawn(world, (surface, Paint::rgb(0.62, 0.10, 0.14)));
     let motion = WorldMotion::of(character.root).with_scale(0.6, 0.6);
     world.entity_mut(character.cape).insert(motion);
     world.insert_resource(character);

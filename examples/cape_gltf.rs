@@ -87,10 +87,10 @@ pub fn dress(
         if name.as_str() == "Cape.cloth" {
             let paint =
                 ClothPaint { max_distance: Some(PaintChannel::Green), full_distance: 0.7, ..default() };
-            let cape = ClothMesh { areal_density: 0.3, paint, ..default() };
-            let settings = SolverSettings { drag: 1.0, thickness: 0.01, ..default() };
+            let cape = ClothMesh { paint, ..default() };
+            let fabric = Fabric { areal_density: 0.3, drag: 1.0, thickness: 0.01, ..default() };
             let motion = WorldMotion::of(root).with_scale(0.8, 0.5);
-            commands.entity(entity).insert((cape, settings, motion));
+            commands.entity(entity).insert((cape, fabric, motion));
         }
         if let Some(&(_, radius, length, middle)) = CAPSULES.iter().find(|bone| bone.0 == name.as_str()) {
             let capsule = Obstacle::capsule(radius, length).with_friction(0.3);

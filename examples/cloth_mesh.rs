@@ -40,7 +40,8 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
     let waist = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(|places| places.as_float3());
     let is_top = |place: &[f32; 3]| place[1] > 0.295;
     let pins = waist.into_iter().flatten().enumerate().filter(|(_, place)| is_top(place));
-    let skirt = ClothMesh { pins: pins.map(|(i, _)| i as u32).collect(), bend_stiffness: 0.02, ..default() };
+    let skirt = ClothMesh::default().with_pins(pins.map(|(i, _)| i as u32));
+    let skirt = (skirt, Fabric { bend_stiffness: 0.02, ..default() });
     let place = Transform::from_xyz(0.0, 1.0, 0.0);
     commands.spawn((Skirt, Mesh3d(meshes.add(mesh)), skirt, Paint::rgb(0.55, 0.18, 0.40), place));
     for side in [-0.09, 0.09] {

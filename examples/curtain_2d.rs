@@ -32,11 +32,11 @@ struct Disc;
 
 fn setup(mut commands: Commands) {
     // Nothing but the sticks to the left and up.
-    let curtain =
-        Cloth { shear_stiffness: 0.0, bend_stiffness: 0.0, ..Cloth::new(1.6, 1.2).with_particles(33, 25) };
+    let curtain = Cloth::new(1.6, 1.2).with_particles(33, 25);
+    let fabric = Fabric { shear_stiffness: 0.0, bend_stiffness: 0.0, ..default() };
     let passes = SolverSettings { substeps: 1, iterations: 5, ..default() };
     let place = Transform::from_xyz(0.0, 1.4, 0.0);
-    commands.spawn((curtain, passes, PlaneLock::default(), Paint::rgb(0.25, 0.45, 0.70), place));
+    commands.spawn((curtain, fabric, passes, PlaneLock::default(), Paint::rgb(0.25, 0.45, 0.70), place));
     // Its middle is in the plane: what it pushes stays there.
     commands.spawn((Disc, Obstacle::sphere(0.2), Transform::from_xyz(-1.4, 0.9, 0.0)));
 }

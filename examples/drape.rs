@@ -39,7 +39,7 @@ fn setup(mut commands: Commands) {
         let cloth = Cloth::new(1.15, 1.15).with_particles(44, 44).with_pins(ClothPins::None);
         let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
         let paint = Paint::rgb(0.85 - 0.14 * place as f32, 0.42, 0.22 + 0.12 * place as f32);
-        let settings = SolverSettings { thickness: 0.02, ..default() };
-        commands.spawn((cloth, settings, paint, Transform::from_xyz(x, 1.3, 0.0).with_rotation(flat)));
+        let fabric = Fabric { thickness: 0.02, ..default() };
+        commands.spawn((cloth, fabric, paint, Transform::from_xyz(x, 1.3, 0.0).with_rotation(flat)));
     }
 }

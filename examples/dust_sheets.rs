@@ -45,8 +45,8 @@ fn furnish(file: Res<AwaitedFile>, files: Res<Assets<Gltf>>, mut commands: Comma
         let sheet = Cloth::new(width, depth)
             .with_particles((32.0 * width) as u32, (32.0 * depth) as u32)
             .with_pins(ClothPins::None);
-        let settings = SolverSettings { thickness: 0.015, friction: 0.6, ..default() };
+        let fabric = Fabric { thickness: 0.015, friction: 0.6, ..default() };
         let place = Transform::from_xyz(x, height, 0.0).with_rotation(flat);
-        commands.spawn((sheet, settings, Paint::rgb(0.86, 0.84, 0.78), place));
+        commands.spawn((sheet, fabric, Paint::rgb(0.86, 0.84, 0.78), place));
     }
 }

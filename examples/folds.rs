@@ -27,9 +27,9 @@ pub fn main() -> std::process::ExitCode {
 fn setup(mut commands: Commands) {
     commands.spawn(Obstacle::ground());
     let strip = Cloth::new(0.4, 2.0).with_particles(17, 81).with_pins(ClothPins::None);
-    let settings =
-        SolverSettings { self_contact: SelfContact::On, thickness: 0.025, friction: 0.6, ..default() };
+    let fabric = Fabric { thickness: 0.025, friction: 0.6, ..default() };
+    let settings = SolverSettings { self_contact: SelfContact::On, ..default() };
     // Leans a little, so that it falls over.
     let place = Transform::from_xyz(0.0, 1.05, 0.0).with_rotation(Quat::from_rotation_x(0.03));
-    commands.spawn((strip, settings, Paint::rgb(0.86, 0.80, 0.66), place));
+    commands.spawn((strip, fabric, settings, Paint::rgb(0.86, 0.80, 0.66), place));
 }

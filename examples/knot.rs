@@ -42,16 +42,11 @@ fn setup(mut commands: Commands) {
     let loose = (0.3, SelfContact::Off, Paint::rgb(0.24, 0.40, 0.58));
     for (x, self_contact, paint) in [knotted, loose] {
         let rope = Rope { end_mass: 0.5, ..Rope::new(Vec3::ZERO, Vec3::NEG_Y * LENGTH, 121) };
-        let settings = SolverSettings {
-            self_contact,
-            thickness: RADIUS,
-            friction: 0.3,
-            substeps: 16,
-            iterations: 4,
-            ..default()
-        };
+        let settings = SolverSettings { self_contact, substeps: 16, iterations: 4, ..default() };
+        let surface = BodySurface { thickness: RADIUS, friction: 0.3, ..default() };
         let place = Transform::from_xyz(x, 2.6, 0.0);
-        let rope = commands.spawn((rope, settings, Straight, RopeMesh::new(RADIUS), paint, place)).id();
+        let rope =
+            commands.spawn((rope, settings, surface, Straight, RopeMesh::new(RADIUS), paint, place)).id();
         // Only to look at: it touches nothing.
         let load = (Obstacle::sphere(0.05), DrapeLayers::new(0, 0), Paint::rgb(0.35, 0.35, 0.38));
         commands.spawn((load, FollowParticle::last(rope)));

@@ -41,7 +41,7 @@ fn setup(mut commands: Commands) {
         let sheet = Cloth::new(1.0, 1.0).with_spacing(0.03).with_pins(ClothPins::None);
         let level = Transform::from_xyz(x, height, 0.0).with_rotation(Quat::from_rotation_x(-FRAC_PI_2));
         commands
-            .spawn((sheet, SolverSettings { drag: 2.0, ..default() }, ContactEvents, IN_FLIGHT, level))
+            .spawn((sheet, Fabric { drag: 2.0, ..default() }, ContactEvents, IN_FLIGHT, level))
             .observe(|touched: On<DrapeContactStarted>, mut paints: Query<&mut Paint>| {
                 paint(touched.event_target(), TOUCHING, &mut paints);
             })

@@ -25,26 +25,26 @@ pub fn main() -> std::process::ExitCode {
 }
 
 /// From left to right, with their colours.
-const MATERIALS: [(Preset, Paint); 7] = [
-    (Preset::Silk, Paint::rgb(0.75, 0.12, 0.22)),
-    (Preset::Cotton, Paint::rgb(0.86, 0.84, 0.78)),
-    (Preset::Denim, Paint::rgb(0.16, 0.24, 0.42)),
-    (Preset::Leather, Paint::rgb(0.36, 0.20, 0.11)),
-    (Preset::Rubber, Paint::rgb(0.12, 0.12, 0.12)),
-    (Preset::Net, Paint::rgb(0.30, 0.45, 0.20)),
-    (Preset::Chain, Paint::rgb(0.55, 0.57, 0.60)),
+const MATERIALS: [(Fabric, Paint); 7] = [
+    (Fabric::SILK, Paint::rgb(0.75, 0.12, 0.22)),
+    (Fabric::COTTON, Paint::rgb(0.86, 0.84, 0.78)),
+    (Fabric::DENIM, Paint::rgb(0.16, 0.24, 0.42)),
+    (Fabric::LEATHER, Paint::rgb(0.36, 0.20, 0.11)),
+    (Fabric::RUBBER, Paint::rgb(0.12, 0.12, 0.12)),
+    (Fabric::NET, Paint::rgb(0.30, 0.45, 0.20)),
+    (Fabric::CHAIN, Paint::rgb(0.55, 0.57, 0.60)),
 ];
 
 fn setup(mut commands: Commands) {
     commands.spawn(Obstacle::ground());
-    for (place, (preset, paint)) in MATERIALS.into_iter().enumerate() {
+    for (place, (fabric, paint)) in MATERIALS.into_iter().enumerate() {
         let x = 0.95 * (place as f32 - 3.0);
         commands.spawn((Obstacle::capsule(0.16, 0.5), Transform::from_xyz(x, 0.6, 0.0)));
         // Flat, above the post.
         let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
         commands.spawn((
-            Cloth::new(0.8, 0.8).with_particles(24, 24).with_pins(ClothPins::None).with_preset(preset),
-            SolverSettings { static_friction: 1.0, ..SolverSettings::from(preset) },
+            Cloth::new(0.8, 0.8).with_particles(24, 24).with_pins(ClothPins::None),
+            Fabric { static_friction: 1.0, ..fabric },
             Transform::from_xyz(x, 1.1, 0.0).with_rotation(flat),
             paint,
         ));

@@ -99,6 +99,8 @@ fn the_scene_file_describes_the_demo() {
     assert!(script.obstacles.get("ground").is_some());
     let Some(Body::Cloth(curtain)) = script.bodies.get("curtain") else { panic!("no curtain") };
     assert_eq!(Cloth::from(curtain), demo.cloth());
+    let surface = curtain.surface.over(settings.surface.over(BodySurface::default()));
+    assert_eq!(Fabric::from(curtain).with_surface(surface), demo.fabric());
     assert_eq!(curtain.at.y - 0.5 * demo.cloth().size.y, curtain_clearance());
     let solver = curtain.solver.over(settings.solver.over(SolverSettings::default()));
     assert_eq!(solver, demo.settings());

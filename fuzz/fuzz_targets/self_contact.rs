@@ -8,7 +8,7 @@ use drape_solver::state::crossings::CrossingCounter;
 use drape_solver::state::measure;
 use drape_solver::{
     Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Placement, SelfContact, Shape,
-    SolverSettings, step,
+    BodySettings, step,
 };
 use libfuzzer_sys::fuzz_target;
 
@@ -80,13 +80,13 @@ fn cloth(c: &mut Choices, x: f32) -> Body {
         bend_stiffness: c.of(&[0.1, 0.0, 0.5]),
         ..ClothMaterial::default()
     };
-    let settings = SolverSettings {
+    let settings = BodySettings {
         substeps: c.of(&[8, 1, 4]),
         iterations: c.of(&[2, 1, 4]),
         friction: c.of(&[0.5, 0.0, 2.0]),
         thickness: c.of(&[0.005, 0.001, 0.02, 0.0001, 0.1]),
         self_contact: SelfContact::On,
-        ..SolverSettings::default()
+        ..BodySettings::default()
     };
     let pins = c.byte();
     let mut cloth = ClothBuilder::new(width, height, 2 + u32::from(c.below(8)), 2 + u32::from(c.below(8)))

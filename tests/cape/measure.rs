@@ -87,11 +87,11 @@ pub fn measure(
     character: Res<Character>,
     skin: Res<Skin>,
     places: Query<&GlobalTransform>,
-    capes: Query<(&Particles, &Sticks, &WeldedVertices, &SolverSettings)>,
+    capes: Query<(&Particles, &Sticks, &WeldedVertices, &BodySurface)>,
     counts: Res<MotionLimitCounts>,
     mut worst: ResMut<Worst>,
 ) {
-    let Ok((particles, sticks, welded, settings)) = capes.get(character.cape) else { return };
+    let Ok((particles, sticks, welded, surface)) = capes.get(character.cape) else { return };
     let place = |entity: Entity| places.get(entity).expect("placed").affine();
     let posed = skin.posed(|joint| place(character.joints[joint]));
     let mut deep = 0;
@@ -114,7 +114,7 @@ pub fn measure(
         let depth = depth.fold(f32::NEG_INFINITY, f32::max);
         worst.depth_of_conflicts = worst.depth_of_conflicts.max(depth);
         let is_at_limit = off > limit - 1e-4;
-        if depth + settings.thickness > 2e-3 && is_at_limit {
+        if depth + surface.thickness > 2e-3 && is_at_limit {
             deep += 1;
         } else {
             worst.depth = worst.depth.max(depth);

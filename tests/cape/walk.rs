@@ -12,8 +12,8 @@ use drape_examples::character::{self, Character};
 /// Length of the walk in seconds.
 const WALK: f64 = 30.0;
 
-fn settings() -> SolverSettings {
-    SolverSettings { drag: 1.0, thickness: 0.01, ..default() }
+fn surface() -> BodySurface {
+    BodySurface { drag: 1.0, thickness: 0.01, ..default() }
 }
 
 /// An app with a character in a cape, `fps` frames a second.
@@ -23,7 +23,7 @@ fn dressed(fps: f64, motion: impl Fn(Entity) -> WorldMotion) -> App {
     app.cleanup();
     frames(&mut app, 1.0 / fps);
     app.update();
-    let character = character::spawn(app.world_mut(), settings());
+    let character = character::spawn(app.world_mut(), surface());
     let motion = motion(character.root);
     app.world_mut().entity_mut(character.cape).insert(motion);
     app.insert_resource(character).init_resource::<Skin>().init_resource::<Worst>();

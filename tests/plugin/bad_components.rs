@@ -26,12 +26,6 @@ fn cloths_that_cannot_be() {
         (with(|c| c.particles = UVec2::ONE), "particles"),
         (with(|c| c.particles = UVec2::new(1, 9)), "particles"),
         (with(|c| c.particles = UVec2::MAX), "particles"),
-        (with(|c| c.areal_density = -1.0), "density"),
-        (with(|c| c.areal_density = 0.0), "density"),
-        (with(|c| c.areal_density = f32::NAN), "density"),
-        (with(|c| c.stretch_stiffness = 1.5), "stiffness"),
-        (with(|c| c.bend_stiffness = f32::NAN), "stiffness"),
-        (with(|c| c.damping = -1.0), "damping"),
         (with(|c| c.pins = ClothPins::Indices(vec![81])), "pin"),
     ];
     for (cloth, word) in bad {
@@ -44,17 +38,37 @@ fn cloths_that_cannot_be() {
 }
 
 #[test]
+fn fabrics_out_of_range() {
+    let bad = [
+        (Fabric { areal_density: -1.0, ..default() }, "density"),
+        (Fabric { areal_density: 0.0, ..default() }, "density"),
+        (Fabric { areal_density: f32::NAN, ..default() }, "density"),
+        (Fabric { stretch_stiffness: 1.5, ..default() }, "stiffness"),
+        (Fabric { bend_stiffness: f32::NAN, ..default() }, "stiffness"),
+        (Fabric { damping: -1.0, ..default() }, "damping"),
+        (Fabric { drag: -1.0, ..default() }, "drag"),
+        (Fabric { thickness: f32::NAN, ..default() }, "thickness"),
+    ];
+    for (fabric, word) in bad {
+        let (mut app, entity) = assert_refused((free_cloth(), fabric), &["Fabric", word]);
+        *get_mut::<Fabric>(&mut app, entity) = default();
+        assert_mended(&mut app, entity);
+        assert!(refusals(&app, entity).is_empty());
+    }
+}
+
+#[test]
 fn a_cloth_that_is_spoilt_later_is_taken_out() {
     let mut app = app();
     let cloth = app.world_mut().spawn(curtain()).id();
     step(&mut app, 5);
-    get_mut::<Cloth>(&mut app, cloth).areal_density = -2.0;
+    get_mut::<Fabric>(&mut app, cloth).areal_density = -2.0;
     step(&mut app, 5);
     assert!(app.world().get::<Particles>(cloth).is_none());
     assert_eq!(counts(&app), (0, 0, 0));
     assert_eq!(refusals(&app, cloth).len(), 1);
     // A second fault is told, too.
-    get_mut::<Cloth>(&mut app, cloth).areal_density = 0.2;
+    get_mut::<Fabric>(&mut app, cloth).areal_density = 0.2;
     get_mut::<Cloth>(&mut app, cloth).size.x = -1.0;
     step(&mut app, 5);
     assert!(refusals(&app, cloth)[0].contains("width"), "{:?}", refusals(&app, cloth));
@@ -276,9 +290,10 @@ fn particles_and_sticks_that_do_not_belong_together() {
 
 #[test]
 fn a_refusal_has_its_entity_its_component_and_a_typed_error() {
-    let (app, entity) = assert_refused(Cloth { areal_density: -1.0, ..curtain() }, &["areal_density"]);
+    let (app, entity) =
+        assert_refused((curtain(), Fabric { areal_density: -1.0, ..default() }), &["areal_density"]);
     let refusals: Vec<_> = app.world().resource::<Refusals>().of(entity).collect();
-    assert_eq!((refusals[0].entity, refusals[0].component), (Some(entity), "Cloth"));
+    assert_eq!((refusals[0].entity, refusals[0].component), (Some(entity), "Fabric"));
     let error = refusals[0].error().downcast_ref::<BuildError>();
     assert!(matches!(error, Some(BuildError::NotPositive { value: -1.0, .. })), "{error:?}");
 }

@@ -14,10 +14,6 @@ fn settings_out_of_range() {
         (SolverSettings { substeps: 0, ..good }, "substeps"),
         (SolverSettings { substeps: u32::MAX, ..good }, "substeps"),
         (SolverSettings { iterations: 0, ..good }, "iterations"),
-        (SolverSettings { drag: f32::NAN, ..good }, "drag"),
-        (SolverSettings { drag: -1.0, ..good }, "drag"),
-        (SolverSettings { friction: f32::INFINITY, ..good }, "friction"),
-        (SolverSettings { thickness: f32::NAN, ..good }, "thickness"),
     ];
     for (settings, word) in bad {
         let (mut app, entity) = assert_refused((free_cloth(), settings), &["SolverSettings", word]);
@@ -34,6 +30,23 @@ fn settings_out_of_range() {
     assert_eq!((activity(&app, a), activity(&app, b)), (Activity::Culled, Activity::Active));
     app.insert_resource(DefaultSolverSettings::default());
     assert_mended(&mut app, a);
+}
+
+#[test]
+fn surfaces_out_of_range() {
+    let good = BodySurface::default();
+    let bad = [
+        (BodySurface { drag: f32::NAN, ..good }, "drag"),
+        (BodySurface { drag: -1.0, ..good }, "drag"),
+        (BodySurface { friction: f32::INFINITY, ..good }, "friction"),
+        (BodySurface { thickness: f32::NAN, ..good }, "thickness"),
+    ];
+    for (surface, word) in bad {
+        let (mut app, entity) = assert_refused((free_cloth(), surface), &["BodySurface", word]);
+        assert_eq!(activity(&app, entity), Activity::Culled);
+        app.world_mut().entity_mut(entity).insert(good);
+        assert_mended(&mut app, entity);
+    }
 }
 
 #[test]

@@ -153,19 +153,19 @@ pub fn free_cloth() -> Cloth {
     curtain().with_pins(ClothPins::None)
 }
 
-/// Settings with the drag of a heavy curtain, so that it hangs quietly soon.
-pub fn quiet() -> SolverSettings {
-    SolverSettings { drag: 3.0, ..default() }
+/// The drag of a heavy curtain, so that it hangs quietly soon.
+pub fn quiet() -> BodySurface {
+    BodySurface { drag: 3.0, ..default() }
 }
 
 /// The same without friction.
-pub fn slippery() -> SolverSettings {
-    SolverSettings { friction: 0.0, ..quiet() }
+pub fn slippery() -> BodySurface {
+    BodySurface { friction: 0.0, ..quiet() }
 }
 
-/// Settings without any drag.
-pub fn dragless() -> SolverSettings {
-    SolverSettings { drag: 0.0, ..default() }
+/// Without any drag.
+pub fn dragless() -> BodySurface {
+    BodySurface { drag: 0.0, ..default() }
 }
 
 /// Steps until `entity` is at rest. Panics after half a minute of simulated time.

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::ball::ProjectileState;
-use bevy_drape::body::{Activity, DefaultSolverSettings, Sticks};
+use bevy_drape::body::{Activity, DefaultBodySurface, Sticks};
 use bevy_drape::prelude::*;
 
 use crate::common::*;
@@ -86,18 +86,19 @@ fn a_changed_projectile_is_launched_anew() {
 }
 
 #[test]
-fn bodies_without_settings_use_the_default_ones() {
-    let fall = |own: Option<SolverSettings>, default: SolverSettings| {
+fn bodies_without_a_surface_use_the_default_one() {
+    let fall = |own: Option<BodySurface>, default: BodySurface| {
         let mut app = app();
-        app.insert_resource(DefaultSolverSettings(default));
-        let cloth = app.world_mut().spawn(free_cloth()).id();
+        app.insert_resource(DefaultBodySurface(default));
+        let rope = Rope { pin_start: false, ..Rope::new(Vec3::NEG_X, Vec3::X, 9) };
+        let rope = app.world_mut().spawn(rope).id();
         if let Some(own) = own {
-            app.world_mut().entity_mut(cloth).insert(own);
+            app.world_mut().entity_mut(rope).insert(own);
         }
         run(&mut app, 1.0);
-        -centre(&app, cloth).y
+        -centre(&app, rope).y
     };
-    let draggy = SolverSettings { drag: 20.0, ..default() };
+    let draggy = BodySurface { drag: 20.0, ..default() };
     assert!((fall(None, dragless()) - 0.5 * GRAVITY).abs() < 0.1);
     assert!(fall(None, draggy) < 0.6);
     assert!((fall(Some(dragless()), draggy) - 0.5 * GRAVITY).abs() < 0.1);

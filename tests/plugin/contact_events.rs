@@ -55,7 +55,7 @@ fn ended_pairs(app: &App) -> Vec<(Entity, Entity)> {
 }
 
 /// A free cloth at this place, lying flat.
-fn level(at: Vec3) -> (Cloth, SolverSettings, Transform) {
+fn level(at: Vec3) -> (Cloth, BodySurface, Transform) {
     let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
     (free_cloth(), quiet(), Transform::from_translation(at).with_rotation(flat))
 }

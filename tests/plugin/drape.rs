@@ -50,8 +50,8 @@ fn cloths_that_were_dropped_sleep_within_ten_seconds_and_stay_for_a_minute() {
         let cloth = Cloth::new(2.0, 2.0).with_particles(33, 33).with_pins(ClothPins::None);
         let level = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
         let above = Transform::from_translation(place + Vec3::Y * 0.9).with_rotation(level);
-        let settings = SolverSettings { friction: 0.6, thickness: 0.01, ..default() };
-        cloths.push((name, app.world_mut().spawn((cloth, settings, above)).id()));
+        let fabric = Fabric { friction: 0.6, thickness: 0.01, ..default() };
+        cloths.push((name, app.world_mut().spawn((cloth, fabric, above)).id()));
     }
     let bodies: Vec<Entity> = cloths.iter().map(|&(_, cloth)| cloth).collect();
     let mut asleep_after = vec![None; cloths.len()];

@@ -44,8 +44,8 @@ fn a_box_shot_at_a_hanging_curtain_slows_down_by_what_it_is_told() {
 fn a_box_and_a_free_cloth_keep_their_momentum() {
     let mut app = app();
     weightless(&mut app);
-    let settings = SolverSettings { drag: 0.0, ..default() };
-    let cloth = app.world_mut().spawn((free_cloth(), settings)).id();
+    let surface = BodySurface { drag: 0.0, ..default() };
+    let cloth = app.world_mut().spawn((free_cloth(), surface)).id();
     step(&mut app, 2);
     let at = Transform::from_translation(centre(&app, cloth) + Vec3::new(0.1, 0.05, -0.4));
     let shot = app.world_mut().spawn((shot_box(Vec3::Z * 4.0), at)).id();
@@ -120,10 +120,10 @@ fn dynamic_obstacles_that_cannot_be() {
 fn a_box_between_two_cloths_keeps_the_momentum_of_all_three() {
     let mut app = app();
     weightless(&mut app);
-    let settings = SolverSettings { drag: 0.0, ..default() };
+    let surface = BodySurface { drag: 0.0, ..default() };
     let cloths = [-0.3, 0.3].map(|z| {
         let at = Transform::from_xyz(0.0, 0.0, z);
-        app.world_mut().spawn((free_cloth(), settings, at)).id()
+        app.world_mut().spawn((free_cloth(), surface, at)).id()
     });
     step(&mut app, 2);
     let middle = centre(&app, cloths[0]) + Vec3::Z * 0.3;

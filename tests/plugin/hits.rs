@@ -47,8 +47,8 @@ fn a_cloth_is_hit_and_takes_momentum() {
     let hits = hits(&app);
     assert_eq!(hits.len(), 1, "{hits:?}");
     assert_eq!((hits[0].projectile, hits[0].target, hits[0].kind), (ball, cloth, HitTarget::Body));
-    let settings = get::<SolverSettings>(&app, cloth);
-    let expected = f64::from((2.0 - 0.15 - settings.thickness) / 12.0);
+    let surface = get::<BodySurface>(&app, cloth);
+    let expected = f64::from((2.0 - 0.15 - surface.thickness) / 12.0);
     assert!((hits[0].time - expected).abs() < 1e-4, "{} s, expected {expected} s", hits[0].time);
     let particles = get::<Particles>(&app, cloth);
     let taken = drape_solver::state::measure::momentum(particles).z;

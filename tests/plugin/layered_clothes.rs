@@ -9,7 +9,7 @@ use crate::common::*;
 const THICKNESS: f32 = 0.02;
 
 fn settings(self_contact: SelfContact) -> SolverSettings {
-    SolverSettings { thickness: THICKNESS, self_contact, drag: 2.0, ..default() }
+    SolverSettings { self_contact, ..default() }
 }
 
 /// A sheet of 0.6 m that lies level at this place.
@@ -17,7 +17,8 @@ fn sheet(app: &mut App, at: Vec3, settings: SolverSettings) -> Entity {
     let level = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
     let place = Transform::from_translation(at).with_rotation(level);
     let cloth = Cloth::new(0.6, 0.6).with_particles(13, 13).with_pins(ClothPins::None);
-    app.world_mut().spawn((cloth, settings, place)).id()
+    let fabric = Fabric { thickness: THICKNESS, drag: 2.0, ..default() };
+    app.world_mut().spawn((cloth, fabric, settings, place)).id()
 }
 
 fn least_distance(app: &App, a: Entity, b: Entity) -> f32 {

@@ -103,13 +103,12 @@ fn a_cloth_that_is_described_anew_far_away_becomes_coarse_again() {
 /// The material is the same: mass, and how far a soft cloth hangs down by its own weight.
 #[test]
 fn coarse_cloth_weighs_and_stretches_as_fine_cloth_does() {
-    let soft = || Cloth {
-        stretch_stiffness: 0.99,
-        shear_stiffness: 0.9,
-        ..Cloth::new(1.0, 1.5).with_particles(33, 49)
+    let soft = || {
+        let fabric = Fabric { stretch_stiffness: 0.99, shear_stiffness: 0.9, ..default() };
+        (Cloth::new(1.0, 1.5).with_particles(33, 49), fabric)
     };
     // Solved so well that what is left is the material's.
-    let settings = SolverSettings { tethers: false, substeps: 64, ..quiet() };
+    let settings = (SolverSettings { tethers: false, substeps: 64, ..default() }, quiet());
     let mut figures = Vec::new();
     for distance in [1.0, 30.0, 80.0] {
         let mut app = app();

@@ -33,7 +33,7 @@ fn a_fault_is_logged_as_an_error_once() {
     bevy::log::tracing::subscriber::set_global_default(subscriber).expect("no other test logs");
     let mut app = app();
     // Other tests log, too: this value is this test's own.
-    let cloth = app.world_mut().spawn(Cloth { areal_density: -123.25, ..curtain() }).id();
+    let cloth = app.world_mut().spawn((curtain(), Fabric { areal_density: -123.25, ..default() })).id();
     let transform = app
         .world_mut()
         .spawn((free_cloth(), Name::new("a lost banner"), Transform::from_xyz(f32::NAN, 0.0, 0.0)))

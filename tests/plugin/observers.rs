@@ -76,7 +76,7 @@ fn a_body_hears_that_it_is_built_sleeps_and_wakes() {
     get_mut::<Particles>(&mut app, curtain).set_velocity(40, Vec3::Z);
     step(&mut app, 1);
     assert_eq!(told(&app), [[1, 1, 1]; 2]);
-    get_mut::<Cloth>(&mut app, curtain).areal_density *= 2.0;
+    get_mut::<Fabric>(&mut app, curtain).areal_density *= 2.0;
     step(&mut app, 1);
     assert_eq!(told(&app)[0][0], 2, "it was built anew");
 }

@@ -52,12 +52,28 @@ pub fn settings(dice: &mut Dice) -> SolverSettings {
     SolverSettings {
         substeps: 1 + dice.below(16) as u32,
         iterations: 1 + dice.below(4) as u32,
-        drag: dice.of(&[0.0, 0.6, 20.0]),
-        friction: dice.of(&[0.0, 0.5, 3.0]),
-        thickness: dice.of(&[0.0, 0.005, 0.05]),
         structural: dice.of(&[StructuralSolve::Sweeps, StructuralSolve::Lines]),
         self_contact: dice.of(&[SelfContact::Off, SelfContact::On]),
         tethers: dice.below(2) == 0,
+        ..default()
+    }
+}
+
+pub fn surface(dice: &mut Dice) -> BodySurface {
+    BodySurface {
+        drag: dice.of(&[0.0, 0.6, 20.0]),
+        friction: dice.of(&[0.0, 0.5, 3.0]),
+        thickness: dice.of(&[0.0, 0.005, 0.05]),
+        ..default()
+    }
+}
+
+pub fn fabric(dice: &mut Dice) -> Fabric {
+    Fabric {
+        areal_density: dice.of(&[0.01, 0.25, 10.0]),
+        bend_stiffness: dice.of(&[0.0, 0.1, 1.0]),
+        damping: dice.of(&[0.0, 5.0]),
+        friction: dice.of(&[0.0, 0.5]),
         ..default()
     }
 }
@@ -76,18 +92,14 @@ pub fn cloth(dice: &mut Dice) -> Cloth {
         // Now and then one that is refused.
         size: Vec2::new(dice.of(&[0.3, 1.0, 2.0, -1.0]), 1.0),
         particles: UVec2::new(2 + dice.below(8) as u32, 2 + dice.below(8) as u32),
-        areal_density: dice.of(&[0.01, 0.25, 10.0]),
-        bend_stiffness: dice.of(&[0.0, 0.1, 1.0]),
-        damping: dice.of(&[0.0, 5.0]),
         pins: dice.of(&pins),
-        ..default()
     }
 }
 
 fn spawn(world: &mut World, dice: &mut Dice) -> Entity {
     let place = dice.place();
     match dice.below(5) {
-        0 | 1 => world.spawn((cloth(dice), settings(dice), place)).id(),
+        0 | 1 => world.spawn((cloth(dice), fabric(dice), settings(dice), place)).id(),
         2 => world
             .spawn((Rope::new(dice.vector(1.0), dice.vector(1.0), 2 + dice.below(20) as u32), place))
             .id(),
@@ -132,11 +144,11 @@ fn operate(world: &mut World, dice: &mut Dice, things: &mut Vec<Entity>) {
             world.resource_mut::<SceneManager>().sleeping = dice.below(2) == 0;
         }
         4 => {
-            let settings = settings(dice);
-            world.entity_mut(entity).insert(settings);
+            let (settings, surface) = (settings(dice), surface(dice));
+            world.entity_mut(entity).insert((settings, surface));
         }
         5 => {
-            world.entity_mut(entity).remove::<SolverSettings>();
+            world.entity_mut(entity).remove::<(SolverSettings, BodySurface)>();
         }
         6 | 7 => {
             if let Some(mut transform) = world.get_mut::<Transform>(entity) {
@@ -146,6 +158,9 @@ fn operate(world: &mut World, dice: &mut Dice, things: &mut Vec<Entity>) {
         8 => {
             if let Some(mut described) = world.get_mut::<Cloth>(entity) {
                 *described = cloth(dice);
+            }
+            if let Some(mut woven) = world.get_mut::<Fabric>(entity) {
+                *woven = fabric(dice);
             }
         }
         9 => {

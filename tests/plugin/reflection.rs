@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy::reflect::TypePath;
 use bevy_drape::attach::TeleportCloth;
 use bevy_drape::ball::ProjectileState;
-use bevy_drape::body::{Activity, DefaultSolverSettings, Pressure, Sticks};
+use bevy_drape::body::{Activity, DefaultBodySurface, DefaultSolverSettings, Pressure, Sticks};
 use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::cannon::Cannon;
 use bevy_drape::clock::DrapeClock;
@@ -62,6 +62,8 @@ fn components_and_resources_are_registered() {
     assert_component::<Rope>(&app);
     assert_component::<SoftBall>(&app);
     assert_component::<SolverSettings>(&app);
+    assert_component::<Fabric>(&app);
+    assert_component::<BodySurface>(&app);
     assert_component::<Stick>(&app);
     assert_component::<Sticks>(&app);
     assert_component::<Tearable>(&app);
@@ -73,6 +75,7 @@ fn components_and_resources_are_registered() {
     assert_component::<WorldMotion>(&app);
     assert_resource::<ActivityCounts>(&app);
     assert_resource::<DefaultSolverSettings>(&app);
+    assert_resource::<DefaultBodySurface>(&app);
     assert_resource::<DrapeClock>(&app);
     assert_resource::<DrapeContactCounts>(&app);
     assert_resource::<DrapeContactSettings>(&app);

@@ -59,7 +59,7 @@ fn a_winch_pays_out_and_reels_in_at_its_speed_between_its_bounds() {
     let mut app = app();
     let winch = Winch { speed: -0.5, least: 0.5, greatest: 1.5 };
     let rope = Rope { linear_density: 0.2, ..Rope::new(Vec3::ZERO, Vec3::NEG_Y, 33) };
-    let rope = app.world_mut().spawn((rope, winch, SolverSettings { drag: 4.0, ..default() })).id();
+    let rope = app.world_mut().spawn((rope, winch, BodySurface { drag: 4.0, ..default() })).id();
     step(&mut app, 1);
     hang(&mut app, rope, 2.0);
     let load = |app: &App| get::<Particles>(app, rope).position(32);

@@ -20,12 +20,12 @@ fn fields_that_a_scene_leaves_out_have_their_defaults() {
         bsn! { Cloth { size: Vec2 { x: 3.0, y: 2.0 }, particles: UVec2 { x: 7, y: 5 } } }
     }
     let mut app = scene_app();
-    let scene = bsn! { @flag() Cloth { pins: ClothPins::Left } SolverSettings { drag: 2.0 } };
+    let scene = bsn! { @flag() Cloth { pins: ClothPins::Left } Fabric { drag: 2.0 } };
     let flag = app.world_mut().spawn_scene(scene).expect("nothing to load").id();
     let expected =
         Cloth { size: Vec2::new(3.0, 2.0), particles: UVec2::new(7, 5), pins: ClothPins::Left, ..default() };
     assert_eq!(*get::<Cloth>(&app, flag), expected);
-    assert_eq!(*get::<SolverSettings>(&app, flag), SolverSettings { drag: 2.0, ..default() });
+    assert_eq!(*get::<Fabric>(&app, flag), Fabric { drag: 2.0, ..default() });
     step(&mut app, 2);
     assert_eq!(get::<Particles>(&app, flag).len(), 35);
 }

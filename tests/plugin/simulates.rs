@@ -96,8 +96,8 @@ fn cloth_lies_on_an_obstacle_at_the_distance_of_its_thickness() {
     app.world_mut().spawn(Obstacle::ground());
     let flat = Transform::from_xyz(0.0, 0.2, 0.0)
         .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
-    let settings = SolverSettings { thickness: 0.01, ..quiet() };
-    let cloth = app.world_mut().spawn((free_cloth(), flat, settings)).id();
+    let surface = BodySurface { thickness: 0.01, ..quiet() };
+    let cloth = app.world_mut().spawn((free_cloth(), flat, surface)).id();
     settle(&mut app, cloth);
     for position in get::<Particles>(&app, cloth).positions() {
         assert!((position.y - 0.01).abs() < 2e-3, "{position}");

@@ -55,7 +55,7 @@ fn a_swinging_body_does_not_fall_asleep_at_its_turning_points() {
 fn a_swinging_curtain_swings_on() {
     let mut app = app();
     let tilted = Transform::from_rotation(Quat::from_rotation_x(1.0));
-    let curtain = app.world_mut().spawn((curtain(), SolverSettings { drag: 0.02, ..default() }, tilted)).id();
+    let curtain = app.world_mut().spawn((curtain(), BodySurface { drag: 0.02, ..default() }, tilted)).id();
     for _ in 0..600 {
         step(&mut app, 1);
         assert_eq!(activity(&app, curtain), Activity::Active);

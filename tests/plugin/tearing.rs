@@ -69,7 +69,7 @@ fn what_is_cut_off_is_a_clone_with_a_body_of_its_own_and_falls() {
     assert!(!told.torn.is_empty() && told.torn.iter().all(|torn| torn.body == curtain && torn.is_cut));
     let piece = split.piece.expect("large enough");
     assert_eq!(get::<Particles>(&app, piece).len(), split.origins.len());
-    assert_eq!((*get::<Colour>(&app, piece), *get::<SolverSettings>(&app, piece)), (Colour(7), dragless()));
+    assert_eq!((*get::<Colour>(&app, piece), *get::<BodySurface>(&app, piece)), (Colour(7), dragless()));
     assert!(app.world().get::<Cloth>(piece).is_none(), "it is no longer what it was built from");
     assert_eq!(get::<Particles>(&app, other).len(), 81, "the other curtain is elsewhere");
     assert!((mass(&mut app) - before).abs() < 1e-5 * before);

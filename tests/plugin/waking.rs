@@ -69,20 +69,20 @@ fn a_change_of_gravity_wakes() {
 #[test]
 fn a_change_of_settings_wakes() {
     let (mut app, curtain) = sleeping_curtain();
-    get_mut::<SolverSettings>(&mut app, curtain).iterations = 4;
+    app.world_mut().entity_mut(curtain).insert(SolverSettings { iterations: 4, ..default() });
     assert_wakes(&mut app, curtain);
 }
 
 #[test]
 fn a_change_of_the_default_settings_wakes_bodies_without_their_own() {
     let (mut app, curtain) = sleeping_curtain();
-    app.world_mut().entity_mut(curtain).remove::<SolverSettings>();
-    settle(&mut app, curtain);
-    step(&mut app, 10);
     app.world_mut().resource_mut::<DefaultSolverSettings>().substeps = 4;
     assert_wakes(&mut app, curtain);
 
     let (mut app, curtain) = sleeping_curtain();
+    app.world_mut().entity_mut(curtain).insert(SolverSettings::default());
+    settle(&mut app, curtain);
+    step(&mut app, 10);
     app.world_mut().resource_mut::<DefaultSolverSettings>().substeps = 4;
     step(&mut app, 10);
     assert_eq!(activity(&app, curtain), Activity::Resting, "this one has settings of its own");
@@ -311,11 +311,11 @@ fn the_ground_taken_away_wakes_a_ball() {
 }
 
 #[test]
-fn settings_that_were_taken_away_long_before_a_step_wake() {
+fn a_surface_that_was_taken_away_long_before_a_step_wake() {
     let (mut app, curtain) = sleeping_curtain();
     // A picture takes a tenth of a step.
     frame_time(&mut app, STEP / 10.0);
-    app.world_mut().entity_mut(curtain).remove::<SolverSettings>();
+    app.world_mut().entity_mut(curtain).remove::<BodySurface>();
     step(&mut app, 25);
     assert_eq!(activity(&app, curtain), Activity::Active);
 }

@@ -95,7 +95,7 @@ fn a_moving_pin_that_is_freed_flies_on() {
 
 #[test]
 fn removing_a_particle_splits_a_rig_whose_parts_hang_apart() {
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 2.0, ..default() });
+    let mut rigs = Rigs::with_drag(2.0);
     let chain = rigs.chain(Vec3::new(-2.0, 5.0, 0.0), Vec3::new(2.0, 5.0, 0.0), 5, [true, true]);
     rigs.steps(5);
     assert_eq!(rigs.count::<Rig>(), 1);
@@ -158,7 +158,7 @@ fn an_unrelated_edit_does_not_touch_a_rig() {
 
 #[test]
 fn a_measured_rest_length_stays_through_edits() {
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 4.0, ..default() });
+    let mut rigs = Rigs::with_drag(4.0);
     let pin = rigs.pin(Vec3::Y * 5.0);
     let bob = rigs.free(1.0, Vec3::Y * 4.0);
     let stick = rigs.spawn(Stick { stiffness: 0.005, ..Stick::new(pin, bob) });
@@ -196,34 +196,34 @@ fn entity_ids_do_not_matter_to_the_result() {
 }
 
 #[test]
-fn settings_of_the_first_particle_that_has_some_serve_the_rig() {
+fn the_surface_of_the_first_particle_that_has_one_serves_the_rig() {
     let mut rigs = Rigs::weightless();
     let chain = flying(&mut rigs, 3, Vec3::Y);
     let other = flying(&mut rigs, 2, Vec3::Y);
-    let settings = |drag| SolverSettings { drag, ..default() };
+    let surface = |drag| BodySurface { drag, ..default() };
     let world = rigs.app.world_mut();
-    world.entity_mut(chain[2]).insert(settings(5.0));
-    world.entity_mut(chain[1]).insert(settings(1.0));
+    world.entity_mut(chain[2]).insert(surface(5.0));
+    world.entity_mut(chain[1]).insert(surface(1.0));
     rigs.seconds(1.0);
     assert_near(rigs.velocity(chain[0]), Vec3::Y * (-1.0f32).exp(), 0.01);
     assert_near(rigs.velocity(other[0]), Vec3::Y, 1e-3);
 
-    rigs.edit::<SolverSettings>(chain[1], |settings| settings.drag = 2.0);
+    rigs.edit::<BodySurface>(chain[1], |surface| surface.drag = 2.0);
     rigs.seconds(0.5);
     assert_near(rigs.velocity(chain[0]), Vec3::Y * (-2.0f32).exp(), 0.01);
 
-    rigs.app.world_mut().entity_mut(chain[1]).remove::<SolverSettings>();
+    rigs.app.world_mut().entity_mut(chain[1]).remove::<BodySurface>();
     rigs.seconds(0.2);
     assert_near(rigs.velocity(chain[0]), Vec3::Y * (-3.0f32).exp(), 0.01);
 
-    rigs.app.world_mut().entity_mut(chain[2]).remove::<SolverSettings>();
+    rigs.app.world_mut().entity_mut(chain[2]).remove::<BodySurface>();
     rigs.seconds(1.0);
     assert_near(rigs.velocity(chain[0]), Vec3::Y * (-3.0f32).exp(), 0.01);
 }
 
 #[test]
 fn a_rig_at_rest_sleeps_and_an_edit_wakes_it() {
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 2.0, ..default() });
+    let mut rigs = Rigs::with_drag(2.0);
     let chain = rigs.chain(Vec3::Y * 5.0, Vec3::Y * 4.0, 4, [true, false]);
     rigs.seconds(5.0);
     assert_eq!(rigs.activity(chain[0]), Activity::Resting);

@@ -1,7 +1,6 @@
 //! Joints by shared particles, and sticks with a bound.
 
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
 use bevy_drape::rig::{Particle, Stick};
 
 use crate::support::*;
@@ -9,7 +8,7 @@ use crate::support::*;
 /// A weight hangs from a cord that is longer than the drop at first, and a prop keeps two particles apart.
 #[test]
 fn a_cord_holds_from_its_length_on_and_a_prop_down_to_it() {
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 1.0, ..default() });
+    let mut rigs = Rigs::with_drag(1.0);
     let nail = rigs.pin(Vec3::Y * 5.0);
     let bob = rigs.free(1.0, Vec3::Y * 4.8);
     rigs.spawn(Stick::at_most(nail, bob, 1.5));

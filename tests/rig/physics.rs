@@ -62,7 +62,7 @@ fn a_pendulum_swings_with_its_period() {
 
 #[test]
 fn a_bridge_hangs_symmetric_and_as_a_catenary() {
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 2.0, ..default() });
+    let mut rigs = Rigs::with_drag(2.0);
     let (span, links, link) = (5.0f32, 20, 0.275f32);
     let ends = [Vec3::new(0.0, 4.0, 0.0), Vec3::new(span, 4.0, 0.0)];
     let planks = rigs.chain(ends[0], ends[1], links + 1, [true, true]);
@@ -93,7 +93,7 @@ fn a_bridge_hangs_symmetric_and_as_a_catenary() {
 
 #[test]
 fn a_long_chain_with_a_heavy_end_does_not_stretch() {
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 1.0, substeps: 4, ..default() });
+    let mut rigs = Rigs::with_settings(1.0, SolverSettings { substeps: 4, ..default() });
     let chain = rigs.chain(Vec3::Y * 10.0, Vec3::Y * 4.0, 31, [true, false]);
     rigs.edit::<Particle>(chain[30], |particle| particle.mass = 50.0);
     rigs.seconds(4.0);
@@ -104,7 +104,7 @@ fn a_long_chain_with_a_heavy_end_does_not_stretch() {
 
 #[test]
 fn an_elastic_stick_stretches_under_its_load() {
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 3.0, ..default() });
+    let mut rigs = Rigs::with_drag(3.0);
     let pin = rigs.pin(Vec3::Y * 5.0);
     let bob = rigs.free(1.0, Vec3::Y * 4.0);
     rigs.spawn(Stick { stiffness: 0.01, ..Stick::new(pin, bob) });

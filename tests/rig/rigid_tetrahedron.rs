@@ -23,7 +23,7 @@ fn transform(rigs: &Rigs, entity: Entity) -> Transform {
 }
 
 fn rigs() -> Rigs {
-    Rigs::with_settings(SolverSettings { iterations: 4, ..default() })
+    Rigs::with_settings(BodySurface::default().drag, SolverSettings { iterations: 4, ..default() })
 }
 
 /// A crate that falls on an edge comes to lie flat; its `Transform` says so, and it sleeps.

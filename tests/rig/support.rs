@@ -7,7 +7,7 @@ use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, SingleThreadedExecuto
 use bevy::log::tracing_subscriber::{self, util::SubscriberInitExt};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_drape::body::{Activity, DefaultSolverSettings};
+use bevy_drape::body::{Activity, DefaultBodySurface, DefaultSolverSettings};
 use bevy_drape::prelude::*;
 use bevy_drape::rig::{InRig, Particle, Stick};
 use bevy_drape::schedule::DrapeSchedule;
@@ -39,10 +39,14 @@ impl io::Write for Log {
 impl Rigs {
     /// Without drag, so that the laws of free motion hold exactly.
     pub fn new() -> Self {
-        Self::with_settings(SolverSettings { drag: 0.0, ..default() })
+        Self::with_drag(0.0)
     }
 
-    pub fn with_settings(settings: SolverSettings) -> Self {
+    pub fn with_drag(drag: f32) -> Self {
+        Self::with_settings(drag, SolverSettings::default())
+    }
+
+    pub fn with_settings(drag: f32, settings: SolverSettings) -> Self {
         let log = Log::default();
         let writer = log.clone();
         let logging = tracing_subscriber::fmt()
@@ -54,7 +58,8 @@ impl Rigs {
         app.add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()))
             .insert_resource(Time::<Fixed>::from_hz(60.0))
             .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
-            .insert_resource(DefaultSolverSettings(settings));
+            .insert_resource(DefaultSolverSettings(settings))
+            .insert_resource(DefaultBodySurface(BodySurface { drag, ..default() }));
         app.edit_schedule(DrapeSchedule, |schedule| {
             // The log is that of this thread.
             schedule.set_executor(SingleThreadedExecutor::new());

@@ -112,7 +112,7 @@ fn moving_a_free_particle_teleports_it_and_keeps_its_velocity() {
 
 #[test]
 fn moving_a_particle_of_a_rig_at_rest_wakes_it() {
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 2.0, ..default() });
+    let mut rigs = Rigs::with_drag(2.0);
     let chain = rigs.chain(Vec3::Y * 5.0, Vec3::Y * 4.0, 3, [true, false]);
     rigs.seconds(5.0);
     assert_eq!(rigs.activity(chain[2]), Activity::Resting);
@@ -169,7 +169,7 @@ fn a_rig_at_rest_does_not_touch_its_transforms() {
     fn count_writes(mut writes: ResMut<Writes>, written: Query<(), (With<Particle>, Changed<Transform>)>) {
         writes.0 += written.iter().count();
     }
-    let mut rigs = Rigs::with_settings(SolverSettings { drag: 2.0, ..default() });
+    let mut rigs = Rigs::with_drag(2.0);
     rigs.app.init_resource::<Writes>().add_systems(Last, count_writes);
     let chain = rigs.chain(Vec3::Y * 5.0, Vec3::new(0.5, 4.0, 0.0), 4, [true, false]);
     rigs.steps(10);

@@ -88,8 +88,11 @@ pub mod prelude {
     pub use crate::{
         attach::{Attachment, FollowParticle, Tie, TiedParticles, WorldMotion},
         ball::Projectile,
-        body::{ContactEvents, DrapeLayers, Particles, Quality, SelfContact, SolverSettings, Tearable},
-        build::{Cloth, ClothPins, Preset, Rope, SoftBall},
+        body::{
+            BodySurface, ContactEvents, DrapeLayers, Fabric, Particles, Quality, SelfContact, SolverSettings,
+            Tearable,
+        },
+        build::{Cloth, ClothPins, Rope, SoftBall},
         environment::{DrapeGravity, DynamicObstacle, Obstacle, ObstacleShape, Wind, WindZone},
         plugin::DrapePlugins,
         refusal::Refusals,

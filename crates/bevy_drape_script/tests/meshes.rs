@@ -161,7 +161,7 @@ fn another_mesh_makes_another_body_and_another_stiffness_does_not() {
     }
     assert_eq!(entity(&runner), first);
     assert_eq!(runner.world().get::<Pressure>(first), Some(&Pressure(1.2)));
-    assert_eq!(runner.world().get::<ClothMesh>(first).map(|cloth| cloth.bend_stiffness), Some(0.5));
+    assert_eq!(runner.world().get::<Fabric>(first).map(|fabric| fabric.bend_stiffness), Some(0.5));
     while runner.step() {}
     assert_ne!(entity(&runner), first);
     assert_eq!(particles(&runner, "it").len(), 42);

@@ -34,7 +34,7 @@ fn solver() -> impl Strategy<Value = String> {
     (quality, number(0.0..5.0), number(0.0..2.0), number(0.0..0.05), contact).prop_map(
         |(quality, drag, friction, thickness, contact)| {
             format!(
-                "(quality: {quality}, drag: {drag}, friction: {friction}, thickness: {thickness}, self_contact: {contact})"
+                "(quality: {quality}, self_contact: {contact}), surface: (drag: {drag}, friction: {friction}, thickness: {thickness})"
             )
         },
     )

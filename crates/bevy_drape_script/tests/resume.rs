@@ -46,7 +46,7 @@ const SCENE: &str = r#"(
         (when: Hit(of: "cannon", on: "curtain"), do: Push(of: "pair", impulse: (0, 0, 1))),
         (when: Measured(probe: Hits(of: "cannon"), expect: AtLeast(3)), do: Checkpoint("triggered")),
         (at: 2, do: Unpin(of: "curtain")),
-        (at: 2.1, do: Set("curtain.solver.drag", 4)),
+        (at: 2.1, do: Set("curtain.surface.drag", 4)),
         (at: 2.3, do: Checkpoint("fallen")),
         (at: 2.4, do: Pin(of: "curtain", particles: Particles([0, 1]))),
     ],

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure::stretch;
-use drape_solver::{Ball, BallMaterial, ClothBuilder, Edge, Obstacle, SolverSettings, World};
+use drape_solver::{Ball, BallMaterial, BodySettings, ClothBuilder, Edge, Obstacle, World};
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
     let mut world = World::new();
@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let curtain = ClothBuilder::new(2.0, 1.5, 32, 24)
         .placed(Vec3::new(-1.0, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_edge(Edge::Top)
-        .build(SolverSettings { drag: 1.0, ..SolverSettings::default() })?;
+        .build(BodySettings { drag: 1.0, ..BodySettings::default() })?;
     let curtain = world.add_body(curtain);
     let (place, velocity) = (Vec3::new(0.0, 1.2, -3.0), Vec3::new(0.0, 2.0, 8.0));
     let ball = world.add_ball(Ball::new(BallMaterial::default(), place, velocity)?);

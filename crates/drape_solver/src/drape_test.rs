@@ -12,7 +12,7 @@ use crate::geometry::shape::Shape;
 use crate::island::Island;
 use crate::motion::environment::Environment;
 use crate::state::obstacle::Obstacle;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::step::step;
 
 /// Side of the cloth, and diameter of the disc that it hangs over, in metres: those of Cusick's apparatus.
@@ -30,9 +30,9 @@ const SETTLING: [f32; 2] = [2.0, 6.0];
 ///
 /// # Errors
 /// [`StepError`] if material or settings are out of range.
-pub fn drape_coefficient(material: ClothMaterial, settings: SolverSettings) -> Result<f32, StepError> {
+pub fn drape_coefficient(material: ClothMaterial, settings: BodySettings) -> Result<f32, StepError> {
     // Strong drag, so that the cloth does not swing.
-    let settings = SolverSettings { drag: 4.0, thickness: 0.002, ..settings };
+    let settings = BodySettings { drag: 4.0, thickness: 0.002, ..settings };
     let bad = |source| StepError::BadSettings { body: 0, source };
     let cloth = ClothBuilder::new(SIDE, SIDE, 16, 16)
         .placed(Vec3::new(-0.5 * SIDE, settings.thickness, -0.5 * SIDE), Vec3::X, Vec3::Z)
@@ -54,8 +54,8 @@ pub fn drape_coefficient(material: ClothMaterial, settings: SolverSettings) -> R
 ///
 /// # Errors
 /// [`StepError`] if material or settings are out of range.
-pub fn stretch_by_weight(material: ClothMaterial, settings: SolverSettings) -> Result<f32, StepError> {
-    let settings = SolverSettings { drag: 4.0, ..settings };
+pub fn stretch_by_weight(material: ClothMaterial, settings: BodySettings) -> Result<f32, StepError> {
+    let settings = BodySettings { drag: 4.0, ..settings };
     let curtain = ClothBuilder::new(1.0, 1.0, 21, 21).material(material).pin_edge(Edge::Top);
     let curtain = curtain.build(settings).map_err(|source| StepError::BadSettings { body: 0, source })?;
     let mut island = Island::of_body(curtain);

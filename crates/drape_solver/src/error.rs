@@ -95,6 +95,18 @@ pub enum BuildError {
     },
 }
 
+impl BuildError {
+    /// The field that holds an invalid number, if that is the fault.
+    pub fn field(&self) -> Option<&'static str> {
+        match *self {
+            Self::NotFinite { field, .. }
+            | Self::NotPositive { field, .. }
+            | Self::OutOfRange { field, .. } => Some(field),
+            _ => None,
+        }
+    }
+}
+
 /// The reason that a step cannot be taken, or the fault that it found.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]

@@ -190,12 +190,12 @@ impl Island {
     }
 
     /// The number of iterations of the last substep: fewer than asked for if a body's
-    /// [tolerance](crate::SolverSettings::tolerance) let it stop early.
+    /// [tolerance](crate::BodySettings::tolerance) let it stop early.
     pub fn iterations_taken(&self) -> u32 {
         self.context.iterations_taken
     }
 
-    /// The work of [self-contact](crate::SolverSettings::self_contact) in the last step.
+    /// The work of [self-contact](crate::BodySettings::self_contact) in the last step.
     pub fn self_contact_counts(&self) -> SelfContactCounts {
         self.context.contacts.surfaces.counts()
     }

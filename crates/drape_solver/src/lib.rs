@@ -83,7 +83,7 @@ pub use state::obstacle_motion::Reaction;
 pub use state::obstacles::Obstacles;
 pub use state::particles::Particles;
 pub use state::rigid_body::RigidBody;
-pub use state::settings::{Quality, SelfContact, SolverSettings, StickProjection, StructuralSolve};
+pub use state::settings::{BodySettings, Quality, SelfContact, StickProjection, StructuralSolve};
 pub use state::snapshot::{BallSnapshot, ParticlesSnapshot};
 pub use state::tethers::Tethers;
 pub use state::topology::{EmbeddedPoint, StickBatch, StickBound, StickKind, StickMaterial, Topology};

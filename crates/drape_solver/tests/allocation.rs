@@ -7,8 +7,8 @@ use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, RigidBody, SelfContact,
-    Shape, SolverSettings, StructuralSolve, Wind, World, step,
+    Ball, BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, Obstacle, Placement,
+    RigidBody, SelfContact, Shape, StructuralSolve, Wind, World, step,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -19,7 +19,7 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 #[test]
 fn a_warm_step_allocates_nothing() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
-        allocate_nothing(SolverSettings { structural, ..SolverSettings::default() });
+        allocate_nothing(BodySettings { structural, ..BodySettings::default() });
     }
     // All cases are one test, as the count is that of the whole process.
     fold_allocating_nothing();
@@ -57,7 +57,7 @@ fn meet_shapes_allocating_nothing() {
     let last = obstacles.len() - 1;
     let cloth = ClothBuilder::new(2.0, 2.0, 16, 16)
         .placed(Vec3::new(-1.0, 0.8, -1.0), Vec3::X, Vec3::Z)
-        .build(SolverSettings { thickness: 0.01, ..SolverSettings::default() })
+        .build(BodySettings { thickness: 0.01, ..BodySettings::default() })
         .expect("valid");
     let mut island = Island::of_body(cloth);
     for x in [-0.5, 0.0, 0.7] {
@@ -100,7 +100,7 @@ fn step_a_world_allocating_nothing() {
         let curtain = ClothBuilder::new(1.0, 1.0, 9, 9)
             .placed(Vec3::new(3.0 * i as f32, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_edge(Edge::Top)
-            .build(SolverSettings { drag: 8.0, ..SolverSettings::default() })
+            .build(BodySettings { drag: 8.0, ..BodySettings::default() })
             .expect("valid");
         world.add_body(curtain);
     }
@@ -129,8 +129,7 @@ fn step_a_world_allocating_nothing() {
 
 /// A cloth that has folded onto itself.
 fn fold_allocating_nothing() {
-    let settings =
-        SolverSettings { thickness: 0.02, self_contact: SelfContact::On, ..SolverSettings::default() };
+    let settings = BodySettings { thickness: 0.02, self_contact: SelfContact::On, ..BodySettings::default() };
     let cloth = ClothBuilder::new(0.9, 0.9, 24, 24)
         .placed(Vec3::new(0.0, 1.0, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
         .build(settings)
@@ -148,7 +147,7 @@ fn fold_allocating_nothing() {
     assert!(island.self_contact_counts().pairs > 0, "it must have come near itself");
 }
 
-fn allocate_nothing(settings: SolverSettings) {
+fn allocate_nothing(settings: BodySettings) {
     let dt = 1.0 / 60.0;
     let curtain = ClothBuilder::new(1.5, 1.5, 24, 24)
         .placed(Vec3::new(-0.75, 1.2, 0.0), Vec3::X, Vec3::NEG_Y)

@@ -42,6 +42,7 @@ impl CannonScene {
         (
             Curtain,
             self.cloth(),
+            self.fabric(),
             self.settings(),
             Transform::from_xyz(0.0, CURTAIN_HEIGHT, 0.0),
             Name::new("curtain"),
@@ -50,17 +51,17 @@ impl CannonScene {
 
     /// The cloth of the curtain.
     pub fn cloth(&self) -> Cloth {
-        Cloth { size: CURTAIN_SIZE, particles: self.particles, shear_stiffness: 0.3, ..default() }
+        Cloth { size: CURTAIN_SIZE, particles: self.particles, ..default() }
+    }
+
+    /// The fabric of the curtain.
+    pub fn fabric(&self) -> Fabric {
+        Fabric { shear_stiffness: 0.3, drag: CURTAIN_DRAG, ..default() }
     }
 
     /// The settings that the curtain is solved with.
     pub fn settings(&self) -> SolverSettings {
-        SolverSettings {
-            substeps: self.substeps,
-            iterations: self.iterations,
-            drag: CURTAIN_DRAG,
-            ..default()
-        }
+        SolverSettings { substeps: self.substeps, iterations: self.iterations, ..default() }
     }
 }
 

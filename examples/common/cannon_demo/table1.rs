@@ -5,7 +5,7 @@ use std::fs;
 use drape_bench::Failure;
 use drape_bench::bombardment::{Bombardment, Shot as BenchShot};
 use drape_bench::table1::{CurtainReport, measure};
-use drape_solver::{BallMaterial, SolverSettings};
+use drape_solver::{BallMaterial, BodySettings};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -48,11 +48,11 @@ pub fn bombardment(scene: &CannonScene) -> Bombardment {
         size: CURTAIN_SIZE.to_array(),
         clearance: curtain_clearance(),
         particles: scene.particles.to_array(),
-        settings: SolverSettings {
+        settings: BodySettings {
             substeps: scene.substeps,
             iterations: scene.iterations,
             drag: CURTAIN_DRAG,
-            ..SolverSettings::default()
+            ..BodySettings::default()
         },
         ball: BallMaterial {
             radius: ball.radius,

@@ -54,14 +54,8 @@ pub fn cape_mesh() -> Mesh {
 }
 
 /// The cape as it is worn.
-pub fn cape() -> ClothMesh {
-    ClothMesh {
-        areal_density: 0.3,
-        paint: ClothPaint {
-            max_distance: Some(PaintChannel::Green),
-            full_distance: FULL_DISTANCE,
-            ..default()
-        },
-        ..default()
-    }
+pub fn cape() -> (ClothMesh, Fabric) {
+    let paint =
+        ClothPaint { max_distance: Some(PaintChannel::Green), full_distance: FULL_DISTANCE, ..default() };
+    (ClothMesh { paint, ..default() }, Fabric { areal_density: 0.3, ..default() })
 }

@@ -5,7 +5,7 @@
 
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
-use bevy_drape::body::DefaultSolverSettings;
+use bevy_drape::body::{DefaultBodySurface, DefaultSolverSettings};
 use bevy_drape::prelude::*;
 use bevy_drape::rig::Stick;
 
@@ -71,6 +71,7 @@ fn show(world: &mut World) {
     world.insert_resource(Wind::default());
     world.insert_resource(DrapeGravity::default());
     world.insert_resource(DefaultSolverSettings::default());
+    world.insert_resource(DefaultBodySurface::default());
     world.insert_resource(Time::<Fixed>::default());
     let mut showcase = world.resource_mut::<Showcase>();
     showcase.is_due = false;

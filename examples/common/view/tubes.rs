@@ -95,11 +95,11 @@ fn spawn_tubes(
 
 fn write_tubes(
     tubes: Query<(&TubesOf, &Mesh3d)>,
-    bodies: Query<(&Particles, &Sticks, Option<&SolverSettings>)>,
+    bodies: Query<(&Particles, &Sticks, Option<&BodySurface>)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     for (&TubesOf(body), mesh) in &tubes {
-        let (Ok((particles, sticks, settings)), Some(mut mesh)) = (bodies.get(body), meshes.get_mut(mesh))
+        let (Ok((particles, sticks, surface)), Some(mut mesh)) = (bodies.get(body), meshes.get_mut(mesh))
         else {
             continue;
         };
@@ -108,7 +108,7 @@ fn write_tubes(
             .flat_map(drape_solver::StickBatch::range)
             .map(|stick| sticks.stick(stick).map(|end| particles.position(end as usize)));
         // Limbs are as thick as they are simulated.
-        let thickness = settings.map_or(0.0, |settings| settings.thickness);
+        let thickness = surface.map_or(0.0, |surface| surface.thickness);
         write(&mut mesh, ends, thickness.max(RADIUS));
     }
 }

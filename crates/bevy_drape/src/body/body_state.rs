@@ -25,8 +25,10 @@ pub(crate) struct BodyState {
     pub extent: Extent,
     /// True if the body cannot be simulated; the log has the reason.
     pub refused: bool,
+    /// The material of its sticks, if it is of a fabric.
+    pub material: Option<drape_solver::ClothMaterial>,
     /// Settings of the last step; a change wakes the body.
-    pub settings: drape_solver::SolverSettings,
+    pub settings: drape_solver::BodySettings,
     /// Layers of the last step; a change wakes the body.
     pub layers: drape_solver::Layers,
 }

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use drape_solver::{BuildError, ClothBuilder, ClothMaterial, Edge};
+use drape_solver::{BuildError, ClothBuilder, Edge};
 
+use crate::body::fabric::Fabric;
 use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
-/// A rectangular cloth: curtain, flag, sail, table cloth.
+/// A rectangular cloth: curtain, flag, sail, table cloth. Its [`Fabric`] says what it is made of.
 ///
 /// It lies centred in the XY plane of its [`Transform`] and faces +Z. The first step after insertion or a change builds
 /// its [`Particles`](crate::body::particles::Particles) and [`Sticks`](crate::body::particles::Sticks). Pinned
@@ -23,22 +24,12 @@ use crate::build::description::Description;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
-#[require(Transform)]
+#[require(Transform, Fabric)]
 pub struct Cloth {
     /// Width and height in metres.
     pub size: Vec2,
     /// Particles in a row and in a column, at least 2 each.
     pub particles: UVec2,
-    /// Mass per area in kg/m^2.
-    pub areal_density: f32,
-    /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching.
-    pub stretch_stiffness: f32,
-    /// Stiffness of shear sticks, 0 to 1: resists skewing.
-    pub shear_stiffness: f32,
-    /// Stiffness of bend sticks, 0 to 1: resists folding.
-    pub bend_stiffness: f32,
-    /// Damping along the sticks in 1/s.
-    pub damping: f32,
     /// Particles that are fixed to the entity.
     pub pins: ClothPins,
 }
@@ -67,18 +58,7 @@ pub enum ClothPins {
 
 impl Default for Cloth {
     fn default() -> Self {
-        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
-            ClothMaterial::default();
-        Self {
-            size: Vec2::ONE,
-            particles: UVec2::splat(32),
-            areal_density,
-            stretch_stiffness,
-            shear_stiffness,
-            bend_stiffness,
-            damping,
-            pins: ClothPins::Top,
-        }
+        Self { size: Vec2::ONE, particles: UVec2::splat(32), pins: ClothPins::Top }
     }
 }
 
@@ -128,8 +108,7 @@ impl Cloth {
         self
     }
 
-    /// Returns the same cloth with fewer particles: about one in `coarseness` along each side. It weighs, hangs,
-    /// stretches and swings like the original: fewer and heavier particles need softer sticks for the same material.
+    /// Returns the same cloth with fewer particles: about one in `coarseness` along each side.
     pub(crate) fn coarsened(&self, coarseness: u32) -> Self {
         if coarseness <= 1 {
             return self.clone();
@@ -139,11 +118,6 @@ impl Cloth {
             _ => ((side - 1 + coarseness / 2) / coarseness).max(1) + 1,
         };
         let particles = UVec2::new(fewer(self.particles.x), fewer(self.particles.y));
-        // Compliance grows with the square of the spacing, damping shrinks with it.
-        let ratio = (self.particles.max(UVec2::splat(2)) - 1).as_vec2()
-            / (particles.max(UVec2::splat(2)) - 1).as_vec2();
-        let square = ratio.x * ratio.y;
-        let softer = |stiffness: f32| stiffness / (stiffness + (1.0 - stiffness) * square);
         let pins = match &self.pins {
             ClothPins::Indices(indices) => {
                 let place = |i: u32, from: u32, to: u32| (i * (to - 1) + (from - 1) / 2) / (from - 1).max(1);
@@ -157,35 +131,49 @@ impl Cloth {
             }
             pins => pins.clone(),
         };
-        Self {
-            particles,
-            pins,
-            stretch_stiffness: softer(self.stretch_stiffness),
-            shear_stiffness: softer(self.shear_stiffness),
-            bend_stiffness: softer(self.bend_stiffness),
-            damping: self.damping / square,
-            ..self.clone()
+        Self { particles, pins, ..self.clone() }
+    }
+
+    /// Returns the fabric with which this cloth with the particles of `other` weighs, hangs, stretches and swings like this
+    /// one of `fabric`: fewer and heavier particles need softer sticks for the same material.
+    pub(crate) fn fabric_of_coarsened(&self, fabric: &Fabric, other: &Self) -> Fabric {
+        let gaps = |cloth: &Self| (cloth.particles.max(UVec2::splat(2)) - 1).as_vec2();
+        // Compliance grows with the square of the spacing, damping shrinks with it.
+        let ratio = gaps(self) / gaps(other);
+        let square = ratio.x * ratio.y;
+        let softer = |stiffness: f32| stiffness / (stiffness + (1.0 - stiffness) * square);
+        Fabric {
+            stretch_stiffness: softer(fabric.stretch_stiffness),
+            shear_stiffness: softer(fabric.shear_stiffness),
+            bend_stiffness: softer(fabric.bend_stiffness),
+            damping: fabric.damping / square,
+            ..*fabric
         }
     }
 
-    /// Builds the particles and topology of this cloth at `transform`.
+    /// Builds the particles and topology of this cloth with about one particle in `coarseness` along each side.
+    pub(crate) fn build_coarsened(
+        &self,
+        coarseness: u32,
+        fabric: &Fabric,
+        transform: &GlobalTransform,
+    ) -> Result<BodyParts, BuildError> {
+        let coarsened = self.coarsened(coarseness);
+        coarsened.build(&self.fabric_of_coarsened(fabric, &coarsened), transform)
+    }
+
+    /// Builds the particles and topology of this cloth of `fabric` at `transform`.
     ///
     /// # Errors
     /// [`BuildError`] naming the field that cannot be used.
-    pub fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
+    pub fn build(&self, fabric: &Fabric, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let (scale, rotation, _) = transform.to_scale_rotation_translation();
         let size = self.size * scale.truncate();
         let corner = Vec3::new(-self.size.x, self.size.y, 0.0) * 0.5;
         let (columns, rows) = (self.particles.x, self.particles.y);
         let builder = ClothBuilder::new(size.x, size.y, columns, rows)
             .placed(transform.transform_point(corner), rotation * Vec3::X, rotation * Vec3::NEG_Y)
-            .material(ClothMaterial {
-                areal_density: self.areal_density,
-                stretch_stiffness: self.stretch_stiffness,
-                shear_stiffness: self.shear_stiffness,
-                bend_stiffness: self.bend_stiffness,
-                damping: self.damping,
-            });
+            .material(fabric.material());
         let corner =
             |column: u32, row: u32| (column == 0 || column + 1 == columns, row == 0, row + 1 == rows);
         let builder = match &self.pins {
@@ -210,7 +198,7 @@ impl Cloth {
 impl Description for Cloth {
     const NAME: &'static str = "Cloth";
 
-    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
-        self.build(transform)
+    fn build(&self, fabric: &Fabric, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
+        self.build(fabric, transform)
     }
 }

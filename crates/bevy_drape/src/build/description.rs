@@ -1,5 +1,7 @@
 //! Builds bodies from their descriptions: inserts particles, sticks, activity and state as components.
 
+use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::BuildError;
@@ -7,26 +9,54 @@ use drape_solver::world::extent::Extent;
 
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};
+use crate::body::fabric::Fabric;
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::build::built::BodyBuilt;
 use crate::change_detection::collect_changed;
 use crate::refusal::{Cause, Refusals};
+
+/// Entities with a `D` whose fabric may have changed.
+#[derive(SystemParam)]
+pub(crate) struct ChangedFabrics<'w, 's, D: Component> {
+    fabrics: Query<'w, 's, (Entity, Ref<'static, Fabric>), With<D>>,
+    bodies: Query<'w, 's, &'static BodyState>,
+}
+
+impl<D: Component> ChangedFabrics<'_, '_, D> {
+    /// Appends to `found` the entities whose fabric was changed since the last step so that they need other sticks, and those that
+    /// have no body yet.
+    pub fn collect(&self, found: &mut Vec<Entity>) {
+        let first = found.len();
+        collect_changed(&self.fabrics, found);
+        let is_other = |entity: Entity| {
+            let wanted = self.fabrics.get(entity).ok().map(|(_, fabric)| fabric.material());
+            self.bodies.get(entity).map_or(true, |body| body.material != wanted)
+        };
+        let mut row = 0;
+        found.retain(|&entity| {
+            row += 1;
+            row <= first || is_other(entity)
+        });
+    }
+}
 
 /// A component that describes a body.
 pub(crate) trait Description: Component {
     /// Name in the log.
     const NAME: &'static str;
 
-    /// Builds the particles and topology of the body at `transform`.
-    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError>;
+    /// Builds the particles and topology of the body at `transform`; `fabric` matters to cloths only.
+    fn build(&self, fabric: &Fabric, transform: &GlobalTransform) -> Result<BodyParts, BuildError>;
 }
 
-/// Builds bodies whose description was inserted or changed since the last step, and refused ones that have moved.
+/// Builds bodies whose description was inserted or changed since the last step, those whose fabric asks for other sticks, and
+/// refused ones that have moved.
 pub(crate) fn build_described<D: Description>(
     mut commands: Commands,
     described: Query<(Entity, Ref<D>)>,
     not_built: Query<(Entity, Ref<GlobalTransform>), (With<D>, Without<Particles>)>,
-    descriptions: Query<(&D, &GlobalTransform)>,
+    fabrics: ChangedFabrics<D>,
+    descriptions: Query<(&D, Option<&Fabric>, &GlobalTransform)>,
     mut order: ResMut<CreationOrder>,
     mut refusals: ResMut<Refusals>,
     mut to_build: Local<Vec<Entity>>,
@@ -35,22 +65,26 @@ pub(crate) fn build_described<D: Description>(
     let is_listed = |entity: Entity| described.get(entity).is_ok_and(|(_, described)| described.is_changed());
     let listed = to_build.len();
     collect_changed(&not_built, &mut to_build);
+    fabrics.collect(&mut to_build);
     let mut row = 0;
+    let mut seen = EntityHashSet::default();
     to_build.retain(|&entity| {
         row += 1;
-        row <= listed || !is_listed(entity)
+        row <= listed || (!is_listed(entity) && seen.insert(entity))
     });
     for entity in to_build.drain(..) {
-        let Ok((description, transform)) = descriptions.get(entity) else { continue };
+        let Ok((description, fabric, transform)) = descriptions.get(entity) else { continue };
         let built = if transform.affine().is_finite() {
-            description.build(transform).map_err(|error| (D::NAME, Cause::from(error)))
+            description
+                .build(&fabric.copied().unwrap_or_default(), transform)
+                .map_err(|error| (Fabric::or_description(fabric, Some(&error), D::NAME), Cause::from(error)))
         } else {
             Err(("Transform", "it must be finite".into()))
         };
         match built {
             Ok(parts) => {
                 refusals.forget(entity);
-                insert_body(&mut commands, entity, order.next(), transform, parts);
+                insert_body(&mut commands, entity, order.next(), transform, parts, fabric);
             }
             Err((component, reason)) => {
                 refusals.entity(entity, component, reason);
@@ -67,6 +101,7 @@ pub(crate) fn insert_body(
     order: u64,
     transform: &GlobalTransform,
     (particles, topology): BodyParts,
+    fabric: Option<&Fabric>,
 ) {
     let anchor = transform.affine();
     let pins = pins_at(&anchor, &particles);
@@ -75,6 +110,7 @@ pub(crate) fn insert_body(
         anchor,
         rest: anchor,
         pins,
+        material: fabric.map(Fabric::material),
         extent: Extent::of(&particles, &topology),
         ..default()
     };

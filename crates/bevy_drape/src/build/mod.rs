@@ -4,8 +4,8 @@
 //! # use bevy::prelude::*;
 //! # use bevy_drape::prelude::*;
 //! fn setup(mut commands: Commands) {
-//!     let flag = Cloth::new(1.5, 1.0).with_pins(ClothPins::Left).with_preset(Preset::Silk);
-//!     commands.spawn((flag, SolverSettings::from(Preset::Silk), Transform::from_xyz(0.0, 2.0, 0.0)));
+//!     let flag = Cloth::new(1.5, 1.0).with_pins(ClothPins::Left);
+//!     commands.spawn((flag, Fabric::SILK, Transform::from_xyz(0.0, 2.0, 0.0)));
 //!     commands.spawn(Rope::new(Vec3::ZERO, Vec3::NEG_Y, 20));
 //!     commands.spawn((SoftBall::default(), Transform::from_xyz(2.0, 1.0, 0.0)));
 //! }
@@ -23,14 +23,13 @@ pub(crate) mod built;
 pub(crate) mod cloth;
 pub(crate) mod description;
 pub(crate) mod plugin;
-pub(crate) mod preset;
 pub(crate) mod rigid_tetrahedron;
 pub(crate) mod rope;
 pub(crate) mod soft_ball;
 
 pub use built::BodyBuilt;
 pub use cloth::{Cloth, ClothPins};
-pub use preset::Preset;
+pub use drape_solver::Preset;
 pub use rigid_tetrahedron::RigidTetrahedron;
 pub use rope::Rope;
 pub use soft_ball::SoftBall;

@@ -1,11 +1,11 @@
 //! Registers the descriptions that bodies are built from.
 
 use bevy::prelude::*;
+use drape_solver::Preset;
 
 use crate::build::built::BodyBuilt;
 use crate::build::cloth::Cloth;
 use crate::build::description::{build_described, remove_described_body};
-use crate::build::preset::Preset;
 use crate::build::rigid_tetrahedron::{RigidTetrahedron, teleport_rigid_tetrahedra, write_rigid_tetrahedra};
 use crate::build::rope::Rope;
 use crate::build::soft_ball::SoftBall;

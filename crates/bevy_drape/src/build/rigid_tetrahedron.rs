@@ -2,9 +2,10 @@
 
 use bevy::prelude::*;
 use drape_solver::build::rigid_tetrahedron::placement_of;
-use drape_solver::{BuildError, Placement, RigidTetrahedronBuilder, SolverSettings};
+use drape_solver::{BodySettings, BuildError, Placement, RigidTetrahedronBuilder};
 
 use crate::body::activity::Activity;
+use crate::body::fabric::Fabric;
 use crate::body::particles::{BodyParts, Particles};
 use crate::build::description::Description;
 
@@ -90,10 +91,10 @@ impl RigidTetrahedron {
 impl Description for RigidTetrahedron {
     const NAME: &'static str = "RigidTetrahedron";
 
-    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
+    fn build(&self, _: &Fabric, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         let (_, rotation, translation) = transform.to_scale_rotation_translation();
         let builder = self.builder().placed(Placement { translation, rotation });
-        let body = builder.moving(self.velocity, self.angular_velocity).build(SolverSettings::default())?;
+        let body = builder.moving(self.velocity, self.angular_velocity).build(BodySettings::default())?;
         Ok((body.particles, body.topology))
     }
 }

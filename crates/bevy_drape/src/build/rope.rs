@@ -5,14 +5,15 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, RopeBuilder};
 
+use crate::body::fabric::Fabric;
 use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
 /// A rope, cable or chain, straight between two points at first.
 ///
 /// The first step after insertion or a change builds its [`Particles`](crate::body::particles::Particles) and
-/// [`Sticks`](crate::body::particles::Sticks). Pinned ends stay fixed to the entity. The
-/// [`SolverSettings`](crate::body::settings::SolverSettings) give the thickness of its surface.
+/// [`Sticks`](crate::body::particles::Sticks). Pinned ends stay fixed to the entity. Its
+/// [`BodySurface`](crate::body::surface::BodySurface) has its thickness.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform)]
@@ -92,7 +93,7 @@ impl Rope {
 impl Description for Rope {
     const NAME: &'static str = "Rope";
 
-    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
+    fn build(&self, _: &Fabric, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         self.build(transform)
     }
 }

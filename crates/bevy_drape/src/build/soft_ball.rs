@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use drape_solver::{BuildError, SoftBallBuilder};
 
+use crate::body::fabric::Fabric;
 use crate::body::particles::BodyParts;
 use crate::build::description::Description;
 
@@ -68,7 +69,7 @@ impl SoftBall {
 impl Description for SoftBall {
     const NAME: &'static str = "SoftBall";
 
-    fn build(&self, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
+    fn build(&self, _: &Fabric, transform: &GlobalTransform) -> Result<BodyParts, BuildError> {
         self.build(transform)
     }
 }

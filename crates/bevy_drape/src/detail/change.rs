@@ -17,6 +17,7 @@ use crate::attach::follow_particle::ParticleFollowers;
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
+use crate::body::fabric::Fabric;
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;
@@ -47,6 +48,7 @@ pub(crate) struct Detailed {
     state: &'static mut BodyState,
     transform: &'static GlobalTransform,
     cloth: Option<&'static Cloth>,
+    fabric: Option<&'static Fabric>,
     grab: Option<&'static Grab>,
     is_attached: Has<Attachment>,
     is_tearable: Has<Tearable>,
@@ -172,10 +174,10 @@ fn may_change(body: &DetailedItem) -> bool {
 fn change_particles(body: &mut DetailedItem, coarseness: u32) -> Result<(), BuildError> {
     let Some(cloth) = body.cloth else { return Ok(()) };
     let from = cloth.coarsened(body.current.coarseness).particles.to_array();
-    let coarsened = cloth.coarsened(coarseness);
-    let (mut particles, topology) = coarsened.build(body.transform)?;
+    let fabric = body.fabric.copied().unwrap_or_default();
+    let (mut particles, topology) = cloth.build_coarsened(coarseness, &fabric, body.transform)?;
     body.state.pins = pins_at(&body.transform.affine(), &particles);
-    move_over(&body.particles, from, &mut particles, coarsened.particles.to_array());
+    move_over(&body.particles, from, &mut particles, cloth.coarsened(coarseness).particles.to_array());
     body.state.extent = Extent::of(&particles, &topology);
     body.state.rest = body.transform.affine();
     body.state.context = BodyContext::default();
@@ -212,5 +214,6 @@ pub(crate) fn note_lost_detail(lost: On<Remove<LevelOfDetail>>, mut bodies: ResM
 /// Builds the particles and sticks of an entity's cloth at `coarseness`; none without a cloth.
 pub(crate) fn parts_at(entity: EntityRef, coarseness: u32) -> Option<BodyParts> {
     let (cloth, transform) = (entity.get::<Cloth>()?, entity.get::<GlobalTransform>()?);
-    cloth.coarsened(coarseness).build(transform).ok()
+    let fabric = entity.get::<Fabric>().copied().unwrap_or_default();
+    cloth.build_coarsened(coarseness, &fabric, transform).ok()
 }

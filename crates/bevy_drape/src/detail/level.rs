@@ -160,8 +160,8 @@ impl CurrentDetail {
     }
 
     /// Limits the substeps of `settings` to those of the level.
-    pub(crate) fn limit(self, settings: drape_solver::SolverSettings) -> drape_solver::SolverSettings {
-        drape_solver::SolverSettings { substeps: settings.substeps.min(self.most_substeps), ..settings }
+    pub(crate) fn limit(self, settings: drape_solver::BodySettings) -> drape_solver::BodySettings {
+        drape_solver::BodySettings { substeps: settings.substeps.min(self.most_substeps), ..settings }
     }
 }
 

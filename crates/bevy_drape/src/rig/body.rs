@@ -8,6 +8,7 @@ use drape_solver::{BuildError, StickBound, StickKind, StickMaterial, Tethers, To
 
 use crate::body::particles::BodyParts;
 use crate::body::settings::SolverSettings;
+use crate::body::surface::BodySurface;
 use crate::rig::components::{InRig, Rig};
 
 /// A particle that can be simulated.
@@ -23,6 +24,7 @@ pub(crate) struct RigMember {
     /// The [`InRig`] of its entity.
     pub in_rig: Option<InRig>,
     pub settings: Option<SolverSettings>,
+    pub surface: Option<BodySurface>,
     pub is_changed: bool,
 }
 
@@ -81,6 +83,7 @@ fn root(parents: &mut [usize], mut i: usize) -> usize {
 pub(crate) struct CompiledRig {
     pub rig: Rig,
     pub settings: Option<SolverSettings>,
+    pub surface: Option<BodySurface>,
     pub inverse_masses: Vec<f32>,
     /// True if a particle, a stick or their settings were changed.
     pub is_changed: bool,
@@ -102,15 +105,17 @@ impl CompiledRig {
             (ends.map(|end| index_in_body[&end]), rest_length, material)
         });
         let in_group = || group.members.iter().map(|&i| &members[i]);
-        let settings =
-            in_group().find_map(|member| member.settings.map(|settings| (member.entity, settings)));
+        let settings = in_group().find_map(|member| Some((member.entity, member.settings?)));
+        let surface = in_group().find_map(|member| Some((member.entity, member.surface?)));
         Self {
             rig: Rig {
                 particles: in_group().map(|member| member.entity).collect(),
                 sticks: group.links.iter().map(|&i| links[i].entity).collect(),
                 settings_from: settings.map(|(from, _)| from),
+                surface_from: surface.map(|(from, _)| from),
             },
             settings: settings.map(|(_, settings)| settings),
+            surface: surface.map(|(_, surface)| surface),
             inverse_masses: in_group().map(|member| member.inverse_mass).collect(),
             is_changed: in_group().any(|member| member.is_changed)
                 || group.links.iter().any(|&i| links[i].is_changed),
@@ -132,6 +137,7 @@ impl CompiledRig {
             && self.rig.particles == rig.particles
             && self.rig.sticks == rig.sticks
             && self.rig.settings_from == rig.settings_from
+            && self.rig.surface_from == rig.surface_from
     }
 
     /// Builds the body's columns and topology.

@@ -13,6 +13,7 @@ use drape_solver::world::extent::Extent;
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
+use crate::body::surface::BodySurface;
 use crate::build::built::BodyBuilt;
 use crate::refusal::{Cause, Refusals};
 use crate::rig::body::{CompiledRig, Link, RigMember, connected};
@@ -31,6 +32,7 @@ type ParticleQuery<'w, 's> = Query<
         &'static mut ParticleRecord,
         Option<&'static InRig>,
         Option<Ref<'static, SolverSettings>>,
+        Option<Ref<'static, BodySurface>>,
     ),
 >;
 type StickQuery<'w, 's> = Query<'w, 's, (Entity, Ref<'static, Stick>, &'static mut StickRecord)>;
@@ -114,7 +116,7 @@ fn update_body(
     compiled: CompiledRig,
     (columns, topology): BodyParts,
 ) -> Entity {
-    let settings = compiled.settings;
+    let (settings, surface) = (compiled.settings, compiled.surface);
     let body = match body.and_then(|body| rigs.get_mut(body).ok()) {
         Some((body, mut rig, mut particles, mut sticks, mut state)) => {
             if rig.particles == compiled.rig.particles && compiled.is_all_from(body) {
@@ -140,25 +142,37 @@ fn update_body(
         }
     };
     commands.write_message(BodyBuilt { body });
-    match settings {
-        Some(settings) => commands.entity(body).try_insert(settings),
-        None => commands.entity(body).try_remove::<SolverSettings>(),
-    };
+    put(commands, body, settings);
+    put(commands, body, surface);
     body
 }
 
+/// Gives an entity this component, or takes it away.
+fn put<C: Component>(commands: &mut Commands, entity: Entity, component: Option<C>) {
+    match component {
+        Some(component) => commands.entity(entity).try_insert(component),
+        None => commands.entity(entity).try_remove::<C>(),
+    };
+}
+
 fn is_edited(edits: &RigEdits, particles: &ParticleQuery, sticks: &StickQuery, rigs: &RigQuery) -> bool {
-    let settings_of = |particle| particles.get(particle).is_ok_and(|(.., settings)| settings.is_some());
+    let has_settings = |particle| particles.get(particle).is_ok_and(|(.., settings, _)| settings.is_some());
+    let has_surface = |particle| particles.get(particle).is_ok_and(|(.., surface)| surface.is_some());
     edits.lost_rig
         || !edits.removed.is_empty()
         || edits.misplaced.iter().any(|&entity| {
             particles.get(entity).is_ok_and(|(_, _, _, global, ..)| is_placed(global.translation()))
         })
         || sticks.iter().any(|(_, stick, _)| stick.is_changed())
-        || particles.iter().any(|(_, particle, .., settings)| {
-            particle.is_changed() || settings.is_some_and(|settings| settings.is_changed())
+        || particles.iter().any(|(_, particle, .., settings, surface)| {
+            particle.is_changed()
+                || settings.is_some_and(|settings| settings.is_changed())
+                || surface.is_some_and(|surface| surface.is_changed())
         })
-        || rigs.iter().any(|(_, rig, ..)| rig.settings_from.is_some_and(|from| !settings_of(from)))
+        || rigs.iter().any(|(_, rig, ..)| {
+            rig.settings_from.is_some_and(|from| !has_settings(from))
+                || rig.surface_from.is_some_and(|from| !has_surface(from))
+        })
 }
 
 fn is_placed(place: Vec3) -> bool {
@@ -177,7 +191,7 @@ fn collect_members(
 ) -> Vec<RigMember> {
     edits.misplaced.clear();
     let mut members = Vec::new();
-    for (entity, particle, transform, global, mut record, in_rig, settings) in particles {
+    for (entity, particle, transform, global, mut record, in_rig, settings, surface) in particles {
         if record.order == 0 {
             record.order = edits.next_order();
         }
@@ -227,8 +241,11 @@ fn collect_members(
             inverse_mass: particle.inverse_mass(),
             body,
             in_rig: in_rig.copied(),
-            is_changed: particle.is_changed() || settings.as_ref().is_some_and(Ref::is_changed),
+            is_changed: particle.is_changed()
+                || settings.as_ref().is_some_and(Ref::is_changed)
+                || surface.as_ref().is_some_and(Ref::is_changed),
             settings: settings.map(|settings| *settings),
+            surface: surface.map(|surface| *surface),
         });
     }
     members.sort_by_key(|member| member.order);

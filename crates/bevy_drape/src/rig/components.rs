@@ -186,6 +186,9 @@ pub struct Rig {
     /// The particle that gives the body its settings.
     #[reflect(ignore)]
     pub(crate) settings_from: Option<Entity>,
+    /// The particle whose surface counts.
+    #[reflect(ignore)]
+    pub(crate) surface_from: Option<Entity>,
 }
 
 impl Rig {

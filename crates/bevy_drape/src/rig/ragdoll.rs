@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use drape_solver::{BuildError, Placement, RagdollBuilder, RagdollStick};
 
 use crate::body::settings::SolverSettings;
+use crate::body::surface::BodySurface;
 use crate::rig::components::{Particle, Stick, StickBound, StickKind};
 
 /// A human figure of eleven limbs, spawned as a rig of [`Particle`] and [`Stick`] entities.
@@ -28,15 +29,17 @@ pub struct Ragdoll {
     pub height: f32,
     /// Mass in kilograms, above 0; 75 by default.
     pub mass: f32,
-    /// Solver settings: 16 substeps of 4 iterations by default, and limbs of 5 cm radius.
+    /// Solver settings: 16 substeps of 4 iterations by default.
     pub settings: SolverSettings,
+    /// Its surface: limbs of 5 cm radius by default.
+    pub surface: BodySurface,
 }
 
 impl Default for Ragdoll {
     fn default() -> Self {
-        let settings =
-            SolverSettings { substeps: 16, iterations: 4, thickness: 0.05, friction: 0.6, ..default() };
-        Self { height: 1.75, mass: 75.0, settings }
+        let settings = SolverSettings { substeps: 16, iterations: 4, ..default() };
+        let surface = BodySurface { thickness: 0.05, friction: 0.6, ..default() };
+        Self { height: 1.75, mass: 75.0, settings, surface }
     }
 }
 
@@ -77,9 +80,8 @@ impl Ragdoll {
         };
         let mut entities = RagdollEntities::default();
         for ((before, _), (now, mass)) in at(previous)?.into_iter().zip(at(current)?) {
-            let bundle =
-                (Particle::new(mass).moved(before, now, dt), Transform::from_translation(now), self.settings);
-            entities.particles.push(commands.spawn(bundle).id());
+            let particle = (Particle::new(mass).moved(before, now, dt), Transform::from_translation(now));
+            entities.particles.push(commands.spawn((particle, self.settings, self.surface)).id());
         }
         for RagdollStick { ends, length, bound } in figure.sticks() {
             let [a, b] = ends.map(|end| entities.particles[end as usize]);

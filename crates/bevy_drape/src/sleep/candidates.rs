@@ -9,9 +9,12 @@ use drape_solver::world::bounds::Bounds;
 use crate::ball::projectile::ProjectileState;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
+use crate::body::defaults::Defaults;
+use crate::body::fabric::Fabric;
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
-use crate::body::settings::{DefaultSolverSettings, SolverSettings};
+use crate::body::settings::SolverSettings;
+use crate::body::surface::BodySurface;
 use crate::change_detection::{collect_rows, is_any_changed};
 use crate::environment::solver_environment::SolverEnvironment;
 
@@ -20,7 +23,7 @@ use crate::environment::solver_environment::SolverEnvironment;
 pub(crate) struct Candidates {
     pub bodies: Vec<Entity>,
     pub balls: Vec<Entity>,
-    /// Entities that lost their own settings or layers since the last step, or must be checked for another reason.
+    /// Entities that lost their own settings, surface, fabric or layers since the last step, or must be checked for another reason.
     lost: Vec<Entity>,
     /// Boxes of bodies and balls that vanished since the last step.
     pub left: Vec<Bounds>,
@@ -33,8 +36,8 @@ impl Candidates {
     }
 }
 
-/// Lists active bodies and balls, and those changed since the last step; all of them if gravity, wind or default
-/// settings changed.
+/// Lists active bodies and balls, and those changed since the last step; all of them if gravity, wind or
+/// defaults changed.
 pub(crate) fn collect_candidates(
     bodies: Query<(
         Entity,
@@ -42,23 +45,27 @@ pub(crate) fn collect_candidates(
         Ref<Particles>,
         Ref<Sticks>,
         Option<Ref<SolverSettings>>,
+        Option<Ref<Fabric>>,
+        Option<Ref<BodySurface>>,
         Option<Ref<DrapeLayers>>,
     )>,
     balls: Query<(Entity, Ref<Activity>, Ref<ProjectileState>, Option<Ref<DrapeLayers>>), Without<Particles>>,
-    defaults: Res<DefaultSolverSettings>,
+    defaults: Defaults,
     solver: Res<SolverEnvironment>,
     mut candidates: ResMut<Candidates>,
 ) {
     let Candidates { bodies: bodies_seen, balls: balls_seen, lost, .. } = &mut *candidates;
     let is_all_concerned = defaults.is_changed() || solver.changed;
     bodies_seen.clear();
-    for (entities, activities, particles, sticks, settings, layers) in
+    for (entities, activities, particles, sticks, settings, fabrics, surfaces, layers) in
         bodies.contiguous_iter().into_iter().flatten()
     {
         let (activities, activity_ticks) = ContiguousRef::split(activities);
         let (_, particle_ticks) = ContiguousRef::split(particles);
         let (_, stick_ticks) = ContiguousRef::split(sticks);
         let setting_ticks = settings.map(|settings| ContiguousRef::split(settings).1);
+        let fabric_ticks = fabrics.map(|fabrics| ContiguousRef::split(fabrics).1);
+        let surface_ticks = surfaces.map(|surfaces| ContiguousRef::split(surfaces).1);
         let layer_ticks = layers.map(|layers| ContiguousRef::split(layers).1);
         let is_any = |rows: Range<usize>| {
             is_all_concerned
@@ -66,6 +73,8 @@ pub(crate) fn collect_candidates(
                 || is_any_changed(&activity_ticks, rows.clone())
                 || is_any_changed(&particle_ticks, rows.clone())
                 || is_any_changed(&stick_ticks, rows.clone())
+                || fabric_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows.clone()))
+                || surface_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows.clone()))
                 || setting_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows.clone()))
                 || layer_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows))
         };
@@ -108,7 +117,7 @@ pub(crate) fn note_gone_ball(
     candidates.left.extend(balls.get(gone.entity).map(|ball| ball.bounds_within_step(0.0, 0.0)));
 }
 
-/// Notes an entity that lost its own settings or layers.
+/// Notes an entity that lost such a component.
 pub(crate) fn note_lost_component<C: Component>(lost: On<Remove<C>>, mut candidates: ResMut<Candidates>) {
     candidates.lost.push(lost.entity);
 }

@@ -2,8 +2,10 @@
 
 use bevy::prelude::*;
 
+use crate::body::fabric::Fabric;
 use crate::body::layers::DrapeLayers;
 use crate::body::settings::SolverSettings;
+use crate::body::surface::BodySurface;
 use crate::entity_events::trigger_written;
 use crate::schedule::{DrapeSchedule, FinishPhase, ScenePhase};
 use crate::sleep::activity_counts::{ActivityCounts, count_activity};
@@ -32,6 +34,8 @@ impl Plugin for SleepPlugin {
             .init_resource::<SceneManager>()
             .add_observer(note_gone_body)
             .add_observer(note_gone_ball)
+            .add_observer(note_lost_component::<Fabric>)
+            .add_observer(note_lost_component::<BodySurface>)
             .add_observer(note_lost_component::<SolverSettings>)
             .add_observer(note_lost_component::<DrapeLayers>)
             .add_systems(

@@ -15,9 +15,12 @@ use drape_solver::world::waking::{Proxy, Waking, is_roused};
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};
+use crate::body::defaults::Defaults;
+use crate::body::fabric::Fabric;
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
-use crate::body::settings::{DefaultSolverSettings, SolverSettings};
+use crate::body::settings::SolverSettings;
+use crate::body::surface::BodySurface;
 use crate::clock::DrapeClock;
 use crate::detail::level::CurrentDetail;
 use crate::environment::solver_environment::SolverEnvironment;
@@ -52,7 +55,7 @@ pub(crate) struct WakeTargets<'w, 's> {
             &'static mut Particles,
             Ref<'static, Sticks>,
             &'static mut BodyState,
-            Option<&'static SolverSettings>,
+            (Option<&'static SolverSettings>, Option<&'static Fabric>, Option<&'static BodySurface>),
             Option<&'static DrapeLayers>,
             Option<&'static CurrentDetail>,
         ),
@@ -138,19 +141,26 @@ impl WakeSearch {
         &mut self,
         candidates: &[Entity],
         targets: &mut WakeTargets,
-        defaults: SolverSettings,
+        defaults: &Defaults,
         order: &mut CreationOrder,
     ) {
         let (dt, gravity) = targets.step_and_gravity();
         let WakeTargets { bodies, solver, .. } = targets;
         for &entity in candidates {
-            let Ok((mut activity, mut particles, sticks, mut state, settings, layers, detail)) =
-                bodies.get_mut(entity)
+            let Ok((
+                mut activity,
+                mut particles,
+                sticks,
+                mut state,
+                (settings, fabric, surface),
+                layers,
+                detail,
+            )) = bodies.get_mut(entity)
             else {
                 continue;
             };
             let state = &mut *state;
-            let settings = settings.copied().unwrap_or(defaults);
+            let settings = defaults.of_body(settings, fabric, surface);
             let settings = detail.map_or(settings, |detail| detail.limit(settings));
             let edited = particles.is_disturbed();
             if state.order == 0 {
@@ -199,7 +209,7 @@ impl WakeSearch {
 pub(crate) fn wake(
     mut targets: WakeTargets,
     mut candidates: ResMut<Candidates>,
-    defaults: Res<DefaultSolverSettings>,
+    defaults: Defaults,
     wake_regions: Res<WakeRegions>,
     mut order: ResMut<CreationOrder>,
     mut search: Local<WakeSearch>,
@@ -209,6 +219,6 @@ pub(crate) fn wake(
     }
     wake_regions.0.iter().for_each(|&region| search.waking.disturb(region));
     search.update_balls(&candidates.balls, &mut targets);
-    search.update_bodies(&candidates.bodies, &mut targets, **defaults, &mut order);
+    search.update_bodies(&candidates.bodies, &mut targets, &defaults, &mut order);
     search.spread(&mut targets);
 }

@@ -4,14 +4,16 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
 use drape_solver::world::extent::Extent;
-use drape_solver::{BodyContext, Layers, ParticlesSnapshot};
+use drape_solver::{BodyContext, BodySettings, Layers, ParticlesSnapshot};
 
 use crate::attach::grab::Grab;
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
+use crate::body::fabric::Fabric;
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::body::settings::SolverSettings;
+use crate::body::surface::BodySurface;
 use crate::build::rigid_tetrahedron::RigidPlace;
 use crate::detail::change::parts_at;
 use crate::detail::level::CurrentDetail;
@@ -36,9 +38,11 @@ pub(super) struct BodySnapshot {
     bounds: [[f32; 3]; 2],
     greatest_speed: f32,
     is_refused: bool,
-    settings: SolverSettings,
+    settings: BodySettings,
     layers: Layers,
     own_settings: Option<SolverSettings>,
+    own_surface: Option<BodySurface>,
+    fabric: Option<Fabric>,
     own_layers: Option<DrapeLayers>,
     grab: Option<Grab>,
     attachment: Option<AttachmentSnapshot>,
@@ -83,6 +87,8 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<BodySnapshot> {
             settings: state.settings,
             layers: state.layers,
             own_settings: entity.get().copied(),
+            own_surface: entity.get().copied(),
+            fabric: entity.get().copied(),
             own_layers: entity.get().copied(),
             grab: entity.get().cloned(),
             attachment: attachments::take(entity),
@@ -156,6 +162,12 @@ pub(super) fn restore(bodies: &[BodySnapshot], world: &mut World, keys: &Keys) -
         // A rig takes its settings from one of its particles.
         if !entity.contains::<Rig>() {
             put_component(&mut entity, body.own_settings.as_ref());
+            put_component(&mut entity, body.own_surface.as_ref());
+        }
+        if let (Some(mut fabric), Some(was)) = (entity.get_mut::<Fabric>(), body.fabric) {
+            // The sticks stay those that the cloth has now, as all of its description does.
+            let restored = Fabric { extensible: was.extensible, ..fabric.with_surface(was.surface()) };
+            fabric.set_if_neq(restored);
         }
         put_component(&mut entity, body.own_layers.as_ref());
         put_component(&mut entity, body.grab.as_ref());

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use crate::ball::projectile::ProjectileRecord;
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::settings::DefaultSolverSettings;
+use crate::body::surface::DefaultBodySurface;
 use crate::clock::DrapeClock;
 use crate::contact::events::DrapeContactSettings;
 use crate::environment::gravity::DrapeGravity;
@@ -23,7 +24,8 @@ pub(super) struct WorldSnapshot {
     pub clock: DrapeClock,
     gravity: DrapeGravity,
     wind: Wind,
-    defaults: DefaultSolverSettings,
+    default_settings: DefaultSolverSettings,
+    default_surface: DefaultBodySurface,
     manager: SceneManager,
     contact_settings: DrapeContactSettings,
     /// Values that the last step used.
@@ -39,7 +41,8 @@ pub(super) fn take(world: &World) -> WorldSnapshot {
         clock: world.resource::<DrapeClock>().clone(),
         gravity: *world.resource(),
         wind: *world.resource(),
-        defaults: *world.resource(),
+        default_settings: *world.resource(),
+        default_surface: *world.resource(),
         manager: *world.resource(),
         contact_settings: *world.resource(),
         seen_gravity: solver.environment.gravity.to_array(),
@@ -67,7 +70,8 @@ pub(super) fn restore(snapshot: &WorldSnapshot, world: &mut World) {
     put(world, snapshot.clock.clone());
     put(world, snapshot.gravity);
     put(world, snapshot.wind);
-    put(world, snapshot.defaults);
+    put(world, snapshot.default_settings);
+    put(world, snapshot.default_surface);
     put(world, snapshot.manager);
     put(world, snapshot.contact_settings);
     world.resource_mut::<CreationOrder>().go_on_from(snapshot.creation_order);

@@ -3,15 +3,17 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use drape_solver::world::staged_island::StepStage;
-use drape_solver::{Environment, StepError};
+use drape_solver::{BuildError, Environment, StepError};
 
 use crate::ball::projectile::{ProjectileRecord, ProjectileState};
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::contact_events::ContactEvents;
+use crate::body::fabric::Fabric;
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
 use crate::body::pressure::Pressure;
+use crate::body::surface::BodySurface;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::refusal::Refusals;
 use crate::step::island_run::IslandRun;
@@ -46,6 +48,7 @@ pub(crate) struct StepComponents<'w, 's> {
     bodies: BodyQuery<'w, 's>,
     balls: BallQuery<'w, 's>,
     activities: Query<'w, 's, &'static mut Activity>,
+    surfaces: Query<'w, 's, (Has<BodySurface>, Has<Fabric>)>,
     solver: Res<'w, SolverEnvironment>,
     refusals: ResMut<'w, Refusals>,
 }
@@ -100,6 +103,16 @@ impl StepComponents<'_, '_> {
         }
     }
 
+    /// The component of a body that has the invalid number.
+    fn component_with(&self, entity: Entity, error: &BuildError) -> &'static str {
+        let is_of_surface = error.field().is_some_and(BodySurface::has_field);
+        match self.surfaces.get(entity) {
+            Ok((true, _)) if is_of_surface => "BodySurface",
+            Ok((false, true)) if is_of_surface => "Fabric",
+            _ => "SolverSettings",
+        }
+    }
+
     /// Leaves the body or ball that `error` names out of the simulation; false if it names none.
     fn refuse(&mut self, island: &mut IslandRun, error: &StepError) -> bool {
         const NOT_FINITE: &str = "a position, velocity, force or pin target is not finite";
@@ -115,7 +128,8 @@ impl StepComponents<'_, '_> {
                     state.refused = true;
                 }
                 if let StepError::BadSettings { source, .. } = error {
-                    self.refusals.entity(entity, "SolverSettings", source.clone());
+                    let component = self.component_with(entity, source);
+                    self.refusals.entity(entity, component, source.clone());
                 } else {
                     self.refusals.entity(entity, "Particles", NOT_FINITE);
                 }

@@ -126,6 +126,7 @@ impl Tearing<'_, '_> {
             rest: state.rest,
             pins: pins_after(state, origins),
             extent: Extent::of(&piece.particles, &piece.topology),
+            material: state.material,
             settings: state.settings,
             layers: state.layers,
             ..BodyState::default()

@@ -33,13 +33,13 @@ fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
 }
 
 /// An app with a cloth of `mesh` at `transform`, after a step.
-fn hung(mesh: Mesh, cloth: ClothMesh, transform: Transform) -> (App, Entity) {
+fn hung(mesh: Mesh, cloth: impl Bundle, transform: Transform) -> (App, Entity) {
     let (app, entity, _) = hung_of_asset(mesh, cloth, transform);
     (app, entity)
 }
 
 /// The same, and the asset that it was made of.
-fn hung_of_asset(mesh: Mesh, cloth: ClothMesh, transform: Transform) -> (App, Entity, Handle<Mesh>) {
+fn hung_of_asset(mesh: Mesh, cloth: impl Bundle, transform: Transform) -> (App, Entity, Handle<Mesh>) {
     let mut app = app();
     let handle = add(&mut app, mesh);
     let entity = app.world_mut().spawn((Mesh3d(handle.clone()), cloth, transform)).id();
@@ -139,7 +139,7 @@ fn stiffness(app: &App, cloth: Entity, kind: StickKind) -> Vec<f32> {
 fn a_painted_mesh_is_soft_where_it_is_dark() {
     let painted = |channel| {
         let paint = ClothPaint { stiffness: Some(channel), ..default() };
-        let cloth = ClothMesh { stretch_stiffness: 1.0, bend_stiffness: 0.5, paint, ..default() };
+        let cloth = (ClothMesh { paint, ..default() }, Fabric { bend_stiffness: 0.5, ..default() });
         let (app, entity) = hung(pipe(), cloth, Transform::default());
         [StickKind::Structural, StickKind::Bend].map(|kind| stiffness(&app, entity, kind))
     };
@@ -155,7 +155,7 @@ fn a_painted_mesh_is_soft_where_it_is_dark() {
 #[test]
 fn a_woven_mesh_is_stiff_by_the_direction_of_its_texture() {
     let weave = Some(ClothWeave { weft_stiffness: 0.99, bias_stiffness: 0.9 });
-    let cloth = ClothMesh { stretch_stiffness: 0.999, weave, ..default() };
+    let cloth = (ClothMesh { weave, ..default() }, Fabric { stretch_stiffness: 0.999, ..default() });
     let (app, entity) = hung(pipe(), cloth.clone(), Transform::default());
     let edges = stiffness(&app, entity, StickKind::Structural);
     let has = |wanted: f32| edges.iter().any(|found| (found - wanted).abs() < 1e-5);
@@ -224,7 +224,8 @@ fn it_is_where_the_entity_is_as_large_as_that_makes_it() {
     let handle = add(&mut app, mesh.clone());
     let cloth = (
         Mesh3d(handle),
-        ClothMesh { areal_density: 0.5, paint: ClothPaint { pins: None, ..default() }, ..default() },
+        ClothMesh { paint: ClothPaint { pins: None, ..default() }, ..default() },
+        Fabric { areal_density: 0.5, ..default() },
     );
     let parent = app.world_mut().spawn(parent).id();
     let cloth = app.world_mut().spawn((cloth, Transform::from_scale(scale), ChildOf(parent))).id();
@@ -286,7 +287,7 @@ fn what_is_changed_is_built_anew_from_the_mesh_as_it_was_made() {
     let (mut app, cloth, handle) = hung_of_asset(pipe(), ClothMesh::default(), Transform::default());
     (0..30).for_each(|_| frame(&mut app, 1.0));
     let before = mass(&app, cloth);
-    app.world_mut().get_mut::<ClothMesh>(cloth).expect("described").areal_density *= 2.0;
+    app.world_mut().get_mut::<Fabric>(cloth).expect("described").areal_density *= 2.0;
     frame(&mut app, 1.0);
     assert!(
         (mass(&app, cloth) - 2.0 * before).abs() < 1e-9 * before.max(1.0),
@@ -405,10 +406,6 @@ fn a_mesh_that_is_no_cloth_is_refused() {
 #[test]
 fn fields_out_of_range_and_places_that_are_none_are_refused_and_mended() {
     let bad = [
-        (ClothMesh { areal_density: 0.0, ..default() }, "areal_density"),
-        (ClothMesh { stretch_stiffness: 2.0, ..default() }, "stiffness"),
-        (ClothMesh { bend_stiffness: f32::NAN, ..default() }, "stiffness"),
-        (ClothMesh { damping: -1.0, ..default() }, "damping"),
         (
             ClothMesh { weave: Some(ClothWeave { weft_stiffness: 0.0, ..default() }), ..default() },
             "weft stiffness",
@@ -420,6 +417,20 @@ fn fields_out_of_range_and_places_that_are_none_are_refused_and_mended() {
         (ClothMesh { weld_distance: Some(-1.0), ..default() }, "weld_distance"),
         (ClothMesh::default().with_pins([100_000]), "a pin"),
     ];
+    let woven_badly = [
+        (Fabric { areal_density: 0.0, ..default() }, "areal_density"),
+        (Fabric { stretch_stiffness: 2.0, ..default() }, "stiffness"),
+        (Fabric { bend_stiffness: f32::NAN, ..default() }, "stiffness"),
+        (Fabric { damping: -1.0, ..default() }, "damping"),
+    ];
+    for (fabric, words) in woven_badly {
+        let (mut app, entity) = hung(pipe(), (ClothMesh::default(), fabric), Transform::default());
+        let told = refusals(&app, entity);
+        assert!(told[0].contains("Fabric") && told[0].contains(words), "{told:?}");
+        *app.world_mut().get_mut::<Fabric>(entity).expect("woven") = default();
+        frame(&mut app, 1.0);
+        assert!(refusals(&app, entity).is_empty());
+    }
     for (cloth, words) in bad {
         let (mut app, entity) = hung(pipe(), cloth, Transform::default());
         assert!(refusals(&app, entity)[0].contains(words), "{:?}", refusals(&app, entity));
@@ -496,12 +507,12 @@ fn what_was_refused_and_is_mended_is_made_of_its_own_mesh() {
     assert!(expected.iter().any(|&(_, is_pinned)| is_pinned));
     app.insert_resource(Wind { velocity: Vec3::new(6.0, 0.0, 2.0), ..default() });
     (0..30).for_each(|_| frame(&mut app, 1.0));
-    app.world_mut().get_mut::<ClothMesh>(cloth).expect("described").areal_density = 0.0;
+    app.world_mut().get_mut::<Fabric>(cloth).expect("described").areal_density = 0.0;
     frame(&mut app, 1.0);
     assert_eq!(refusals(&app, cloth).len(), 1);
     app.insert_resource(Wind::default());
     app.insert_resource(DrapeGravity(Vec3::ZERO));
-    app.world_mut().get_mut::<ClothMesh>(cloth).expect("described").areal_density = 0.2;
+    app.world_mut().get_mut::<Fabric>(cloth).expect("described").areal_density = 0.2;
     frame(&mut app, 1.0);
     let now = made(&app);
     assert_eq!(now.len(), expected.len());

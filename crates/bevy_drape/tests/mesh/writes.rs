@@ -17,8 +17,8 @@ fn was_written(app: &mut App) -> bool {
 }
 
 /// A curtain in honey: still within a few seconds.
-fn damped() -> (Cloth, SolverSettings) {
-    (Cloth::new(1.0, 1.0).with_particles(8, 8), SolverSettings { drag: 10.0, ..default() })
+fn damped() -> (Cloth, BodySurface) {
+    (Cloth::new(1.0, 1.0).with_particles(8, 8), BodySurface { drag: 10.0, ..default() })
 }
 
 fn until_resting(app: &mut App, cloth: Entity) {

@@ -86,12 +86,14 @@ impl ScenePlay {
         new: &Body,
     ) {
         let settings = self.solver_settings(new.solver().unwrap_or(&scene::Solver::default()));
+        let surface = self.body_surface(new.surface().unwrap_or(&scene::Surface::default()));
         let is_changed = old != Some(new);
         match (named, new, old) {
             (&NamedEntity::Body { body, .. }, _, Some(was))
                 if was.mesh() == new.mesh() && is_described(was, new) =>
             {
                 insert_if_other(world, body, settings);
+                insert_if_other(world, body, surface);
                 if is_changed {
                     self.describe_anew(world, name, [was, new]);
                     for entity in self.entities.entities(name) {
@@ -100,10 +102,12 @@ impl ScenePlay {
                 }
             }
             (NamedEntity::Rig { particles, .. }, Body::Rig(rig), Some(Body::Rig(was))) => {
-                let is_only_solver = scene::Rig { solver: was.solver.clone(), ..rig.clone() } == *was;
-                if is_only_solver {
+                let (solver, touch) = (was.solver.clone(), was.surface.clone());
+                let is_only_numbers = scene::Rig { solver, surface: touch, ..rig.clone() } == *was;
+                if is_only_numbers {
                     for &particle in particles {
                         insert_if_other(world, particle, settings);
+                        insert_if_other(world, particle, surface);
                     }
                 } else {
                     self.entities.despawn(world, name);
@@ -128,10 +132,14 @@ impl ScenePlay {
         }
         let Some(&entity) = entities.first() else { return };
         let has_changed = match (was, is) {
-            (Body::Cloth(was), Body::Cloth(is)) => replace(world, entity, [was, is].map(Cloth::from)),
+            (Body::Cloth(was), Body::Cloth(is)) => {
+                replace(world, entity, [was, is].map(Cloth::from))
+                    | replace(world, entity, [was, is].map(Fabric::from))
+            }
             (Body::Rope(was), Body::Rope(is)) => replace(world, entity, [was, is].map(Rope::from)),
             (Body::ClothMesh(was), Body::ClothMesh(is)) => {
                 replace(world, entity, [was, is].map(ClothMesh::from))
+                    | replace(world, entity, [was, is].map(Fabric::from))
             }
             (Body::SoftBall(was), Body::SoftBall(is)) => {
                 replace(world, entity, [was, is].map(SoftBall::from))
@@ -165,8 +173,8 @@ fn is_described(was: &Body, is: &Body) -> bool {
         && !matches!(is, Body::Rig(_) | Body::Balls(_))
 }
 
-fn insert_if_other(world: &mut World, entity: Entity, settings: SolverSettings) {
-    if world.get::<SolverSettings>(entity) != Some(&settings) {
-        world.entity_mut(entity).insert(settings);
+fn insert_if_other<C: Component + PartialEq>(world: &mut World, entity: Entity, component: C) {
+    if world.get::<C>(entity) != Some(&component) {
+        world.entity_mut(entity).insert(component);
     }
 }

@@ -170,7 +170,9 @@ fn change_velocities(
 fn free_inverse_masses(script: &SceneScript, name: &str) -> Option<Vec<f32>> {
     let files = &script.meshes;
     let built = match script.bodies.get(whole(name))? {
-        Body::Cloth(cloth) => Cloth::from(cloth).with_pins(ClothPins::None).build(&GlobalTransform::IDENTITY),
+        Body::Cloth(cloth) => Cloth::from(cloth)
+            .with_pins(ClothPins::None)
+            .build(&Fabric::from(cloth), &GlobalTransform::IDENTITY),
         Body::Rope(rope) => {
             let rope = Rope { pin_start: false, pin_end: false, ..Rope::from(rope) };
             rope.build(&GlobalTransform::IDENTITY)

@@ -11,7 +11,7 @@ use super::command::{BodyCommand, CommandKind};
 use super::components::{mark, place, set_dynamic, set_pressure, set_tearable};
 use super::named_entity::NamedEntity;
 use super::scene_play::ScenePlay;
-use crate::scene::{self, Body, Selection, Solver};
+use crate::scene::{self, Body, Selection, Solver, Surface};
 
 impl ScenePlay {
     /// The solver settings of a body, with those of the scene as defaults.
@@ -19,13 +19,23 @@ impl ScenePlay {
         solver.over(self.script.settings.solver.over(SolverSettings::default()))
     }
 
+    /// The surface of a body, with that of the scene as default.
+    pub(super) fn body_surface(&self, surface: &Surface) -> BodySurface {
+        surface.over(self.script.settings.surface.over(BodySurface::default()))
+    }
+
     pub(super) fn spawn_body(&mut self, world: &mut World, name: &str, body: &Body) {
         let entity = match body {
-            Body::Cloth(cloth) => self.spawn_described(world, name, body, Cloth::from(cloth)),
+            Body::Cloth(cloth) => {
+                self.spawn_described(world, name, body, (Cloth::from(cloth), Fabric::from(cloth)))
+            }
             Body::Rope(rope) => self.spawn_described(world, name, body, Rope::from(rope)),
             Body::SoftBall(ball) => self.spawn_described(world, name, body, SoftBall::from(ball)),
             Body::ClothMesh(cloth) => match self.mesh_of(world, name, &cloth.mesh) {
-                Some(mesh) => self.spawn_described(world, name, body, (mesh, ClothMesh::from(cloth))),
+                Some(mesh) => {
+                    let described = (mesh, ClothMesh::from(cloth), Fabric::from(cloth));
+                    self.spawn_described(world, name, body, described)
+                }
                 None => return,
             },
             Body::SoftBody(solid) => match self.mesh_of(world, name, &solid.mesh) {
@@ -63,8 +73,9 @@ impl ScenePlay {
         described: impl Bundle,
     ) -> NamedEntity {
         let settings = body.solver().map(|solver| self.solver_settings(solver)).unwrap_or_default();
+        let surface = body.surface().map(|surface| self.body_surface(surface)).unwrap_or_default();
         let place = body.place().map(|(at, turn)| place(at, turn)).unwrap_or_default();
-        let entity = world.spawn((described, place, settings)).id();
+        let entity = world.spawn((described, place, settings, surface)).id();
         mark(world, entity, name, body.layers(), body.reports_contacts());
         set_tearable(world, entity, body);
         set_pressure(world, entity, body);
@@ -90,11 +101,11 @@ impl ScenePlay {
     }
 
     fn spawn_rig(&self, world: &mut World, name: &str, rig: &scene::Rig) -> NamedEntity {
-        let settings = self.solver_settings(&rig.solver);
+        let (settings, surface) = (self.solver_settings(&rig.solver), self.body_surface(&rig.surface));
         let mut by_name = BTreeMap::new();
         for (particle_name, particle) in rig.particles.iter() {
             let place = Transform::from_translation(rig.at.get() + particle.at.get());
-            let entity = world.spawn((Particle::from(particle), place, settings)).id();
+            let entity = world.spawn((Particle::from(particle), place, settings, surface)).id();
             mark(world, entity, &format!("{name}.{particle_name}"), rig.layers.as_ref(), false);
             by_name.insert(particle_name.as_str(), entity);
         }

@@ -14,6 +14,7 @@ mod scene_script;
 mod schema;
 mod settings;
 mod solver;
+mod surface;
 mod timeline;
 mod value;
 mod wind_zone;
@@ -33,6 +34,7 @@ pub(crate) use schema::SCHEMA;
 pub use schema::schema;
 pub use settings::{Gusts, Settings, Wind};
 pub use solver::{Quality, SelfContact, Solver, StickProjection, StructuralSolve};
+pub use surface::Surface;
 pub use timeline::{
     Action, Axis, Counted, Energy, Event, Expectation, Expected, Measure, Measured, Place, Point, Probe,
     Repeat, Selection, Trigger, When,

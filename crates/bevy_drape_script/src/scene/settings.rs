@@ -5,7 +5,7 @@ use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Fraction, NonNegative, Number, Positive, Seconds, Solver, StepLength, Vector};
+use super::{Fraction, NonNegative, Number, Positive, Seconds, Solver, StepLength, Surface, Vector};
 
 /// Settings of the whole scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,6 +21,8 @@ pub struct Settings {
     pub wind: Wind,
     /// Solver settings of bodies that do not give their own.
     pub solver: Solver,
+    /// The surface of bodies that do not give their own.
+    pub surface: Surface,
     /// True to let bodies at rest fall asleep; true by default.
     pub sleeping: bool,
     /// Seed of the scatter of copies; 0 by default. Equal seeds scatter equally on every machine.
@@ -35,6 +37,7 @@ impl Default for Settings {
             gravity: Vector::known(drape::environment::DrapeGravity::default().0),
             wind: Wind::default(),
             solver: Solver::default(),
+            surface: Surface::default(),
             sleeping: true,
             seed: 0,
         }

@@ -4,7 +4,7 @@ use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Fraction, NonNegative, Whole};
+use super::{Fraction, Whole};
 
 /// Solver settings. Fields that a body leaves out come from the scene's settings, and those that these leave out from
 /// the plugin.
@@ -19,14 +19,6 @@ pub struct Solver {
     pub iterations: Option<Whole<1, 1024>>,
     /// Strain below which relaxation stops early, 0 (never) to 1.
     pub tolerance: Option<Fraction>,
-    /// Drag of still air in 1/s: velocity decays as exp(-drag t).
-    pub drag: Option<NonNegative>,
-    /// Coulomb friction coefficient. Two surfaces in contact use the mean of theirs.
-    pub friction: Option<NonNegative>,
-    /// Coefficient of static friction; below `friction` it counts as `friction`.
-    pub static_friction: Option<NonNegative>,
-    /// Distance in metres between the middle of the cloth and the surfaces that it touches.
-    pub thickness: Option<NonNegative>,
     /// The formula for sticks.
     pub projection: Option<StickProjection>,
     /// The method for structural sticks.
@@ -88,10 +80,6 @@ impl Solver {
             substeps: self.substeps.map_or(base.substeps, Whole::get),
             iterations: self.iterations.map_or(base.iterations, Whole::get),
             tolerance: self.tolerance.map_or(base.tolerance, Fraction::get),
-            drag: self.drag.map_or(base.drag, NonNegative::get),
-            friction: self.friction.map_or(base.friction, NonNegative::get),
-            static_friction: self.static_friction.map_or(base.static_friction, NonNegative::get),
-            thickness: self.thickness.map_or(base.thickness, NonNegative::get),
             projection: self.projection.map_or(base.projection, |projection| match projection {
                 StickProjection::Exact => drape::body::StickProjection::Exact,
                 StickProjection::SquareRootFree => drape::body::StickProjection::SquareRootFree,

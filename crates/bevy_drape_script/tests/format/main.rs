@@ -20,7 +20,7 @@ const CURTAIN: &str = r#"(
             size: (2, 1.5),
             particles: (41, 31),
             at: (0, 2, 0),
-            solver: (drag: 2.0),
+            surface: (drag: 2.0),
         ),
         "ball": Balls(at: (0, 1, 3), velocity: (0, 0, -15)),
         "rope": Rope(start: (3, 2, 0), end: (3, 1, 0), particles: 11),

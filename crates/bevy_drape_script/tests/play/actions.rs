@@ -28,7 +28,7 @@ fn a_cannon_fires_when_it_is_told_and_hits_what_it_aims_at() {
 fn pins_let_go_and_hold_again() {
     // A free sheet falls g t^2 / 2: 1.226 m in half a second. Held again, it stays.
     run(r#"
-        settings: (duration: 2, solver: (drag: 0)),
+        settings: (duration: 2, surface: (drag: 0)),
         bodies: { "sheet": Cloth(particles: (5, 5), at: (0, 5, 0)) },
         timeline: [
             (at: 0.5, do: Unpin(of: "sheet")),
@@ -46,7 +46,7 @@ fn pins_let_go_and_hold_again() {
 fn a_freed_particle_has_the_mass_of_its_cloth() {
     // 1 m^2 of 0.25 kg/m^2: when its pins are freed, the momentum of the whole is m g t.
     run(r#"
-        settings: (duration: 1, solver: (drag: 0)),
+        settings: (duration: 1, surface: (drag: 0)),
         bodies: { "sheet": Cloth(particles: (5, 5), at: (0, 5, 0), pins: None), "held": Cloth(particles: (5, 5), at: (3, 5, 0)) },
         timeline: [(at: 0, do: Unpin(of: "held", particles: Pinned))],
         expectations: [
@@ -59,7 +59,7 @@ fn a_freed_particle_has_the_mass_of_its_cloth() {
 #[test]
 fn a_push_changes_momentum_by_its_impulse() {
     run(r#"
-        settings: (duration: 0.5, gravity: (0, 0, 0), solver: (drag: 0)),
+        settings: (duration: 0.5, gravity: (0, 0, 0), surface: (drag: 0)),
         bodies: {
             "sheet": Cloth(particles: (5, 5), pins: None),
             "ball": Balls(at: (9, 0, 0)),
@@ -87,7 +87,7 @@ fn a_push_changes_momentum_by_its_impulse() {
 #[test]
 fn a_dragged_particle_follows_its_path_and_is_let_go() {
     run(r#"
-        settings: (duration: 3, solver: (drag: 3)),
+        settings: (duration: 3, surface: (drag: 3)),
         bodies: { "curtain": Cloth(particles: (11, 11), at: (0, 2, 0)) },
         timeline: [(at: 0, do: Drag(of: "curtain", point: Particle(115), radius: 0.2, path: [(0.5, (0, 0.1, 0.4)), (1, (0, 0.1, 0.4))]))],
         expectations: [
@@ -100,7 +100,7 @@ fn a_dragged_particle_follows_its_path_and_is_let_go() {
 #[test]
 fn a_path_of_places_leads_to_them_wherever_the_particle_was() {
     run(r#"
-        settings: (duration: 1, solver: (drag: 3)),
+        settings: (duration: 1, surface: (drag: 3)),
         bodies: { "curtain": Cloth(particles: (11, 11), at: (0, 2, 0)) },
         timeline: [(at: 0, do: Drag(of: "curtain", point: Last, path: [(0.5, (0.4, 1.6, 0.3)), (1, (0.4, 1.6, 0.3))], absolute: true))],
         expectations: [
@@ -115,7 +115,7 @@ fn a_path_of_places_leads_to_them_wherever_the_particle_was() {
 #[test]
 fn a_hand_is_as_strong_as_it_is_told_to_be() {
     let report = run(r#"
-        settings: (duration: 6, solver: (drag: 3)),
+        settings: (duration: 6, surface: (drag: 3)),
         bodies: {
             "weak": Rope(end_mass: 2, particles: 8),
             "strong": Rope(start: (3, 0, 0), end: (3, -1, 0), end_mass: 2, particles: 8),
@@ -134,7 +134,7 @@ fn a_hand_is_as_strong_as_it_is_told_to_be() {
 #[test]
 fn settings_change_by_their_paths() {
     run(r#"
-        settings: (duration: 1, solver: (drag: 0)),
+        settings: (duration: 1, surface: (drag: 0)),
         bodies: { "ball": Balls(at: (0, 5, 0)), "slider": Balls(at: (4, 0.15, 0), velocity: (3, 0, 0), friction: 1, rolling_resistance: 0) },
         obstacles: { "ground": (shape: Ground, friction: 1) },
         timeline: [
@@ -271,7 +271,7 @@ fn what_cannot_be_cut_or_blown_is_refused() {
 #[test]
 fn two_hands_drag_one_curtain() {
     run(r#"
-        settings: (duration: 1.2, solver: (drag: 3)),
+        settings: (duration: 1.2, surface: (drag: 3)),
         bodies: { "curtain": Cloth(particles: (11, 11), at: (0, 2, 0)) },
         timeline: [
             (at: 0, do: Drag(of: "curtain", point: Particle(110), path: [(0.4, (0, 0.1, 0.2)), (0.6, (0, 0.1, 0.2))])),

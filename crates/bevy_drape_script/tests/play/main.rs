@@ -270,7 +270,7 @@ fn contacts_are_counted_and_a_sensor_moves_nothing() {
 
 #[test]
 fn what_the_plugin_refuses_fails_the_scene() {
-    let report = run(r#"settings: (duration: 0.1), bodies: { "c": Cloth(solver: (drag: 1e6)) }"#);
+    let report = run(r#"settings: (duration: 0.1), bodies: { "c": Cloth(surface: (drag: 1e6)) }"#);
     assert!(!report.passed() && report.complaint().contains("drag"), "{report}");
 }
 
@@ -308,8 +308,8 @@ fn winds_blow_where_and_while_they_are_there() {
     run(r#"
         settings: (duration: 3, gravity: (0, 0, 0)),
         bodies: {
-            "near": Cloth(size: (0.4, 0.4), particles: (5, 5), pins: None, solver: (drag: 0)),
-            "far": Cloth(size: (0.4, 0.4), particles: (5, 5), pins: None, at: (5, 0, 0), solver: (drag: 0)),
+            "near": Cloth(size: (0.4, 0.4), particles: (5, 5), pins: None, surface: (drag: 0)),
+            "far": Cloth(size: (0.4, 0.4), particles: (5, 5), pins: None, at: (5, 0, 0), surface: (drag: 0)),
         },
         winds: { "fan": (region: Sphere(radius: 1), flow: Along(0, 0, 2), present: false) },
         timeline: [(at: 1, do: Spawn("fan")), (at: 1.3, do: Set("fan.flow", Along(0, 0, 4))), (at: 1.6, do: Despawn("fan"))],

@@ -43,7 +43,8 @@ pub fn world(is_moving: bool) -> App {
             Transform::from_xyz(0.4, 1.4, -0.5),
         ));
     }
-    let quiet = SolverSettings { drag: 3.0, ..default() };
+    let quiet = BodySurface { drag: 3.0, ..default() };
+    let touching = SolverSettings { self_contact: SelfContact::On, ..default() };
     world.spawn((Name::new("ground"), Obstacle::ground().with_friction(0.8)));
     world.spawn((
         Name::new("post"),
@@ -60,13 +61,15 @@ pub fn world(is_moving: bool) -> App {
     world.spawn((
         Name::new("cape"),
         Cloth::new(0.8, 0.8).with_particles(15, 15).with_pins(ClothPins::None),
-        SolverSettings { self_contact: SelfContact::On, thickness: 0.01, friction: 0.4, ..quiet },
+        touching,
+        BodySurface { thickness: 0.01, friction: 0.4, ..quiet },
         Transform::from_xyz(0.0, 1.2, 0.0).with_rotation(Quat::from_rotation_x(1.4)),
     ));
     world.spawn((
         Name::new("rope"),
         Rope::new(Vec3::new(-1.0, 1.5, 0.5), Vec3::new(-0.2, 1.5, 0.5), 25),
-        SolverSettings { self_contact: SelfContact::On, ..quiet },
+        touching,
+        quiet,
     ));
     world.spawn((
         Name::new("ball"),

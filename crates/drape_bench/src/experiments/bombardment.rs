@@ -6,7 +6,7 @@ use drape_solver::step::{
     accumulate_forces, begin, detect_collisions, finish, integrate, project_collisions, relax,
 };
 use drape_solver::{
-    Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, SolverSettings, StepError,
+    Ball, BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, Obstacle, StepError,
 };
 
 use crate::collision::State;
@@ -36,7 +36,7 @@ pub struct Bombardment {
     /// Particles in a row and in a column.
     pub particles: [u32; 2],
     /// Solver settings of the curtain.
-    pub settings: SolverSettings,
+    pub settings: BodySettings,
     /// Material of the balls.
     pub ball: BallMaterial,
     /// The shots, in order of time.

@@ -11,8 +11,8 @@ use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{
-    Ball, BallMaterial, Body, BuildError, ClothBuilder, Edge, Environment, Island, Obstacle, Obstacles,
-    Placement, SelfContact, Shape, SolverSettings, StepError, step,
+    Ball, BallMaterial, Body, BodySettings, BuildError, ClothBuilder, Edge, Environment, Island, Obstacle,
+    Obstacles, Placement, SelfContact, Shape, StepError, step,
 };
 
 use crate::measure::median::median_us;
@@ -97,7 +97,7 @@ fn medians(case: &Case, repeat: u32) -> Result<[f64; 2], StepError> {
 
 /// A free, level cloth at this height in metres.
 fn sheet(n: u32, height: f32) -> Result<Body, BuildError> {
-    let settings = SolverSettings { thickness: THICKNESS, drag: 3.0, ..SolverSettings::default() };
+    let settings = BodySettings { thickness: THICKNESS, drag: 3.0, ..BodySettings::default() };
     let corner = Vec3::new(-0.5 * SIDE, height, 0.5 * SIDE);
     ClothBuilder::new(SIDE, SIDE, n, n).placed(corner, Vec3::X, Vec3::NEG_Z).build(settings)
 }
@@ -128,7 +128,7 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
         cases.push(Case { name, without: (island.clone(), bare), with: (island, environment) });
     }
     let environment = Environment::default();
-    let settings = SolverSettings { drag: 3.0, ..SolverSettings::default() };
+    let settings = BodySettings { drag: 3.0, ..BodySettings::default() };
     let corner = Vec3::new(-0.5 * SIDE, 0.0, 0.5 * SIDE);
     let mut pinned = ClothBuilder::new(SIDE, SIDE, n, n).placed(corner, Vec3::X, Vec3::NEG_Z);
     for edge in [Edge::Top, Edge::Bottom] {
@@ -154,7 +154,7 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
 fn folded(n: u32) -> Result<Case, Box<dyn Error>> {
     let thickness = 0.5 * SIDE / n as f32;
     let settings =
-        SolverSettings { thickness, self_contact: SelfContact::On, drag: 1.0, ..SolverSettings::default() };
+        BodySettings { thickness, self_contact: SelfContact::On, drag: 1.0, ..BodySettings::default() };
     let cloth = ClothBuilder::new(SIDE, SIDE, n, n)
         .placed(Vec3::new(0.0, SIDE, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
         .build(settings)?;

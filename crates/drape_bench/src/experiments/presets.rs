@@ -2,7 +2,7 @@
 
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::drape_test::{drape_coefficient, stretch_by_weight};
-use drape_solver::{Preset, SolverSettings, StepError};
+use drape_solver::{BodySettings, Preset, StepError};
 
 /// Measures all cases, and prints a table.
 ///
@@ -21,7 +21,7 @@ pub fn report() -> Result<(), StepError> {
         "stretch by its weight, %",
     ]);
     for preset in Preset::ALL {
-        let (material, settings) = (preset.material(), preset.settings(SolverSettings::default()));
+        let (material, settings) = (preset.material(), preset.settings(BodySettings::default()));
         table.add_row([
             preset.name().to_string(),
             format!("{:.3}", material.areal_density),

@@ -12,7 +12,7 @@ use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::step::{accumulate_forces, begin, detect_collisions, finish, substep};
-use drape_solver::{Ball, BallMaterial, ClothBuilder, Environment, Island, SolverSettings};
+use drape_solver::{Ball, BallMaterial, BodySettings, ClothBuilder, Environment, Island};
 use indicatif::{ParallelProgressIterator, ProgressBar};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -152,7 +152,7 @@ impl RandomShot {
         let curtain = ClothBuilder::new(SIZE[0], SIZE[1], columns, rows)
             .placed(corner, Vec3::X, Vec3::NEG_Y)
             .pin_where(|column, row, _| is_pinned(column, row));
-        let mut island = Island::of_body(curtain.build(SolverSettings::default())?);
+        let mut island = Island::of_body(curtain.build(BodySettings::default())?);
         let material = BallMaterial { radius: self.radius, mass: 2.0, ..BallMaterial::default() };
         let direction = Vec3::from(self.direction);
         let start = Vec3::from(self.target) - direction * self.distance();

@@ -259,7 +259,7 @@ impl CurtainReport {
 #[cfg(test)]
 mod tests {
     use drape_solver::glam::Vec3;
-    use drape_solver::{BallMaterial, SolverSettings};
+    use drape_solver::{BallMaterial, BodySettings};
 
     use super::*;
     use crate::experiments::bombardment::Shot;
@@ -274,7 +274,7 @@ mod tests {
             size: [2.0, 1.5],
             clearance: 0.3,
             particles,
-            settings: SolverSettings { substeps: 4, ..SolverSettings::default() },
+            settings: BodySettings { substeps: 4, ..BodySettings::default() },
             ball: BallMaterial::default(),
             shots: vec![shot(0, 0.0, 8.0), shot(1, 0.4, 25.0)],
             step: 1.0 / 60.0,

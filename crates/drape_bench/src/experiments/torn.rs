@@ -7,7 +7,7 @@ use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, BuildError, ClothBuilder, Environment, Island, SolverSettings, StepError, TearLimits, step,
+    Body, BodySettings, BuildError, ClothBuilder, Environment, Island, StepError, TearLimits, step,
 };
 
 use crate::measure::median::median_us;
@@ -94,7 +94,7 @@ pub fn report(cuts: &TornArguments) -> Result<(), Box<dyn Error>> {
 fn curtain(n: u32) -> Result<Body, BuildError> {
     let cloth = ClothBuilder::new(1.0, 1.0, n, n)
         .pin_where(|column, row, _| row == 0 && (column == 0 || column + 1 == n));
-    cloth.build(SolverSettings::default())
+    cloth.build(BodySettings::default())
 }
 
 fn cut(body: &mut Body, from: Vec3, to: Vec3) -> Result<Vec<Body>, BuildError> {

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, BuildError, Environment, Island, Obstacle, Particles, Placement, Shape, SolverSettings,
-    StateHasher, StickMaterial, StickProjection, StructuralSolve, Topology, TopologyBuilder, step, step_on,
+    Body, BodySettings, BuildError, Environment, Island, Obstacle, Particles, Placement, Shape, StateHasher,
+    StickMaterial, StickProjection, StructuralSolve, Topology, TopologyBuilder, step, step_on,
 };
 use rayon::prelude::*;
 
@@ -89,8 +89,8 @@ pub fn particles(model: &Model, offset: Vec3) -> Result<Particles, BuildError> {
 }
 
 /// Settings without drag, friction or thickness, as the peers have none.
-pub fn settings(options: &SolverOptions) -> SolverSettings {
-    SolverSettings {
+pub fn settings(options: &SolverOptions) -> BodySettings {
+    BodySettings {
         substeps: options.substeps,
         iterations: options.sweeps,
         drag: 0.0,
@@ -101,7 +101,7 @@ pub fn settings(options: &SolverOptions) -> SolverSettings {
             Projection::SquareRootFree => StickProjection::SquareRootFree,
         },
         structural: if options.lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
-        ..SolverSettings::default()
+        ..BodySettings::default()
     }
 }
 

@@ -7,7 +7,7 @@ use bevy::prelude::{App, Entity, MinimalPlugins, Time, Transform};
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use bevy::time::{Fixed, TimeUpdateStrategy};
 use bevy_drape::body::Sticks;
-use bevy_drape::prelude::{DrapeGravity, DrapePlugins, Obstacle, Particles, SolverSettings};
+use bevy_drape::prelude::{BodySurface, DrapeGravity, DrapePlugins, Obstacle, Particles, SolverSettings};
 use bevy_drape::schedule::StepTimes;
 use bevy_drape::sleep::{ActivityCounts, SceneManager};
 use drape_solver::Isa;
@@ -50,8 +50,10 @@ impl Plugin {
         for i in 0..scene.bodies {
             let particles = Particles(drape::particles(&scene.model, scene.offset(i))?);
             let drag = if is_asleep { RESTING_DRAG } else { 0.0 };
-            let settings = SolverSettings { drag, ..drape::settings(options) };
-            bodies.push(app.world_mut().spawn((particles, Sticks(Arc::clone(&topology)), settings)).id());
+            let settings = drape::settings(options);
+            let surface = BodySurface { drag, ..settings.into() };
+            let body = (particles, Sticks(Arc::clone(&topology)), SolverSettings::from(settings), surface);
+            bodies.push(app.world_mut().spawn(body).id());
         }
         let mut plugin = Self { app, bodies };
         if is_asleep {

@@ -10,7 +10,7 @@ use crate::build::topology_builder::TopologyBuilder;
 use crate::error::{BuildError, finite_vector, in_range, positive, right_angled};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
 /// The greatest number of particles that one cloth may have.
@@ -169,7 +169,7 @@ impl ClothBuilder {
     ///
     /// # Errors
     /// [`BuildError`] that names the invalid value.
-    pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
+    pub fn build(self, settings: BodySettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let (particles, topology) = self.build_parts()?;
         Ok(Body::new(particles, Arc::new(topology), settings))

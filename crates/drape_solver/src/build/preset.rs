@@ -11,7 +11,7 @@
 use bevy_reflect::std_traits::ReflectDefault;
 
 use crate::build::cloth::ClothMaterial;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 
 /// A material of cloth. Its stiffness is tuned for about 20 particles per metre: in finer cloth each stick carries more
 /// particles, and stretches more.
@@ -54,7 +54,7 @@ impl Preset {
     }
 
     /// Areal density, stiffness and damping.
-    pub fn material(self) -> ClothMaterial {
+    pub const fn material(self) -> ClothMaterial {
         let (areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping) = match self {
             Self::Silk => (0.07, 1.0, 0.3, 0.02, 0.1),
             Self::Cotton => (0.12, 1.0, 0.6, 0.3, 0.3),
@@ -68,8 +68,15 @@ impl Preset {
     }
 
     /// Returns `settings` with the preset's friction, drag, thickness and tethers. Substeps, iterations and the like stay.
-    pub fn settings(self, settings: SolverSettings) -> SolverSettings {
-        let (friction, drag, thickness) = match self {
+    pub fn settings(self, settings: BodySettings) -> BodySettings {
+        let (friction, drag, thickness) = self.surface();
+        let tethers = settings.tethers && !self.is_extensible();
+        BodySettings { friction, drag, thickness, tethers, ..settings }
+    }
+
+    /// Coefficient of friction; drag of still air in 1/s; half the thickness in metres.
+    pub const fn surface(self) -> (f32, f32, f32) {
+        match self {
             Self::Silk => (0.2, 2.0, 0.003),
             Self::Cotton => (0.5, 1.2, 0.004),
             Self::Denim => (0.6, 0.6, 0.005),
@@ -77,20 +84,22 @@ impl Preset {
             Self::Rubber => (0.9, 0.4, 0.006),
             Self::Net => (0.4, 0.4, 0.004),
             Self::Chain => (0.3, 0.1, 0.008),
-        };
-        // Tethers would keep rubber from stretching.
-        let tethers = settings.tethers && self != Self::Rubber;
-        SolverSettings { friction, drag, thickness, tethers, ..settings }
+        }
+    }
+
+    /// True if it is meant to stretch far: tethers would keep it from that.
+    pub const fn is_extensible(self) -> bool {
+        matches!(self, Self::Rubber)
     }
 }
 
-impl From<Preset> for SolverSettings {
+impl From<Preset> for BodySettings {
     fn from(preset: Preset) -> Self {
         Self::default().with_preset(preset)
     }
 }
 
-impl SolverSettings {
+impl BodySettings {
     /// Returns these settings with the friction, drag, thickness and tethers of a preset. Substeps, iterations and the like stay.
     #[must_use]
     pub fn with_preset(self, preset: Preset) -> Self {

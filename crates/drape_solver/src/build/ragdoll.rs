@@ -25,7 +25,7 @@ use crate::error::{BuildError, positive};
 use crate::geometry::pose::{Placement, Pose};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::topology::{StickBound, StickKind, StickMaterial};
 
 /// A human figure that stands upright and faces +Z.
@@ -189,7 +189,7 @@ impl RagdollBuilder {
     ///
     /// # Errors
     /// [`BuildError`] as [`particles`](Self::particles).
-    pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
+    pub fn build(self, settings: BodySettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let (places, masses): (Vec<Vec3>, Vec<f32>) = self.particles()?.into_iter().unzip();
         let inverse_masses: Vec<f32> = masses.iter().map(|mass| 1.0 / mass).collect();

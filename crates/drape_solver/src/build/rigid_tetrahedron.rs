@@ -20,7 +20,7 @@ use crate::error::{BuildError, finite_vector, positive};
 use crate::geometry::pose::{Placement, Pose};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::topology::{EmbeddedPoint, StickKind, StickMaterial};
 
 /// A rigid body as a tetrahedron of particles that carries the corners of a convex collision mesh.
@@ -115,7 +115,7 @@ impl RigidTetrahedronBuilder {
     ///
     /// # Errors
     /// [`BuildError`] that names the invalid value.
-    pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
+    pub fn build(self, settings: BodySettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let local = self.particles()?;
         if !self.placement.is_valid() {

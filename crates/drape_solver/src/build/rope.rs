@@ -10,7 +10,7 @@ use crate::build::topology_builder::TopologyBuilder;
 use crate::error::{BuildError, finite_vector, positive};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
 /// A chain of particles, straight from one end to the other at rest.
@@ -144,7 +144,7 @@ impl RopeBuilder {
     ///
     /// # Errors
     /// [`BuildError`] that names the invalid value.
-    pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
+    pub fn build(self, settings: BodySettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let (particles, topology) = self.build_parts()?;
         Ok(Body::new(particles, Arc::new(topology), settings))

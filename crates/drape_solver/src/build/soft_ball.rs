@@ -19,7 +19,7 @@ use crate::build::topology_builder::TopologyBuilder;
 use crate::error::{BuildError, finite_vector, in_range, positive, right_angled};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
 /// The number of particles of the inmost ring. Each further ring has this many more than the one inside it.
@@ -128,7 +128,7 @@ impl SoftBallBuilder {
     ///
     /// # Errors
     /// [`BuildError`] that names the invalid value.
-    pub fn build(self, settings: SolverSettings) -> Result<Body, BuildError> {
+    pub fn build(self, settings: BodySettings) -> Result<Body, BuildError> {
         settings.validate()?;
         let (particles, topology) = self.build_parts()?;
         Ok(Body::new(particles, Arc::new(topology), settings))

@@ -24,7 +24,7 @@ use crate::constants::MAX_MAGNITUDE;
 use crate::error::{BuildError, in_range, positive};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
 /// A soft solid in the form of a closed mesh.
@@ -112,7 +112,7 @@ impl SoftBodyBuilder {
     ///
     /// # Errors
     /// [`MeshError`] that names the fault, such as a mesh that is not closed, or cells too small or too large for it.
-    pub fn build(self, settings: SolverSettings) -> Result<(Body, Embedding), MeshError> {
+    pub fn build(self, settings: BodySettings) -> Result<(Body, Embedding), MeshError> {
         settings.validate()?;
         let SoftSolid { particles, topology, embedding, .. } = self.build_parts()?;
         let body = Body { pressure: 1.0, ..Body::new(particles, Arc::new(topology), settings) };

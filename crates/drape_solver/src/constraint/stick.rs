@@ -261,7 +261,7 @@ mod tests {
     use crate::constraint::projection::{Exact, SquareRootFree};
     use crate::simd::isa::{Isa, Kernel};
     use crate::state::body::Body;
-    use crate::state::settings::{SolverSettings, StickProjection};
+    use crate::state::settings::{BodySettings, StickProjection};
     use crate::state::topology::StickKind;
     use crate::substep::order::BodyStage;
     use crate::substep::testing::run_stages;
@@ -275,7 +275,7 @@ mod tests {
 
     fn project_once(positions: [Vec3; 2], w: [f32; 2], projection: StickProjection) -> [Vec3; 2] {
         let particles = Particles::new(Vec3::ZERO, &positions, &w).expect("valid");
-        let settings = SolverSettings { projection, tethers: false, ..SolverSettings::default() };
+        let settings = BodySettings { projection, tethers: false, ..BodySettings::default() };
         let mut body = Body::new(particles, Arc::new(stick_of_rest_length_one()), settings);
         run_stages(&mut body, 1.0, &[BodyStage::Sticks]);
         [body.particles.position(0), body.particles.position(1)]

@@ -111,7 +111,7 @@ mod tests {
     use crate::build::cloth::ClothBuilder;
     use crate::simd::miri::unless_miri;
     use crate::state::measure;
-    use crate::state::settings::SolverSettings;
+    use crate::state::settings::BodySettings;
     use crate::substep::testing::run_stages;
 
     /// Grids of every cut, and one that is too small to be cut.
@@ -119,7 +119,7 @@ mod tests {
     fn it_is_the_greatest_stretch_of_all_structural_sticks() {
         for (columns, rows) in [(5, 5), (20, 17), (4, 60), (64, 50)].into_iter().take(unless_miri(4, 2)) {
             let cloth = ClothBuilder::new(1.0, 1.0, columns, rows);
-            let mut body = cloth.build(SolverSettings::default()).expect("valid");
+            let mut body = cloth.build(BodySettings::default()).expect("valid");
             for i in 0..body.particles.len() {
                 let offset = Vec3::new(libm::sinf(i as f32), libm::sinf(i as f32 * 1.7), 0.0) * 1e-3;
                 body.particles.set_position(i, body.particles.position(i) + offset);

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::build::topology_builder::TopologyBuilder;
     use crate::state::body::Body;
-    use crate::state::settings::SolverSettings;
+    use crate::state::settings::BodySettings;
     use crate::state::tethers::Tethers;
     use crate::substep::order::BodyStage;
     use crate::substep::testing::run_stages;
@@ -119,7 +119,7 @@ mod tests {
         let mut builder = TopologyBuilder::new(&positions);
         builder.tethers(Tethers::geodesic(2, [(0, 1, 2.5)], &[0])).expect("valid");
         let topology = Arc::new(builder.build().expect("valid"));
-        let mut body = Body::new(particles, topology, SolverSettings::default());
+        let mut body = Body::new(particles, topology, BodySettings::default());
         let project = |body: &mut Body| {
             run_stages(body, 1.0, &[BodyStage::Integrate, BodyStage::Tethers]);
             body.particles.position(1)

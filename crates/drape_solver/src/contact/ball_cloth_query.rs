@@ -41,7 +41,7 @@ mod tests {
     use crate::island::Island;
     use crate::motion::environment::Environment;
     use crate::state::ball::{Ball, BallMaterial};
-    use crate::state::settings::SolverSettings;
+    use crate::state::settings::BodySettings;
     use crate::step;
 
     /// The overlaps that are found by testing all candidates.
@@ -61,7 +61,7 @@ mod tests {
         for (columns, rows) in [(40, 30), (17, 13), (6, 5)] {
             let body = ClothBuilder::new(2.0, 1.5, columns, rows)
                 .placed(Vec3::new(-1.0, 0.75, 0.0), Vec3::X, Vec3::NEG_Y)
-                .build(SolverSettings::default())
+                .build(BodySettings::default())
                 .expect("valid");
             let mut island = Island::of_body(body);
             for (x, speed) in [(0.1, 40.0), (-0.3, 15.0)] {

@@ -34,7 +34,7 @@ use crate::state::body::Body;
 use crate::state::friction::Friction;
 use crate::state::obstacle::Obstacle;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::substep::Substep;
 use crate::state::topology::Topology;
 
@@ -149,7 +149,7 @@ impl FaceContacts {
         &mut self,
         particles: &Particles,
         topology: &Topology,
-        settings: &SolverSettings,
+        settings: &BodySettings,
         searched: SearchedObstacle,
     ) {
         let side = topology.longest_edge;

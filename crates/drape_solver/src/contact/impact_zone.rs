@@ -254,7 +254,7 @@ mod tests {
     use crate::motion::environment::Environment;
     use crate::state::ball::BallMaterial;
     use crate::state::measure;
-    use crate::state::settings::SolverSettings;
+    use crate::state::settings::BodySettings;
     use crate::step;
 
     const FRONT: BallAndFace = BallAndFace {
@@ -291,7 +291,7 @@ mod tests {
     /// Sticks have pulled the middle of a sheet through a ball: both go back, and then move on together.
     #[test]
     fn ball_and_sheet_go_on_together_with_the_momentum_that_they_have() {
-        let settings = SolverSettings { drag: 0.0, ..SolverSettings::default() };
+        let settings = BodySettings { drag: 0.0, ..BodySettings::default() };
         let sheet = ClothBuilder::new(1.0, 1.0, 9, 9).placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y);
         let mut island = Island::of_body(sheet.build(settings).expect("valid"));
         let material = BallMaterial { friction: 0.0, ..BallMaterial::default() };

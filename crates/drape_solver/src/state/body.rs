@@ -10,7 +10,7 @@ use crate::state::drag::Drag;
 use crate::state::frame_motion::SubstepMotion;
 use crate::state::layers::Layers;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::topology::Topology;
 
 /// A cloth, a rope or a rig, ready to be stepped.
@@ -21,7 +21,7 @@ pub struct Body {
     /// Sticks, faces and tethers; shared between equal bodies.
     pub topology: Arc<Topology>,
     /// Accuracy, damping and surface.
-    pub settings: SolverSettings,
+    pub settings: BodySettings,
     /// The layers that the body belongs to, and those that it touches.
     pub layers: Layers,
     /// True if [`Island::contacts`](crate::Island::contacts) reports the body's contacts. Such a body is stepped
@@ -36,7 +36,7 @@ pub struct Body {
 
 impl Body {
     /// A body of these particles, joined by this topology.
-    pub fn new(particles: Particles, topology: Arc<Topology>, settings: SolverSettings) -> Self {
+    pub fn new(particles: Particles, topology: Arc<Topology>, settings: BodySettings) -> Self {
         Self { particles, topology, settings, ..Self::default() }
     }
 

@@ -3,8 +3,6 @@
 //! Design: `docs/design/relaxation.md`.
 
 #[cfg(feature = "bevy")]
-use bevy_ecs::reflect::ReflectComponent;
-#[cfg(feature = "bevy")]
 use bevy_reflect::std_traits::ReflectDefault;
 
 use crate::constants::{MAX_ITERATIONS, MAX_SUBSTEPS};
@@ -74,7 +72,7 @@ pub enum SelfContact {
 pub enum Quality {
     /// For distant or small bodies: a quarter of the time, six times the stretch.
     Low,
-    /// The values of [`SolverSettings::default`].
+    /// The values of [`BodySettings::default`].
     #[default]
     Medium,
     /// For bodies that must not stretch: half as long again, and a twenty-fifth of the stretch.
@@ -82,16 +80,9 @@ pub enum Quality {
 }
 
 /// Settings of a body: accuracy, damping and surface.
-///
-/// With the feature `bevy` this is a component.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "bevy",
-    derive(bevy_ecs::component::Component, bevy_reflect::Reflect),
-    reflect(Component, Default, Debug, Clone, PartialEq)
-)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SolverSettings {
+pub struct BodySettings {
     /// Substeps per step, 1 to 256. Small steps buy more stiffness than iterations for the same work.
     pub substeps: u32,
     /// Relaxation iterations per substep, 1 to 1024: Jakobsen's N. Odd ones run through the sticks in
@@ -121,7 +112,7 @@ pub struct SolverSettings {
     pub self_contact: SelfContact,
 }
 
-impl Default for SolverSettings {
+impl Default for BodySettings {
     fn default() -> Self {
         Self {
             substeps: 8,
@@ -139,13 +130,13 @@ impl Default for SolverSettings {
     }
 }
 
-impl From<Quality> for SolverSettings {
+impl From<Quality> for BodySettings {
     fn from(quality: Quality) -> Self {
         Self::default().with_quality(quality)
     }
 }
 
-impl SolverSettings {
+impl BodySettings {
     /// Returns these settings at the accuracy of `quality`; drag, friction and thickness stay.
     pub fn with_quality(self, quality: Quality) -> Self {
         let (substeps, iterations, projection, structural) = match quality {
@@ -197,8 +188,8 @@ mod tests {
 
     #[test]
     fn medium_is_the_default_and_quality_leaves_the_surface_alone() {
-        assert_eq!(SolverSettings::from(Quality::Medium), SolverSettings::default());
-        let rough = SolverSettings { friction: 0.9, drag: 3.0, thickness: 0.02, ..SolverSettings::default() };
+        assert_eq!(BodySettings::from(Quality::Medium), BodySettings::default());
+        let rough = BodySettings { friction: 0.9, drag: 3.0, thickness: 0.02, ..BodySettings::default() };
         for quality in [Quality::Low, Quality::Medium, Quality::High] {
             let chosen = rough.with_quality(quality);
             assert_eq!(chosen.validate(), Ok(()));
@@ -208,17 +199,17 @@ mod tests {
 
     #[test]
     fn defaults_are_valid_and_bad_fields_are_named() {
-        let good = SolverSettings::default();
+        let good = BodySettings::default();
         assert_eq!(good.validate(), Ok(()));
         let bad = [
-            (SolverSettings { substeps: 0, ..good }, "substeps"),
-            (SolverSettings { iterations: 0, ..good }, "iterations"),
-            (SolverSettings { tolerance: -1e-3, ..good }, "tolerance"),
-            (SolverSettings { drag: f32::NAN, ..good }, "drag"),
-            (SolverSettings { drag: -1.0, ..good }, "drag"),
-            (SolverSettings { friction: f32::INFINITY, ..good }, "friction"),
-            (SolverSettings { static_friction: -0.1, ..good }, "static_friction"),
-            (SolverSettings { thickness: -0.1, ..good }, "thickness"),
+            (BodySettings { substeps: 0, ..good }, "substeps"),
+            (BodySettings { iterations: 0, ..good }, "iterations"),
+            (BodySettings { tolerance: -1e-3, ..good }, "tolerance"),
+            (BodySettings { drag: f32::NAN, ..good }, "drag"),
+            (BodySettings { drag: -1.0, ..good }, "drag"),
+            (BodySettings { friction: f32::INFINITY, ..good }, "friction"),
+            (BodySettings { static_friction: -0.1, ..good }, "static_friction"),
+            (BodySettings { thickness: -0.1, ..good }, "thickness"),
         ];
         for (settings, field) in bad {
             let message = settings.validate().expect_err("invalid").to_string();

@@ -223,7 +223,7 @@ impl BodyContext {
 mod tests {
     use super::*;
     use crate::simd::miri::unless_miri;
-    use crate::{ClothBuilder, Edge, Environment, Island, SolverSettings, StateHasher, step};
+    use crate::{BodySettings, ClothBuilder, Edge, Environment, Island, StateHasher, step};
 
     fn hash(island: &Island) -> u64 {
         let mut hasher = StateHasher::new();
@@ -242,7 +242,7 @@ mod tests {
     fn island() -> Island {
         let cloth = ClothBuilder::new(1.0, 1.0, unless_miri(20, 5), unless_miri(17, 4))
             .pin_edge(Edge::Top)
-            .build(SolverSettings::default());
+            .build(BodySettings::default());
         let mut island = Island::of_body(cloth.expect("a cloth"));
         let ball = Ball::new(BallMaterial::default(), Vec3::new(0.1, 0.0, 0.4), Vec3::NEG_Z * 5.0);
         island.balls.push(ball.expect("a ball"));

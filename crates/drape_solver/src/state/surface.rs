@@ -264,7 +264,7 @@ mod tests {
     use crate::build::cloth::ClothBuilder;
     use crate::build::mesh::cloth::MeshClothBuilder;
     use crate::build::rope::RopeBuilder;
-    use crate::state::settings::SolverSettings;
+    use crate::state::settings::BodySettings;
 
     /// A fan of faces round one corner, which has more edges and faces than a star holds, and a corner apart.
     fn fan(count: u32) -> Topology {
@@ -274,12 +274,12 @@ mod tests {
         };
         let corners = core::iter::once(Vec3::ZERO).chain((0..=count).map(round)).collect();
         let faces = (1..=count).map(|i| [0, i, i + 1]).collect();
-        let cloth = MeshClothBuilder::new(corners, faces).build(SolverSettings::default()).expect("valid");
+        let cloth = MeshClothBuilder::new(corners, faces).build(BodySettings::default()).expect("valid");
         (*cloth.topology).clone()
     }
 
     fn topologies() -> Vec<Topology> {
-        let settings = SolverSettings::default();
+        let settings = BodySettings::default();
         let cloth = ClothBuilder::new(1.0, 1.3, 9, 13).build(settings).expect("valid");
         let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X, 40).build(settings).expect("valid");
         vec![(*cloth.topology).clone(), (*rope.topology).clone(), fan(8)]

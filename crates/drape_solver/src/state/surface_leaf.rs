@@ -151,11 +151,11 @@ mod tests {
     use super::*;
     use crate::build::cloth::ClothBuilder;
     use crate::build::rope::RopeBuilder;
-    use crate::state::settings::SolverSettings;
+    use crate::state::settings::BodySettings;
     use crate::state::topology::Topology;
 
     fn topologies() -> Vec<Topology> {
-        let settings = SolverSettings::default();
+        let settings = BodySettings::default();
         let cloth = ClothBuilder::new(1.0, 1.3, 12, 21).build(settings).expect("valid");
         let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 3.0, 70).build(settings).expect("valid");
         vec![(*cloth.topology).clone(), (*rope.topology).clone()]

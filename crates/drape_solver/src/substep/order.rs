@@ -239,7 +239,7 @@ mod tests {
     use crate::motion::environment::Environment;
     use crate::simd::miri::unless_miri;
     use crate::state::hash::StateHasher;
-    use crate::state::settings::SolverSettings;
+    use crate::state::settings::BodySettings;
     use crate::step::{accumulate_forces, begin, can_be_swept, detect_collisions, finish, step, substep};
 
     const SUBSTEPS: u32 = 4;
@@ -248,7 +248,7 @@ mod tests {
     fn curtain(order: Order) -> Island {
         let size = unless_miri(64, 9);
         let cloth = ClothBuilder::new(1.0, 1.0, size, size).pin_edge(Edge::Top);
-        let settings = SolverSettings { substeps: SUBSTEPS, ..SolverSettings::default() };
+        let settings = BodySettings { substeps: SUBSTEPS, ..BodySettings::default() };
         let mut island = Island::of_body(cloth.build(settings).expect("valid"));
         island.context.order = order;
         island

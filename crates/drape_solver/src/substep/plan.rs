@@ -7,7 +7,7 @@ use core::ops::Range;
 
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
 use crate::constraint::direct::line::{LineScratch, Lines};
-use crate::state::settings::{SolverSettings, StructuralSolve};
+use crate::state::settings::{BodySettings, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, Topology};
 use crate::substep::order::{BodyStage, Order};
 
@@ -100,7 +100,7 @@ impl Plan {
         &mut self,
         order: Order,
         topology: &Topology,
-        settings: &SolverSettings,
+        settings: &BodySettings,
         stiffness: &[f32],
         projections: u32,
         extras: Extras,
@@ -151,13 +151,7 @@ impl Plan {
 
     /// Adds the batches of sticks that no line solve takes, in alternating directions: a symmetric pair of sweeps gains
     /// no energy.
-    fn push_sticks(
-        &mut self,
-        topology: &Topology,
-        settings: &SolverSettings,
-        stiffness: &[f32],
-        is_odd: bool,
-    ) {
+    fn push_sticks(&mut self, topology: &Topology, settings: &BodySettings, stiffness: &[f32], is_odd: bool) {
         let first = self.stages.len();
         let is_swept = |&batch: &usize| {
             stiffness[batch] > 0.0
@@ -177,7 +171,7 @@ impl Plan {
 
     /// Lists the line solves. They come last in a projection, as the other sticks would undo them; columns come first,
     /// as they hang from the pins.
-    fn list_lines(&mut self, topology: &Topology, settings: &SolverSettings, stiffness: &[f32]) {
+    fn list_lines(&mut self, topology: &Topology, settings: &BodySettings, stiffness: &[f32]) {
         self.places_of_lines.clear();
         self.lines.clear();
         self.lines.extend([Lines::Columns, Lines::Rows].into_iter().filter_map(|lines| {

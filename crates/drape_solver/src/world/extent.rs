@@ -2,7 +2,7 @@
 
 use crate::state::ball::Ball;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::topology::Topology;
 use crate::world::bounds::Bounds;
 
@@ -23,12 +23,12 @@ impl Extent {
     }
 
     /// The box around the surface of the body at rest.
-    pub fn surface(&self, settings: &SolverSettings) -> Bounds {
+    pub fn surface(&self, settings: &BodySettings) -> Bounds {
         self.bounds.grown(settings.thickness)
     }
 
     /// The box that the surface of the body does not leave within a step of `dt` seconds under a gravity of size `gravity` (m/s^2).
-    pub fn reach(&self, settings: &SolverSettings, dt: f32, gravity: f32) -> Bounds {
+    pub fn reach(&self, settings: &BodySettings, dt: f32, gravity: f32) -> Bounds {
         self.bounds.grown(settings.thickness + (self.greatest_speed + gravity * dt) * dt)
     }
 }

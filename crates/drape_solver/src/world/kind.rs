@@ -1,6 +1,6 @@
 //! The kinds of things in a world, and which of them touch at all.
 
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 
 /// Body, ball or obstacle, as far as that decides what it can touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Kind {
 
 impl Kind {
     /// The kind of a body with these settings.
-    pub fn of_body(settings: &SolverSettings) -> Self {
+    pub fn of_body(settings: &BodySettings) -> Self {
         Self::Body { has_self_contact: settings.has_self_contact() }
     }
 

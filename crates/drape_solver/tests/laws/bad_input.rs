@@ -5,8 +5,8 @@ use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    Ball, BallMaterial, BuildError, ClothBuilder, Edge, Environment, Island, Obstacle, Particles, Placement,
-    RopeBuilder, Shape, SolverSettings, StateHasher, StepError, Wind, step,
+    Ball, BallMaterial, BodySettings, BuildError, ClothBuilder, Edge, Environment, Island, Obstacle,
+    Particles, Placement, RopeBuilder, Shape, StateHasher, StepError, Wind, step,
 };
 
 use crate::common::*;
@@ -17,7 +17,7 @@ fn scene() -> Island {
     // Miri takes seconds for a substep.
     let (count, duration) = if cfg!(miri) { (5, FRAME) } else { (6, 0.1) };
     let curtain =
-        ClothBuilder::new(1.0, 1.0, count, count).pin_edge(Edge::Top).build(SolverSettings::default());
+        ClothBuilder::new(1.0, 1.0, count, count).pin_edge(Edge::Top).build(BodySettings::default());
     let mut island = Island::of_body(curtain.expect("valid"));
     island.balls.push(ball(BallMaterial::default(), Vec3::new(0.5, -0.5, 1.0), Vec3::NEG_Z));
     run(&mut island, &gravity(FRAME), duration);
@@ -85,16 +85,16 @@ fn absurd_but_finite_environments_do_no_harm() {
 
 #[test]
 fn bad_settings_are_refused_when_set_after_building() {
-    let good = SolverSettings::default();
+    let good = BodySettings::default();
     for settings in [
-        SolverSettings { substeps: 0, ..good },
-        SolverSettings { substeps: u32::MAX, ..good },
-        SolverSettings { iterations: 0, ..good },
-        SolverSettings { iterations: u32::MAX, ..good },
-        SolverSettings { drag: f32::NAN, ..good },
-        SolverSettings { drag: -1.0, ..good },
-        SolverSettings { friction: f32::INFINITY, ..good },
-        SolverSettings { thickness: -1.0, ..good },
+        BodySettings { substeps: 0, ..good },
+        BodySettings { substeps: u32::MAX, ..good },
+        BodySettings { iterations: 0, ..good },
+        BodySettings { iterations: u32::MAX, ..good },
+        BodySettings { drag: f32::NAN, ..good },
+        BodySettings { drag: -1.0, ..good },
+        BodySettings { friction: f32::INFINITY, ..good },
+        BodySettings { thickness: -1.0, ..good },
     ] {
         let mut island = scene();
         island.bodies[0].settings = settings;
@@ -141,7 +141,7 @@ fn non_finite_states_are_found_and_named() {
 #[test]
 fn wind_on_a_face_without_a_finite_area_does_not_panic() {
     for far in [1e13, 1e20, 1e30, f32::MAX] {
-        let curtain = ClothBuilder::new(1.0, 1.0, 4, 4).pin_edge(Edge::Top).build(SolverSettings::default());
+        let curtain = ClothBuilder::new(1.0, 1.0, 4, 4).pin_edge(Edge::Top).build(BodySettings::default());
         let mut island = Island::of_body(curtain.expect("valid"));
         // Both are corners of one face, whose normal is NaN.
         island.bodies[0].particles.set_position(9, Vec3::X * far);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
-    BallMaterial, Body, Island, Particles, SolverSettings, StickKind, StickMaterial, TopologyBuilder,
+    BallMaterial, Body, BodySettings, Island, Particles, StickKind, StickMaterial, TopologyBuilder,
 };
 
 use crate::common::*;
@@ -33,7 +33,7 @@ fn hanging_box(mass: f32) -> Body {
         .and_then(|builder| builder.family(rigid, strings))
         .and_then(|builder| builder.faces(faces))
         .expect("valid sticks");
-    let settings = SolverSettings { substeps: 32, iterations: 8, friction: 1.0, thickness: 0.005, ..bare() };
+    let settings = BodySettings { substeps: 32, iterations: 8, friction: 1.0, thickness: 0.005, ..bare() };
     let particles = Particles::new(Vec3::ZERO, &positions, &inverse_masses).expect("valid particles");
     Body::new(particles, Arc::new(builder.build().expect("valid topology")), settings)
 }

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::motion::ballistics;
-use drape_solver::{Ball, Island, SolverSettings};
+use drape_solver::{Ball, BodySettings, Island};
 
 use crate::common::*;
 
@@ -35,7 +35,7 @@ fn the_range_of_a_shot_is_galileis() {
         let found = range(&mut island, dt, |island| island.balls[0].position().as_dvec3());
         law(&format!("range of a ball at {degrees} degrees"), found, expected, 2.6e-5);
 
-        let mut body = loose(&[Vec3::ZERO], SolverSettings { substeps: 16, ..bare() });
+        let mut body = loose(&[Vec3::ZERO], BodySettings { substeps: 16, ..bare() });
         body.particles.set_velocity(0, velocity);
         let found = range(&mut Island::of_body(body), dt, |island| particles(island).position(0).as_dvec3());
         law(&format!("range of a particle at {degrees} degrees"), found, expected, 4e-4);

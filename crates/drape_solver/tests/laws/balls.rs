@@ -3,7 +3,7 @@
 use drape_solver::glam::{DVec3, Quat, Vec3};
 use drape_solver::motion::ballistics::position_at;
 use drape_solver::{
-    Ball, BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, Shape, SolverSettings,
+    Ball, BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, Shape,
 };
 
 use crate::common::*;
@@ -171,7 +171,7 @@ fn drum(cells: u32, spacing: f32) -> Island {
     let sheet = ClothBuilder::new(size, size, cells + 1, cells + 1)
         .placed(Vec3::new(-size / 2.0, 0.0, -size / 2.0), Vec3::X, Vec3::Z)
         .pin_where(|column, row, _| column == 0 || row == 0 || column == last || row == last)
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid");
     Island::of_body(sheet)
 }
@@ -246,8 +246,7 @@ fn a_cannon_ball_does_not_go_through_a_curtain() {
     for (substeps, iterations) in [(8, 2), (4, 1)] {
         for speed in [12.0, 18.0, 25.0] {
             for (x, y) in [(0.0, 1.8), (0.03, 2.1), (-1.0, 1.7), (0.02, 2.5), (1.2, 2.6)] {
-                let settings =
-                    SolverSettings { substeps, iterations, drag: 2.0, ..SolverSettings::default() };
+                let settings = BodySettings { substeps, iterations, drag: 2.0, ..BodySettings::default() };
                 let curtain = ClothBuilder::new(4.0, 3.0, 64, 48)
                     .placed(Vec3::new(-2.0, 3.3, 0.0), Vec3::X, Vec3::NEG_Y)
                     .pin_edge(Edge::Top);
@@ -284,7 +283,7 @@ fn a_rope_catches_a_ball_between_its_particles() {
         .linear_density(0.5)
         .pin_start()
         .pin_end()
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid");
     for x in [0.0, 0.1, 0.05] {
         let mut island = Island::of_body(rope.clone());

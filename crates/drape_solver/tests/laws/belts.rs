@@ -1,7 +1,7 @@
 //! S7: friction with a moving surface carries bodies along.
 
 use drape_solver::glam::{Quat, Vec3};
-use drape_solver::{BallMaterial, Environment, Island, Obstacle, Placement, Shape, SolverSettings};
+use drape_solver::{BallMaterial, BodySettings, Environment, Island, Obstacle, Placement, Shape};
 
 use crate::common::*;
 
@@ -26,7 +26,7 @@ fn a_belt_brings_particles_to_its_speed() {
     for substeps in [1, 8] {
         let speed = 2.0;
         let belt = |t: f32| Placement::at(Vec3::new(speed * t, -0.5, 0.0));
-        let settings = SolverSettings { substeps, iterations: 2, friction: 0.5, ..bare() };
+        let settings = BodySettings { substeps, iterations: 2, friction: 0.5, ..bare() };
         let mut island = Island::of_body(loose(&[Vec3::ZERO], settings));
         run_on_slab(&mut island, 0.2, belt);
         let halfway = particles(&island).velocity(0).x;
@@ -42,7 +42,7 @@ fn a_belt_brings_particles_to_its_speed() {
 fn a_belt_carries_a_sheet() {
     let sheet = drape_solver::ClothBuilder::new(1.0, 1.0, 9, 9)
         .placed(Vec3::Y * 0.005, Vec3::X, Vec3::Z)
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid");
     let mut island = Island::of_body(sheet);
     run_on_slab(&mut island, 2.0, |t| Placement::at(Vec3::new(1.5 * t, -0.5, 0.0)));
@@ -55,7 +55,7 @@ fn a_belt_carries_a_sheet() {
 /// S7: on a turning disc a particle goes round with it.
 #[test]
 fn a_turntable_carries_particles_round() {
-    let settings = SolverSettings { substeps: 8, iterations: 2, friction: 0.5, ..bare() };
+    let settings = BodySettings { substeps: 8, iterations: 2, friction: 0.5, ..bare() };
     let mut island = Island::of_body(loose(&[Vec3::X], settings));
     let turns = 1.0;
     let mut angle = 0.0;

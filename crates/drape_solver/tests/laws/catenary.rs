@@ -1,7 +1,7 @@
 //! Ropes hang as a catenary.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{Island, RopeBuilder, SolverSettings, StructuralSolve, step};
+use drape_solver::{BodySettings, Island, RopeBuilder, StructuralSolve, step};
 
 use crate::common::*;
 
@@ -17,7 +17,7 @@ fn catenary(length: f64, span: f64) -> f64 {
 }
 
 /// A rope of 3 m at rest, whose ends were brought to `span` metres apart.
-fn hung(span: f32, settings: SolverSettings, links: u32) -> Island {
+fn hung(span: f32, settings: BodySettings, links: u32) -> Island {
     let length = 3.0;
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * length, links + 1)
         .pin_start()
@@ -41,13 +41,13 @@ fn hung(span: f32, settings: SolverSettings, links: u32) -> Island {
 /// lines: they are swept.)
 #[test]
 fn a_pinned_rope_hangs_as_a_catenary() {
-    let sweeps = SolverSettings { substeps: 16, iterations: 4, drag: 3.0, ..bare() };
+    let sweeps = BodySettings { substeps: 16, iterations: 4, drag: 3.0, ..bare() };
     let ways = [
         ("sweeps", sweeps, [5.1e-3, 0.044]),
-        ("tethers", SolverSettings { tethers: true, ..sweeps }, [0.011, 0.054]),
+        ("tethers", BodySettings { tethers: true, ..sweeps }, [0.011, 0.054]),
         (
             "lines",
-            SolverSettings { structural: StructuralSolve::Lines, iterations: 1, ..sweeps },
+            BodySettings { structural: StructuralSolve::Lines, iterations: 1, ..sweeps },
             [0.016, 4.4e-4],
         ),
     ];
@@ -75,7 +75,7 @@ fn a_pinned_rope_hangs_as_a_catenary() {
 /// A rope pinned at one end hangs straight down, at its rest length.
 #[test]
 fn a_rope_on_one_pin_hangs_straight_at_its_length() {
-    let settings = SolverSettings { substeps: 16, iterations: 2, drag: 2.0, ..SolverSettings::default() };
+    let settings = BodySettings { substeps: 16, iterations: 2, drag: 2.0, ..BodySettings::default() };
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 2.0, 21).pin_start().build(settings).expect("valid");
     let mut island = Island::of_body(rope);
     run(&mut island, &gravity(FRAME), 15.0);

@@ -1,7 +1,7 @@
 //! The lowest mode of a hanging chain.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{Island, RopeBuilder, SolverSettings, StructuralSolve};
+use drape_solver::{BodySettings, Island, RopeBuilder, StructuralSolve};
 
 use crate::common::*;
 
@@ -20,7 +20,7 @@ fn bessel(x: f64) -> f64 {
 
 /// The time in seconds between two passages of the free end through the plumb line in the same direction.
 fn period(structural: StructuralSolve, substeps: u32, links: u32, length: f32) -> f64 {
-    let settings = SolverSettings { substeps, iterations: 2, structural, ..bare() };
+    let settings = BodySettings { substeps, iterations: 2, structural, ..bare() };
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::NEG_Y * length, links + 1).pin_start();
     let mut island = Island::of_body(rope.build(settings).expect("valid"));
     let body = &mut island.bodies[0].particles;

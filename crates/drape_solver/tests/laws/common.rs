@@ -5,9 +5,9 @@ use std::sync::Arc;
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Ball, BallMaterial, Body, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle, Particles,
-    Placement, SelfContact, Shape, SolverSettings, StickKind, StickMaterial, StickProjection,
-    StructuralSolve, TopologyBuilder, step,
+    Ball, BallMaterial, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle,
+    Particles, Placement, SelfContact, Shape, StickKind, StickMaterial, StickProjection, StructuralSolve,
+    TopologyBuilder, step,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -22,8 +22,8 @@ pub fn unless_miri<T>(size: T, small: T) -> T {
 }
 
 /// Settings with every feature off, for tests to switch on.
-pub fn bare() -> SolverSettings {
-    SolverSettings {
+pub fn bare() -> BodySettings {
+    BodySettings {
         substeps: 1,
         iterations: 1,
         tolerance: 0.0,
@@ -49,7 +49,7 @@ pub fn weightless(dt: f32) -> Environment {
 }
 
 /// Loose particles of 1 kg at `positions`.
-pub fn loose(positions: &[Vec3], settings: SolverSettings) -> Body {
+pub fn loose(positions: &[Vec3], settings: BodySettings) -> Body {
     joined(positions, &vec![1.0; positions.len()], &[], settings)
 }
 
@@ -58,7 +58,7 @@ pub fn joined(
     positions: &[Vec3],
     inverse_masses: &[f32],
     sticks: &[[u32; 2]],
-    settings: SolverSettings,
+    settings: BodySettings,
 ) -> Body {
     joined_by(StickMaterial::rigid(StickKind::Structural), positions, inverse_masses, sticks, settings)
 }
@@ -69,7 +69,7 @@ pub fn joined_by(
     positions: &[Vec3],
     inverse_masses: &[f32],
     sticks: &[[u32; 2]],
-    settings: SolverSettings,
+    settings: BodySettings,
 ) -> Body {
     let particles = Particles::new(Vec3::ZERO, positions, inverse_masses).expect("valid particles");
     let mut builder = TopologyBuilder::new(positions);
@@ -272,7 +272,7 @@ pub fn level_sheet(
     n: u32,
     corners: bool,
     material: ClothMaterial,
-    settings: SolverSettings,
+    settings: BodySettings,
     violent: bool,
 ) -> Island {
     let mut sheet = ClothBuilder::new(1.0, 1.0, n, n).placed(Vec3::ZERO, Vec3::X, Vec3::Z).material(material);
@@ -302,7 +302,7 @@ pub fn shake(body: &mut Body, most: f32, seed: u64) {
 
 /// A free cloth of a square metre and 0.2 kg, level, with 16 substeps.
 pub fn free_cloth(thickness: f32) -> Body {
-    let settings = SolverSettings { substeps: 16, iterations: 4, friction: 0.5, thickness, ..bare() };
+    let settings = BodySettings { substeps: 16, iterations: 4, friction: 0.5, thickness, ..bare() };
     let material = ClothMaterial { areal_density: 0.2, damping: 0.0, ..ClothMaterial::default() };
     ClothBuilder::new(1.0, 1.0, 17, 17).material(material).build(settings).expect("a valid cloth")
 }

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::{Cuboid, SharedShape};
-use drape_solver::{Environment, Island, Obstacle, Placement, Shape, SolverSettings};
+use drape_solver::{BodySettings, Environment, Island, Obstacle, Placement, Shape};
 
 use crate::common::*;
 
@@ -20,7 +20,7 @@ fn inside(point: Vec3) -> bool {
 fn projection_leaves_no_normal_velocity() {
     for (substeps, iterations) in [(1, 1), (4, 3), (16, 1)] {
         for speed in [0.5, 5.0, 25.0] {
-            let settings = SolverSettings { substeps, iterations, ..bare() };
+            let settings = BodySettings { substeps, iterations, ..bare() };
             let mut body = loose(&[Vec3::Y * 0.3], settings);
             body.particles.set_velocity(0, Vec3::new(1.0, -speed, 0.0));
             let mut island = Island::of_body(body);
@@ -78,7 +78,7 @@ fn cloth_keeps_its_thickness() {
     ];
     for shape in shapes {
         let name = format!("{shape:?}");
-        let settings = SolverSettings { thickness: 0.02, ..bare() };
+        let settings = BodySettings { thickness: 0.02, ..bare() };
         let mut island = Island::of_body(loose(&[Vec3::new(0.01, 1.3, 0.02)], settings));
         let obstacles = vec![obstacle(shape.clone(), Vec3::ZERO, 0.0)];
         let mut environment = Environment { obstacles: obstacles.into(), ..gravity(FRAME) };
@@ -128,7 +128,7 @@ fn the_box_is_componentwise_min_and_max() {
 fn the_box_takes_in_what_starts_outside() {
     let starts = [Vec3::new(-50.0, 500.0, 500.0), Vec3::new(1100.0, -3.0, 2000.0), Vec3::splat(-700.0)];
     for (substeps, iterations) in [(1, 1), (8, 2)] {
-        let settings = SolverSettings { substeps, iterations, ..bare() };
+        let settings = BodySettings { substeps, iterations, ..bare() };
         let mut island = Island::of_body(loose(&starts, settings));
         let environment = Environment { obstacles: vec![founding_box()].into(), ..weightless(FRAME) };
         run(&mut island, &environment, FRAME);
@@ -149,7 +149,7 @@ fn the_box_takes_in_what_starts_outside() {
 fn particles_in_the_box_never_leave_it_and_settle_on_its_floor() {
     let mut dice = Dice(55);
     let starts: Vec<Vec3> = (0..100).map(|_| dice.vector(500.0) + 500.0).collect();
-    let mut body = loose(&starts, SolverSettings { drag: 0.603, ..bare() });
+    let mut body = loose(&starts, BodySettings { drag: 0.603, ..bare() });
     for i in 0..100 {
         body.particles.set_velocity(i, dice.vector(200.0));
     }
@@ -169,7 +169,7 @@ fn the_stick_and_the_box_hold_together() {
         // A stretched or compressed stick flies outwards near or beyond a wall, an edge or a corner.
         let middle = Vec3::new(dice.unit(), dice.unit(), dice.unit()).round() * 1000.0 + dice.vector(60.0);
         let half = dice.vector(1.0).normalize() * (30.0 + 50.0 * dice.unit());
-        let settings = SolverSettings { iterations: 16, ..bare() };
+        let settings = BodySettings { iterations: 16, ..bare() };
         let rest = [Vec3::ZERO, Vec3::X * 100.0];
         let mut body = joined(&rest, &[1.0, 0.5], &[[0, 1]], settings);
         body.particles.set_position(0, middle - half);

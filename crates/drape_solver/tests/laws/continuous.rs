@@ -4,7 +4,7 @@ use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
-use drape_solver::{ClothBuilder, Island, Placement, Shape, SolverSettings, step};
+use drape_solver::{BodySettings, ClothBuilder, Island, Placement, Shape, step};
 
 use crate::common::*;
 
@@ -130,7 +130,7 @@ fn a_racket_leaves_no_ball_behind() {
 
 /// A loose sheet across the path, with `count` particles to a side.
 fn sheet_at(count: u32, size: f32, z: f32) -> Island {
-    let settings = SolverSettings { thickness: 0.005, substeps: 8, ..SolverSettings::default() };
+    let settings = BodySettings { thickness: 0.005, substeps: 8, ..BodySettings::default() };
     let sheet = ClothBuilder::new(size, size, count, count)
         .placed(Vec3::new(-0.5 * size + 0.013, 0.5 * size + 0.017, z), Vec3::X, Vec3::NEG_Y)
         .build(settings);
@@ -230,7 +230,7 @@ fn a_fast_particle_is_stopped_by_the_wall_and_not_by_the_floor_that_is_nearer() 
     let mesh = parry(SharedShape::trimesh(corners, triangles).expect("triangles"));
     for speed in [20.0, 60.0, 150.0] {
         for height in [0.02, 0.1] {
-            let settings = SolverSettings { thickness: 0.005, ..bare() };
+            let settings = BodySettings { thickness: 0.005, ..bare() };
             let mut body = loose(&[Vec3::new(-0.3, height, 0.1)], settings);
             body.particles.set_velocity(0, Vec3::X * speed);
             let mut island = Island::of_body(body);

@@ -1,12 +1,12 @@
 //! A hanging sheet stretches less with every substep.
 
-use drape_solver::{ClothBuilder, Edge, Island, SolverSettings};
+use drape_solver::{BodySettings, ClothBuilder, Edge, Island};
 
 use crate::common::*;
 
 /// Stretch (root mean square) of a sheet of 25 x 25 that has come to rest on its upper edge.
 fn hanging(substeps: u32) -> f64 {
-    let settings = SolverSettings { substeps, drag: 4.0, ..bare() };
+    let settings = BodySettings { substeps, drag: 4.0, ..bare() };
     let sheet = ClothBuilder::new(1.0, 1.0, 25, 25).pin_edge(Edge::Top);
     let mut island = Island::of_body(sheet.build(settings).expect("valid"));
     run(&mut island, &gravity(FRAME), 6.0);

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
-use drape_solver::{Environment, Island, Obstacle, Placement, Shape, SolverSettings};
+use drape_solver::{BodySettings, Environment, Island, Obstacle, Placement, Shape};
 
 use crate::common::*;
 
@@ -23,7 +23,7 @@ fn over_cylinder(
     masses: [f32; 2],
     rope: f32,
     friction: f32,
-    settings: SolverSettings,
+    settings: BodySettings,
 ) -> (Island, Environment) {
     let r = RADIUS + THICKNESS;
     let arc = core::f32::consts::PI * r;
@@ -40,7 +40,7 @@ fn over_cylinder(
     inverse_masses[0] = 1.0 / (masses[0] + 0.5 * link);
     inverse_masses[LINKS as usize] = 1.0 / (masses[1] + 0.5 * link);
     let sticks: Vec<[u32; 2]> = (0..LINKS).map(|i| [i, i + 1]).collect();
-    let settings = SolverSettings { friction, thickness: THICKNESS, ..settings };
+    let settings = BodySettings { friction, thickness: THICKNESS, ..settings };
     let island = Island::of_body(joined(&positions, &inverse_masses, &sticks, settings));
     let rotation = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
     let cylinder =
@@ -61,7 +61,7 @@ fn a_rope_over_a_smooth_cylinder_runs_as_atwoods_machine() {
         let of_parry = Shape::from_parry(SharedShape::cylinder(1.0, RADIUS)).expect("valid");
         let ways = [(SMOOTH, 4, 0.027), (SMOOTH, 8, 6e-3), (SMOOTH, 16, 9e-3), (of_parry, 16, 0.21)];
         for (shape, substeps, tolerance) in ways {
-            let settings = SolverSettings { substeps, iterations: 16, ..bare() };
+            let settings = BodySettings { substeps, iterations: 16, ..bare() };
             let (mut island, environment) = over_cylinder(shape.clone(), [light, heavy], ROPE, 0.0, settings);
             let ends = |island: &Island| [0, LINKS as usize].map(|i| particles(island).position(i).y);
             let before = ends(&island);
@@ -87,7 +87,7 @@ fn a_rope_over_a_smooth_cylinder_runs_as_atwoods_machine() {
 fn a_rope_over_a_rough_cylinder_slides_where_eulers_formula_has_it() {
     let friction = 0.3_f32;
     let slid = |ratio: f32| {
-        let settings = SolverSettings { substeps: 16, iterations: 100, ..bare() };
+        let settings = BodySettings { substeps: 16, iterations: 100, ..bare() };
         // The rope itself has almost no mass.
         let (mut island, environment) = over_cylinder(SMOOTH, [1.0, ratio], 0.12, friction, settings);
         run(&mut island, &environment, 1.0);

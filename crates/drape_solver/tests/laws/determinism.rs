@@ -5,8 +5,8 @@ use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    BallMaterial, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RigidBody, RopeBuilder,
-    SelfContact, Shape, SolverSettings, StateHasher, Threads, Wind, step, step_on,
+    BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RigidBody,
+    RopeBuilder, SelfContact, Shape, StateHasher, Threads, Wind, step, step_on,
 };
 
 use crate::common::*;
@@ -16,11 +16,11 @@ fn scene() -> (Island, Environment) {
     let curtain = ClothBuilder::new(1.5, 1.5, 16, 16)
         .placed(Vec3::new(-0.75, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_edge(Edge::Top)
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid");
     let rope = RopeBuilder::new(Vec3::new(-1.0, 2.0, 0.5), Vec3::new(1.0, 2.0, 0.5), 21)
         .pin_start()
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid");
     let mut island = Island { bodies: vec![curtain, rope], ..Island::default() };
     let material = BallMaterial::default();
@@ -120,7 +120,7 @@ fn the_hash_sees_every_part_of_the_state() {
 /// A falling sheet with corner pins, tethers, friction and a sphere: all kernels that are compiled for each instruction
 /// set. Large sheets are swept in strips, and none fills its cells.
 fn sheet(columns: u32, rows: u32, isa: Isa) -> (Island, Environment) {
-    let settings = SolverSettings { substeps: 4, ..SolverSettings::default() };
+    let settings = BodySettings { substeps: 4, ..BodySettings::default() };
     let sheet = ClothBuilder::new(2.0, 2.0, columns, rows)
         .placed(Vec3::new(-1.0, 1.0, -1.0), Vec3::X, Vec3::Z)
         .pin(0)
@@ -250,8 +250,7 @@ fn all_contacts(isa: Isa) -> (Island, Environment) {
     let body = RigidBody::new(0.3, Vec3::splat(0.002)).expect("a valid body");
     obstacles.push(thrown.with_rigid_body(body).reporting_reaction());
     let spread = |size: f32, count: u32, height: f32, self_contact: SelfContact| {
-        let settings =
-            SolverSettings { substeps: 4, thickness: 0.01, self_contact, ..SolverSettings::default() };
+        let settings = BodySettings { substeps: 4, thickness: 0.01, self_contact, ..BodySettings::default() };
         let cloth = ClothBuilder::new(size, size, count, count).placed(
             Vec3::new(-0.5 * size, height, -0.5 * size),
             Vec3::X,

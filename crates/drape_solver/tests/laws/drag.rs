@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
-use drape_solver::{BallMaterial, ClothBuilder, ClothMaterial, Environment, Island, SolverSettings, Wind};
+use drape_solver::{BallMaterial, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, Wind};
 
 use crate::common::*;
 
@@ -12,7 +12,7 @@ const STEPS: [(f32, u32); 5] = [(1.0 / 30.0, 1), (FRAME, 1), (FRAME, 4), (FRAME,
 #[test]
 fn speed_decays_as_the_exponential_of_drag_and_time() {
     for (dt, substeps) in STEPS {
-        let settings = SolverSettings { drag: 1.5, substeps, ..bare() };
+        let settings = BodySettings { drag: 1.5, substeps, ..bare() };
         let mut body = loose(&[Vec3::ZERO], settings);
         body.particles.set_velocity(0, Vec3::new(6.0, 0.0, 8.0));
         let mut island = Island::of_body(body);
@@ -26,7 +26,7 @@ fn speed_decays_as_the_exponential_of_drag_and_time() {
 #[test]
 fn the_textbook_factor_is_a_drag_per_second() {
     let drag = (-60.0 * f64::ln(0.99)) as f32;
-    let mut body = loose(&[Vec3::ZERO], SolverSettings { drag, ..bare() });
+    let mut body = loose(&[Vec3::ZERO], BodySettings { drag, ..bare() });
     body.particles.set_velocity(0, Vec3::X);
     let mut island = Island::of_body(body);
     run(&mut island, &weightless(FRAME), FRAME);
@@ -53,7 +53,7 @@ fn a_sheet_is_carried_to_the_speed_of_the_wind_and_not_past_it() {
         for substeps in [1, 8] {
             let material = ClothMaterial { areal_density, ..ClothMaterial::default() };
             let sheet = ClothBuilder::new(1.0, 1.0, 9, 9).material(material);
-            let settings = SolverSettings { substeps, ..bare() };
+            let settings = BodySettings { substeps, ..bare() };
             let mut island = Island::of_body(sheet.build(settings).expect("valid"));
             let environment = Environment { wind: Wind::new(Vec3::Z * speed), ..weightless(FRAME) };
             run_with(&mut island, &environment, 5.0, |island, _| {

@@ -4,7 +4,7 @@ use drape_solver::glam::{EulerRot, Quat, Vec3};
 use drape_solver::parry3d::math::{IVector, Pose};
 use drape_solver::parry3d::shape::{Cuboid, HeightField, SharedShape};
 use drape_solver::parry3d::utils::Array2;
-use drape_solver::{ClothBuilder, Environment, Island, Obstacle, Placement, Shape, SolverSettings};
+use drape_solver::{BodySettings, ClothBuilder, Environment, Island, Obstacle, Placement, Shape};
 
 use crate::common::*;
 
@@ -233,7 +233,7 @@ fn penetration(island: &Island, model: &Model) -> f32 {
 fn drop_on(models: Vec<Model>) {
     let mut failed = Vec::new();
     for model in models {
-        let settings = SolverSettings { thickness: THICKNESS, friction: 0.6, ..SolverSettings::default() };
+        let settings = BodySettings { thickness: THICKNESS, friction: 0.6, ..BodySettings::default() };
         let cloth = ClothBuilder::new(2.0, 2.0, 33, 33)
             .placed(Vec3::new(-1.0, 0.75, -1.0), Vec3::X, Vec3::Z)
             .build(settings)

@@ -1,7 +1,7 @@
 //! The drape coefficient, a measure of stiffness from textile laboratories, for all presets.
 
 use drape_solver::drape_test::{drape_coefficient, stretch_by_weight};
-use drape_solver::{ClothMaterial, Preset, SolverSettings};
+use drape_solver::{BodySettings, ClothMaterial, Preset};
 
 /// The drape coefficient rises with bend stiffness, from limp cloth to a board (Cusick 1968; here of a square).
 #[test]
@@ -9,7 +9,7 @@ fn the_drape_coefficient_rises_with_the_stiffness_in_bending() {
     let stiffnesses = [0.0, 0.3, 0.9, 1.0];
     let found = stiffnesses.map(|bend_stiffness| {
         let material = ClothMaterial { bend_stiffness, ..ClothMaterial::default() };
-        let settings = SolverSettings { substeps: 16, ..SolverSettings::default() };
+        let settings = BodySettings { substeps: 16, ..BodySettings::default() };
         drape_coefficient(material, settings).expect("valid")
     });
     println!(
@@ -19,7 +19,7 @@ fn the_drape_coefficient_rises_with_the_stiffness_in_bending() {
 }
 
 fn measured(preset: Preset) -> [f32; 2] {
-    let settings = preset.settings(SolverSettings::default());
+    let settings = preset.settings(BodySettings::default());
     let drape = drape_coefficient(preset.material(), settings).expect("valid");
     let stretch = stretch_by_weight(preset.material(), settings).expect("valid");
     println!(
@@ -49,7 +49,7 @@ fn presets_drape_in_the_order_of_the_trade_and_only_rubber_stretches() {
 #[test]
 fn presets_are_in_range_and_weigh_what_the_trade_says() {
     for preset in Preset::ALL {
-        assert_eq!(preset.settings(SolverSettings::default()).validate(), Ok(()), "{}", preset.name());
+        assert_eq!(preset.settings(BodySettings::default()).validate(), Ok(()), "{}", preset.name());
     }
     let weight = |preset: Preset| preset.material().areal_density;
     assert!((weight(Preset::Silk) - 16.0 * 0.00434).abs() < 1e-3);

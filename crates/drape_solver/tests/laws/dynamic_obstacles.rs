@@ -3,7 +3,7 @@
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    BallMaterial, ClothBuilder, Environment, Island, Obstacle, RigidBody, Shape, SolverSettings, step,
+    BallMaterial, BodySettings, ClothBuilder, Environment, Island, Obstacle, RigidBody, Shape, step,
 };
 
 use crate::common::*;
@@ -201,7 +201,7 @@ fn a_cloth_that_lands_flat_on_a_light_plate_carries_it_along() {
 #[test]
 fn a_box_between_two_cloths_keeps_the_momentum_of_all_three() {
     let cloth = |z: f32, speed: f32, substeps: u32| {
-        let settings = SolverSettings { substeps, friction: 0.5, thickness: 0.01, ..bare() };
+        let settings = BodySettings { substeps, friction: 0.5, thickness: 0.01, ..bare() };
         let corner = Vec3::new(-0.5, 0.5, z);
         let sheet = ClothBuilder::new(1.0, 1.0, 17, 17).placed(corner, Vec3::X, Vec3::NEG_Y);
         let mut cloth = sheet.build(settings).expect("valid");

@@ -3,7 +3,7 @@
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, ClothBuilder, Edge, Environment, FrameMotion, Isa, Island, Placement, Shape, SolverSettings,
+    Body, BodySettings, ClothBuilder, Edge, Environment, FrameMotion, Isa, Island, Placement, Shape,
     StateHasher, step,
 };
 
@@ -13,7 +13,7 @@ fn sheet(particles: u32) -> Body {
     ClothBuilder::new(1.0, 1.0, particles, particles)
         .placed(Vec3::new(-0.5, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_edge(Edge::Top)
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid")
 }
 
@@ -76,7 +76,7 @@ fn a_cloth_that_inherits_nothing_hangs_as_on_one_who_stands() {
 #[test]
 fn a_loose_particle_goes_with_the_frame() {
     for (substeps, velocity) in [(1, Vec3::ZERO), (7, Vec3::new(0.3, -1.0, 2.0))] {
-        let settings = SolverSettings { substeps, ..bare() };
+        let settings = BodySettings { substeps, ..bare() };
         let start = Vec3::new(1.0, 2.0, -0.5);
         let mut body = loose(&[start], settings);
         body.particles.set_velocity(0, velocity);
@@ -98,8 +98,8 @@ fn a_loose_particle_goes_with_the_frame() {
 /// A cloth on a wagon whose motion is that of the frame does not slip, and friction does not push it.
 #[test]
 fn friction_sees_the_motion_of_the_frame() {
-    let settings = SolverSettings { substeps: 8, friction: 0.5, ..bare() };
-    let body = loose(&[Vec3::new(0.0, 0.51, 0.0)], SolverSettings { thickness: 0.01, ..settings });
+    let settings = BodySettings { substeps: 8, friction: 0.5, ..bare() };
+    let body = loose(&[Vec3::new(0.0, 0.51, 0.0)], BodySettings { thickness: 0.01, ..settings });
     let mut island = Island::of_body(body);
     let waggon = obstacle(Shape::Cuboid { half_extents: Vec3::new(2.0, 0.5, 2.0) }, Vec3::ZERO, 0.5);
     let mut environment = Environment { obstacles: vec![waggon].into(), ..gravity(FRAME) };

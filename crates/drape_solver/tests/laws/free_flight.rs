@@ -17,7 +17,7 @@ fn discrete(start: DVec3, velocity: DVec3, acceleration: DVec3, h: f64, n: f64) 
 fn free_flight_is_the_discrete_closed_form() {
     let (start, velocity) = (Vec3::new(1.0, 2.0, -3.0), Vec3::new(4.0, 8.0, -2.0));
     for (dt, substeps) in [(1.0 / 60.0, 1), (1.0 / 60.0, 16), (1.0 / 32.0, 3), (1.0 / 240.0, 1)] {
-        let mut body = loose(&[start], drape_solver::SolverSettings { substeps, ..bare() });
+        let mut body = loose(&[start], drape_solver::BodySettings { substeps, ..bare() });
         body.particles.set_velocity(0, velocity);
         let mut island = Island::of_body(body);
         run(&mut island, &gravity(dt), 1.0);
@@ -84,7 +84,7 @@ fn the_previous_position_is_where_the_particle_was_a_substep_ago() {
 #[test]
 fn a_force_acts_for_one_step_and_gives_impulse_over_mass() {
     for substeps in [1, 4, 16] {
-        let settings = drape_solver::SolverSettings { substeps, ..bare() };
+        let settings = drape_solver::BodySettings { substeps, ..bare() };
         let positions = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
         let mut island = Island::of_body(joined(&positions, &[0.5, 4.0, 0.0], &[], settings));
         let force = Vec3::new(3.0, -6.0, 1.0);

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{
-    BallMaterial, Body, ClothBuilder, Environment, Island, Obstacle, Placement, Shape, SolverSettings,
+    BallMaterial, Body, BodySettings, ClothBuilder, Environment, Island, Obstacle, Placement, Shape,
 };
 
 use crate::common::*;
@@ -32,14 +32,14 @@ fn slid(body: Body, angle: f32, friction: f32, seconds: f32) -> f32 {
 
 fn particle(angle: f32, friction: f32, substeps: u32) -> Body {
     let normal = Quat::from_rotation_z(-angle) * Vec3::Y;
-    let settings = SolverSettings { friction, substeps, iterations: 2, thickness: 0.005, ..bare() };
+    let settings = BodySettings { friction, substeps, iterations: 2, thickness: 0.005, ..bare() };
     loose(&[normal * 0.005], settings)
 }
 
 fn sheet(angle: f32, friction: f32, substeps: u32) -> Body {
     let rotation = Quat::from_rotation_z(-angle);
     let settings =
-        SolverSettings { friction, substeps, iterations: 2, thickness: 0.005, tethers: true, ..bare() };
+        BodySettings { friction, substeps, iterations: 2, thickness: 0.005, tethers: true, ..bare() };
     ClothBuilder::new(0.8, 0.8, 9, 9)
         .placed(rotation * Vec3::Y * 0.005, rotation * Vec3::X, Vec3::Z)
         .build(settings)
@@ -107,7 +107,7 @@ fn sliding_accelerates_by_what_friction_leaves_of_gravity() {
 fn a_slide_ends_after_the_distance_of_coulomb() {
     let (speed, friction) = (3.0, 0.5);
     for (substeps, tolerance) in [(1, 0.041), (8, 5.2e-3)] {
-        let settings = SolverSettings { substeps, friction, iterations: 2, ..bare() };
+        let settings = BodySettings { substeps, friction, iterations: 2, ..bare() };
         let mut body = loose(&[Vec3::ZERO], settings);
         body.particles.set_velocity(0, Vec3::X * speed);
         let mut island = Island::of_body(body);
@@ -188,7 +188,7 @@ fn static_friction_makes_a_ball_roll_where_kinetic_friction_would_let_it_slide()
 #[test]
 fn friction_with_cloth_turns_spin_into_motion() {
     let driven = |friction: f32| {
-        let settings = SolverSettings { friction, ..SolverSettings::default() };
+        let settings = BodySettings { friction, ..BodySettings::default() };
         let cloth = ClothBuilder::new(1.0, 1.0, 17, 17)
             .placed(Vec3::new(-0.5, 0.0, -0.5), Vec3::X, Vec3::Z)
             .pin_where(|column, row, _| column % 16 == 0 || row % 16 == 0);

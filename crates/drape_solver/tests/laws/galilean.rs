@@ -1,7 +1,7 @@
 //! Cloth moves alike at the origin, far from it, and in a moving frame.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{Body, ClothBuilder, Edge, Environment, Island, Placement, Shape, SolverSettings, Wind};
+use drape_solver::{Body, BodySettings, ClothBuilder, Edge, Environment, Island, Placement, Shape, Wind};
 
 use crate::common::*;
 
@@ -36,7 +36,7 @@ struct Scene {
 }
 
 fn sheet(scene: &Scene, frame: &Frame) -> Body {
-    let settings = SolverSettings { drag: 0.0, ..SolverSettings::default() };
+    let settings = BodySettings { drag: 0.0, ..BodySettings::default() };
     let sheet = ClothBuilder::new(1.2, 1.0, 25, 21).placed(Vec3::NEG_X * 0.6, Vec3::X, scene.down);
     let mut body = sheet.pin_edge(Edge::Top).build(settings).expect("valid");
     body.particles.translate(frame.origin);
@@ -98,10 +98,9 @@ fn a_ball_keeps_its_speed_far_from_the_origin() {
     for (distance, tolerance) in [(1.0, 3e-5), (100.0, 3e-3), (1000.0, 0.03)] {
         let velocity = Vec3::new(-0.4, 2.5, -4.0);
         let mut island = Island::of_ball(ball(smooth(0.1, 1.0), Vec3::splat(distance), velocity));
-        island.bodies.push(Body {
-            settings: SolverSettings { substeps: 8, ..bare() },
-            ..loose(&[Vec3::ZERO], bare())
-        });
+        island
+            .bodies
+            .push(Body { settings: BodySettings { substeps: 8, ..bare() }, ..loose(&[Vec3::ZERO], bare()) });
         run(&mut island, &weightless(FRAME), 1.0);
         let error = (island.balls[0].position() - Vec3::splat(distance) - velocity).length();
         law_of_error(&format!("ball's drift in m/s, {distance} m away"), error.into(), tolerance);

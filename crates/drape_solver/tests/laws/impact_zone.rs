@@ -1,7 +1,7 @@
 //! Impact zones stop balls that contacts cannot stop: no ball's centre gets to the other side of a cloth.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{ClothBuilder, Island, SolverSettings};
+use drape_solver::{BodySettings, ClothBuilder, Island};
 
 use crate::common::*;
 
@@ -12,7 +12,7 @@ fn sheet(count: u32) -> Island {
     let sheet = ClothBuilder::new(2.0, 2.0, count, count)
         .placed(Vec3::new(-1.0, 1.0, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_where(move |column, row, _| is_rim(column, row));
-    Island::of_body(sheet.build(SolverSettings { drag: 0.0, ..SolverSettings::default() }).expect("valid"))
+    Island::of_body(sheet.build(BodySettings { drag: 0.0, ..BodySettings::default() }).expect("valid"))
 }
 
 /// The distance in metres of the ball's centre in front (+Z) of the sheet: in front of the nearest of all faces that are

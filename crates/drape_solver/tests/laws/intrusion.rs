@@ -3,7 +3,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, Shape, SolverSettings,
+    BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, Obstacle, Placement, Shape,
 };
 
 use crate::common::*;
@@ -12,7 +12,7 @@ use crate::common::*;
 #[test]
 fn a_particle_that_starts_in_the_ground_is_put_on_it_and_not_thrown() {
     for (substeps, iterations) in [(1, 1), (8, 2), (16, 1)] {
-        let settings = SolverSettings { substeps, iterations, ..bare() };
+        let settings = BodySettings { substeps, iterations, ..bare() };
         let mut island = Island::of_body(loose(&[Vec3::Y * -0.4], settings));
         let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
         run(&mut island, &environment, FRAME);
@@ -68,7 +68,7 @@ fn curtain() -> drape_solver::Body {
     ClothBuilder::new(1.5, 1.5, 25, 25)
         .placed(Vec3::new(-0.75, 0.0, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_edge(Edge::Top)
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid")
 }
 
@@ -120,7 +120,7 @@ fn an_obstacle_that_appears_exactly_in_the_cloths_plane_does_not_burst_it() {
 fn ground_that_rises_at_once_lifts_a_sheet_without_throwing_it() {
     let sheet = ClothBuilder::new(1.0, 1.0, 17, 17)
         .placed(Vec3::Y * 0.005, Vec3::X, Vec3::Z)
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid");
     let mut island = Island::of_body(sheet);
     let mut environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };

@@ -3,8 +3,8 @@
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    BallMaterial, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island, Quality, RopeBuilder, Shape,
-    SolverSettings, StateHasher, StructuralSolve, step,
+    BallMaterial, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island, Quality,
+    RopeBuilder, Shape, StateHasher, StructuralSolve, step,
 };
 
 use crate::common::*;
@@ -12,9 +12,9 @@ use crate::common::*;
 const BOTH: [StructuralSolve; 2] = [StructuralSolve::Sweeps, StructuralSolve::Lines];
 
 /// Default settings with line solves, `substeps` and `iterations`, and without drag.
-fn lines(substeps: u32, iterations: u32) -> SolverSettings {
+fn lines(substeps: u32, iterations: u32) -> BodySettings {
     let structural = StructuralSolve::Lines;
-    SolverSettings { substeps, iterations, structural, drag: 0.0, ..SolverSettings::default() }
+    BodySettings { substeps, iterations, structural, drag: 0.0, ..BodySettings::default() }
 }
 
 /// All sticks rigid.
@@ -33,7 +33,7 @@ fn hash(island: &Island) -> u64 {
 fn a_swinging_rope_stretches_far_less_than_with_sweeps() {
     for tethers in [false, true] {
         let motion = BOTH.map(|structural| {
-            let settings = SolverSettings { structural, tethers, ..lines(8, 1) };
+            let settings = BodySettings { structural, tethers, ..lines(8, 1) };
             let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 2.0, 64).pin_start().build(settings);
             let mut island = Island::of_body(rope.expect("valid"));
             let mut sum = 0.0;
@@ -64,7 +64,7 @@ fn a_taut_rope_between_two_pins_stays_taut() {
 fn a_taut_rope_between_two_pins_comes_to_rest() {
     for (substeps, part) in [(8, 1.0), (8, 0.999), (16, 1.0), (16, 0.999)] {
         let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 2.0, 61).pin_start().pin_end();
-        let settings = SolverSettings { substeps, ..SolverSettings::from(Quality::High) };
+        let settings = BodySettings { substeps, ..BodySettings::from(Quality::High) };
         let mut rope = rope.build(settings).expect("valid");
         for i in 0..61 {
             rope.particles.set_position(i, rope.particles.position(i) * part);
@@ -80,7 +80,7 @@ fn a_taut_rope_between_two_pins_comes_to_rest() {
 #[test]
 fn a_sheet_hung_by_two_corners_ends_symmetric_and_unstretched() {
     for n in [16_u32, 24, 50] {
-        let settings = SolverSettings { drag: 2.0, ..lines(16, 1) };
+        let settings = BodySettings { drag: 2.0, ..lines(16, 1) };
         let sheet = ClothBuilder::new(1.0, 1.0, n, n).material(stiff()).pin(0).pin(n - 1).build(settings);
         let mut island = Island::of_body(sheet.expect("valid"));
         run(&mut island, &gravity(FRAME), 12.0);
@@ -103,7 +103,7 @@ fn a_sheet_hung_by_two_corners_ends_symmetric_and_unstretched() {
 fn a_cloth_compressed_along_itself_buckles() {
     for n in [20_u32, 64] {
         for (substeps, iterations) in [(1, 1), (4, 2), (16, 1)] {
-            let settings = SolverSettings { tethers: false, ..lines(substeps, iterations) };
+            let settings = BodySettings { tethers: false, ..lines(substeps, iterations) };
             let sheet = ClothBuilder::new(1.0, 1.0, n, n)
                 .placed(Vec3::ZERO, Vec3::X, Vec3::Z)
                 .pin_edge(Edge::Left)
@@ -153,7 +153,7 @@ fn a_straight_compressed_chain_stays_finite() {
 }
 
 /// The greatest gain of energy since the start, as a part of `m g L`; after a violent start, since step 30.
-fn gained(n: u32, corners: bool, settings: SolverSettings, violent: bool) -> f64 {
+fn gained(n: u32, corners: bool, settings: BodySettings, violent: bool) -> f64 {
     let mut island = level_sheet(n, corners, stiff(), settings, violent);
     let environment: Environment = gravity(FRAME);
     let energy = |island: &Island| measure::mechanical_energy(&island.bodies[0], environment.gravity);
@@ -175,7 +175,7 @@ fn check(sizes: &[u32], substeps: &[u32]) {
         for (corners, violent) in [(false, false), (false, true), (true, false), (true, true)] {
             for (&substeps, iterations) in substeps.iter().flat_map(|s| [(s, 1), (s, 2)]) {
                 for tethers in [true, false] {
-                    let settings = SolverSettings { tethers, ..lines(substeps, iterations) };
+                    let settings = BodySettings { tethers, ..lines(substeps, iterations) };
                     let gain = gained(n, corners, settings, violent);
                     println!(
                         "{n} corners {corners} {substeps}x{iterations} tethers {tethers} violent {violent}: {gain}"
@@ -236,7 +236,7 @@ fn a_cannon_ball_is_stopped_by_a_pinned_sheet() {
             .pin_where(|column, row, _| column == 0 || row == 0 || column == last || row == last);
         for (u, v) in [(0.0, 0.0), (0.5, 0.0), (0.33, 0.67)] {
             let depths = BOTH.map(|structural| {
-                let settings = SolverSettings { structural, ..lines(8, 2) };
+                let settings = BodySettings { structural, ..lines(8, 2) };
                 let mut island = Island::of_body(sheet.clone().build(settings).expect("valid"));
                 let start = Vec3::new(u * spacing, 0.6, v * spacing);
                 island.balls.push(ball(BallMaterial::default(), start, Vec3::NEG_Y * speed));
@@ -261,7 +261,7 @@ fn a_cannon_ball_is_stopped_by_a_pinned_sheet() {
 #[test]
 fn a_cannon_ball_does_not_go_through_a_curtain() {
     for (speed, x, y) in [(12.0, 0.0, 1.8), (25.0, 0.03, 2.1), (18.0, -1.0, 1.7), (25.0, 1.2, 2.6)] {
-        let settings = SolverSettings { drag: 2.0, ..lines(8, 1) };
+        let settings = BodySettings { drag: 2.0, ..lines(8, 1) };
         let curtain = ClothBuilder::new(4.0, 3.0, 64, 48)
             .placed(Vec3::new(-2.0, 3.3, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_edge(Edge::Top);
@@ -333,11 +333,11 @@ fn what_lines_do_not_apply_to_is_swept() {
     let soft_sheet = |settings| ClothBuilder::new(1.0, 1.0, 20, 20).material(soft).pin(0).build(settings);
     let small_sheet = |settings| ClothBuilder::new(1.0, 1.0, 6, 6).pin(0).build(settings);
     let short_rope = |settings| RopeBuilder::new(Vec3::ZERO, Vec3::X, 12).pin_start().build(settings);
-    let build: [&dyn Fn(SolverSettings) -> _; 3] = [&soft_sheet, &small_sheet, &short_rope];
+    let build: [&dyn Fn(BodySettings) -> _; 3] = [&soft_sheet, &small_sheet, &short_rope];
     for build in build {
         let [swept, lined] = BOTH.map(|structural| {
             let mut island =
-                Island::of_body(build(SolverSettings { structural, ..lines(8, 1) }).expect("valid"));
+                Island::of_body(build(BodySettings { structural, ..lines(8, 1) }).expect("valid"));
             run(&mut island, &gravity(FRAME), 1.0);
             hash(&island)
         });

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, Environment, Isa, Island, Obstacle, Particles, Shape, SolverSettings, StateHasher, StickKind,
+    Body, BodySettings, Environment, Isa, Island, Obstacle, Particles, Shape, StateHasher, StickKind,
     StickMaterial, StickProjection, TopologyBuilder, step,
 };
 use proptest::prelude::*;
@@ -65,7 +65,7 @@ fn shuffled(count: usize) -> Vec<u32> {
 }
 
 /// The mesh as a body. `inverse_mass` takes the number of the vertex, and is 0 for a pin.
-fn body(mesh: &Mesh, inverse_mass: impl Fn(usize) -> f32, settings: SolverSettings) -> Body {
+fn body(mesh: &Mesh, inverse_mass: impl Fn(usize) -> f32, settings: BodySettings) -> Body {
     let masses: Vec<f32> = (0..mesh.positions.len()).map(inverse_mass).collect();
     let pins: Vec<u32> = (0..masses.len() as u32).filter(|&i| masses[i as usize] == 0.0).collect();
     let particles = Particles::new(Vec3::ZERO, &mesh.positions, &masses).expect("valid particles");
@@ -81,7 +81,7 @@ fn body(mesh: &Mesh, inverse_mass: impl Fn(usize) -> f32, settings: SolverSettin
 }
 
 /// A shuffled mesh of 900 uneven particles that falls on a sphere, hung from two of them.
-fn falling(isa: Isa, settings: SolverSettings) -> (Island, Environment) {
+fn falling(isa: Isa, settings: BodySettings) -> (Island, Environment) {
     let mesh = mesh(30);
     let order = shuffled(mesh.positions.len());
     let pins = [order[0] as usize, order[29] as usize];
@@ -100,7 +100,7 @@ fn hash(island: &Island) -> u64 {
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
     for (projection, iterations) in [(StickProjection::Exact, 1), (StickProjection::SquareRootFree, 3)] {
-        let settings = SolverSettings { substeps: 4, iterations, projection, ..SolverSettings::default() };
+        let settings = BodySettings { substeps: 4, iterations, projection, ..BodySettings::default() };
         let hashes: Vec<u64> = Isa::available()
             .into_iter()
             .map(|isa| {
@@ -115,7 +115,7 @@ fn every_instruction_set_gives_the_same_bits() {
 
 #[test]
 fn the_stages_one_by_one_are_the_step() {
-    let settings = SolverSettings { substeps: 4, iterations: 2, ..SolverSettings::default() };
+    let settings = BodySettings { substeps: 4, iterations: 2, ..BodySettings::default() };
     let (mut whole, environment) = falling(Isa::detected(), settings);
     let (mut staged, _) = falling(Isa::detected(), settings);
     for _ in 0..60 {
@@ -187,7 +187,7 @@ fn a_mesh_keeps_the_state_of_its_vertices() {
 /// A mesh in order and the same mesh shuffled hang alike.
 #[test]
 fn a_shuffled_mesh_hangs_as_the_mesh_in_order_does() {
-    let settings = SolverSettings { substeps: 8, drag: 1.0, ..bare() };
+    let settings = BodySettings { substeps: 8, drag: 1.0, ..bare() };
     let plain = mesh(24);
     let hung = |mesh: &Mesh, number: &dyn Fn(usize) -> usize| {
         let pins: Vec<usize> = (0..24).map(number).collect();
@@ -207,7 +207,7 @@ fn a_shuffled_mesh_hangs_as_the_mesh_in_order_does() {
 #[test]
 fn a_free_mesh_keeps_its_momentum() {
     let mesh = numbered(&mesh(30), &shuffled(900));
-    let settings = SolverSettings { substeps: 4, iterations: 2, ..bare() };
+    let settings = BodySettings { substeps: 4, iterations: 2, ..bare() };
     let mut body = body(&mesh, |i| 200.0 + (i % 7) as f32 * 100.0, settings);
     let mut dice = Dice(1);
     (0..900).for_each(|i| body.particles.set_velocity(i, Vec3::X + dice.vector(0.5)));
@@ -246,7 +246,7 @@ fn each_of_many_dumbbells_keeps_its_own_centre() {
 #[test]
 fn a_hanging_mesh_gains_no_energy_and_does_not_stretch() {
     for iterations in [1, 2] {
-        let settings = SolverSettings { substeps: 16, iterations, ..bare() };
+        let settings = BodySettings { substeps: 16, iterations, ..bare() };
         let (mut island, _) = falling(Isa::detected(), settings);
         let at_start: Vec<Vec3> = particles(&island).positions().collect();
         let energy = |island: &Island| {
@@ -290,7 +290,7 @@ proptest! {
         sticks.sort_unstable();
         sticks.dedup();
         let masses: Vec<f32> = (0..count).map(|i| if i % 11 == 0 { 0.0 } else { 1.0 + (i % 3) as f32 }).collect();
-        let settings = SolverSettings { substeps: 2, iterations: 2, ..bare() };
+        let settings = BodySettings { substeps: 2, iterations: 2, ..bare() };
         let start = joined(&positions, &masses, &sticks, settings);
         let mut found: Vec<[u32; 2]> = (0..start.topology.stick_count()).map(|i| start.topology.stick(i)).collect();
         found.sort_unstable();

@@ -5,7 +5,7 @@ use core::f32::consts::TAU;
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
-    BuildError, ClothMaterial, Island, MeshCloth, MeshClothBuilder, MeshError, MeshRepairs, SolverSettings,
+    BodySettings, BuildError, ClothMaterial, Island, MeshCloth, MeshClothBuilder, MeshError, MeshRepairs,
     StateHasher, StickKind,
 };
 
@@ -75,7 +75,7 @@ fn hung(mesh: Mesh) -> MeshCloth {
     tops.into_iter().fold(builder(mesh), MeshClothBuilder::pin).build_parts().expect("a good mesh")
 }
 
-fn island(cloth: MeshCloth, settings: SolverSettings) -> Island {
+fn island(cloth: MeshCloth, settings: BodySettings) -> Island {
     Island::of_body(drape_solver::Body::new(cloth.particles, cloth.topology.into(), settings))
 }
 
@@ -119,7 +119,7 @@ fn a_welded_tube_does_not_open_along_its_seam() {
     let (columns, rows) = unless_miri((24, 10), (6, 2));
     let cloth = hung(tube(columns, rows));
     let of = cloth.particle_of_vertex.clone();
-    let mut island = island(cloth, SolverSettings::default());
+    let mut island = island(cloth, BodySettings::default());
     let blow = |island: &mut Island| {
         let particles = &mut island.bodies[0].particles;
         for i in 0..particles.len() {
@@ -150,7 +150,7 @@ fn a_welded_tube_does_not_open_along_its_seam() {
 fn the_drape_is_the_same_whichever_way_vertices_are_split() {
     let mesh = tube(unless_miri(16, 5), unless_miri(8, 2));
     let end = |mesh: Mesh| {
-        let mut island = island(hung(mesh), SolverSettings::default());
+        let mut island = island(hung(mesh), BodySettings::default());
         run(&mut island, &gravity(FRAME), 1.0);
         StateHasher::new().particles(particles(&island)).finish()
     };
@@ -324,7 +324,7 @@ fn what_is_odd_is_put_right_said_and_simulated() {
         assert!(cloth.repairs.to_string().contains(words), "{name}: {}", cloth.repairs);
         assert_eq!(words.is_empty(), cloth.repairs.is_empty());
         assert!(measure::mass(&cloth.particles) < expected_mass, "a pin weighs nothing");
-        let mut island = island(cloth, SolverSettings::default());
+        let mut island = island(cloth, BodySettings::default());
         run(&mut island, &gravity(FRAME), 2.0);
         assert!(particles(&island).is_finite(), "{name}");
         let speed = greatest_speed(&island);
@@ -347,7 +347,7 @@ fn what_an_empty_triangle_joins_stays_joined() {
     let cloth = builder((positions, faces)).pin(3).build_parts().expect("a mesh");
     assert_eq!((cloth.repairs.empty_faces, cloth.particles.len()), (1, 5));
     let middle = cloth.particle_of_vertex[2].expect("part of it") as usize;
-    let mut island = island(cloth, SolverSettings::default());
+    let mut island = island(cloth, BodySettings::default());
     run(&mut island, &gravity(FRAME), 2.0);
     let place = particles(&island).position(middle);
     assert!((place - Vec3::new(0.5, 0.0, 0.0)).length() < 0.05, "{place}");

@@ -2,13 +2,13 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
-use drape_solver::{BallMaterial, ClothBuilder, ClothMaterial, Island, SolverSettings};
+use drape_solver::{BallMaterial, BodySettings, ClothBuilder, ClothMaterial, Island};
 
 use crate::common::*;
 
 /// A spinning ball about to hit a free sheet off its middle, at an angle.
 fn hit(substeps: u32) -> Island {
-    let settings = SolverSettings { substeps, iterations: 2, drag: 0.0, ..SolverSettings::default() };
+    let settings = BodySettings { substeps, iterations: 2, drag: 0.0, ..BodySettings::default() };
     let sheet = ClothBuilder::new(1.5, 1.2, 21, 17)
         .placed(Vec3::new(-0.75, 0.6, 0.0), Vec3::X, Vec3::NEG_Y)
         .build(settings)
@@ -63,7 +63,7 @@ fn the_common_centre_of_ball_and_cloth_goes_on_at_its_speed() {
 /// The error of the angular momentum after a hit off the middle and at an angle, as a part of the ball's. The hit is soft
 /// enough to need no further substeps, and begins at `phase` (0 to 1) of a substep.
 fn angular_error(substeps: u32, phase: f32) -> f64 {
-    let settings = SolverSettings { substeps, iterations: 2, drag: 0.0, ..SolverSettings::default() };
+    let settings = BodySettings { substeps, iterations: 2, drag: 0.0, ..BodySettings::default() };
     let material = ClothMaterial { areal_density: 1.0, ..ClothMaterial::default() };
     let sheet = ClothBuilder::new(1.5, 1.2, 21, 17)
         .placed(Vec3::new(-0.75, 0.6, 0.0), Vec3::X, Vec3::NEG_Y)
@@ -151,7 +151,7 @@ fn a_head_on_hit_of_equal_balls_stops_both() {
 /// Sticks pull both ends alike: a tumbling free cloth keeps its momentum, and its rotation slows only slowly.
 #[test]
 fn a_tumbling_cloth_keeps_its_momentum() {
-    let settings = SolverSettings { drag: 0.0, substeps: 16, iterations: 1, ..SolverSettings::default() };
+    let settings = BodySettings { drag: 0.0, substeps: 16, iterations: 1, ..BodySettings::default() };
     let mut sheet = ClothBuilder::new(1.0, 1.0, 12, 12).build(settings).expect("valid");
     let middle = Vec3::new(0.5, -0.5, 0.0);
     for i in 0..sheet.particles.len() {

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Shape, SolverSettings, StateHasher, step,
+    Body, BodySettings, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Shape, StateHasher, step,
 };
 
 use crate::common::*;
@@ -12,7 +12,7 @@ fn sheet(particles: u32, lowest: f32) -> Body {
     let mut body = ClothBuilder::new(1.0, 1.0, particles, particles)
         .placed(Vec3::new(-0.5, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_edge(Edge::Top)
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid");
     for i in 0..body.particles.len() {
         let place = body.particles.position(i);
@@ -121,7 +121,7 @@ fn what_is_held_back_does_not_swing_on() {
 #[test]
 fn a_limit_wins_over_an_obstacle_and_is_counted() {
     for (distance, is_conflict) in [(0.02, true), (0.5, false)] {
-        let settings = SolverSettings { thickness: 0.01, ..bare() };
+        let settings = BodySettings { thickness: 0.01, ..bare() };
         let mut body = loose(&[Vec3::new(0.0, 0.05, 0.0), Vec3::new(2.0, 0.0, 0.0)], settings);
         body.particles.set_motion_limit(0, Vec3::new(0.0, 0.05, 0.0), distance);
         body.particles.set_motion_limit(1, Vec3::new(2.0, 0.0, 0.0), distance);

@@ -1,7 +1,7 @@
 //! Moving obstacles push and carry cloth, and do not pass through it.
 
 use drape_solver::glam::{Quat, Vec3};
-use drape_solver::{ClothBuilder, Edge, Environment, Island, Placement, Shape, SolverSettings};
+use drape_solver::{BodySettings, ClothBuilder, Edge, Environment, Island, Placement, Shape};
 
 use crate::common::*;
 
@@ -14,7 +14,7 @@ fn sheet(pinned: bool) -> Island {
         sheet = sheet.pin_edge(Edge::Top);
     }
     Island::of_body(
-        sheet.build(SolverSettings { thickness: THICKNESS, ..SolverSettings::default() }).expect("valid"),
+        sheet.build(BodySettings { thickness: THICKNESS, ..BodySettings::default() }).expect("valid"),
     )
 }
 
@@ -76,7 +76,7 @@ fn a_fast_obstacle_leaves_no_particle_inside() {
 /// A rotating paddle sweeps particles along at the speed of its surface.
 #[test]
 fn a_turning_paddle_sweeps_particles_along() {
-    let settings = SolverSettings { substeps: 8, ..bare() };
+    let settings = BodySettings { substeps: 8, ..bare() };
     let mut island = Island::of_body(loose(&[Vec3::new(1.0, 0.0, -0.15)], settings));
     let mut environment = weightless(FRAME);
     let half_extents = Vec3::new(2.0, 1.0, 0.1);
@@ -102,7 +102,7 @@ fn an_obstacle_that_stops_carries_no_further() {
     assert!(ground.is_moving());
     ground.move_to(Placement::at(Vec3::X * 0.1), FRAME);
     assert!(!ground.is_moving());
-    let mut island = Island::of_body(loose(&[Vec3::ZERO], SolverSettings { friction: 0.5, ..bare() }));
+    let mut island = Island::of_body(loose(&[Vec3::ZERO], BodySettings { friction: 0.5, ..bare() }));
     run(&mut island, &Environment { obstacles: vec![ground].into(), ..gravity(FRAME) }, 1.0);
     assert!(particles(&island).position(0).length() < 1e-6);
 }
@@ -111,7 +111,7 @@ fn an_obstacle_that_stops_carries_no_further() {
 /// not thrown.
 #[test]
 fn a_push_beside_pinned_corners_does_not_throw_the_free_one() {
-    let settings = SolverSettings { thickness: THICKNESS, ..SolverSettings::default() };
+    let settings = BodySettings { thickness: THICKNESS, ..BodySettings::default() };
     let sheet = ClothBuilder::new(1.0, 1.0, 2, 2).placed(Vec3::ZERO, Vec3::X, Vec3::Z).pin_edge(Edge::Top);
     let mut island = Island::of_body(sheet.build(settings).expect("valid"));
     let mut environment = weightless(FRAME);

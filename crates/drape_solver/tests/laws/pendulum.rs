@@ -1,7 +1,7 @@
 //! A mass on a stick is the mathematical pendulum, except for a damping of first order in the substep.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{Island, SolverSettings};
+use drape_solver::{BodySettings, Island};
 
 use crate::common::*;
 
@@ -22,7 +22,7 @@ fn complete_elliptic(k: f64) -> f64 {
 /// angle) that is left at its second turning point.
 fn first_swing(angle: f64, substeps: u32) -> (f64, f64) {
     let bob = Vec3::new(angle.sin() as f32, -angle.cos() as f32, 0.0) * LENGTH;
-    let settings = SolverSettings { substeps, ..bare() };
+    let settings = BodySettings { substeps, ..bare() };
     let body = joined(&[Vec3::ZERO, bob], &[0.0, 1.0], &[[0, 1]], settings);
     let mut island = Island::of_body(body);
     let (mut crossings, mut last, mut highest) = (Vec::new(), angle, 0.0_f64);

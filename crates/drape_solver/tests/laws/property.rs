@@ -3,8 +3,8 @@
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{
-    Ball, BallMaterial, Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Placement,
-    RopeBuilder, SelfContact, Shape, SolverSettings, StickProjection, StructuralSolve, Wind, step,
+    Ball, BallMaterial, Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, Obstacle,
+    Placement, RopeBuilder, SelfContact, Shape, StickProjection, StructuralSolve, Wind, step,
 };
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -17,22 +17,20 @@ fn vector(half: f32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(between(-half, half)).prop_map(Vec3::from_array)
 }
 
-fn settings() -> impl Strategy<Value = SolverSettings> {
+fn settings() -> impl Strategy<Value = BodySettings> {
     (1_u32..6, 1_u32..4, between(0.0, 3.0), between(0.0, 1.5), between(0.0, 0.03), any::<[bool; 3]>())
-        .prop_map(|(substeps, iterations, drag, friction, thickness, [exact, lines, tethers])| {
-            SolverSettings {
-                substeps,
-                iterations,
-                tolerance: 0.0,
-                drag,
-                friction,
-                static_friction: 2.0 * friction,
-                thickness,
-                projection: if exact { StickProjection::Exact } else { StickProjection::SquareRootFree },
-                structural: if lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
-                tethers,
-                self_contact: SelfContact::Off,
-            }
+        .prop_map(|(substeps, iterations, drag, friction, thickness, [exact, lines, tethers])| BodySettings {
+            substeps,
+            iterations,
+            tolerance: 0.0,
+            drag,
+            friction,
+            static_friction: 2.0 * friction,
+            thickness,
+            projection: if exact { StickProjection::Exact } else { StickProjection::SquareRootFree },
+            structural: if lines { StructuralSolve::Lines } else { StructuralSolve::Sweeps },
+            tethers,
+            self_contact: SelfContact::Off,
         })
 }
 

@@ -3,14 +3,14 @@
 use drape_solver::glam::{DVec3, Quat, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, Environment, Island, Obstacle, Placement, RagdollBuilder, RagdollStick, Shape, SolverSettings,
+    Body, BodySettings, Environment, Island, Obstacle, Placement, RagdollBuilder, RagdollStick, Shape,
     StickBound,
 };
 
 use crate::common::*;
 
-fn settings() -> SolverSettings {
-    SolverSettings { substeps: 16, iterations: 4, thickness: 0.05, friction: 0.6, drag: 0.6, ..bare() }
+fn settings() -> BodySettings {
+    BodySettings { substeps: 16, iterations: 4, thickness: 0.05, friction: 0.6, drag: 0.6, ..bare() }
 }
 
 /// Five steps of 18 by 28 cm that go down towards +X from 0.9 m.
@@ -115,8 +115,7 @@ fn a_ragdoll_goes_on_with_the_motion_of_two_frames() {
     };
     for rate in [30.0_f32, 60.0, 144.0] {
         let at_end = Placement::at(-middle);
-        let mut body =
-            figure.placed(at_end).build(SolverSettings { drag: 0.0, ..settings() }).expect("valid");
+        let mut body = figure.placed(at_end).build(BodySettings { drag: 0.0, ..settings() }).expect("valid");
         let mut exact = body.clone();
         for (i, ((previous, _), (now, _))) in frame(-1.0 / rate).zip(frame(0.0)).enumerate() {
             body.particles.set_motion(i, previous, now, 1.0 / rate);

@@ -4,7 +4,7 @@
 use drape_solver::constants::{LEAST_OVERLAP, PUSH_OUT_SPEED, TETHER_SPEED};
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, Environment, Isa, Island, Obstacle, Particles, Shape, SolverSettings, StickKind, StickMaterial,
+    Body, BodySettings, Environment, Isa, Island, Obstacle, Particles, Shape, StickKind, StickMaterial,
     StickProjection, Topology, TopologyBuilder, step,
 };
 
@@ -53,7 +53,7 @@ fn squared(v: Vec3) -> f32 {
 struct Reference<'a> {
     particles: Vec<Particle>,
     topology: &'a Topology,
-    settings: SolverSettings,
+    settings: BodySettings,
 }
 
 impl Reference<'_> {
@@ -170,7 +170,7 @@ impl Reference<'_> {
 }
 
 /// A sheet with two pinned corners over a sphere above the ground, with grid sticks or listed ones.
-fn sheet(columns: u32, rows: u32, is_grid: bool, settings: SolverSettings) -> Body {
+fn sheet(columns: u32, rows: u32, is_grid: bool, settings: BodySettings) -> Body {
     let spacing = 2.0 / (columns - 1) as f32;
     let place =
         |i: u32| Vec3::new((i % columns) as f32 * spacing - 1.0, 0.0, (i / columns) as f32 * spacing - 1.0);
@@ -198,7 +198,7 @@ fn sheet(columns: u32, rows: u32, is_grid: bool, settings: SolverSettings) -> Bo
     Body::new(particles, builder.build().expect("valid").into(), settings)
 }
 
-fn compare(columns: u32, rows: u32, is_grid: bool, settings: SolverSettings, isa: Isa, steps: usize) {
+fn compare(columns: u32, rows: u32, is_grid: bool, settings: BodySettings, isa: Isa, steps: usize) {
     let body = sheet(columns, rows, is_grid, settings);
     let topology = body.topology.clone();
     let state = |i: usize| Particle {
@@ -232,9 +232,9 @@ fn compare(columns: u32, rows: u32, is_grid: bool, settings: SolverSettings, isa
     assert_eq!(touched, [true; 2], "the sheet met the ground and the sphere");
 }
 
-fn settings(iterations: u32, projection: StickProjection) -> SolverSettings {
-    let defaults = SolverSettings::default();
-    SolverSettings { substeps: 4, iterations, projection, drag: 0.0, friction: FRICTION, ..defaults }
+fn settings(iterations: u32, projection: StickProjection) -> BodySettings {
+    let defaults = BodySettings::default();
+    BodySettings { substeps: 4, iterations, projection, drag: 0.0, friction: FRICTION, ..defaults }
 }
 
 /// Every instruction set, both formulas, symmetric pairs of sweeps, patches side by side and four by four.

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    ClothBuilder, Edge, Environment, Island, RopeBuilder, SolverSettings, StickKind, StickMaterial,
+    BodySettings, ClothBuilder, Edge, Environment, Island, RopeBuilder, StickKind, StickMaterial,
     StickProjection,
 };
 
@@ -10,7 +10,7 @@ use crate::common::*;
 
 /// The mean stretch of a hanging rope of 16 links after six seconds, with N iterations.
 fn hanging_stretch(iterations: u32, projection: StickProjection) -> f64 {
-    let settings = SolverSettings { iterations, drag: 2.0, projection, ..bare() };
+    let settings = BodySettings { iterations, drag: 2.0, projection, ..bare() };
     let rope =
         RopeBuilder::new(Vec3::ZERO, Vec3::NEG_Y * 2.0, 17).pin_start().build(settings).expect("valid");
     let mut island = Island::of_body(rope);
@@ -32,7 +32,7 @@ fn more_iterations_leave_less_stretch() {
 /// S11: relaxation may stop at any time; the next step continues from there until the error is gone.
 #[test]
 fn one_iteration_a_step_goes_on_converging() {
-    let settings = SolverSettings { drag: 30.0, ..bare() };
+    let settings = BodySettings { drag: 30.0, ..bare() };
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 2.0, 17).build(settings).expect("valid");
     let mut island = Island::of_body(rope);
     for i in 0..17 {
@@ -54,7 +54,7 @@ fn one_iteration_a_step_goes_on_converging() {
 /// Lets a curtain hang for a second and a half with up to 64 iterations. Returns the iterations of the last substep, the
 /// greatest stretch, and the hash.
 fn hang_within(tolerance: f32) -> (u32, f64, u64) {
-    let settings = SolverSettings { substeps: 4, iterations: 64, tolerance, ..SolverSettings::default() };
+    let settings = BodySettings { substeps: 4, iterations: 64, tolerance, ..BodySettings::default() };
     let curtain = ClothBuilder::new(1.0, 1.0, 24, 24).pin_edge(Edge::Top).build(settings).expect("valid");
     let mut island = Island::of_body(curtain);
     run(&mut island, &gravity(FRAME), 1.5);
@@ -79,7 +79,7 @@ fn relaxation_stops_early_within_the_tolerance() {
 #[test]
 fn substeps_are_smaller_steps() {
     let flag = |substeps| {
-        let settings = SolverSettings { substeps, ..SolverSettings::default() };
+        let settings = BodySettings { substeps, ..BodySettings::default() };
         let flag = ClothBuilder::new(1.0, 1.0, 9, 9).pin_edge(Edge::Left).build(settings).expect("valid");
         Island::of_body(flag)
     };
@@ -94,7 +94,7 @@ fn substeps_are_smaller_steps() {
 fn substeps_buy_more_stiffness_than_iterations() {
     let sheet = |substeps, iterations| {
         let settings =
-            SolverSettings { substeps, iterations, drag: 2.0, tethers: false, ..SolverSettings::default() };
+            BodySettings { substeps, iterations, drag: 2.0, tethers: false, ..BodySettings::default() };
         let sheet = ClothBuilder::new(1.0, 1.0, 25, 25).pin_edge(Edge::Top).build(settings).expect("valid");
         let mut island = Island::of_body(sheet);
         run(&mut island, &gravity(FRAME), 3.0);
@@ -107,7 +107,7 @@ fn substeps_buy_more_stiffness_than_iterations() {
 /// S9: a heavy and a light particle on a stick revolve about their common centre of mass.
 #[test]
 fn a_dumbbell_turns_about_its_centre_of_mass() {
-    let settings = SolverSettings { substeps: 8, ..bare() };
+    let settings = BodySettings { substeps: 8, ..bare() };
     let (heavy, light) = (4.0_f32, 1.0_f32);
     let positions = [Vec3::X * -0.2, Vec3::X * 0.8];
     let mut body = joined(&positions, &[1.0 / heavy, 1.0 / light], &[[0, 1]], settings);
@@ -131,7 +131,7 @@ fn a_pendulum_keeps_its_period() {
     for inverse_mass in [0.1, 10.0] {
         let angle = 0.1_f32;
         let bob = Vec3::new(angle.sin(), -angle.cos(), 0.0);
-        let settings = SolverSettings { substeps: 8, ..bare() };
+        let settings = BodySettings { substeps: 8, ..bare() };
         let body = joined(&[Vec3::ZERO, bob], &[0.0, inverse_mass], &[[0, 1]], settings);
         let mut island = Island::of_body(body);
         let mut crossings = Vec::new();
@@ -154,7 +154,7 @@ fn a_pendulum_keeps_its_period() {
 #[test]
 fn bend_and_shear_sticks_resist_what_they_are_named_for() {
     let droop = |bend: f32| {
-        let settings = SolverSettings { substeps: 16, drag: 3.0, ..SolverSettings::default() };
+        let settings = BodySettings { substeps: 16, drag: 3.0, ..BodySettings::default() };
         let mut strip = RopeBuilder::new(Vec3::ZERO, Vec3::X, 6).bend_stiffness(bend).pin(0).pin(1);
         strip = strip.damping(1.0);
         let mut island = Island::of_body(strip.build(settings).expect("valid"));
@@ -165,7 +165,7 @@ fn bend_and_shear_sticks_resist_what_they_are_named_for() {
     assert!(limp > 0.7 && stiff < 0.5 * limp, "{limp} m and {stiff} m");
 
     let lean = |shear: f32| {
-        let settings = SolverSettings { substeps: 8, drag: 3.0, tethers: false, ..SolverSettings::default() };
+        let settings = BodySettings { substeps: 8, drag: 3.0, tethers: false, ..BodySettings::default() };
         let material = drape_solver::ClothMaterial { shear_stiffness: shear, ..Default::default() };
         let cloth = ClothBuilder::new(1.0, 1.0, 9, 9).material(material).pin_edge(Edge::Top);
         let mut island = Island::of_body(cloth.build(settings).expect("valid"));
@@ -184,7 +184,7 @@ fn damping_along_a_stick_does_not_depend_on_the_step() {
     for (dt, substeps) in [(1.0 / 30.0, 1), (FRAME, 1), (FRAME, 8), (1.0 / 240.0, 1)] {
         let material =
             StickMaterial { stiffness: 0.0, damping: 2.0, ..StickMaterial::rigid(StickKind::Structural) };
-        let settings = SolverSettings { substeps, ..bare() };
+        let settings = BodySettings { substeps, ..bare() };
         let mut body = joined_by(material, &[Vec3::ZERO, Vec3::X], &[1.0, 3.0], &[[0, 1]], settings);
         body.particles.set_velocity(1, Vec3::new(1.0, 0.0, 0.0));
         let mut island = Island::of_body(body);
@@ -201,7 +201,7 @@ fn damping_along_a_stick_does_not_depend_on_the_step() {
 #[test]
 fn collapsed_sticks_stay_finite_and_recover() {
     for projection in [StickProjection::Exact, StickProjection::SquareRootFree] {
-        let settings = SolverSettings { projection, ..SolverSettings::default() };
+        let settings = BodySettings { projection, ..BodySettings::default() };
         let cloth = ClothBuilder::new(1.0, 1.0, 8, 8).pin_edge(Edge::Top).build(settings).expect("valid");
         let mut island = Island::of_body(cloth);
         for i in 8..64 {
@@ -218,7 +218,7 @@ fn collapsed_sticks_stay_finite_and_recover() {
 #[test]
 fn a_pinned_particle_follows_its_target_evenly() {
     use drape_solver::step;
-    let settings = SolverSettings { substeps: 4, ..bare() };
+    let settings = BodySettings { substeps: 4, ..bare() };
     let body = joined(&[Vec3::ZERO, Vec3::NEG_Y], &[0.0, 1.0], &[[0, 1]], settings);
     let mut island = Island::of_body(body);
     let environment = gravity(FRAME);

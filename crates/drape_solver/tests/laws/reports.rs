@@ -4,8 +4,8 @@ use drape_solver::glam::Vec3;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::state::measure;
 use drape_solver::{
-    Ball, BallMaterial, Body, ClothBuilder, Contact, Edge, Environment, Feature, Island, Layers, Obstacle,
-    Other, Party, Placement, RopeBuilder, SelfContact, Shape, SolverSettings, StateHasher, step,
+    Ball, BallMaterial, Body, BodySettings, ClothBuilder, Contact, Edge, Environment, Feature, Island,
+    Layers, Obstacle, Other, Party, Placement, RopeBuilder, SelfContact, Shape, StateHasher, step,
 };
 
 use crate::common::*;
@@ -15,7 +15,7 @@ const THEIRS: Layers = Layers::new(2, 2);
 
 /// A free, level cloth of one metre by one at this height.
 fn sheet(height: f32) -> Body {
-    let settings = SolverSettings { drag: 1.0, ..SolverSettings::default() };
+    let settings = BodySettings { drag: 1.0, ..BodySettings::default() };
     let at = Vec3::new(-0.5, height, 0.5);
     ClothBuilder::new(1.0, 1.0, 12, 12).placed(at, Vec3::X, Vec3::NEG_Z).build(settings).expect("valid")
 }
@@ -81,7 +81,7 @@ fn reports_change_no_bits() {
         let mut island = Island::of_body(body);
         let mut large = ClothBuilder::new(2.0, 2.0, 72, 72)
             .placed(Vec3::new(-1.0, 0.1, 1.0), Vec3::X, Vec3::NEG_Z)
-            .build(SolverSettings::default())
+            .build(BodySettings::default())
             .expect("valid");
         large.reports_contacts = reports;
         island.bodies.push(large);
@@ -101,7 +101,7 @@ fn a_ball_tells_the_face_that_it_hits() {
     let mut curtain = ClothBuilder::new(1.0, 1.0, 11, 11)
         .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_edge(Edge::Top)
-        .build(SolverSettings::default())
+        .build(BodySettings::default())
         .expect("valid");
     curtain.reports_contacts = true;
     let mut island = Island::of_body(curtain);
@@ -127,7 +127,7 @@ fn a_ball_tells_the_face_that_it_hits() {
 fn a_rope_tells_the_particle() {
     let rope = || {
         RopeBuilder::new(Vec3::new(-0.5, 0.01, 0.0), Vec3::new(0.5, 0.01, 0.0), 21)
-            .build(SolverSettings::default())
+            .build(BodySettings::default())
             .expect("valid")
     };
     let mut island = Island::of_body(Body { reports_contacts: true, ..rope() });
@@ -252,7 +252,7 @@ fn what_is_taken_out_of_the_island_is_in_no_contact() {
 fn two_cloths_have_one_contact_unless_layers_part_them() {
     for (other, is_stopped) in [(Layers::ALL, true), (THEIRS, false)] {
         let settings =
-            SolverSettings { thickness: 0.03, self_contact: SelfContact::On, ..SolverSettings::default() };
+            BodySettings { thickness: 0.03, self_contact: SelfContact::On, ..BodySettings::default() };
         let with = |height: f32, layers: Layers| Body { settings, layers, ..sheet(height) };
         let upper = Body { reports_contacts: true, ..with(0.3, MINE) };
         let weight = measure::mass(&upper.particles) as f32 * 9.81;
@@ -273,7 +273,7 @@ fn two_cloths_have_one_contact_unless_layers_part_them() {
 #[test]
 fn a_pole_between_particles_tells_the_face() {
     // Rows are 0.25 m apart, the pole is half as thick and between them.
-    let settings = SolverSettings { thickness: 0.01, ..SolverSettings::default() };
+    let settings = BodySettings { thickness: 0.01, ..BodySettings::default() };
     let cloth = ClothBuilder::new(1.0, 1.0, 5, 5)
         .placed(Vec3::new(-0.5, 0.1, 0.5), Vec3::X, Vec3::NEG_Z)
         .build(settings)

@@ -1,7 +1,7 @@
 //! The measure of stillness by which bodies fall asleep.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{BallMaterial, ClothBuilder, Edge, Environment, Island, Obstacle, SolverSettings};
+use drape_solver::{BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, Obstacle};
 
 use crate::common::*;
 
@@ -29,7 +29,7 @@ fn what_drifts_slower_than_two_centimetres_a_second_is_still() {
 /// A swinging curtain is not still for long at its turning points, and is still in the end.
 #[test]
 fn a_curtain_is_still_when_it_has_swung_out_and_not_where_it_turns() {
-    let settings = SolverSettings { drag: 1.0, ..SolverSettings::default() };
+    let settings = BodySettings { drag: 1.0, ..BodySettings::default() };
     let curtain = ClothBuilder::new(1.0, 1.0, 9, 9).placed(Vec3::ZERO, Vec3::X, Vec3::new(0.0, -0.8, 0.6));
     let mut island = Island::of_body(curtain.pin_edge(Edge::Top).build(settings).expect("valid"));
     let mut longest = 0.0_f32;
@@ -59,7 +59,7 @@ fn a_ball_that_has_rolled_out_is_still() {
 fn the_greatest_speed_is_that_of_a_particle() {
     for (columns, rows) in [(13, 11), (40, 33), (16, 16), (5, 5)] {
         let cloth = ClothBuilder::new(1.0, 1.0, columns, rows).pin_edge(Edge::Top);
-        let mut island = Island::of_body(cloth.build(SolverSettings::default()).expect("valid"));
+        let mut island = Island::of_body(cloth.build(BodySettings::default()).expect("valid"));
         run(&mut island, &gravity(FRAME), 2.0);
         let (found, expected) = (particles(&island).greatest_speed(), greatest_speed(&island));
         assert!(

@@ -4,19 +4,19 @@ use drape_solver::build::rigid_tetrahedron::placement_of;
 use drape_solver::glam::{DVec3, Quat, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, EmbeddedPoint, Environment, Isa, Island, Obstacle, Placement, RigidBody, RigidTetrahedronBuilder,
-    Shape, SolverSettings, StateHasher, step,
+    Body, BodySettings, EmbeddedPoint, Environment, Isa, Island, Obstacle, Placement, RigidBody,
+    RigidTetrahedronBuilder, Shape, StateHasher, step,
 };
 
 use crate::common::*;
 
 const HALF: Vec3 = Vec3::new(0.3, 0.15, 0.2);
 
-fn settings() -> SolverSettings {
-    SolverSettings { substeps: 8, iterations: 4, thickness: 0.005, ..bare() }
+fn settings() -> BodySettings {
+    BodySettings { substeps: 8, iterations: 4, thickness: 0.005, ..bare() }
 }
 
-fn brick(placement: Placement, settings: SolverSettings) -> Body {
+fn brick(placement: Placement, settings: BodySettings) -> Body {
     RigidTetrahedronBuilder::cuboid(6.0, HALF).placed(placement).build(settings).expect("valid")
 }
 
@@ -68,7 +68,7 @@ fn a_free_box_keeps_its_momentum_and_its_spin() {
     let (velocity, spin) = (Vec3::new(1.0, 0.5, -2.0), Vec3::new(0.0, 0.0, 2.0));
     let builder = RigidTetrahedronBuilder::cuboid(6.0, HALF).moving(velocity, spin);
     let mut island =
-        Island::of_body(builder.build(SolverSettings { iterations: 8, ..settings() }).expect("valid"));
+        Island::of_body(builder.build(BodySettings { iterations: 8, ..settings() }).expect("valid"));
     let before = particles(&island).clone();
     run(&mut island, &weightless(FRAME), 1.0);
     let after = particles(&island);
@@ -90,7 +90,7 @@ fn a_contact_gives_the_momentum_and_the_moment_of_a_push_at_the_point() {
     let tilt = Quat::from_rotation_z(0.5) * Quat::from_rotation_x(0.3);
     let mut body = brick(
         Placement { translation: Vec3::ZERO, rotation: tilt },
-        SolverSettings { substeps: 1, iterations: 1, thickness: 0.0, ..bare() },
+        BodySettings { substeps: 1, iterations: 1, thickness: 0.0, ..bare() },
     );
     for (i, mass) in [1.0, 2.0, 4.0, 0.5].into_iter().enumerate() {
         body.particles.set_inverse_mass(i, 1.0 / mass);
@@ -119,7 +119,7 @@ fn a_contact_gives_the_momentum_and_the_moment_of_a_push_at_the_point() {
 #[test]
 fn a_box_at_rest_stays_and_sleeps() {
     let start = Placement::at(Vec3::Y * (HALF.y + 0.005));
-    let mut island = Island::of_body(brick(start, SolverSettings { friction: 0.5, ..settings() }));
+    let mut island = Island::of_body(brick(start, BodySettings { friction: 0.5, ..settings() }));
     let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
     run(&mut island, &environment, 4.0);
     let now = placement(&island);
@@ -134,7 +134,7 @@ fn a_box_at_rest_stays_and_sleeps() {
 fn a_box_that_is_dropped_comes_to_lie_on_a_side() {
     for tilt in [Quat::from_rotation_z(0.6), Quat::from_rotation_x(0.9) * Quat::from_rotation_z(0.4)] {
         let start = Placement { translation: Vec3::Y * 1.0, rotation: tilt };
-        let mut island = Island::of_body(brick(start, SolverSettings { friction: 0.5, ..settings() }));
+        let mut island = Island::of_body(brick(start, BodySettings { friction: 0.5, ..settings() }));
         let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
         let mut deepest = 0.0_f32;
         run_with(&mut island, &environment, 6.0, |island, _| {
@@ -173,7 +173,7 @@ fn a_box_slides_on_an_incline_as_coulomb_has_it() {
             friction,
         );
         let start = Placement { translation: rotation * Vec3::Y * (HALF.y + 0.005), rotation };
-        let mut island = Island::of_body(brick(start, SolverSettings { friction, ..settings() }));
+        let mut island = Island::of_body(brick(start, BodySettings { friction, ..settings() }));
         let environment = Environment { obstacles: vec![plane.expect("valid")].into(), ..gravity(FRAME) };
         run(&mut island, &environment, 1.0);
         let way = (placement(&island).translation - start.translation).dot(rotation * Vec3::X);
@@ -200,7 +200,7 @@ fn a_box_tumbles_down_stairs_and_rests_below() {
     let builder = RigidTetrahedronBuilder::cuboid(3.0, Vec3::new(0.12, 0.08, 0.1));
     let builder = builder.placed(start).moving(Vec3::X * 2.5, Vec3::NEG_Z * 6.0);
     let mut island =
-        Island::of_body(builder.build(SolverSettings { friction: 0.3, ..settings() }).expect("valid"));
+        Island::of_body(builder.build(BodySettings { friction: 0.3, ..settings() }).expect("valid"));
     let environment = Environment { obstacles: obstacles.into(), ..gravity(FRAME) };
     run(&mut island, &environment, 8.0);
     let centre = particles(&island).positions().sum::<Vec3>() * 0.25;
@@ -251,7 +251,7 @@ fn a_box_and_a_dynamic_obstacle_share_momentum() {
 fn a_box_tumbles_to_the_same_bits_on_every_instruction_set() {
     let run_on = |isa: Isa| {
         let start = Placement { translation: Vec3::Y * 0.6, rotation: Quat::from_rotation_z(0.6) };
-        let body = brick(start, SolverSettings { friction: 0.5, ..settings() });
+        let body = brick(start, BodySettings { friction: 0.5, ..settings() });
         let mut island = Island { isa, ..Island::of_body(body) };
         let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
         run(&mut island, &environment, 1.5);

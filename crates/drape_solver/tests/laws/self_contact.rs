@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Environment, Isa, Island, Obstacle, SelfContact, SolverSettings,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Isa, Island, Obstacle, SelfContact,
     StateHasher, step, step_on,
 };
 
@@ -13,8 +13,8 @@ use SelfContact::{Off, On};
 /// Distance in metres between the middles of two layers in these tests.
 const APART: f32 = 0.04;
 
-fn settings(self_contact: SelfContact) -> SolverSettings {
-    SolverSettings { thickness: 0.5 * APART, self_contact, ..SolverSettings::default() }
+fn settings(self_contact: SelfContact) -> BodySettings {
+    BodySettings { thickness: 0.5 * APART, self_contact, ..BodySettings::default() }
 }
 
 /// A cloth soft enough to fold.
@@ -23,7 +23,7 @@ fn silk() -> ClothMaterial {
 }
 
 /// A sheet of 0.9 m and `size` x `size` particles on edge above the ground, leaning a little.
-fn on_edge(size: u32, settings: SolverSettings) -> Body {
+fn on_edge(size: u32, settings: BodySettings) -> Body {
     ClothBuilder::new(0.9, 0.9, size, size)
         .placed(Vec3::new(-0.45, 1.0, 0.0), Vec3::X, Vec3::new(0.0, -0.995, 0.0998))
         .material(silk())
@@ -102,7 +102,7 @@ fn a_cloth_dropped_on_its_edge_folds_in_layers() {
 fn a_random_tangle_never_explodes() {
     for seed in 0..3 {
         let most = |self_contact| {
-            let settings = SolverSettings { drag: 0.0, ..settings(self_contact) };
+            let settings = BodySettings { drag: 0.0, ..settings(self_contact) };
             let mut sheet = on_edge(13, settings);
             let mut dice = Dice(seed);
             for i in 0..sheet.particles.len() {
@@ -129,7 +129,7 @@ fn a_random_tangle_never_explodes() {
 fn a_free_cloth_that_folds_onto_itself_keeps_its_momentum() {
     let mut sheet = ClothBuilder::new(0.9, 0.9, 31, 31)
         .material(silk())
-        .build(SolverSettings { drag: 0.0, ..settings(On) })
+        .build(BodySettings { drag: 0.0, ..settings(On) })
         .expect("valid");
     for i in 0..sheet.particles.len() {
         let side = sheet.particles.position(i).x - 0.45;
@@ -152,7 +152,7 @@ fn a_free_cloth_that_folds_onto_itself_keeps_its_momentum() {
 #[test]
 fn friction_holds_one_layer_on_another() {
     let slid = |friction| {
-        let settings = SolverSettings { friction, drag: 0.0, ..settings(On) };
+        let settings = BodySettings { friction, drag: 0.0, ..settings(On) };
         let sheet = |size: f32, count, height| {
             ClothBuilder::new(size, size, count, count).placed(
                 Vec3::new(-0.5 * size, height, -0.5 * size),
@@ -186,7 +186,7 @@ fn friction_holds_one_layer_on_another() {
 #[test]
 fn where_nothing_meets_nothing_changes() {
     let hang = |self_contact, thickness| {
-        let settings = SolverSettings { thickness, ..settings(self_contact) };
+        let settings = BodySettings { thickness, ..settings(self_contact) };
         let sheet = ClothBuilder::new(0.9, 0.9, 31, 31).pin(0).pin(30).build(settings).expect("valid");
         let mut island = Island::of_body(sheet);
         run(&mut island, &gravity(FRAME), 0.3);
@@ -195,7 +195,7 @@ fn where_nothing_meets_nothing_changes() {
     let without = hang(Off, 0.01);
     assert_eq!(hang(On, 0.01), without);
     let fold = |self_contact| {
-        let sheet = on_edge(21, SolverSettings { thickness: 0.0, ..settings(self_contact) });
+        let sheet = on_edge(21, BodySettings { thickness: 0.0, ..settings(self_contact) });
         let mut island = Island::of_body(sheet);
         run(&mut island, &over_ground(), 1.5);
         hash(&island)
@@ -261,7 +261,7 @@ fn layers_give_the_same_bits_on_any_number_of_threads() {
 fn pairs_per_particle_do_not_grow_with_the_cloth() {
     let pairs = |size: u32| {
         let spacing = 0.9 / (size - 1) as f32;
-        let settings = SolverSettings { thickness: 0.2 * spacing, ..settings(On) };
+        let settings = BodySettings { thickness: 0.2 * spacing, ..settings(On) };
         let mut island = Island::of_body(on_edge(size, settings));
         let mut most = 0.0_f32;
         run_with(&mut island, &over_ground(), 1.5, |island, _| {

@@ -3,7 +3,7 @@
 use drape_solver::glam::{DVec3, Quat, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Environment, Island, Placement, SelfContact, Shape, SolverSettings,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, Placement, SelfContact, Shape,
 };
 
 use crate::common::*;
@@ -11,14 +11,14 @@ use crate::common::*;
 /// Particles of a sheet.
 const COUNT: usize = 169;
 
-fn settings(friction: f32) -> SolverSettings {
-    SolverSettings {
+fn settings(friction: f32) -> BodySettings {
+    BodySettings {
         thickness: 0.005,
         friction,
         static_friction: friction,
         drag: 0.0,
         self_contact: SelfContact::On,
-        ..SolverSettings::default()
+        ..BodySettings::default()
     }
 }
 

@@ -3,7 +3,7 @@
 use drape_solver::glam::{DVec3, Quat, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Other, SelfContact, SolverSettings,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Other, SelfContact,
 };
 
 use crate::common::*;
@@ -18,8 +18,8 @@ const APART: f64 = 2.0 * THICKNESS as f64;
 /// Distance in metres up to which layers count as lying on each other.
 const NEAR: f64 = 1.05 * APART;
 
-fn settings() -> SolverSettings {
-    SolverSettings { thickness: THICKNESS, self_contact: SelfContact::On, ..SolverSettings::default() }
+fn settings() -> BodySettings {
+    BodySettings { thickness: THICKNESS, self_contact: SelfContact::On, ..BodySettings::default() }
 }
 
 /// A level sheet of 0.5 m around the vertical, turned about it.

@@ -2,16 +2,15 @@
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Placement, SelfContact, Shape,
-    SolverSettings, step,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Placement, SelfContact,
+    Shape, step,
 };
 
 use crate::common::*;
 
 /// The greatest kinetic energy in joules in a few steps of a slanted sheet that starts below the ground, held there by a pin at a corner.
 fn greatest_energy(self_contact: SelfContact) -> f64 {
-    let settings =
-        SolverSettings { thickness: 0.005, iterations: 4, self_contact, ..SolverSettings::default() };
+    let settings = BodySettings { thickness: 0.005, iterations: 4, self_contact, ..BodySettings::default() };
     let right = Vec3::new(0.2019, -0.8793, 0.4315).normalize();
     let down = Vec3::new(0.842, -0.0693, -0.5351);
     let down = (down - right * right.dot(down)).normalize();
@@ -48,7 +47,7 @@ fn level(at: Vec3, turn: f32) -> ClothBuilder {
 }
 
 fn built(cloth: ClothBuilder, self_contact: SelfContact) -> Body {
-    let settings = SolverSettings { thickness: 0.005, self_contact, ..SolverSettings::default() };
+    let settings = BodySettings { thickness: 0.005, self_contact, ..BodySettings::default() };
     cloth.build(settings).expect("valid")
 }
 

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{
-    Body, ClothBuilder, Environment, Island, Obstacle, RopeBuilder, SelfContact, SolverSettings, step,
+    Body, BodySettings, ClothBuilder, Environment, Island, Obstacle, RopeBuilder, SelfContact, step,
 };
 
 use crate::common::*;
@@ -10,8 +10,8 @@ use crate::common::*;
 /// Seconds below the speed of rest after which bodies fall asleep.
 const STILL: f32 = 1.0;
 
-fn settings(thickness: f32) -> SolverSettings {
-    SolverSettings { thickness, self_contact: SelfContact::On, ..SolverSettings::default() }
+fn settings(thickness: f32) -> BodySettings {
+    BodySettings { thickness, self_contact: SelfContact::On, ..BodySettings::default() }
 }
 
 /// Seconds until the bodies have been still for long enough to fall asleep, at most `limit`.

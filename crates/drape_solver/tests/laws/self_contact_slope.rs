@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
-use drape_solver::{Body, ClothBuilder, Environment, Island, SelfContact, SolverSettings};
+use drape_solver::{Body, BodySettings, ClothBuilder, Environment, Island, SelfContact};
 
 use crate::common::*;
 
@@ -15,13 +15,13 @@ const COEFFICIENTS: [f32; 3] = [0.2, 0.5, 1.0];
 /// The upper sheet's way downhill in `seconds`, and its speed at last, on a pinned sheet that is inclined by `angle`. Gravity leans in
 /// place of the sheets, so that their places are as exact as those of level ones.
 fn slid(angle: f32, friction: f32, speed: f32, seconds: f32) -> [f64; 2] {
-    let settings = SolverSettings {
+    let settings = BodySettings {
         thickness: THICKNESS,
         friction,
         static_friction: friction,
         drag: 0.0,
         self_contact: SelfContact::On,
-        ..SolverSettings::default()
+        ..BodySettings::default()
     };
     let lower = ClothBuilder::new(3.0, 0.6, 61, 13)
         .placed(Vec3::new(-0.5, 0.0, -0.3), Vec3::X, Vec3::Z)

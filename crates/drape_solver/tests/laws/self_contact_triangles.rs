@@ -2,14 +2,14 @@
 
 use drape_solver::glam::{DVec3, Quat, Vec3};
 use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle, RopeBuilder, SelfContact,
-    SolverSettings,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle, RopeBuilder,
+    SelfContact,
 };
 
 use crate::common::*;
 
-fn settings(thickness: f32) -> SolverSettings {
-    SolverSettings { thickness, self_contact: SelfContact::On, ..SolverSettings::default() }
+fn settings(thickness: f32) -> BodySettings {
+    BodySettings { thickness, self_contact: SelfContact::On, ..BodySettings::default() }
 }
 
 fn silk() -> ClothMaterial {
@@ -96,7 +96,7 @@ fn a_twisted_towel_holds() {
 #[test]
 fn free_sheets_shot_at_each_other_do_not_pass() {
     let shot = |self_contact, thickness, turn: f32| {
-        let settings = SolverSettings { self_contact, drag: 0.0, ..settings(thickness) };
+        let settings = BodySettings { self_contact, drag: 0.0, ..settings(thickness) };
         let sheet = |at: f32, velocity: f32, turn: Quat| {
             let (right, down) = (turn * Vec3::X, turn * Vec3::Y);
             let builder = ClothBuilder::new(0.6, 0.6, 13, 13);
@@ -161,7 +161,7 @@ fn layers_that_cross_come_apart() {
 #[test]
 fn a_rope_does_not_fall_through_a_rope() {
     let lowest = |self_contact| {
-        let settings = SolverSettings { self_contact, friction: 0.8, ..settings(0.01) };
+        let settings = BodySettings { self_contact, friction: 0.8, ..settings(0.01) };
         let held = RopeBuilder::new(Vec3::new(-0.55, 0.0, 0.03), Vec3::new(0.55, 0.0, 0.03), 12)
             .pin_start()
             .pin_end()
@@ -221,7 +221,7 @@ fn a_push_beside_pinned_corners_does_not_throw_the_free_one() {
 
 /// A rope in a loose overhand knot, with a weight of `load` kilograms at its end: the polynomial trefoil of Shastri 1992
 /// ("Polynomial representations of knots"), with particles at even distances.
-fn knotted(settings: SolverSettings, load: f32) -> Island {
+fn knotted(settings: BodySettings, load: f32) -> Island {
     let curve =
         |t: f64| DVec3::new(t.powi(3) - 3.0 * t, t.powi(4) - 4.0 * t * t, 0.25 * (t.powi(5) - 10.0 * t));
     let fine: Vec<DVec3> = (-2400..=2400).map(|i| curve(f64::from(i) * 1e-3)).collect();
@@ -249,12 +249,12 @@ fn knotted(settings: SolverSettings, load: f32) -> Island {
 const ROPE_LENGTH: f64 = 2.4;
 
 /// Length of the rope that the knot takes up in metres, after it has drawn tight.
-fn taken_up(settings: SolverSettings, load: f32) -> f64 {
+fn taken_up(settings: BodySettings, load: f32) -> f64 {
     let mut island = knotted(settings, load);
     let mut fastest = 0.0_f32;
     run_with(&mut island, &gravity(FRAME), 5.0, |island, _| fastest = fastest.max(greatest_speed(island)));
     let apart = particles(&island).position(0).distance(particles(&island).position(120));
-    let SolverSettings { thickness, self_contact, .. } = settings;
+    let BodySettings { thickness, self_contact, .. } = settings;
     println!(
         "{self_contact:?}, {thickness} m, {load} kg: the ends are {apart} m apart, stretch {:?}, at most {fastest} m/s",
         stretch(&island)
@@ -268,9 +268,9 @@ fn taken_up(settings: SolverSettings, load: f32) -> f64 {
 /// A knot draws tight and holds by self-contact alone. Without it the rope passes through itself and hangs straight.
 #[test]
 fn a_knot_holds() {
-    let settings = SolverSettings { friction: 0.3, substeps: 16, ..settings(0.006) };
+    let settings = BodySettings { friction: 0.3, substeps: 16, ..settings(0.006) };
     let with = taken_up(settings, 0.2);
-    let without = taken_up(SolverSettings { self_contact: SelfContact::Off, ..settings }, 0.2);
+    let without = taken_up(BodySettings { self_contact: SelfContact::Off, ..settings }, 0.2);
     assert!(without < 0.01, "{without} m");
     // About ten diameters.
     assert!(with > 0.1 && with < 0.5 * ROPE_LENGTH, "{with} m");
@@ -282,7 +282,7 @@ fn a_knot_holds() {
 fn knots_hold_in_thin_and_thick_ropes_under_twice_their_weight() {
     for (substeps, iterations) in [(12, 4), (16, 4)] {
         for radius in [0.006, 0.012, 0.022] {
-            let settings = SolverSettings { friction: 0.3, substeps, iterations, ..settings(radius) };
+            let settings = BodySettings { friction: 0.3, substeps, iterations, ..settings(radius) };
             // The rope itself weighs 0.24 kg.
             for load in [0.02, 0.5] {
                 let knot = taken_up(settings, load);
@@ -336,7 +336,7 @@ fn a_sheet_that_touches_nothing_lists_nothing() {
 #[test]
 fn layers_that_a_ball_drives_together_within_a_step_do_not_cross() {
     let crossed = |self_contact| {
-        let settings = SolverSettings { self_contact, ..settings(0.005) };
+        let settings = BodySettings { self_contact, ..settings(0.005) };
         let sheet = |z: f32| {
             ClothBuilder::new(1.0, 1.0, 25, 25)
                 .placed(Vec3::new(-0.5, 0.5, z), Vec3::X, Vec3::NEG_Y)

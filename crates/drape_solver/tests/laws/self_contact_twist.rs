@@ -4,21 +4,19 @@ use core::f64::consts::TAU;
 
 use drape_solver::glam::{DVec3, Quat, Vec3};
 use drape_solver::state::measure;
-use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Edge, Island, RopeBuilder, SelfContact, SolverSettings,
-};
+use drape_solver::{Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Island, RopeBuilder, SelfContact};
 
 use crate::common::*;
 
-fn settings(thickness: f32, self_contact: SelfContact) -> SolverSettings {
+fn settings(thickness: f32, self_contact: SelfContact) -> BodySettings {
     // Tethers would keep what is stretched from twisting.
-    SolverSettings {
+    BodySettings {
         thickness,
         self_contact,
         friction: 0.0,
         static_friction: 0.0,
         tethers: false,
-        ..SolverSettings::default()
+        ..BodySettings::default()
     }
 }
 
@@ -51,7 +49,7 @@ fn rims_of_a_twisted_ribbon_are_strained_like_helices() {
             .material(material)
             .pin_edge(Edge::Top)
             .pin_edge(Edge::Bottom)
-            .build(SolverSettings { iterations: 8, ..settings(0.003, self_contact) })
+            .build(BodySettings { iterations: 8, ..settings(0.003, self_contact) })
             .expect("valid");
         let start: Vec<Vec3> = ribbon.particles.positions().collect();
         let mut island = Island::of_body(ribbon);

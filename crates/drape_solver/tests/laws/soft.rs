@@ -7,7 +7,7 @@ use drape_solver::glam::{Affine3A, Mat3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::volume;
 use drape_solver::{
-    Body, Embedding, Environment, Island, Obstacle, SoftBallBuilder, SoftBodyBuilder, SolverSettings,
+    Body, BodySettings, Embedding, Environment, Island, Obstacle, SoftBallBuilder, SoftBodyBuilder,
     StickKind, StickMaterial, TopologyBuilder,
 };
 
@@ -17,7 +17,7 @@ use crate::common::*;
 fn balloon(height: f32, pressure: f32) -> Body {
     let (places, faces) = sphere(Vec3::Y * height, 0.3, 20, 12);
     let mass = 0.2 * 4.0 * PI * 0.09 / places.len() as f32;
-    let settings = SolverSettings { drag: 0.2, ..SolverSettings::default() };
+    let settings = BodySettings { drag: 0.2, ..BodySettings::default() };
     let mut body = joined(&places, &vec![1.0 / mass; places.len()], &[], settings);
     let mut builder = TopologyBuilder::new(&places);
     let material =
@@ -32,7 +32,7 @@ fn balloon(height: f32, pressure: f32) -> Body {
 fn solid(height: f32) -> Body {
     let (places, faces) = sphere(Vec3::Y * height, 0.3, 24, 16);
     let builder = SoftBodyBuilder::new(&places, &faces, 0.1).stiffness(0.95).damping(3.0);
-    builder.build(SolverSettings { drag: 0.2, substeps: 16, ..SolverSettings::default() }).expect("valid").0
+    builder.build(BodySettings { drag: 0.2, substeps: 16, ..BodySettings::default() }).expect("valid").0
 }
 
 fn ground() -> Environment {
@@ -120,7 +120,7 @@ fn a_balloon_without_air_collapses() {
 #[test]
 fn pressure_keeps_momentum() {
     let mut body = balloon(0.0, 1.0);
-    body.settings = SolverSettings { substeps: 32, ..bare() };
+    body.settings = BodySettings { substeps: 32, ..bare() };
     for i in 0..body.particles.len() {
         let place = body.particles.position(i);
         body.particles.set_velocity(i, Vec3::X * 2.0 + Vec3::new(0.0, 3.0, 1.0).cross(place));
@@ -177,7 +177,7 @@ fn area(body: &Body) -> f32 {
 #[test]
 fn a_soft_ball_that_is_dropped_is_round_again() {
     let builder = SoftBallBuilder::new(Vec3::Y * 2.3, 0.3, 4).stiffness(0.9999).damping(3.0);
-    let settings = SolverSettings { substeps: 16, drag: 0.2, ..SolverSettings::default() };
+    let settings = BodySettings { substeps: 16, drag: 0.2, ..BodySettings::default() };
     let mut island = Island::of_body(builder.build(settings).expect("valid"));
     let rest = area(&island.bodies[0]);
     let (mut least, mut most) = (f32::INFINITY, 0.0_f32);
@@ -197,7 +197,7 @@ fn a_soft_ball_that_is_dropped_is_round_again() {
 fn the_mesh_of_a_solid_follows_it() {
     let (places, faces) = sphere(Vec3::new(5.0, 1.0, -2.0), 0.3, 24, 16);
     let (mut body, embedding) =
-        SoftBodyBuilder::new(&places, &faces, 0.1).build(SolverSettings::default()).expect("valid");
+        SoftBodyBuilder::new(&places, &faces, 0.1).build(BodySettings::default()).expect("valid");
     let shown =
         |body: &Body| -> Vec<Vec3> { embedding.places(|i| body.particles.position(i), &[]).collect() };
     for (place, expected) in shown(&body).into_iter().zip(&places) {
@@ -333,7 +333,7 @@ fn torus() -> (Vec<Vec3>, Vec<[u32; 3]>) {
 fn a_solid_that_cannot_be_is_refused() {
     let (places, faces) = sphere(Vec3::ZERO, 0.3, 24, 16);
     let build = |places: &[Vec3], faces: &[[u32; 3]], spacing| {
-        let outcome = SoftBodyBuilder::new(places, faces, spacing).build(SolverSettings::default());
+        let outcome = SoftBodyBuilder::new(places, faces, spacing).build(BodySettings::default());
         outcome.map(|_| ()).map_err(|error| error.to_string())
     };
     let half: Vec<[u32; 3]> = faces[..faces.len() / 2].to_vec();

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
-use drape_solver::{ClothBuilder, ClothMaterial, Edge, Environment, Island, SolverSettings};
+use drape_solver::{BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island};
 
 use crate::common::*;
 
@@ -18,7 +18,7 @@ struct Trial {
 /// Energy gained from step 30 to the end of four seconds, as a part of `m g L`, and the greatest gain in between.
 fn gained(trial: &Trial) -> f64 {
     let &Trial { particles: n, corners, substeps, iterations, tethers, violent } = trial;
-    let settings = SolverSettings { substeps, iterations, tethers, drag: 0.0, ..SolverSettings::default() };
+    let settings = BodySettings { substeps, iterations, tethers, drag: 0.0, ..BodySettings::default() };
     let mut island = level_sheet(n, corners, ClothMaterial::default(), settings, violent);
     let environment: Environment = gravity(FRAME);
     let energy = |island: &Island| measure::mechanical_energy(&island.bodies[0], environment.gravity);
@@ -69,7 +69,7 @@ fn a_large_hanging_sheet_gains_no_energy() {
 /// A curtain in a storm stays finite, and within its length of its pins.
 #[test]
 fn a_curtain_in_a_storm_stays_within_its_length_of_its_pins() {
-    let curtain = ClothBuilder::new(1.0, 1.0, 16, 16).pin_edge(Edge::Top).build(SolverSettings::default());
+    let curtain = ClothBuilder::new(1.0, 1.0, 16, 16).pin_edge(Edge::Top).build(BodySettings::default());
     let mut island = Island::of_body(curtain.expect("valid"));
     let mut environment = gravity(FRAME);
     let mut dice = Dice(1);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, Isa, Island, Particles, SolverSettings, StateHasher, StickBound, StickKind, StickMaterial,
+    Body, BodySettings, Isa, Island, Particles, StateHasher, StickBound, StickKind, StickMaterial,
     StickProjection, TopologyBuilder, step,
 };
 
@@ -22,7 +22,7 @@ fn relaxed(bound: StickBound, length: f32, projection: StickProjection) -> [Vec3
         Particles::new(Vec3::ZERO, &[Vec3::ZERO, Vec3::X * length], &[1.0, 1.0 / 3.0]).expect("valid");
     let mut builder = TopologyBuilder::new(&[Vec3::ZERO, Vec3::X]);
     builder.family(bounded(bound), [[0, 1]]).expect("valid");
-    let settings = SolverSettings { projection, ..bare() };
+    let settings = BodySettings { projection, ..bare() };
     let mut island =
         Island::of_body(Body::new(particles, Arc::new(builder.build().expect("valid")), settings));
     step(&mut island, &weightless(FRAME)).expect("valid");
@@ -51,7 +51,7 @@ fn a_cord_is_slack_until_it_is_taut() {
     let particles = Particles::new(Vec3::ZERO, &ends, &[0.0, 1.0]).expect("valid");
     let mut builder = TopologyBuilder::new(&ends);
     builder.family_with_lengths(bounded(StickBound::AtMost), [([0, 1], 1.0)]).expect("valid");
-    let settings = SolverSettings { substeps: 8, ..bare() };
+    let settings = BodySettings { substeps: 8, ..bare() };
     let mut island =
         Island::of_body(Body::new(particles, Arc::new(builder.build().expect("valid")), settings));
     let mut longest = 0.0_f32;
@@ -80,7 +80,7 @@ fn hinge(limit: Option<(StickBound, f32)>) -> Body {
     if let Some((bound, length)) = limit {
         builder.family_with_lengths(bounded(bound), [([2, 3], length)]).expect("valid");
     }
-    let settings = SolverSettings { substeps: 8, iterations: 4, ..bare() };
+    let settings = BodySettings { substeps: 8, iterations: 4, ..bare() };
     Body::new(particles, Arc::new(builder.build().expect("valid")), settings)
 }
 
@@ -134,7 +134,7 @@ fn a_pin_lets_all_directions_turn() {
     for way in [Vec3::Y, Vec3::Z, Vec3::new(0.0, 1.0, -1.0).normalize()] {
         let mut body =
             joined(&[Vec3::NEG_X, Vec3::ZERO, Vec3::X], &[1.0, 0.0, 1.0], &[[0, 1], [1, 2]], bare());
-        body.settings = SolverSettings { substeps: 8, iterations: 4, ..bare() };
+        body.settings = BodySettings { substeps: 8, iterations: 4, ..bare() };
         body.particles.set_velocity(2, way * 2.0);
         let mut island = Island::of_body(body);
         run(&mut island, &weightless(FRAME), 0.5);
@@ -164,7 +164,7 @@ fn bounds_give_the_same_bits_on_every_instruction_set() {
         for (bound, way) in [(StickBound::Exact, 1), (StickBound::AtMost, 20), (StickBound::AtLeast, 2)] {
             builder.family(bounded(bound), (0..count - way).map(|i| [i, i + way])).expect("valid");
         }
-        let settings = SolverSettings { substeps: 4, iterations: 3, ..bare() };
+        let settings = BodySettings { substeps: 4, iterations: 3, ..bare() };
         let body = Body::new(particles, Arc::new(builder.build().expect("valid")), settings);
         let mut island = Island { isa, ..Island::of_body(body) };
         run(&mut island, &gravity(FRAME), 0.5);

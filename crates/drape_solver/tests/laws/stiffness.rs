@@ -1,7 +1,7 @@
 //! S13: stiffness means the same for every time step, number of substeps and number of iterations.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{Island, SolverSettings, StickKind, StickMaterial, StickProjection};
+use drape_solver::{BodySettings, Island, StickKind, StickMaterial, StickProjection};
 
 use crate::common::*;
 
@@ -10,7 +10,7 @@ fn soft(stiffness: f32) -> StickMaterial {
 }
 
 /// The distance in metres by which a mass on a soft stick of 1 m hangs below its rest length.
-fn sag(stiffness: f32, dt: f32, settings: SolverSettings) -> f64 {
+fn sag(stiffness: f32, dt: f32, settings: BodySettings) -> f64 {
     let ends = [Vec3::ZERO, Vec3::NEG_Y];
     let body = joined_by(soft(stiffness), &ends, &[0.0, 1.0], &[[0, 1]], settings);
     let mut island = Island::of_body(body);
@@ -27,7 +27,7 @@ fn the_sag_of_a_mass_on_a_soft_stick_does_not_depend_on_the_solver() {
         let expected = f64::from(G) * slack / 3600.0;
         for dt in [1.0 / 30.0, FRAME, 1.0 / 120.0, 1.0 / 240.0] {
             for (substeps, iterations) in [(1, 1), (4, 1), (1, 2), (1, 8), (2, 4)] {
-                let settings = SolverSettings { substeps, iterations, drag: 4.0, ..bare() };
+                let settings = BodySettings { substeps, iterations, drag: 4.0, ..bare() };
                 let found = sag(stiffness, dt, settings);
                 let case =
                     format!("sag in m at stiffness {stiffness}, {dt:.4} s / {substeps} x {iterations}");
@@ -40,9 +40,9 @@ fn the_sag_of_a_mass_on_a_soft_stick_does_not_depend_on_the_solver() {
 /// S10, S13: the square-root-free form has the same softness at small strain.
 #[test]
 fn both_forms_of_the_stick_are_equally_soft_at_small_strain() {
-    let settings = SolverSettings { substeps: 4, drag: 4.0, ..bare() };
+    let settings = BodySettings { substeps: 4, drag: 4.0, ..bare() };
     let exact = sag(0.5, FRAME, settings);
-    let free = sag(0.5, FRAME, SolverSettings { projection: StickProjection::SquareRootFree, ..settings });
+    let free = sag(0.5, FRAME, BodySettings { projection: StickProjection::SquareRootFree, ..settings });
     assert_close("sag", free, exact, 0.02);
 }
 
@@ -51,7 +51,7 @@ fn both_forms_of_the_stick_are_equally_soft_at_small_strain() {
 fn a_soft_stick_swings_with_the_period_of_its_spring() {
     let stiffness = 0.01_f32;
     let slack = f64::from((1.0 - stiffness) / stiffness);
-    let settings = SolverSettings { substeps: 32, ..bare() };
+    let settings = BodySettings { substeps: 32, ..bare() };
     let ends = [Vec3::ZERO, Vec3::X];
     let mut body = joined_by(soft(stiffness), &ends, &[0.0, 1.0], &[[0, 1]], settings);
     body.particles.set_position(1, Vec3::X * 1.1);
@@ -73,7 +73,7 @@ fn a_soft_stick_swings_with_the_period_of_its_spring() {
 /// S13: a rigid stick does not sag, and one of stiffness 0 holds nothing.
 #[test]
 fn the_ends_of_the_scale_are_rigid_and_slack() {
-    let settings = SolverSettings { drag: 4.0, ..bare() };
+    let settings = BodySettings { drag: 4.0, ..bare() };
     assert!(sag(1.0, FRAME, settings).abs() < 1e-5);
     let ends = [Vec3::ZERO, Vec3::NEG_Y];
     let mut island = Island::of_body(joined_by(soft(0.0), &ends, &[0.0, 1.0], &[[0, 1]], bare()));

@@ -2,14 +2,14 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    BallMaterial, ClothBuilder, Environment, Island, Placement, Shape, SolverSettings, StructuralSolve, Wind,
+    BallMaterial, BodySettings, ClothBuilder, Environment, Island, Placement, Shape, StructuralSolve, Wind,
 };
 
 use crate::common::*;
 
 /// A sheet on two corners in the wind above the ground. A spinning ball hits it, and a moving sphere sweeps it. `mirror` has
 /// the signs of components in the mirror.
-fn scene(mirror: Vec3, settings: SolverSettings) -> (Island, Environment) {
+fn scene(mirror: Vec3, settings: BodySettings) -> (Island, Environment) {
     let sheet = ClothBuilder::new(1.2, 1.0, 25, 21)
         .placed(Vec3::new(-0.61, 1.4, 0.03) * mirror, Vec3::X * mirror, Vec3::NEG_Y * mirror)
         .pin(0)
@@ -32,7 +32,7 @@ fn scene(mirror: Vec3, settings: SolverSettings) -> (Island, Environment) {
 }
 
 /// Greatest distance of a particle or ball from the mirror image of its twin, over two seconds, in metres.
-fn greatest_error(mirror: Vec3, settings: SolverSettings) -> f32 {
+fn greatest_error(mirror: Vec3, settings: BodySettings) -> f32 {
     let mut scenes = [Vec3::ONE, mirror].map(|mirror| (mirror, scene(mirror, settings)));
     let mut greatest = 0.0_f32;
     for index in 1..=120 {
@@ -55,7 +55,7 @@ fn greatest_error(mirror: Vec3, settings: SolverSettings) -> f32 {
 #[test]
 fn a_mirrored_scene_gives_the_mirrored_result() {
     for structural in [StructuralSolve::Sweeps, StructuralSolve::Lines] {
-        let settings = SolverSettings { structural, ..SolverSettings::default() };
+        let settings = BodySettings { structural, ..BodySettings::default() };
         let planes = [Vec3::X, Vec3::Y, Vec3::Z].map(|normal| Vec3::ONE - 2.0 * normal);
         for mirror in planes.into_iter().chain([Vec3::NEG_ONE]) {
             let found = greatest_error(mirror, settings);

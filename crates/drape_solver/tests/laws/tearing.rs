@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, ClothBuilder, Edge, Isa, Island, Obstacle, RopeBuilder, SolverSettings, StateHasher, TearLimits,
+    Body, BodySettings, ClothBuilder, Edge, Isa, Island, Obstacle, RopeBuilder, StateHasher, TearLimits,
     Torn, step,
 };
 
@@ -16,7 +16,7 @@ use crate::determinism::Fresh;
 fn sheet(columns: u32, rows: u32) -> Body {
     ClothBuilder::new(1.0, 1.0, columns, rows)
         .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
-        .build(SolverSettings { substeps: 4, ..SolverSettings::default() })
+        .build(BodySettings { substeps: 4, ..BodySettings::default() })
         .expect("valid")
 }
 
@@ -167,7 +167,7 @@ fn put_back(body: &mut Body, origins: Option<&Vec<u32>>, i: usize, place: Vec3) 
 /// A closed mesh: a sphere of longitudes and latitudes.
 fn ball_of_cloth() -> Body {
     let (places, faces) = sphere(Vec3::ZERO, 0.5, 24, 16);
-    let mut body = joined(&places, &vec![100.0; places.len()], &[], SolverSettings::default());
+    let mut body = joined(&places, &vec![100.0; places.len()], &[], BodySettings::default());
     let mut builder = drape_solver::TopologyBuilder::new(&places);
     let structural = drape_solver::StickMaterial::rigid(drape_solver::StickKind::Structural);
     builder.family(structural, edges(&faces)).expect("valid").faces(faces).expect("valid");
@@ -183,7 +183,7 @@ fn what_is_cut_off_falls_as_a_free_body() {
             .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_edge(Edge::Top);
         let mut island = Island::of_body(
-            cloth.build(SolverSettings { drag: 0.0, ..SolverSettings::default() }).expect("valid"),
+            cloth.build(BodySettings { drag: 0.0, ..BodySettings::default() }).expect("valid"),
         );
         let environment = gravity(FRAME);
         run(&mut island, &environment, 0.5);
@@ -226,7 +226,7 @@ fn a_cut_opens_and_nothing_holds_its_sides_together() {
         let mut body = ClothBuilder::new(1.0, 1.0, columns, rows)
             .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_edge(Edge::Left)
-            .build(SolverSettings { drag: 0.5, ..SolverSettings::default() })
+            .build(BodySettings { drag: 0.5, ..BodySettings::default() })
             .expect("valid");
         let mut whole = Island::of_body(body.clone());
         run(&mut whole, &gravity(FRAME), 3.0);
@@ -303,7 +303,7 @@ fn a_sheet_that_is_pulled_apart_tears_across() {
     let cloth = ClothBuilder::new(1.0, 1.0, 24, 24)
         .placed(Vec3::new(-0.5, 0.5, 0.0), Vec3::X, Vec3::NEG_Y)
         .pin_where(|column, _, _| column == 0 || column == 23);
-    let settings = SolverSettings { tethers: false, ..SolverSettings::default() };
+    let settings = BodySettings { tethers: false, ..BodySettings::default() };
     let mut island = Island::of_body(cloth.build(settings).expect("valid"));
     let limits = TearLimits { strain: 0.4, most: 8 };
     let faces = island.bodies[0].topology.faces().len();
@@ -335,7 +335,7 @@ fn a_sheet_that_is_pulled_apart_tears_across() {
 fn a_rope_tears_into_two_ropes() {
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::NEG_Y, 41).pin_start();
     let mut island = Island::of_body(
-        rope.build(SolverSettings { tethers: false, ..SolverSettings::default() }).expect("valid"),
+        rope.build(BodySettings { tethers: false, ..BodySettings::default() }).expect("valid"),
     );
     let body = &mut island.bodies[0];
     let links = body.topology.segments().len();
@@ -362,7 +362,7 @@ fn torn_cloth_moves_to_the_same_bits_everywhere() {
         let cloth = ClothBuilder::new(2.0, 2.0, 130, 40)
             .placed(Vec3::new(-1.0, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
             .pin_edge(Edge::Top);
-        let mut body = cloth.build(SolverSettings::default()).expect("valid");
+        let mut body = cloth.build(BodySettings::default()).expect("valid");
         cut(&mut body, &blade(Vec3::new(-0.5, 1.3, 0.0), Vec3::new(0.9, 0.9, 0.0))).expect("opens");
         cut(&mut body, &down(0.3)).expect("opens");
         let mut island = Island { isa, ..Island::of_body(body) };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
-    BallMaterial, Body, Environment, Island, Particles, SolverSettings, StickKind, StickMaterial,
+    BallMaterial, Body, BodySettings, Environment, Island, Particles, StickKind, StickMaterial,
     TopologyBuilder, Wind,
 };
 
@@ -18,7 +18,7 @@ const STEPS: [(f32, u32); 5] = [(1.0 / 30.0, 1), (FRAME, 1), (FRAME, 4), (FRAME,
 fn linear_drag_ends_at_gravity_over_drag() {
     let expected = f64::from(G) / 2.0;
     for (dt, substeps) in STEPS {
-        let settings = SolverSettings { drag: 2.0, substeps, ..bare() };
+        let settings = BodySettings { drag: 2.0, substeps, ..bare() };
         let mut island = Island::of_body(loose(&[Vec3::ZERO], settings));
         island.balls.push(ball(BallMaterial { drag: 2.0, ..smooth(0.1, 1.0) }, Vec3::X * 9.0, Vec3::ZERO));
         run(&mut island, &gravity(dt), 8.0);

@@ -1,13 +1,12 @@
 //! Tethers take the sag out of hanging cloth.
 
-use drape_solver::{ClothBuilder, ClothMaterial, Edge, Island, SolverSettings};
+use drape_solver::{BodySettings, ClothBuilder, ClothMaterial, Edge, Island};
 
 use crate::common::*;
 
 /// The distance in metres of the lowest particle of a hanging sheet of 2 m below its rest position, and the stretch.
 fn sag(corners: bool, tethers: bool) -> (f32, f64) {
-    let settings =
-        SolverSettings { substeps: 4, iterations: 1, drag: 2.0, tethers, ..SolverSettings::default() };
+    let settings = BodySettings { substeps: 4, iterations: 1, drag: 2.0, tethers, ..BodySettings::default() };
     let mut sheet = ClothBuilder::new(2.0, 2.0, 49, 49);
     sheet = if corners { sheet.pin(0).pin(48) } else { sheet.pin_edge(Edge::Top) };
     let mut island = Island::of_body(sheet.build(settings).expect("valid"));
@@ -37,7 +36,7 @@ fn tethers_take_the_stretch_out_of_a_sheet_on_two_corners() {
 #[test]
 fn a_slack_tether_does_nothing() {
     let fall = |tethers: bool| {
-        let settings = SolverSettings { tethers, ..SolverSettings::default() };
+        let settings = BodySettings { tethers, ..BodySettings::default() };
         // Its sticks have no stiffness, and it is compressed to half its length: all tethers are slack.
         let material = ClothMaterial {
             stretch_stiffness: 0.0,

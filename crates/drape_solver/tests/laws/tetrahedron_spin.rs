@@ -1,12 +1,12 @@
 //! A free rigid body spins on about its axis, and slows only by the damping of the substep.
 
 use drape_solver::glam::{DVec3, Vec3};
-use drape_solver::{Island, SolverSettings};
+use drape_solver::{BodySettings, Island};
 
 use crate::common::*;
 
 /// A regular tetrahedron of four particles of 1 kg and six sticks that spins about `axis` with `spin` rad/s.
-fn tetrahedron(axis: Vec3, spin: f32, settings: SolverSettings) -> Island {
+fn tetrahedron(axis: Vec3, spin: f32, settings: BodySettings) -> Island {
     let corners =
         [Vec3::ONE, Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0)];
     let corners = corners.map(|corner| corner * 0.3);
@@ -27,7 +27,7 @@ fn the_spin_of_a_tetrahedron_decays_with_its_square_and_the_substep() {
         for (spin, substeps, tolerance, lean_tolerance) in
             [(2.0, 8, 0.035, 2e-3), (5.0, 8, 3e-3, 4e-4), (5.0, 32, 0.1, 0.017), (10.0, 32, 7e-3, 3e-3)]
         {
-            let settings = SolverSettings { substeps, iterations: 8, ..bare() };
+            let settings = BodySettings { substeps, iterations: 8, ..bare() };
             let mut island = tetrahedron(axis, spin, settings);
             let start = angular_momentum(&island);
             let seconds = 2.0;

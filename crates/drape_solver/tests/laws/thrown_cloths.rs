@@ -14,8 +14,7 @@ use drape_solver::glam::{Quat, Vec3};
 use drape_solver::state::crossings::CrossingCounter;
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, SelfContact, Shape, SolverSettings,
-    step,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, SelfContact, Shape, step,
 };
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -53,11 +52,11 @@ fn thrown(side: Vec3) -> impl Strategy<Value = Body> {
             (speed, turn, aside),
             (thickness, friction, bend_stiffness),
         )| {
-            let settings = SolverSettings {
+            let settings = BodySettings {
                 thickness,
                 friction,
                 self_contact: SelfContact::On,
-                ..SolverSettings::default()
+                ..BodySettings::default()
             };
             let turn = Quat::from_scaled_axis(3.0 * turn);
             let (right, down) = (turn * Vec3::X, turn * Vec3::NEG_Y);

@@ -1,7 +1,7 @@
 //! Halving dt changes gravity, drag, stiffness and friction by at most 2 %.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{Environment, Island, Obstacle, SolverSettings, StickKind, StickMaterial};
+use drape_solver::{BodySettings, Environment, Island, Obstacle, StickKind, StickMaterial};
 
 use crate::common::*;
 
@@ -25,7 +25,7 @@ fn halving_dt_keeps_gravity() {
 #[test]
 fn halving_dt_keeps_drag() {
     halved("speed", |dt| {
-        let mut body = loose(&[Vec3::ZERO], SolverSettings { drag: 1.0, ..bare() });
+        let mut body = loose(&[Vec3::ZERO], BodySettings { drag: 1.0, ..bare() });
         body.particles.set_velocity(0, Vec3::X * 10.0);
         let mut island = Island::of_body(body);
         run(&mut island, &gravity(dt), 1.0);
@@ -39,7 +39,7 @@ fn halving_dt_keeps_stiffness() {
     halved("sag", |dt| {
         let material =
             StickMaterial { stiffness: 0.05, damping: 0.0, ..StickMaterial::rigid(StickKind::Structural) };
-        let settings = SolverSettings { drag: 4.0, iterations: 2, ..bare() };
+        let settings = BodySettings { drag: 4.0, iterations: 2, ..bare() };
         let body = joined_by(material, &[Vec3::ZERO, Vec3::NEG_Y], &[0.0, 1.0], &[[0, 1]], settings);
         let mut island = Island::of_body(body);
         run(&mut island, &gravity(dt), 10.0);
@@ -51,7 +51,7 @@ fn halving_dt_keeps_stiffness() {
 #[test]
 fn halving_dt_keeps_friction() {
     halved("way", |dt| {
-        let mut body = loose(&[Vec3::ZERO], SolverSettings { friction: 0.5, ..bare() });
+        let mut body = loose(&[Vec3::ZERO], BodySettings { friction: 0.5, ..bare() });
         body.particles.set_velocity(0, Vec3::X * 5.0);
         let mut island = Island::of_body(body);
         let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(dt) };

@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::motion::ballistics::position_at;
-use drape_solver::{Ball, ClothBuilder, Environment, Island, Obstacle, Other, Shape, SolverSettings};
+use drape_solver::{Ball, BodySettings, ClothBuilder, Environment, Island, Obstacle, Other, Shape};
 
 use crate::common::*;
 
@@ -51,7 +51,7 @@ fn a_ball_meets_a_curtain_when_the_closed_form_says() {
         let velocity = Vec3::new(0.0, 4.0, -speed);
         let mut island = shot(velocity, FRAME);
         // Without gravity and with a pinned rim, so that it stays in its plane.
-        let settings = SolverSettings { drag: 50.0, ..SolverSettings::default() };
+        let settings = BodySettings { drag: 50.0, ..BodySettings::default() };
         let curtain = ClothBuilder::new(4.0, 4.0, 33, 33)
             .placed(Vec3::new(-2.0, 4.0, -10.0), Vec3::X, Vec3::NEG_Y)
             .pin_where(|column, row, _| column % 32 == 0 || row % 32 == 0)

@@ -1,7 +1,7 @@
 //! Cloth whose stiffness differs by direction or from place to place.
 
 use drape_solver::glam::{Vec2, Vec3};
-use drape_solver::{ClothMaterial, Island, MeshClothBuilder, SolverSettings, Weave};
+use drape_solver::{BodySettings, ClothMaterial, Island, MeshClothBuilder, Weave};
 
 use crate::common::*;
 
@@ -32,7 +32,7 @@ fn sheet(degrees: f32) -> (MeshClothBuilder, Vec<Vec2>) {
 
 /// The sag in metres of the lower edge and of the middle of the sheet at rest.
 fn sag(builder: MeshClothBuilder) -> [f32; 2] {
-    let settings = SolverSettings { substeps: 64, drag: 6.0, tethers: false, ..SolverSettings::default() };
+    let settings = BodySettings { substeps: 64, drag: 6.0, tethers: false, ..BodySettings::default() };
     let mut island = Island::of_body(builder.build(settings).expect("valid"));
     let before: Vec<Vec3> = particles(&island).positions().collect();
     run(&mut island, &gravity(FRAME), 6.0);

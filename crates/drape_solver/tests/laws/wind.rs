@@ -4,7 +4,7 @@ use drape_solver::glam::{Quat, Vec3};
 use drape_solver::motion::force::wind_force;
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, ClothBuilder, Edge, Environment, Island, Placement, Shape, SolverSettings, Turbulence, Wind,
+    Body, BodySettings, ClothBuilder, Edge, Environment, Island, Placement, Shape, Turbulence, Wind,
     WindFlow, WindRegion, WindZone,
 };
 
@@ -54,10 +54,7 @@ fn lift_is_at_right_angles_to_the_wind() {
 /// A flag at its pole, 1.5 m x 1 m.
 fn flag() -> Body {
     let cloth = ClothBuilder::new(1.5, 1.0, 31, 21).placed(Vec3::new(0.0, 0.5, 0.0), Vec3::X, Vec3::NEG_Y);
-    cloth
-        .pin_edge(Edge::Left)
-        .build(SolverSettings { drag: 0.0, ..SolverSettings::default() })
-        .expect("valid")
+    cloth.pin_edge(Edge::Left).build(BodySettings { drag: 0.0, ..BodySettings::default() }).expect("valid")
 }
 
 /// Root mean square speed of the free particles in m/s.

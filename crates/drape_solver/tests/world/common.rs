@@ -2,7 +2,7 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Activity, Ball, BallMaterial, Body, BodyId, ClothBuilder, Edge, MemberId, Obstacle, SolverSettings,
+    Activity, Ball, BallMaterial, Body, BodyId, BodySettings, ClothBuilder, Edge, MemberId, Obstacle,
     StateHasher, World,
 };
 
@@ -26,8 +26,8 @@ pub fn sheet(centre: Vec3) -> Body {
         .expect("a valid sheet")
 }
 
-fn quiet() -> SolverSettings {
-    SolverSettings { drag: 4.0, thickness: 0.01, ..SolverSettings::default() }
+fn quiet() -> BodySettings {
+    BodySettings { drag: 4.0, thickness: 0.01, ..BodySettings::default() }
 }
 
 /// A ball of 2 kg and 15 cm.

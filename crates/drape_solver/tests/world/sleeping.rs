@@ -2,7 +2,7 @@
 
 use drape_solver::constants::REST_SPEED;
 use drape_solver::glam::Vec3;
-use drape_solver::{Activity, ActivityCounts, Ball, BallMaterial, ClothBuilder, SolverSettings, World};
+use drape_solver::{Activity, ActivityCounts, Ball, BallMaterial, BodySettings, ClothBuilder, World};
 
 use crate::common::*;
 
@@ -54,7 +54,7 @@ fn a_sleeper_does_not_move_and_is_in_no_island() {
 #[test]
 fn what_lies_in_one_another_sleeps_together() {
     let mut world = World::new();
-    let settings = SolverSettings { drag: 4.0, friction: 0.0, ..SolverSettings::default() };
+    let settings = BodySettings { drag: 4.0, friction: 0.0, ..BodySettings::default() };
     let trampoline = ClothBuilder::new(1.0, 1.0, 9, 9)
         .placed(Vec3::new(-0.5, 0.0, -0.5), Vec3::X, Vec3::Z)
         .pin(0)

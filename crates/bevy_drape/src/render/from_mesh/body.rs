@@ -6,12 +6,13 @@ use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
 use bevy::math::Affine3A;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
-use drape_solver::Topology;
+use drape_solver::{MeshError, Topology};
 
 use crate::attach::animated_pose::AnimatedPose;
 use crate::body::body_state::{BodyState, CreationOrder};
+use crate::body::fabric::Fabric;
 use crate::body::particles::Particles;
-use crate::build::description::{insert_body, remove_body};
+use crate::build::description::{ChangedFabrics, insert_body, remove_body};
 use crate::change_detection::collect_changed;
 use crate::refusal::{Cause, Refusals};
 use crate::render::from_mesh::reading::MeshFault;
@@ -34,9 +35,10 @@ pub(crate) trait MeshDescription: Component {
         false
     }
 
-    /// Builds the body of `mesh`, which has these parts, at `transform`.
+    /// Builds the body of `mesh`, which has these parts, at `transform`; `fabric` matters to cloths only.
     fn build(
         &self,
+        fabric: &Fabric,
         mesh: &Mesh,
         parts: &MeshParts,
         transform: &GlobalTransform,
@@ -68,6 +70,7 @@ type DescribedMeshes<'w, 's, D> = Query<
     's,
     (
         &'static D,
+        Option<&'static Fabric>,
         &'static Mesh3d,
         &'static GlobalTransform,
         Option<&'static MeshSource>,
@@ -83,6 +86,7 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
     mut changed: ChangedMeshes<D>,
     not_built: Query<(Entity, Ref<GlobalTransform>), (With<D>, Without<Particles>)>,
     skins: Query<(Entity, Ref<SkinnedMesh>), With<D>>,
+    fabrics: ChangedFabrics<D>,
     described: DescribedMeshes<D>,
     places: Query<&GlobalTransform>,
     bind_poses: Option<Res<Assets<SkinnedMeshInverseBindposes>>>,
@@ -95,10 +99,11 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
     changed.collect(&mut to_build);
     collect_changed(&not_built, &mut to_build);
     collect_changed(&skins, &mut to_build);
+    fabrics.collect(&mut to_build);
     let mut later = Vec::new();
     let mut seen = Vec::new();
     for entity in to_build.drain(..) {
-        let Ok((description, mesh, transform, made, skinned, taken)) = described.get(entity) else {
+        let Ok((description, fabric, mesh, transform, made, skinned, taken)) = described.get(entity) else {
             continue;
         };
         let skinned = skinned.or(taken.map(|taken| &taken.0));
@@ -111,7 +116,12 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
             later.push(entity);
             continue;
         };
-        let fault = |fault| (D::NAME, Cause::from(FaultyMesh::new(&source, fault)));
+        let fault = |fault| {
+            let number =
+                if let MeshFault::Mesh(MeshError::Build(error)) = &fault { Some(error) } else { None };
+            let component = Fabric::or_description(fabric, number, D::NAME);
+            (component, Cause::from(FaultyMesh::new(&source, fault)))
+        };
         let place = |joint| places.get(joint).ok();
         let mut is_skinned = false;
         let built = if transform.affine().is_finite() {
@@ -123,7 +133,7 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
                 Err(wrong) => Err(fault(wrong)),
                 Ok(Some(skin)) => {
                     is_skinned = skin.is_skinned();
-                    build(description, asset, transform, skin).map_err(fault)
+                    build(description, fabric, asset, transform, skin).map_err(fault)
                 }
             }
         } else {
@@ -135,7 +145,7 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
                 if let Some(repairs) = repairs {
                     warn!("{} of entity {entity}, {}: {repairs}", D::NAME, called(&source));
                 }
-                insert_body(&mut commands, entity, order.next(), transform, (particles, topology));
+                insert_body(&mut commands, entity, order.next(), transform, (particles, topology), fabric);
                 commands.entity(entity).entry::<BodyState>().and_modify(move |mut state| state.rest = rest);
                 follow_pose(&mut commands, entity, pose, is_skinned);
                 let mut body = commands.entity(entity);
@@ -159,12 +169,13 @@ pub(crate) fn build_mesh_bodies<D: MeshDescription>(
 /// Builds the body of a mesh, its surface, and the mesh that shows it.
 fn build<D: MeshDescription>(
     description: &D,
+    fabric: Option<&Fabric>,
     mesh: &Mesh,
     transform: &GlobalTransform,
     skin: ClothSkin,
 ) -> Result<(MeshBody<D::Parts>, Surface, Mesh), MeshFault> {
     let parts = MeshParts::of(mesh)?;
-    let mut body = description.build(mesh, &parts, transform, skin)?;
+    let mut body = description.build(&fabric.copied().unwrap_or_default(), mesh, &parts, transform, skin)?;
     let vertices = core::mem::take(&mut body.vertices);
     let surface = Surface::of_mesh(&body.particles, &body.topology, vertices);
     let mut copy = parts.copy_to_show(mesh);

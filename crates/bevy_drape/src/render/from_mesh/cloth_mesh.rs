@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use drape_solver::{ClothMaterial, MeshCloth, MeshClothBuilder, MeshRepairs, Weave};
+use drape_solver::{MeshCloth, MeshClothBuilder, MeshRepairs, Weave};
 
+use crate::body::fabric::Fabric;
 use crate::render::from_mesh::body::{MeshBody, MeshDescription};
 use crate::render::from_mesh::paint::{ClothPaint, paint, painted_above};
 use crate::render::from_mesh::reading::{MeshFault, faces, positions, texture_coordinates};
@@ -13,7 +14,8 @@ use crate::render::from_mesh::source::MeshParts;
 use crate::render::vertex_map::VertexMap;
 use crate::render::vertices::Vertices;
 
-/// Makes a cloth from the entity's [`Mesh3d`]: a cape, skirt, tent or balloon, modelled or made in code.
+/// Makes a cloth from the entity's [`Mesh3d`]: a cape, skirt, tent or balloon, modelled or made in code. Its [`Fabric`] says what it is made
+/// of.
 ///
 /// The first step after the mesh has loaded builds the cloth; a change of the component, the mesh or its asset rebuilds
 /// it. Vertices in the same place are one particle, so that the cloth does not open along seams of texture coordinates
@@ -40,16 +42,8 @@ use crate::render::vertices::Vertices;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
-#[require(Transform)]
+#[require(Transform, Fabric)]
 pub struct ClothMesh {
-    /// Mass per area in kg/m^2.
-    pub areal_density: f32,
-    /// Stiffness of the edges, 0 (slack) to 1 (rigid): resists stretching and skewing.
-    pub stretch_stiffness: f32,
-    /// Stiffness across the edges, 0 to 1: resists folding.
-    pub bend_stiffness: f32,
-    /// Damping along all sticks in 1/s.
-    pub damping: f32,
     /// Distance in metres, in the world, within which vertices become one particle; 0 for equal positions only. None: a
     /// hundred-thousandth of the mesh's length.
     pub weld_distance: Option<f32>,
@@ -62,7 +56,7 @@ pub struct ClothMesh {
 }
 
 /// Stiffness by direction. The warp runs along V of the mesh's first texture coordinates and has
-/// [`ClothMesh::stretch_stiffness`]; the weft runs along U. In between, stiffness changes as in an orthotropic plate
+/// [`Fabric::stretch_stiffness`]; the weft runs along U. In between, stiffness changes as in an orthotropic plate
 /// ([`drape_solver::Weave`]).
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
@@ -82,18 +76,7 @@ impl Default for ClothWeave {
 
 impl Default for ClothMesh {
     fn default() -> Self {
-        let ClothMaterial { areal_density, stretch_stiffness, bend_stiffness, damping, .. } =
-            ClothMaterial::default();
-        Self {
-            areal_density,
-            stretch_stiffness,
-            bend_stiffness,
-            damping,
-            weld_distance: None,
-            pins: Vec::new(),
-            paint: ClothPaint::default(),
-            weave: None,
-        }
+        Self { weld_distance: None, pins: Vec::new(), paint: ClothPaint::default(), weave: None }
     }
 }
 
@@ -104,11 +87,16 @@ impl ClothMesh {
         self
     }
 
-    /// Builds the cloth of `mesh` at `transform`.
+    /// Builds the cloth of `mesh`, made of `fabric`, at `transform`.
     ///
     /// # Errors
     /// [`MeshFault`] naming the invalid part.
-    pub fn build(&self, mesh: &Mesh, transform: &GlobalTransform) -> Result<MeshCloth, MeshFault> {
+    pub fn build(
+        &self,
+        fabric: &Fabric,
+        mesh: &Mesh,
+        transform: &GlobalTransform,
+    ) -> Result<MeshCloth, MeshFault> {
         let positions: Vec<Vec3> =
             positions(mesh)?.iter().map(|&position| transform.transform_point(position.into())).collect();
         let vertices = positions.len();
@@ -118,13 +106,7 @@ impl ClothMesh {
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
         let painted = painted_above(mesh, self.paint.pins.as_ref(), self.paint.threshold, vertices)?;
-        let mut builder = MeshClothBuilder::new(positions, faces).material(ClothMaterial {
-            areal_density: self.areal_density,
-            stretch_stiffness: self.stretch_stiffness,
-            bend_stiffness: self.bend_stiffness,
-            damping: self.damping,
-            ..ClothMaterial::default()
-        });
+        let mut builder = MeshClothBuilder::new(positions, faces).material(fabric.material());
         if let Some(channel) = &self.paint.stiffness {
             builder = builder.painted_stiffness(paint(mesh, channel, vertices)?);
         }
@@ -174,6 +156,7 @@ impl MeshDescription for ClothMesh {
 
     fn build(
         &self,
+        fabric: &Fabric,
         mesh: &Mesh,
         parts: &MeshParts,
         transform: &GlobalTransform,
@@ -181,7 +164,7 @@ impl MeshDescription for ClothMesh {
     ) -> Result<MeshBody<WeldedVertices>, MeshFault> {
         let rest = skin.rest(transform);
         let (MeshCloth { particles, topology, particle_of_vertex, repairs }, pose) =
-            skin.build(mesh, transform, |place| self.build(mesh, place))?;
+            skin.build(mesh, transform, |place| self.build(fabric, mesh, place))?;
         let MeshParts { positions, normals, faces } = parts;
         let vertices = VertexMap::new(particle_of_vertex, positions, *normals, faces.clone());
         Ok(MeshBody {

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use drape_solver::{Embedding, MeshError, SoftBodyBuilder, SoftLattice, SoftSolid};
 
+use crate::body::fabric::Fabric;
 use crate::body::pressure::Pressure;
 use crate::body::tearable::Untearable;
 use crate::render::from_mesh::body::{MeshBody, MeshDescription};
@@ -133,6 +134,7 @@ impl MeshDescription for SoftBodyMesh {
 
     fn build(
         &self,
+        _: &Fabric,
         mesh: &Mesh,
         parts: &MeshParts,
         transform: &GlobalTransform,

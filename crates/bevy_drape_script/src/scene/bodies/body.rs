@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::{
-    Balls, Cloth, ClothMesh, Layers, MeshSource, Rig, Rope, SoftBall, SoftBody, Solver, Tearable, Turn,
-    Vector,
+    Balls, Cloth, ClothMesh, Layers, MeshSource, Rig, Rope, SoftBall, SoftBody, Solver, Surface, Tearable,
+    Turn, Vector,
 };
 
 /// A body: cloth, rope, soft ball, soft solid, hand-built rig or balls.
@@ -75,6 +75,19 @@ impl Body {
             Self::SoftBall(ball) => Some(&ball.solver),
             Self::SoftBody(solid) => Some(&solid.solver),
             Self::Rig(rig) => Some(&rig.solver),
+            Self::Balls(_) => None,
+        }
+    }
+
+    /// Its surface; none for balls, which have fields of their own for that.
+    pub fn surface(&self) -> Option<&Surface> {
+        match self {
+            Self::Cloth(cloth) => Some(&cloth.surface),
+            Self::Rope(rope) => Some(&rope.surface),
+            Self::ClothMesh(cloth) => Some(&cloth.surface),
+            Self::SoftBall(ball) => Some(&ball.surface),
+            Self::SoftBody(solid) => Some(&solid.surface),
+            Self::Rig(rig) => Some(&rig.surface),
             Self::Balls(_) => None,
         }
     }

@@ -2,11 +2,12 @@
 
 use bevy::prelude::*;
 use bevy_drape as drape;
+use bevy_drape::prelude::Fabric;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::bracketed;
-use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Turn, Vector, Whole};
+use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Surface, Tearable, Turn, Vector, Whole};
 
 /// A rectangular cloth. Without a `turn` it hangs in the XY plane, centred at `at`, facing +Z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -40,6 +41,8 @@ pub struct Cloth {
     pub tearable: Option<Tearable>,
     /// Solver settings; those of the scene by default.
     pub solver: Solver,
+    /// Its surface; that of the scene by default.
+    pub surface: Surface,
     /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
     /// True to report its contacts; false by default.
@@ -70,20 +73,22 @@ pub enum Pins {
 impl Default for Cloth {
     fn default() -> Self {
         let plain = drape::build::Cloth::default();
+        let fabric = Fabric::default();
         Self {
             size: (Positive::known(plain.size.x), Positive::known(plain.size.y)),
             particles: (Whole::known(plain.particles.x), Whole::known(plain.particles.y)),
-            areal_density: Positive::known(plain.areal_density),
-            stretch_stiffness: Fraction::known(plain.stretch_stiffness),
-            shear_stiffness: Fraction::known(plain.shear_stiffness),
-            bend_stiffness: Fraction::known(plain.bend_stiffness),
-            damping: NonNegative::known(plain.damping),
+            areal_density: Positive::known(fabric.areal_density),
+            stretch_stiffness: Fraction::known(fabric.stretch_stiffness),
+            shear_stiffness: Fraction::known(fabric.shear_stiffness),
+            bend_stiffness: Fraction::known(fabric.bend_stiffness),
+            damping: NonNegative::known(fabric.damping),
             pins: Pins::Top,
             at: Vector::default(),
             turn: Turn::default(),
             velocity: Vector::default(),
             tearable: None,
             solver: Solver::default(),
+            surface: Surface::default(),
             layers: None,
             contacts: false,
             material: None,
@@ -97,11 +102,6 @@ impl From<&Cloth> for drape::build::Cloth {
         Self {
             size: Vec2::new(cloth.size.0.get(), cloth.size.1.get()),
             particles: UVec2::new(cloth.particles.0.get(), cloth.particles.1.get()),
-            areal_density: cloth.areal_density.get(),
-            stretch_stiffness: cloth.stretch_stiffness.get(),
-            shear_stiffness: cloth.shear_stiffness.get(),
-            bend_stiffness: cloth.bend_stiffness.get(),
-            damping: cloth.damping.get(),
             pins: match &cloth.pins {
                 Pins::None => drape::build::ClothPins::None,
                 Pins::Top => drape::build::ClothPins::Top,
@@ -110,6 +110,19 @@ impl From<&Cloth> for drape::build::Cloth {
                 Pins::Corners => drape::build::ClothPins::Corners,
                 Pins::Indices(indices) => drape::build::ClothPins::Indices(indices.clone()),
             },
+        }
+    }
+}
+
+impl From<&Cloth> for Fabric {
+    fn from(cloth: &Cloth) -> Self {
+        Self {
+            areal_density: cloth.areal_density.get(),
+            stretch_stiffness: cloth.stretch_stiffness.get(),
+            shear_stiffness: cloth.shear_stiffness.get(),
+            bend_stiffness: cloth.bend_stiffness.get(),
+            damping: cloth.damping.get(),
+            ..Self::default()
         }
     }
 }

@@ -3,13 +3,14 @@
 use bevy::prelude::*;
 use bevy_drape as drape;
 use bevy_drape::drape_solver::MeshCloth;
+use bevy_drape::prelude::Fabric;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::MeshFiles;
 use crate::scene::{
-    Fraction, Layers, MeshSource, NonNegative, PaintChannel, Positive, Pressure, Solver, Tearable, Turn,
-    Vector,
+    Fraction, Layers, MeshSource, NonNegative, PaintChannel, Positive, Pressure, Solver, Surface, Tearable,
+    Turn, Vector,
 };
 
 /// A cloth from any mesh: cape, tent, balloon. Vertices in the same place are one particle.
@@ -47,6 +48,8 @@ pub struct ClothMesh {
     pub tearable: Option<Tearable>,
     /// Solver settings; those of the scene by default.
     pub solver: Solver,
+    /// Its surface; that of the scene by default.
+    pub surface: Surface,
     /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
     /// True to report its contacts; false by default.
@@ -60,12 +63,13 @@ pub struct ClothMesh {
 impl Default for ClothMesh {
     fn default() -> Self {
         let plain = drape::render::ClothMesh::default();
+        let fabric = Fabric::default();
         Self {
             mesh: MeshSource::default(),
-            areal_density: Positive::known(plain.areal_density),
-            stretch_stiffness: Fraction::known(plain.stretch_stiffness),
-            bend_stiffness: Fraction::known(plain.bend_stiffness),
-            damping: NonNegative::known(plain.damping),
+            areal_density: Positive::known(fabric.areal_density),
+            stretch_stiffness: Fraction::known(fabric.stretch_stiffness),
+            bend_stiffness: Fraction::known(fabric.bend_stiffness),
+            damping: NonNegative::known(fabric.damping),
             pins: Vec::new(),
             painted_pins: Some(PaintChannel::Red),
             painted_limits: None,
@@ -76,6 +80,7 @@ impl Default for ClothMesh {
             velocity: Vector::default(),
             tearable: None,
             solver: Solver::default(),
+            surface: Surface::default(),
             layers: None,
             contacts: false,
             material: None,
@@ -92,17 +97,15 @@ impl ClothMesh {
     pub(crate) fn build(&self, files: &MeshFiles) -> Result<MeshCloth, String> {
         let place = Transform::from_translation(self.at.get()).with_rotation(self.turn.quaternion());
         let mesh = self.mesh.mesh(files)?;
-        drape::render::ClothMesh::from(self).build(&mesh, &place.into()).map_err(|fault| fault.to_string())
+        drape::render::ClothMesh::from(self)
+            .build(&Fabric::from(self), &mesh, &place.into())
+            .map_err(|fault| fault.to_string())
     }
 }
 
 impl From<&ClothMesh> for drape::render::ClothMesh {
     fn from(cloth: &ClothMesh) -> Self {
         Self {
-            areal_density: cloth.areal_density.get(),
-            stretch_stiffness: cloth.stretch_stiffness.get(),
-            bend_stiffness: cloth.bend_stiffness.get(),
-            damping: cloth.damping.get(),
             pins: cloth.pins.clone(),
             paint: drape::render::ClothPaint {
                 pins: cloth.painted_pins.map(Into::into),
@@ -110,6 +113,18 @@ impl From<&ClothMesh> for drape::render::ClothMesh {
                 full_distance: cloth.full_distance.get(),
                 ..Default::default()
             },
+            ..Self::default()
+        }
+    }
+}
+
+impl From<&ClothMesh> for Fabric {
+    fn from(cloth: &ClothMesh) -> Self {
+        Self {
+            areal_density: cloth.areal_density.get(),
+            stretch_stiffness: cloth.stretch_stiffness.get(),
+            bend_stiffness: cloth.bend_stiffness.get(),
+            damping: cloth.damping.get(),
             ..Self::default()
         }
     }

@@ -4,7 +4,7 @@ use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{Fraction, Layers, Named, NonNegative, Positive, Solver, Vector};
+use crate::scene::{Fraction, Layers, Named, NonNegative, Positive, Solver, Surface, Vector};
 
 /// Particles and sticks, built by hand. Particles are numbered in the order of their names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,6 +18,8 @@ pub struct Rig {
     pub at: Vector,
     /// Solver settings; those of the scene by default.
     pub solver: Solver,
+    /// Its surface; that of the scene by default.
+    pub surface: Surface,
     /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
     /// Name of its material, for pictures; none by default.
@@ -33,6 +35,7 @@ impl Default for Rig {
             sticks: Vec::new(),
             at: Vector::default(),
             solver: Solver::default(),
+            surface: Surface::default(),
             layers: None,
             material: None,
             present: true,

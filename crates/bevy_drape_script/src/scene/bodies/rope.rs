@@ -4,7 +4,7 @@ use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Vector, Whole};
+use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Surface, Tearable, Vector, Whole};
 
 /// A rope, cable or chain. It begins straight between two points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -36,6 +36,8 @@ pub struct Rope {
     pub tearable: Option<Tearable>,
     /// Solver settings; those of the scene by default.
     pub solver: Solver,
+    /// Its surface; that of the scene by default.
+    pub surface: Surface,
     /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
     /// True to report its contacts; false by default.
@@ -63,6 +65,7 @@ impl Default for Rope {
             velocity: Vector::default(),
             tearable: None,
             solver: Solver::default(),
+            surface: Surface::default(),
             layers: None,
             contacts: false,
             material: None,

@@ -4,7 +4,7 @@ use bevy_drape as drape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Tearable, Turn, Vector, Whole};
+use crate::scene::{Fraction, Layers, NonNegative, Positive, Solver, Surface, Tearable, Turn, Vector, Whole};
 
 /// A two-dimensional soft ball of rings of particles. Without a `turn` it lies in the XY plane, in which it stays.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -32,6 +32,8 @@ pub struct SoftBall {
     pub tearable: Option<Tearable>,
     /// Solver settings; those of the scene by default.
     pub solver: Solver,
+    /// Its surface; that of the scene by default.
+    pub surface: Surface,
     /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
     /// True to report its contacts; false by default.
@@ -57,6 +59,7 @@ impl Default for SoftBall {
             velocity: Vector::default(),
             tearable: None,
             solver: Solver::default(),
+            surface: Surface::default(),
             layers: None,
             contacts: false,
             material: None,

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::mesh::MeshFiles;
 use crate::scene::{
-    Fraction, Layers, MeshSource, NonNegative, PaintChannel, Positive, Pressure, Solver, Turn, Vector,
+    Fraction, Layers, MeshSource, NonNegative, PaintChannel, Positive, Pressure, Solver, Surface, Turn,
+    Vector,
 };
 
 /// A soft solid of any closed mesh: jelly, rubber, fruit. Its particles are the corners of the cells that fill the mesh.
@@ -39,6 +40,8 @@ pub struct SoftBody {
     pub velocity: Vector,
     /// Solver settings; those of the scene by default.
     pub solver: Solver,
+    /// Its surface; that of the scene by default.
+    pub surface: Surface,
     /// Its collision layers and those that it touches; all by default.
     pub layers: Option<Layers>,
     /// True to report its contacts; false by default.
@@ -65,6 +68,7 @@ impl Default for SoftBody {
             turn: Turn::default(),
             velocity: Vector::default(),
             solver: Solver::default(),
+            surface: Surface::default(),
             layers: None,
             contacts: false,
             material: None,

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use drape_solver::glam::{DVec2, DVec3, Vec3};
 use drape_solver::{
-    Ball, BallMaterial, Body, BuildError, ClothBuilder, Edge, Obstacle, Placement, Shape, SolverSettings,
+    Ball, BallMaterial, Body, BodySettings, BuildError, ClothBuilder, Edge, Obstacle, Placement, Shape,
 };
 
 use crate::experiments::contact::setup::{PinPath, Setup};
@@ -32,7 +32,7 @@ pub(super) fn sheet(
     size: [f32; 2],
     [columns, rows]: [u32; 2],
     pinned: &[Edge],
-    settings: SolverSettings,
+    settings: BodySettings,
     place: impl Fn(DVec2) -> DVec3,
 ) -> Result<Body, BuildError> {
     let first = place(DVec2::ZERO).as_vec3();
@@ -57,7 +57,7 @@ pub(super) fn level_sheets(
     side: f64,
     n: u32,
     height: f64,
-    settings: SolverSettings,
+    settings: BodySettings,
 ) -> Result<Vec<Body>, BuildError> {
     let level = |i: u32| {
         let turn = DVec2::from_angle(0.1 * f64::from(i));
@@ -75,7 +75,7 @@ pub(super) fn level_sheets(
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses the strip.
-pub fn fold(columns: u32, rows: u32, settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn fold(columns: u32, rows: u32, settings: BodySettings) -> Result<Setup, Failure> {
     let place = |at: DVec2| {
         let height = (2.0 - at.y) * 0.996;
         let phase = TAU * height / 0.25 + 1.5 * at.x / 0.4;
@@ -89,7 +89,7 @@ pub fn fold(columns: u32, rows: u32, settings: SolverSettings) -> Result<Setup, 
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses a sheet.
-pub fn stack(count: u32, n: u32, settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn stack(count: u32, n: u32, settings: BodySettings) -> Result<Setup, Failure> {
     let sheets = level_sheets(count, 1.0, n, 1.05, settings)?;
     let sphere = Obstacle::new(Shape::Sphere { radius: 0.5 }, Placement::at(Vec3::Y * 0.5), FRICTION)?;
     Ok(Setup::new(sheets, vec![Obstacle::ground(), sphere]))
@@ -99,7 +99,7 @@ pub fn stack(count: u32, n: u32, settings: SolverSettings) -> Result<Setup, Fail
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses the sheet.
-pub fn swing(n: u32, settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn swing(n: u32, settings: BodySettings) -> Result<Setup, Failure> {
     let place = |at: DVec2| DVec3::new(at.x - 0.5, 2.0 - at.y * FRAC_1_SQRT_2, at.y * FRAC_1_SQRT_2);
     let sheet = sheet([1.0, 1.0], [n, n], &[Edge::Top], settings, place)?;
     Ok(Setup::new(vec![sheet], Vec::new()))
@@ -109,9 +109,9 @@ pub fn swing(n: u32, settings: SolverSettings) -> Result<Setup, Failure> {
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses the curtain or a ball.
-pub fn bombarded_curtain(particles: [u32; 2], settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn bombarded_curtain(particles: [u32; 2], settings: BodySettings) -> Result<Setup, Failure> {
     let place = |at: DVec2| DVec3::new(at.x - 2.0, 3.3 - at.y, 0.0);
-    let settings = SolverSettings { drag: 2.0, ..settings };
+    let settings = BodySettings { drag: 2.0, ..settings };
     let curtain = sheet([4.0, 3.0], particles, &[Edge::Top], settings, place)?;
     let mut setup = Setup::new(vec![curtain], vec![Obstacle::ground()]);
     let material = BallMaterial { radius: 0.15, mass: 2.0, ..BallMaterial::default() };
@@ -129,7 +129,7 @@ pub fn bombarded_curtain(particles: [u32; 2], settings: SolverSettings) -> Resul
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses the sheet.
-pub fn twist(n: u32, path: PinPath, settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn twist(n: u32, path: PinPath, settings: BodySettings) -> Result<Setup, Failure> {
     let place = |at: DVec2| DVec3::new(at.x - 0.5, 0.0, at.y - 0.5);
     let sheet = sheet([1.0, 1.0], [n, n], &[Edge::Top, Edge::Bottom], settings, place)?;
     Ok(Setup::new(vec![sheet], Vec::new()).with_moving_pins(path))

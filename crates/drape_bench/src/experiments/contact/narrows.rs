@@ -9,7 +9,7 @@
 use std::f32::consts::{PI, TAU};
 
 use drape_solver::glam::{Quat, Vec3};
-use drape_solver::{Body, BuildError, MeshClothBuilder, Obstacle, Placement, Shape, SolverSettings};
+use drape_solver::{Body, BodySettings, BuildError, MeshClothBuilder, Obstacle, Placement, Shape};
 
 use crate::experiments::contact::cloths::{FRICTION, level_sheets};
 use crate::experiments::contact::setup::Setup;
@@ -36,7 +36,7 @@ const STEEPNESS: f32 = 55.0 * PI / 180.0;
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses a sheet.
-pub fn filled_box(count: u32, n: u32, settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn filled_box(count: u32, n: u32, settings: BodySettings) -> Result<Setup, Failure> {
     let [half, depth] = BOX;
     let mut sheets = level_sheets(count, 0.6, n, f64::from(depth) + 0.1, settings)?;
     for particles in sheets.iter_mut().map(|sheet| &mut sheet.particles) {
@@ -58,7 +58,7 @@ pub fn filled_box(count: u32, n: u32, settings: SolverSettings) -> Result<Setup,
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses the sleeve.
-pub fn sleeve(around: u32, settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn sleeve(around: u32, settings: BodySettings) -> Result<Setup, Failure> {
     let [middle, radius] = RING;
     let links = 24_u8;
     let half_length = middle * (PI / f32::from(links)).tan();
@@ -80,7 +80,7 @@ fn pulled_down(start: Vec3, seconds: f32) -> Vec3 {
 }
 
 /// The sleeve: an open cylinder about the Y axis, its lower rim 6 cm above the ring's middle.
-fn tube(around: u32, settings: SolverSettings) -> Result<Body, Failure> {
+fn tube(around: u32, settings: BodySettings) -> Result<Body, Failure> {
     let [radius, length] = SLEEVE;
     let rows = (length * around as f32 / (TAU * radius)).round() as u32 + 1;
     let mut places = Vec::new();
@@ -107,7 +107,7 @@ fn tube(around: u32, settings: SolverSettings) -> Result<Body, Failure> {
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses a sheet.
-pub fn funnel(count: u32, n: u32, settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn funnel(count: u32, n: u32, settings: BodySettings) -> Result<Setup, Failure> {
     let [neck, height, length] = NECK;
     let mouth = height + length * STEEPNESS.sin();
     let sheets = level_sheets(count, 0.8, n, f64::from(mouth) + 0.08, settings)?;

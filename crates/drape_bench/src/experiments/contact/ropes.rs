@@ -1,7 +1,7 @@
 //! Ropes that are knotted.
 
 use drape_solver::glam::DVec3;
-use drape_solver::{RopeBuilder, SolverSettings};
+use drape_solver::{BodySettings, RopeBuilder};
 
 use crate::experiments::contact::setup::Setup;
 use crate::failure::Failure;
@@ -57,7 +57,7 @@ const BOWLINE: [[f64; 3]; 30] = [
 ///
 /// # Errors
 /// [`Failure`] if the solver refuses the rope.
-pub fn bowline(settings: SolverSettings) -> Result<Setup, Failure> {
+pub fn bowline(settings: BodySettings) -> Result<Setup, Failure> {
     let places = along(&BOWLINE.map(DVec3::from_array));
     let [first, last] = [places[0], places[0] - DVec3::Y * LENGTH].map(DVec3::as_vec3);
     let mut rope = RopeBuilder::new(first, last, PARTICLES).pin_start().build(settings)?;

@@ -1,7 +1,7 @@
 //! The scenes by name.
 
 use clap::ValueEnum;
-use drape_solver::SolverSettings;
+use drape_solver::BodySettings;
 
 use crate::experiments::contact::setup::Setup;
 use crate::experiments::contact::{cloths, narrows, ropes};
@@ -39,7 +39,7 @@ impl ContactScene {
     ///
     /// # Errors
     /// [`Failure`] if the solver refuses a body or an obstacle.
-    pub fn setup(self, settings: SolverSettings) -> Result<Setup, Failure> {
+    pub fn setup(self, settings: BodySettings) -> Result<Setup, Failure> {
         match self {
             Self::Fold20 => cloths::fold(20, 100, settings),
             Self::Fold40 => cloths::fold(40, 200, settings),

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use drape_solver::glam::DVec3;
-use drape_solver::{Quality, SelfContact, SolverSettings, StateHasher, step, step_on};
+use drape_solver::{BodySettings, Quality, SelfContact, StateHasher, step, step_on};
 use serde::Serialize;
 
 use crate::experiments::contact::scene::ContactScene;
@@ -116,7 +116,7 @@ pub struct Figures {
 
 impl Trial {
     /// Settings of all bodies.
-    pub fn settings(&self) -> SolverSettings {
+    pub fn settings(&self) -> BodySettings {
         let quality = match self.quality {
             Accuracy::Low => Quality::Low,
             Accuracy::Medium => Quality::Medium,
@@ -127,8 +127,8 @@ impl Trial {
             Mode::On => SelfContact::On,
         };
         let thickness = self.thickness.unwrap_or(THICKNESS);
-        let surface = SolverSettings { thickness, friction: FRICTION, ..SolverSettings::default() };
-        SolverSettings { self_contact, ..surface.with_quality(quality) }
+        let surface = BodySettings { thickness, friction: FRICTION, ..BodySettings::default() };
+        BodySettings { self_contact, ..surface.with_quality(quality) }
     }
 
     /// Runs the scene. `stepped` is called after each step.

@@ -17,7 +17,7 @@ use crate::constants::MAX_MAGNITUDE;
 use crate::error::{BuildError, in_range, positive};
 use crate::state::body::Body;
 use crate::state::particles::Particles;
-use crate::state::settings::SolverSettings;
+use crate::state::settings::BodySettings;
 use crate::state::tethers::Tethers;
 use crate::state::topology::{StickKind, StickMaterial, Topology};
 
@@ -29,7 +29,7 @@ use crate::state::topology::{StickKind, StickMaterial, Topology};
 ///
 /// ```
 /// use drape_solver::glam::Vec3;
-/// use drape_solver::{MeshClothBuilder, SolverSettings};
+/// use drape_solver::{MeshClothBuilder, BodySettings};
 ///
 /// # fn main() -> Result<(), drape_solver::MeshError> {
 /// // Two triangles that share an edge, with three vertices each.
@@ -149,7 +149,7 @@ impl MeshClothBuilder {
     ///
     /// # Errors
     /// [`MeshError`] that names the fault.
-    pub fn build(self, settings: SolverSettings) -> Result<Body, MeshError> {
+    pub fn build(self, settings: BodySettings) -> Result<Body, MeshError> {
         settings.validate()?;
         let MeshCloth { particles, topology, .. } = self.build_parts()?;
         Ok(Body::new(particles, Arc::new(topology), settings))

@@ -21,7 +21,7 @@ use crate::simd::lanes::load;
 use crate::simd::transpose::transpose;
 use crate::state::body::Body;
 use crate::state::layout::{Grid, Layout};
-use crate::state::settings::{SolverSettings, StickProjection, StructuralSolve};
+use crate::state::settings::{BodySettings, StickProjection, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, StickKind, Topology};
 
 /// The rows or the columns of a grid.
@@ -34,7 +34,7 @@ pub(crate) enum Lines {
 impl Lines {
     /// The lines that the sticks of `batch` form, if they are to be solved directly: structural sticks of a grid that
     /// lose all of their error at a `stiffness` per iteration.
-    pub fn of(batch: &StickBatch, stiffness: f32, settings: &SolverSettings) -> Option<Self> {
+    pub fn of(batch: &StickBatch, stiffness: f32, settings: &BodySettings) -> Option<Self> {
         if settings.structural == StructuralSolve::Sweeps
             || batch.material.kind != StickKind::Structural
             || stiffness < 1.0
@@ -52,12 +52,7 @@ impl Lines {
     }
 
     /// Rest length in metres of the sticks of these lines; none if none are to be solved directly.
-    pub fn rest_length(
-        self,
-        topology: &Topology,
-        stiffness: &[f32],
-        settings: &SolverSettings,
-    ) -> Option<f32> {
+    pub fn rest_length(self, topology: &Topology, stiffness: &[f32], settings: &BodySettings) -> Option<f32> {
         let batches = topology.batches.iter().zip(stiffness);
         let mut own =
             batches.filter(|&(batch, &stiffness)| Self::of(batch, stiffness, settings) == Some(self));

@@ -141,7 +141,7 @@ mod tests {
     use crate::build::mesh::cloth::MeshClothBuilder;
     use crate::contact::surface::testing::{DISTANCE, Numbers, THICKNESS, bodies, flying, touching};
     use crate::simd::miri::unless_miri;
-    use crate::state::settings::{SelfContact, SolverSettings};
+    use crate::state::settings::{BodySettings, SelfContact};
 
     const SUBSTEPS: u32 = 4;
 
@@ -204,8 +204,8 @@ mod tests {
         assert!(unless_miri((50..1000).contains(&calms), true), "{calms} of {seeds} are calm");
     }
 
-    fn settings() -> SolverSettings {
-        SolverSettings { thickness: THICKNESS, self_contact: SelfContact::On, ..SolverSettings::default() }
+    fn settings() -> BodySettings {
+        BodySettings { thickness: THICKNESS, self_contact: SelfContact::On, ..BodySettings::default() }
     }
 
     /// A body that turns and flies off, with its particles at these places, and the calm of its step.

@@ -1,6 +1,6 @@
 //! The work of self-contact, in numbers.
 
-/// The work of [self-contact](crate::SolverSettings::self_contact) in a step; see
+/// The work of [self-contact](crate::BodySettings::self_contact) in a step; see
 /// [`Island::self_contact_counts`](crate::Island::self_contact_counts).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]

@@ -157,12 +157,12 @@ mod tests {
     use crate::contact::surface::placed::PlacedSurfaces;
     use crate::parallel::workers::Workers;
     use crate::state::body::Body;
-    use crate::state::settings::{SelfContact, SolverSettings};
+    use crate::state::settings::{BodySettings, SelfContact};
     use crate::state::substep::Substep;
 
     /// Two sheets, the second turned upright and pushed this far through the first; and what crosses.
     fn crossed(depth: f32) -> (Points, Vec<Crossing>) {
-        let settings = SolverSettings { self_contact: SelfContact::On, ..SolverSettings::default() };
+        let settings = BodySettings { self_contact: SelfContact::On, ..BodySettings::default() };
         let sheet = || ClothBuilder::new(0.2, 0.2, 9, 9).build(settings).expect("valid");
         let mut bodies: Vec<Body> = vec![sheet(), sheet()];
         for (k, body) in bodies.iter_mut().enumerate() {

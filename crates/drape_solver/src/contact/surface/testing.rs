@@ -10,7 +10,7 @@ use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::geometry::nearest_triangle::weighted;
 use crate::state::body::Body;
-use crate::state::settings::{SelfContact, SolverSettings};
+use crate::state::settings::{BodySettings, SelfContact};
 use crate::state::star::Star;
 
 /// Of all bodies, in metres.
@@ -36,7 +36,7 @@ impl Numbers {
 /// out of its place.
 pub(crate) fn bodies(numbers: &mut Numbers, spread: f32, crumple: f32) -> Vec<Body> {
     let settings =
-        SolverSettings { thickness: THICKNESS, self_contact: SelfContact::On, ..SolverSettings::default() };
+        BodySettings { thickness: THICKNESS, self_contact: SelfContact::On, ..BodySettings::default() };
     let cloth = || ClothBuilder::new(0.1, 0.1, 6, 6).build(settings).expect("valid");
     let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X * 0.1, 8).build(settings).expect("valid");
     let mut bodies = vec![cloth(), cloth(), rope];

@@ -1,0 +1,134 @@
+//! Fabrics.
+
+use bevy::prelude::*;
+use drape_solver::{BodySettings, BuildError, ClothMaterial, Preset};
+
+use crate::body::surface::BodySurface;
+
+/// What a cloth is made of. `docs/presets.md` has the measured behaviour of those that are known by name.
+///
+/// A change of density, stiffness or damping builds the cloth anew; a change of the other numbers acts on the cloth as it is.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn setup(mut commands: Commands) {
+/// commands.spawn((Cloth::new(2.0, 1.5), Fabric::SILK));
+/// commands.spawn((Cloth::new(2.0, 1.5), Fabric { friction: 0.9, ..Fabric::DENIM }));
+/// # }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Fabric {
+    /// Mass per area in kg/m^2, above 0.
+    pub areal_density: f32,
+    /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching. Edges of a
+    /// [`ClothMesh`](crate::render::ClothMesh) are such sticks, and resist skewing too.
+    pub stretch_stiffness: f32,
+    /// Stiffness of the shear sticks of a [`Cloth`](crate::build::Cloth), 0 to 1: resists skewing.
+    pub shear_stiffness: f32,
+    /// Stiffness of bend sticks, 0 to 1: resists folding.
+    pub bend_stiffness: f32,
+    /// Damping along the sticks in 1/s, 0 or more.
+    pub damping: f32,
+    /// True if it is meant to stretch far, as rubber is: then no tether holds it.
+    pub extensible: bool,
+    /// Coefficient of Coulomb friction, 0 or more. Two surfaces in contact use the mean of theirs.
+    pub friction: f32,
+    /// Coefficient of static friction, for surfaces that do not slide yet. A value below `friction` counts as `friction`.
+    pub static_friction: f32,
+    /// Distance in metres that the middle of the cloth keeps from the surfaces that it touches: half its thickness.
+    pub thickness: f32,
+    /// Drag of still air in 1/s, 0 or more: velocity decays as `exp(-drag t)`, whatever the step.
+    pub drag: f32,
+}
+
+impl Default for Fabric {
+    /// A cotton of 0.25 kg/m^2 that does not stretch, and folds easily.
+    fn default() -> Self {
+        Self::new(ClothMaterial::default(), BodySettings::default().into(), false)
+    }
+}
+
+impl From<Preset> for Fabric {
+    fn from(preset: Preset) -> Self {
+        Self::of(preset)
+    }
+}
+
+impl Fabric {
+    /// [`Preset::Silk`].
+    pub const SILK: Self = Self::of(Preset::Silk);
+    /// [`Preset::Cotton`].
+    pub const COTTON: Self = Self::of(Preset::Cotton);
+    /// [`Preset::Denim`].
+    pub const DENIM: Self = Self::of(Preset::Denim);
+    /// [`Preset::Leather`].
+    pub const LEATHER: Self = Self::of(Preset::Leather);
+    /// [`Preset::Rubber`].
+    pub const RUBBER: Self = Self::of(Preset::Rubber);
+    /// [`Preset::Net`].
+    pub const NET: Self = Self::of(Preset::Net);
+    /// [`Preset::Chain`].
+    pub const CHAIN: Self = Self::of(Preset::Chain);
+
+    const fn of(preset: Preset) -> Self {
+        let (friction, drag, thickness) = preset.surface();
+        let surface = BodySurface { friction, static_friction: 0.0, thickness, drag };
+        Self::new(preset.material(), surface, preset.is_extensible())
+    }
+
+    const fn new(material: ClothMaterial, surface: BodySurface, extensible: bool) -> Self {
+        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
+            material;
+        let BodySurface { friction, static_friction, thickness, drag } = surface;
+        Self {
+            areal_density,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
+            damping,
+            extensible,
+            friction,
+            static_friction,
+            thickness,
+            drag,
+        }
+    }
+
+    /// What it is like to touch, and to the air.
+    pub fn surface(&self) -> BodySurface {
+        let Self { friction, static_friction, thickness, drag, .. } = *self;
+        BodySurface { friction, static_friction, thickness, drag }
+    }
+
+    /// The same fabric with this surface.
+    #[must_use]
+    pub fn with_surface(self, surface: BodySurface) -> Self {
+        let BodySurface { friction, static_friction, thickness, drag } = surface;
+        Self { friction, static_friction, thickness, drag, ..self }
+    }
+
+    /// The component that has the number at fault: the fabric, if there is one and it is a number of its sticks, or the
+    /// description of this name.
+    pub(crate) fn or_description(
+        fabric: Option<&Self>,
+        error: Option<&BuildError>,
+        description: &'static str,
+    ) -> &'static str {
+        match (fabric, error.and_then(BuildError::field)) {
+            (
+                Some(_),
+                Some("areal_density" | "damping" | "stiffness" | "stretch stiffness" | "bend stiffness"),
+            ) => "Fabric",
+            _ => description,
+        }
+    }
+
+    /// What the solver builds a cloth of it from.
+    pub fn material(&self) -> ClothMaterial {
+        let Self { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping, .. } = *self;
+        ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping }
+    }
+}
