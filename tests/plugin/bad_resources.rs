@@ -20,6 +20,7 @@ fn settings_out_of_range() {
         assert_eq!(activity(&app, entity), Activity::Culled);
         app.world_mut().entity_mut(entity).insert(good);
         assert_mended(&mut app, entity);
+        assert!(refusals(&app, entity).is_empty(), "a mended body is no longer listed");
     }
     // The same as the settings of all.
     let mut app = app();
@@ -46,6 +47,7 @@ fn surfaces_out_of_range() {
         assert_eq!(activity(&app, entity), Activity::Culled);
         app.world_mut().entity_mut(entity).insert(good);
         assert_mended(&mut app, entity);
+        assert!(refusals(&app, entity).is_empty(), "a mended body is no longer listed");
     }
 }
 

@@ -86,7 +86,7 @@ pub mod prelude {
     pub use crate::render::{ClothMesh, ClothPaint, ObstacleHierarchy, RopeMesh, SoftBodyMesh};
     #[doc(inline)]
     pub use crate::{
-        attach::{Attachment, FollowParticle, Tie, TiedParticles, WorldMotion},
+        attach::{Attachment, FollowParticle, Tie, WorldMotion},
         ball::Projectile,
         body::{
             BodySurface, ContactEvents, DrapeLayers, Fabric, Particles, Quality, SelfContact, SolverSettings,

@@ -77,7 +77,7 @@ pub struct Refusals {
 }
 
 impl Refusals {
-    /// All refusals, by entity. A refusal is forgotten when its component is rebuilt or removed.
+    /// All refusals, by entity. A refusal is forgotten when its component is mended or removed.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Refusal> {
         self.refused.values()
     }
@@ -110,6 +110,12 @@ impl Refusals {
     /// Forgets the refusal of a component of `entity`, after it was changed.
     pub(crate) fn forget_component(&mut self, entity: Entity, component: &'static str) {
         self.refused.remove(&(Some(entity), component));
+    }
+
+    /// Forgets the refusals of entities' components for which `is_mended` holds.
+    pub(crate) fn forget_if(&mut self, is_mended: impl Fn(Entity, &str) -> bool) {
+        self.refused
+            .retain(|&(about, component), _| !about.is_some_and(|entity| is_mended(entity, component)));
     }
 
     /// Forgets the refusal of a resource, after it was mended.

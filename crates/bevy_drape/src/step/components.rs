@@ -53,6 +53,24 @@ pub(crate) struct StepComponents<'w, 's> {
     refusals: ResMut<'w, Refusals>,
 }
 
+/// Forgets the refusals of bodies and balls that could take part in this step.
+pub(crate) fn forget_mended(
+    mut refusals: ResMut<Refusals>,
+    bodies: Query<&BodyState>,
+    balls: Query<&ProjectileRecord>,
+) {
+    if refusals.is_empty() {
+        return;
+    }
+    refusals.forget_if(|entity, component| match component {
+        "SolverSettings" | "BodySurface" | "Fabric" | "Particles" => {
+            bodies.get(entity).is_ok_and(|body| !body.refused)
+        }
+        "ProjectileState" => balls.get(entity).is_ok_and(|ball| !ball.refused),
+        _ => false,
+    });
+}
+
 impl StepComponents<'_, '_> {
     /// Advances all islands to the stage `end`.
     pub fn advance(&mut self, islands: &mut Islands, end: StepStage) {

@@ -9,6 +9,7 @@ use crate::schedule::{
     CollectRequests, DrapeSchedule, DrapeSystems, FinishPhase, StepTimes, configure_schedules,
 };
 use crate::step::advance::{begin_islands, detect_collisions, finish_islands};
+use crate::step::components::forget_mended;
 use crate::step::form_islands::form_islands;
 use crate::step::islands::Islands;
 use crate::step::motion_limits::MotionLimitCounts;
@@ -38,7 +39,7 @@ impl Plugin for StepPlugin {
             (
                 (form_islands, begin_islands).chain().in_set(DrapeSystems::FormIslands),
                 detect_collisions.in_set(DrapeSystems::DetectCollisions),
-                finish_islands.in_set(FinishPhase::FinishIslands),
+                (finish_islands, forget_mended).chain().in_set(FinishPhase::FinishIslands),
             ),
         );
     }
