@@ -70,17 +70,19 @@ impl Choices<'_> {
         format!("({a}, {speed}, {b})")
     }
 
+    /// How a body is solved, and its surface.
     fn solver(&mut self) -> String {
+        let substeps = self.of(&["8", "1", "2", "4", "16"]);
+        let iterations = self.of(&["2", "1", "4"]);
+        let drag = self.of(&["0.6", "0", "3", "100"]);
+        let friction = self.of(&["0.5", "0", "1", "50"]);
+        let thickness = self.of(&["0.005", "0", "0.02", "0.3"]);
+        let structural = self.of(&["Sweeps", "Lines"]);
+        let self_contact = self.of(&["Off", "On"]);
+        let tethers = self.of(&["true", "false"]);
         format!(
-            "(substeps: {}, iterations: {}, drag: {}, friction: {}, thickness: {}, structural: {}, self_contact: {}, tethers: {})",
-            self.of(&["8", "1", "2", "4", "16"]),
-            self.of(&["2", "1", "4"]),
-            self.of(&["0.6", "0", "3", "100"]),
-            self.of(&["0.5", "0", "1", "50"]),
-            self.of(&["0.005", "0", "0.02", "0.3"]),
-            self.of(&["Sweeps", "Lines"]),
-            self.of(&["Off", "On"]),
-            self.of(&["true", "false"]),
+            "(substeps: {substeps}, iterations: {iterations}, structural: {structural}, self_contact: {self_contact}, \
+             tethers: {tethers}), surface: (drag: {drag}, friction: {friction}, thickness: {thickness})"
         )
     }
 }

@@ -7,8 +7,8 @@ use drape_solver::glam::{Quat, Vec3};
 use drape_solver::state::crossings::CrossingCounter;
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Placement, SelfContact, Shape,
-    BodySettings, step,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Island, Obstacle, Placement, SelfContact,
+    Shape, step,
 };
 use libfuzzer_sys::fuzz_target;
 

@@ -14,6 +14,7 @@ mod despawning;
 mod diagnostics;
 mod drape;
 mod dynamic_obstacles;
+mod fabric;
 mod folds;
 mod gestures;
 mod hits;

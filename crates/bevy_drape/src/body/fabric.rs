@@ -24,9 +24,9 @@ pub struct Fabric {
     /// Mass per area in kg/m^2, above 0.
     pub areal_density: f32,
     /// Stiffness of structural sticks, 0 (slack) to 1 (rigid): resists stretching. Edges of a
-    /// [`ClothMesh`](crate::render::ClothMesh) are such sticks, and resist skewing too.
+    /// `ClothMesh` are such sticks, and resist skewing too.
     pub stretch_stiffness: f32,
-    /// Stiffness of the shear sticks of a [`Cloth`](crate::build::Cloth), 0 to 1: resists skewing.
+    /// Stiffness of the shear sticks of a [`Cloth`](crate::build::Cloth), 0 to 1: resists skewing. A `ClothMesh` has none.
     pub shear_stiffness: f32,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
     pub bend_stiffness: f32,

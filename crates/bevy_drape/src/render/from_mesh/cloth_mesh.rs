@@ -40,7 +40,7 @@ use crate::render::vertices::Vertices;
 /// commands.spawn((Mesh3d(mesh), ClothMesh::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
 /// # }
 /// ```
-#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(Transform, Fabric)]
 pub struct ClothMesh {
@@ -71,12 +71,6 @@ pub struct ClothWeave {
 impl Default for ClothWeave {
     fn default() -> Self {
         Self { weft_stiffness: 0.999, bias_stiffness: 0.98 }
-    }
-}
-
-impl Default for ClothMesh {
-    fn default() -> Self {
-        Self { weld_distance: None, pins: Vec::new(), paint: ClothPaint::default(), weave: None }
     }
 }
 
