@@ -51,6 +51,17 @@ impl Lean {
         }
     }
 
+    /// Bound of how far directions in the box are from the nearest ones in another: the chord between the unit vectors.
+    #[inline(always)]
+    pub fn turned_out_of(&self, other: &Self) -> f32 {
+        let mut sum = 0.0;
+        for (own, other) in self.0.iter().zip(other.0) {
+            let out = if *own < other { other - own } else { 0.0 };
+            sum += out * out;
+        }
+        sum.sqrt()
+    }
+
     /// True if all directions in the box lean to the same side.
     pub fn is_flat(&self) -> bool {
         let [x, y, z, _, u, v, w, _] = self.0;
@@ -123,6 +134,8 @@ pub(crate) struct PlacedTree {
     pub leaves: Vec<PlacedLeaf>,
     /// For each slot, the lean of all faces around it.
     pub leans: Vec<Lean>,
+    /// The same for the ways before these; every way where there were none.
+    pub leans_before: Vec<Lean>,
     /// For each leaf, a bit mask of the stars whose pairs are looked for; pairs of two others are left out.
     pub active: Vec<u16>,
     /// Metres by which the boxes of edges, at least, and of faces are wider than what they hold.

@@ -181,11 +181,11 @@ fn cloths_of_many_seeds_do_not_cross() {
     assert!(faults.is_empty(), "faults in the scenes of {faults:?}");
 }
 
-/// The one fault of the first ten thousand seeds: in the ninth step the third cloth, which was hit at 13 m/s, has two edges through its own
-/// faces. Nothing was moved back in that step, so the two were not seen beside each other. They come apart in the next.
+/// Scenes in which cloths lie so crumpled that a face turns over within a step: corners that it then lets through are listed in time.
 #[test]
-#[ignore = "a known limit: a pair is overlooked"]
-fn the_cloth_of_seed_4405_does_not_cross_itself() {
-    let (cloths, obstacles) = scene(4405);
-    assert_eq!(play(cloths, obstacles).err(), None);
+fn cloths_whose_faces_turn_over_do_not_cross_themselves() {
+    for seed in [2004, 2646, 4355, 4405, 6864, 9173, 9330, 10_645, 15_218] {
+        let (cloths, obstacles) = scene(seed);
+        assert_eq!(play(cloths, obstacles).err(), None, "seed {seed}");
+    }
 }

@@ -21,6 +21,7 @@ use crate::simd::isa::Isa;
 use crate::simd::lanes::set_lanes;
 use crate::state::body::Body;
 use crate::state::star::{CORNERS, EDGES, NONE, Star};
+use crate::state::surface::Surface;
 use crate::state::topology::Topology;
 
 /// The surfaces of an island.
@@ -38,7 +39,7 @@ pub(crate) struct PlacedSurfaces {
     /// Sharpness of each star's edges, from 0 for a flat one to 1.
     sharpness: Vec<[f32; EDGES]>,
     leaf_pairs: Vec<[u32; 2]>,
-    /// The least height of each star's faces when it was placed, or the length of its links, in metres.
+    /// The least height of each star's faces at both ends of the way, or the length of its links, in metres.
     heights: Vec<f32>,
     /// Distance of each point from its expected place in metres, and how far each star has left its way.
     deviations: Vec<f32>,
@@ -65,8 +66,9 @@ struct Off {
     /// faces have turned, in radians.
     way: f32,
     turn: f32,
-    /// Both, when its row was last written anew without its pairs.
+    /// The same, when its pairs were last left as they were listed.
     way_before: f32,
+    /// How far its faces had turned then since flat patches were left out.
     turn_before: f32,
     /// True if its pairs are looked for.
     is_stale: bool,
@@ -183,10 +185,10 @@ impl PlacedSurfaces {
         }
     }
 
-    /// Chooses the stars whose pairs are looked for: those with a corner that is more than `slack` metres off the way, and
-    /// those around a face that has turned, so that a patch may lie flat no longer. True if there is one.
-    pub fn find_stale(&mut self, bodies: &[Body], points: &Points, way: Way, slack: f32) -> bool {
-        let Self { bodies: placed, stars, heights, deviations, offs, .. } = self;
+    /// Chooses the stars whose pairs are looked for: those with a corner that is more than `slack` metres off the way. True if
+    /// there is one, or if a face has turned, so that a patch may lie flat no longer.
+    pub fn find_stale(&mut self, points: &Points, way: Way, slack: f32) -> bool {
+        let Self { stars, heights, deviations, offs, .. } = self;
         deviations.clear();
         deviations
             .extend(points.end.iter().zip(0..).map(|(end, id)| end.truncate().distance(way.expected(id))));
@@ -201,24 +203,6 @@ impl PlacedSurfaces {
             off.is_stale = off.way_before + off.way > slack;
             is_any |= off.is_stale || off.turn_before + off.turn > MOST_TURN;
         }
-        if is_any {
-            for body in placed {
-                let surface = bodies[body.place].topology.surface();
-                let first = body.first_leaf as usize * LANES;
-                let offs = &mut offs[first..first + surface.stars.len()];
-                for place in 0..offs.len() {
-                    if offs[place].turn_before + offs[place].turn > MOST_TURN {
-                        for &(leaf, mask) in surface.near_star(place) {
-                            set_lanes(mask)
-                                .for_each(|lane| offs[leaf as usize * LANES + lane].is_stale = true);
-                        }
-                    }
-                }
-                for (active, offs) in body.tree.active.iter_mut().zip(offs.chunks_exact(LANES)) {
-                    *active = (0..LANES).fold(0, |mask, k| mask | (u16::from(offs[k].is_stale) << k));
-                }
-            }
-        }
         is_any
     }
 
@@ -231,11 +215,12 @@ impl PlacedSurfaces {
     pub fn look_at_all(&mut self) {
         self.offs.clear();
         self.offs.resize(self.stars.len(), Off { is_stale: true, ..Off::default() });
-        self.bodies.iter_mut().for_each(|body| body.tree.active.fill(u16::MAX));
+        self.bodies.iter_mut().for_each(|body| body.tree.leans.clear());
     }
 
     /// Puts boxes around the stars, for ways from the points' starts to `targets`. They are wider by their share of the reach,
-    /// and faces lean as at both ends and at a part of the way `between`.
+    /// and faces lean as at both ends and at a part of the way `between`. Where they lean so much farther than before that a patch
+    /// may lie flat no longer, pairs are looked for as well.
     pub fn place_boxes(
         &mut self,
         bodies: &[Body],
@@ -251,23 +236,21 @@ impl PlacedSurfaces {
             let of = &bodies[body.place];
             let (surface, thickness) = (of.topology.surface(), of.settings.thickness);
             body.tree.growth = [BLUNT_EDGES, 1.0].map(|part| part * thickness * reach.factor + reach.slack);
-            body.tree.leans.clear();
-            body.tree.leans.resize(of.particles.inverse_mass.len(), Lean::NOTHING);
+            body.tree.begin_leans(of.particles.inverse_mass.len());
             isa.run(PlaceBoxes {
                 stars: body.flying([&points.start, targets], thickness, stars, sharpness),
                 reach,
                 between,
                 has_faces: !of.topology.faces.is_empty(),
-                heights: &mut heights[own],
+                heights: &mut heights[own.clone()],
                 tree: &mut body.tree,
             });
+            body.tree.choose_active(surface, &mut offs[own]);
             body.tree.refit_from_stars(surface);
         }
         // Pairs that are not looked for stay as they were listed.
         for off in offs {
-            let keep = if off.is_stale { 0.0 } else { 1.0 };
-            off.way_before = keep * (off.way_before + off.way);
-            off.turn_before = keep * (off.turn_before + off.turn);
+            off.way_before = if off.is_stale { 0.0 } else { off.way_before + off.way };
         }
     }
 
@@ -354,6 +337,37 @@ impl PlacedSurfaces {
                 placed[a].paired_leaves.extend(leaf_pairs.iter().map(|leaves| leaves[0]));
                 placed[b].paired_leaves.extend(leaf_pairs.iter().map(|leaves| leaves[1]));
             }
+        }
+    }
+}
+
+impl PlacedTree {
+    /// Begins new leans of this many slots.
+    fn begin_leans(&mut self, slots: usize) {
+        core::mem::swap(&mut self.leans, &mut self.leans_before);
+        self.leans.clear();
+        self.leans.resize(slots, Lean::NOTHING);
+        // Where there was no list nothing has turned.
+        self.leans_before.resize(slots, Lean::EVERY_WAY);
+    }
+
+    /// Adds the stars around what turns to the stale ones, and notes all of these. That what has gone and what is expected
+    /// now have turned since the pairs were looked for shows in the leans: whether a patch is flat depends on nothing else.
+    fn choose_active(&mut self, surface: &Surface, offs: &mut [Off]) {
+        for (place, star) in surface.stars.iter().enumerate() {
+            let slot = star.centre as usize;
+            let turned = offs[place].turn_before + self.leans[slot].turned_out_of(&self.leans_before[slot]);
+            // Pairs of other stars rest on this one's faces, so it forgets its turn only if these are looked for, too.
+            let is_far = turned > MOST_TURN;
+            offs[place].turn_before = if is_far { 0.0 } else { turned };
+            if is_far {
+                for &(leaf, mask) in surface.near_star(place) {
+                    set_lanes(mask).for_each(|lane| offs[leaf as usize * LANES + lane].is_stale = true);
+                }
+            }
+        }
+        for (active, offs) in self.active.iter_mut().zip(offs.chunks_exact(LANES)) {
+            *active = (0..LANES).fold(0, |mask, k| mask | (u16::from(offs[k].is_stale) << k));
         }
     }
 }

@@ -167,7 +167,7 @@ pub(crate) struct PlaceBoxes<'a> {
     /// The part of the way at which normals are looked at, besides both ends.
     pub between: f32,
     pub has_faces: bool,
-    /// For each star, the least height of its faces, or the length of its links.
+    /// For each star, the least height of its faces at both ends of the way, or the length of its links.
     pub heights: &'a mut [f32],
     pub tree: &'a mut PlacedTree,
 }
@@ -238,7 +238,7 @@ fn scale<S: Simd>(simd: S, columns: &mut Columns) {
         columns[EDGE_SCALE + k] = inverse(simd, edge.dot(edge)).to_array();
     }
     for k in 0..FACES {
-        let face = TriangleLanes::new(simd, sides(simd, columns, k));
+        let face = TriangleLanes::new(simd, sides(simd, columns, k, 0));
         let at = FACE_SCALE + 4 * k;
         let is_there = load(simd, &columns[at + 3]).simd_gt(f32x16::splat(simd, 0.0));
         let [first, second, third, area] = face.inverses;
@@ -249,32 +249,36 @@ fn scale<S: Simd>(simd: S, columns: &mut Columns) {
     }
 }
 
-/// The two sides of each star's face `k` from its centre, at the start.
+/// The two sides of each star's face `k` from its centre, at this end of its way.
 #[inline(always)]
-fn sides<S: Simd>(simd: S, columns: &Columns, k: usize) -> [Lanes3<S>; 2] {
-    let at = FACE[0] + 6 * k;
+fn sides<S: Simd>(simd: S, columns: &Columns, k: usize, end: usize) -> [Lanes3<S>; 2] {
+    let at = FACE[end] + 6 * k;
     [vector(simd, columns, at), vector(simd, columns, at + 3)]
 }
 
-/// The least height of each star's faces, or the length of its links, in metres; infinity if it has none.
+/// The least height of each star's faces at both ends of the way, or the length of its links, in metres; infinity if it has none.
 #[inline(always)]
 fn least_heights<S: Simd>(simd: S, columns: &Columns, has_faces: bool) -> f32x16<S> {
     let zero = f32x16::splat(simd, 0.0);
     let mut lowest = f32x16::splat(simd, f32::INFINITY);
     if has_faces {
         for k in 0..FACES {
-            let [u, v] = sides(simd, columns, k);
-            let (third, normal) = (v.minus(u), u.cross(v));
-            let longest = most(u.dot(u), most(v.dot(v), third.dot(third)));
-            let height = normal.dot(normal) * inverse(simd, longest);
             let is_there = load(simd, &columns[FACE_SCALE + 4 * k + 3]).simd_gt(zero);
-            lowest = is_there.select(least(lowest, height), lowest);
+            for end in 0..2 {
+                let [u, v] = sides(simd, columns, k, end);
+                let (third, normal) = (v.minus(u), u.cross(v));
+                let longest = most(u.dot(u), most(v.dot(v), third.dot(third)));
+                let height = normal.dot(normal) * inverse(simd, longest);
+                lowest = is_there.select(least(lowest, height), lowest);
+            }
         }
     } else {
         for k in 0..EDGES {
             let is_there = load(simd, &columns[SHARPNESS + k]).simd_ge(zero);
-            let link = vector(simd, columns, EDGE[0] + 3 * k);
-            lowest = is_there.select(least(lowest, link.dot(link)), lowest);
+            for at in EDGE {
+                let link = vector(simd, columns, at + 3 * k);
+                lowest = is_there.select(least(lowest, link.dot(link)), lowest);
+            }
         }
     }
     lowest.sqrt()
