@@ -70,7 +70,7 @@ impl Choices<'_> {
         format!("({a}, {speed}, {b})")
     }
 
-    /// How a body is solved, and its surface.
+    /// Settings of the solver, and a surface.
     fn solver(&mut self) -> String {
         let substeps = self.of(&["8", "1", "2", "4", "16"]);
         let iterations = self.of(&["2", "1", "4"]);

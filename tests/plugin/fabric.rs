@@ -1,4 +1,4 @@
-//! What bodies are made of: fabrics and surfaces.
+//! Fabrics and surfaces.
 
 use bevy::prelude::*;
 use bevy_drape::body::Activity;

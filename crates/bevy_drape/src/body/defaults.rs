@@ -1,4 +1,4 @@
-//! What bodies get that say nothing else.
+//! The settings and the surface of bodies that say nothing else.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;

@@ -5,7 +5,7 @@ use drape_solver::{BodySettings, BuildError, ClothMaterial, Preset};
 
 use crate::body::surface::BodySurface;
 
-/// What a cloth is made of. `docs/presets.md` has the measured behaviour of those that are known by name.
+/// The fabric of a cloth, in numbers. `docs/presets.md` has the measured behaviour of those that are known by name.
 ///
 /// A change of density, stiffness or damping builds the cloth anew; a change of the other numbers acts on the cloth as it is.
 ///
@@ -97,7 +97,7 @@ impl Fabric {
         }
     }
 
-    /// What it is like to touch, and to the air.
+    /// Its surface.
     pub fn surface(&self) -> BodySurface {
         let Self { friction, static_friction, thickness, drag, .. } = *self;
         BodySurface { friction, static_friction, thickness, drag }
@@ -126,7 +126,7 @@ impl Fabric {
         }
     }
 
-    /// What the solver builds a cloth of it from.
+    /// The mass and the sticks that the solver gives a cloth of it.
     pub fn material(&self) -> ClothMaterial {
         let Self { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping, .. } = *self;
         ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping }

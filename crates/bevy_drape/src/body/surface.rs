@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use drape_solver::BodySettings;
 
-/// What a body is like to touch, and to the air. On any body: a rope, a soft body, a rig. On a cloth it counts in place of the
-/// same numbers of its [`Fabric`](crate::body::Fabric).
+/// Friction, thickness and drag of any body: a rope, a soft body, a rig. On a cloth it counts in place of the same numbers of its
+/// [`Fabric`](crate::body::Fabric).
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::NonNegative;
 
-/// What a body is like to touch, and to the air. Fields that a body leaves out come from the scene's settings, and those that
+/// Friction, thickness and drag of a body. Fields that a body leaves out come from the scene's settings, and those that
 /// these leave out from the plugin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]

@@ -317,7 +317,8 @@ mod tests {
         surfaces.fit(&bodies, &points);
         let stars = || surfaces.stars.iter();
         let faces = || stars().flat_map(|star| (0..star.face_count as usize).map(|k| star.face(k)));
-        let shared = |face: [u32; 3], other: [u32; 3]| other.into_iter().filter(|id| face.contains(id)).count();
+        let shared =
+            |face: [u32; 3], other: [u32; 3]| other.into_iter().filter(|id| face.contains(id)).count();
         let first = faces().next().expect("has faces");
         let next = faces().find(|&face| shared(first, face) == 2).expect("has a neighbour");
         let corner = first.into_iter().find(|id| !next.contains(id)).expect("is another");
@@ -327,7 +328,8 @@ mod tests {
         let onward = (middle - before).normalize();
         points.start[corner as usize] = (middle - 0.004 * onward).extend(0.0);
         let far = |id: u32| points.starts([id])[0].distance_squared(before);
-        let far = stars().map(|star| star.centre).max_by(|&a, &b| far(a).total_cmp(&far(b))).expect("has stars");
+        let far =
+            stars().map(|star| star.centre).max_by(|&a, &b| far(a).total_cmp(&far(b))).expect("has stars");
         (points.flight, points.end) = (points.start.clone(), points.start.clone());
 
         let mut made = made_of(bodies, points);

@@ -68,7 +68,7 @@ struct Off {
     turn: f32,
     /// The same, when its pairs were last left as they were listed.
     way_before: f32,
-    /// How far its faces had turned then since flat patches were left out.
+    /// Turning of its faces until then, since flat patches were left out.
     turn_before: f32,
     /// True if its pairs are looked for.
     is_stale: bool,
@@ -347,7 +347,7 @@ impl PlacedTree {
         core::mem::swap(&mut self.leans, &mut self.leans_before);
         self.leans.clear();
         self.leans.resize(slots, Lean::NOTHING);
-        // Where there was no list nothing has turned.
+        // Without a list before, nothing has turned.
         self.leans_before.resize(slots, Lean::EVERY_WAY);
     }
 
