@@ -1,4 +1,6 @@
 //! Fabrics.
+//!
+//! Design: `docs/design/presets.md`.
 
 use bevy::prelude::*;
 use drape_solver::{BodySettings, BuildError, ClothMaterial, Preset};

@@ -1,4 +1,6 @@
 //! The outside of a body.
+//!
+//! Design: `docs/design/presets.md`.
 
 use bevy::prelude::*;
 use drape_solver::BodySettings;

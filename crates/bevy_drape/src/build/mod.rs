@@ -17,7 +17,7 @@
 //!
 //! Imports `body/`. The plugin runs the systems at the start of a step; `render/` and `tear/` look at the descriptions.
 //!
-//! Design: `docs/design/presets.md`, `docs/design/ropes.md` and `docs/design/rigs.md`.
+//! Design: `docs/design/ropes.md` and `docs/design/rigs.md`.
 
 pub(crate) mod built;
 pub(crate) mod cloth;
