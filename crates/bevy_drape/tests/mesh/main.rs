@@ -1,6 +1,7 @@
 //! What is shown: the meshes of cloths, interpolated transforms, gizmos; without a window or a GPU.
 
 mod cloth_mesh;
+mod cloth_mesh_refusals;
 mod detail;
 mod driven_mesh;
 mod gizmos;
