@@ -87,13 +87,14 @@ pub fn measure(
     character: Res<Character>,
     skin: Res<Skin>,
     places: Query<&GlobalTransform>,
-    capes: Query<(&Particles, &Sticks, &WeldedVertices, &BodySurface)>,
+    capes: Query<(&Particles, &Sticks, &WeldedVertices, &Fabric, Option<&BodySurface>)>,
     counts: Res<MotionLimitCounts>,
     mut worst: ResMut<Worst>,
 ) {
-    let Ok((particles, sticks, welded, surface)) = capes.get(character.cape) else { return };
+    let Ok((particles, sticks, welded, fabric, surface)) = capes.get(character.cape) else { return };
     let place = |entity: Entity| places.get(entity).expect("placed").affine();
     let posed = skin.posed(|joint| place(character.joints[joint]));
+    let thickness = surface.copied().unwrap_or(fabric.surface()).thickness;
     let mut deep = 0;
     for (vertex, target) in posed.iter().enumerate() {
         let i = welded.particle(vertex).expect("a corner");
@@ -114,7 +115,7 @@ pub fn measure(
         let depth = depth.fold(f32::NEG_INFINITY, f32::max);
         worst.depth_of_conflicts = worst.depth_of_conflicts.max(depth);
         let is_at_limit = off > limit - 1e-4;
-        if depth + surface.thickness > 2e-3 && is_at_limit {
+        if depth + thickness > 2e-3 && is_at_limit {
             deep += 1;
         } else {
             worst.depth = worst.depth.max(depth);
