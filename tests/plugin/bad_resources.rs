@@ -7,6 +7,15 @@ use bevy_drape::prelude::*;
 
 use crate::common::*;
 
+/// Asserts that a cloth with the component `bad` is refused in these words, and takes part again with `good`.
+fn assert_refused_until_mended<C: Component>(bad: C, words: [&str; 2], good: C) {
+    let (mut app, entity) = assert_refused((free_cloth(), bad), &words);
+    assert_eq!(activity(&app, entity), Activity::Culled);
+    app.world_mut().entity_mut(entity).insert(good);
+    assert_mended(&mut app, entity);
+    assert!(refusals(&app, entity).is_empty(), "a mended body is no longer listed");
+}
+
 #[test]
 fn settings_out_of_range() {
     let good = SolverSettings::default();
@@ -16,11 +25,7 @@ fn settings_out_of_range() {
         (SolverSettings { iterations: 0, ..good }, "iterations"),
     ];
     for (settings, word) in bad {
-        let (mut app, entity) = assert_refused((free_cloth(), settings), &["SolverSettings", word]);
-        assert_eq!(activity(&app, entity), Activity::Culled);
-        app.world_mut().entity_mut(entity).insert(good);
-        assert_mended(&mut app, entity);
-        assert!(refusals(&app, entity).is_empty(), "a mended body is no longer listed");
+        assert_refused_until_mended(settings, ["SolverSettings", word], good);
     }
     // The same as the settings of all.
     let mut app = app();
@@ -43,11 +48,7 @@ fn surfaces_out_of_range() {
         (BodySurface { thickness: f32::NAN, ..good }, "thickness"),
     ];
     for (surface, word) in bad {
-        let (mut app, entity) = assert_refused((free_cloth(), surface), &["BodySurface", word]);
-        assert_eq!(activity(&app, entity), Activity::Culled);
-        app.world_mut().entity_mut(entity).insert(good);
-        assert_mended(&mut app, entity);
-        assert!(refusals(&app, entity).is_empty(), "a mended body is no longer listed");
+        assert_refused_until_mended(surface, ["BodySurface", word], good);
     }
 }
 

@@ -49,6 +49,15 @@ pub(crate) fn collect_changed<C: Component, F: ArchetypeFilter>(
     }
 }
 
+/// Keeps those of `found` from place `first` on for which `is_kept` holds.
+pub(crate) fn retain_from(found: &mut Vec<Entity>, first: usize, mut is_kept: impl FnMut(Entity) -> bool) {
+    let mut place = 0;
+    found.retain(|&entity| {
+        place += 1;
+        place <= first || is_kept(entity)
+    });
+}
+
 /// True if any `C` was added or changed since the system last ran.
 pub(crate) fn has_changed<C: Component, F: ArchetypeFilter>(query: &Query<Ref<C>, F>) -> bool {
     query.contiguous_iter().into_iter().flatten().any(|components| {

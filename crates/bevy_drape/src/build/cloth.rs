@@ -108,16 +108,21 @@ impl Cloth {
         self
     }
 
+    /// Returns the particles in a row and in a column, with about one in `coarseness` along each side.
+    pub(crate) fn particles_at(&self, coarseness: u32) -> UVec2 {
+        let fewer = |side: u32| match (coarseness, side) {
+            (0 | 1, _) | (_, 0..=2) => side,
+            _ => ((side - 1 + coarseness / 2) / coarseness).max(1) + 1,
+        };
+        UVec2::new(fewer(self.particles.x), fewer(self.particles.y))
+    }
+
     /// Returns the same cloth with fewer particles: about one in `coarseness` along each side.
     pub(crate) fn coarsened(&self, coarseness: u32) -> Self {
         if coarseness <= 1 {
             return self.clone();
         }
-        let fewer = |side: u32| match side {
-            0..=2 => side,
-            _ => ((side - 1 + coarseness / 2) / coarseness).max(1) + 1,
-        };
-        let particles = UVec2::new(fewer(self.particles.x), fewer(self.particles.y));
+        let particles = self.particles_at(coarseness);
         let pins = match &self.pins {
             ClothPins::Indices(indices) => {
                 let place = |i: u32, from: u32, to: u32| (i * (to - 1) + (from - 1) / 2) / (from - 1).max(1);
@@ -136,7 +141,7 @@ impl Cloth {
 
     /// Returns the fabric with which this cloth with the particles of `other` weighs, hangs, stretches and swings like this
     /// one of `fabric`: fewer and heavier particles need softer sticks for the same material.
-    pub(crate) fn fabric_of_coarsened(&self, fabric: &Fabric, other: &Self) -> Fabric {
+    fn fabric_of_coarsened(&self, fabric: &Fabric, other: &Self) -> Fabric {
         let gaps = |cloth: &Self| (cloth.particles.max(UVec2::splat(2)) - 1).as_vec2();
         // Compliance grows with the square of the spacing, damping shrinks with it.
         let ratio = gaps(self) / gaps(other);

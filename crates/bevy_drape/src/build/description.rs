@@ -12,7 +12,7 @@ use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::fabric::Fabric;
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::build::built::BodyBuilt;
-use crate::change_detection::collect_changed;
+use crate::change_detection::{collect_changed, retain_from};
 use crate::refusal::{Cause, Refusals};
 
 /// Entities with a `D` whose fabric may have changed.
@@ -32,11 +32,7 @@ impl<D: Component> ChangedFabrics<'_, '_, D> {
             let wanted = self.fabrics.get(entity).ok().map(|(_, fabric)| fabric.material());
             self.bodies.get(entity).map_or(true, |body| body.material != wanted)
         };
-        let mut row = 0;
-        found.retain(|&entity| {
-            row += 1;
-            row <= first || is_other(entity)
-        });
+        retain_from(found, first, is_other);
     }
 }
 
@@ -66,12 +62,8 @@ pub(crate) fn build_described<D: Description>(
     let listed = to_build.len();
     collect_changed(&not_built, &mut to_build);
     fabrics.collect(&mut to_build);
-    let mut row = 0;
     let mut seen = EntityHashSet::default();
-    to_build.retain(|&entity| {
-        row += 1;
-        row <= listed || (!is_listed(entity) && seen.insert(entity))
-    });
+    retain_from(&mut to_build, listed, |entity| !is_listed(entity) && seen.insert(entity));
     for entity in to_build.drain(..) {
         let Ok((description, fabric, transform)) = descriptions.get(entity) else { continue };
         let built = if transform.affine().is_finite() {

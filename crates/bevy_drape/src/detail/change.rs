@@ -159,7 +159,7 @@ fn choose_level(
 fn may_change(body: &DetailedItem) -> bool {
     let DetailedItem { particles, sticks, state, current, grab, .. } = body;
     let Some(cloth) = body.cloth else { return false };
-    let [columns, rows] = cloth.coarsened(current.coarseness).particles.to_array().map(u64::from);
+    let [columns, rows] = cloth.particles_at(current.coarseness).to_array().map(u64::from);
     // A torn cloth has other numbers of particles or faces.
     let is_whole = particles.len() as u64 == columns * rows
         && sticks.faces().len() as u64 == 2 * columns.saturating_sub(1) * rows.saturating_sub(1);
@@ -173,11 +173,12 @@ fn may_change(body: &DetailedItem) -> bool {
 /// Rebuilds the cloth with other particles, in place and in motion.
 fn change_particles(body: &mut DetailedItem, coarseness: u32) -> Result<(), BuildError> {
     let Some(cloth) = body.cloth else { return Ok(()) };
-    let from = cloth.coarsened(body.current.coarseness).particles.to_array();
+    let [from, to] =
+        [body.current.coarseness, coarseness].map(|coarseness| cloth.particles_at(coarseness).to_array());
     let fabric = body.fabric.copied().unwrap_or_default();
     let (mut particles, topology) = cloth.build_coarsened(coarseness, &fabric, body.transform)?;
     body.state.pins = pins_at(&body.transform.affine(), &particles);
-    move_over(&body.particles, from, &mut particles, cloth.coarsened(coarseness).particles.to_array());
+    move_over(&body.particles, from, &mut particles, to);
     body.state.extent = Extent::of(&particles, &topology);
     body.state.rest = body.transform.affine();
     body.state.context = BodyContext::default();

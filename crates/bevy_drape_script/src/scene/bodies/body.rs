@@ -68,26 +68,22 @@ impl Body {
 
     /// Its solver settings; none for balls.
     pub fn solver(&self) -> Option<&Solver> {
-        match self {
-            Self::Cloth(cloth) => Some(&cloth.solver),
-            Self::Rope(rope) => Some(&rope.solver),
-            Self::ClothMesh(cloth) => Some(&cloth.solver),
-            Self::SoftBall(ball) => Some(&ball.solver),
-            Self::SoftBody(solid) => Some(&solid.solver),
-            Self::Rig(rig) => Some(&rig.solver),
-            Self::Balls(_) => None,
-        }
+        self.solver_and_surface().map(|(solver, _)| solver)
     }
 
     /// Its surface; none for balls, which have fields of their own for that.
     pub fn surface(&self) -> Option<&Surface> {
+        self.solver_and_surface().map(|(_, surface)| surface)
+    }
+
+    fn solver_and_surface(&self) -> Option<(&Solver, &Surface)> {
         match self {
-            Self::Cloth(cloth) => Some(&cloth.surface),
-            Self::Rope(rope) => Some(&rope.surface),
-            Self::ClothMesh(cloth) => Some(&cloth.surface),
-            Self::SoftBall(ball) => Some(&ball.surface),
-            Self::SoftBody(solid) => Some(&solid.surface),
-            Self::Rig(rig) => Some(&rig.surface),
+            Self::Cloth(cloth) => Some((&cloth.solver, &cloth.surface)),
+            Self::Rope(rope) => Some((&rope.solver, &rope.surface)),
+            Self::ClothMesh(cloth) => Some((&cloth.solver, &cloth.surface)),
+            Self::SoftBall(ball) => Some((&ball.solver, &ball.surface)),
+            Self::SoftBody(solid) => Some((&solid.solver, &solid.surface)),
+            Self::Rig(rig) => Some((&rig.solver, &rig.surface)),
             Self::Balls(_) => None,
         }
     }
