@@ -1,4 +1,14 @@
 //! Errors of builders and steps, and the checks that raise them.
+//!
+//! ```
+//! use drape_solver::{BodySettings, BuildError, ClothBuilder};
+//!
+//! let settings = BodySettings { drag: -1.0, ..BodySettings::default() };
+//! let error = ClothBuilder::new(1.0, 1.0, 8, 8).build(settings).expect_err("drag is negative");
+//! // The type is for programs, the sentence for people.
+//! assert!(matches!(error, BuildError::OutOfRange { field: "drag", value: -1.0, .. }));
+//! assert!(error.to_string().starts_with("drag must be"));
+//! ```
 
 use thiserror::Error;
 

@@ -1,5 +1,22 @@
 //! Islands: bodies and balls that can touch each other, stepped together and independent of all others.
 //!
+//! ```
+//! use drape_solver::glam::Vec3;
+//! use drape_solver::{Ball, BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, step};
+//!
+//! // A curtain with a ball on its way into it.
+//! let curtain = ClothBuilder::new(2.0, 2.0, 24, 24).placed(Vec3::new(-1.0, 1.0, 0.0), Vec3::X, Vec3::NEG_Y);
+//! let mut island = Island::of_body(curtain.pin_edge(Edge::Top).build(BodySettings::default())?);
+//! island.balls.push(Ball::new(BallMaterial::default(), Vec3::Z * 0.5, Vec3::Z * -10.0)?);
+//! let mut touches = 0;
+//! for _ in 0..15 {
+//!     step(&mut island, &Environment::default())?;
+//!     touches += island.touches.len();
+//! }
+//! assert!(touches > 0 && island.balls[0].velocity().z > -9.0);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
 //! Design: `docs/design/rest_and_islands.md`.
 
 use crate::contact::ball_cloth;

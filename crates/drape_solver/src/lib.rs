@@ -27,7 +27,7 @@
 // Same input, same bits, on every machine: `clippy.toml` lists the methods that round differently.
 #![warn(clippy::disallowed_methods)]
 
-pub mod broad_phase;
+pub(crate) mod broad_phase;
 pub mod build;
 pub mod constants;
 pub mod constraint;
@@ -43,7 +43,7 @@ mod random;
 pub mod simd;
 pub mod state;
 pub mod step;
-pub mod substep;
+pub(crate) mod substep;
 pub mod tearing;
 pub(crate) mod union_find;
 pub mod world;

@@ -14,6 +14,26 @@
 //! its N + 1 projections. Applied once per step instead, a body with a friction of 0.5 slides from about 1 degree; per
 //! substep, it slides from 26.6 degrees, as Coulomb's law says.
 //!
+//! ```
+//! use drape_solver::step::{accumulate_forces, begin, detect_collisions, finish, substeps_on};
+//! use drape_solver::{Alone, BodySettings, ClothBuilder, Environment, Island, StateHasher, step};
+//!
+//! let environment = Environment::default();
+//! let mut whole = Island::of_body(ClothBuilder::new(1.0, 1.0, 8, 8).build(BodySettings::default())?);
+//! let mut staged = whole.clone();
+//! step(&mut whole, &environment)?;
+//!
+//! // The same in stages, for whoever has something to do between them.
+//! begin(&mut staged, &environment)?;
+//! accumulate_forces(&mut staged, &environment);
+//! detect_collisions(&mut staged, &environment);
+//! substeps_on(&mut staged, &environment, &Alone);
+//! finish(&mut staged)?;
+//! let [whole, staged] = [whole, staged].map(|i| StateHasher::new().particles(&i.bodies[0].particles).finish());
+//! assert_eq!(whole, staged);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
 //! Design: `docs/design/relaxation.md`.
 
 use glam::Vec3;

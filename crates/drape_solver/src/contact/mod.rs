@@ -25,6 +25,25 @@
 //! ball_cloth_query, limit_conflict               overlaps that are only counted or listed
 //! ```
 //!
+//! ```
+//! use drape_solver::contact::event::{Other, Party};
+//! use drape_solver::glam::Vec3;
+//! use drape_solver::{BodySettings, ClothBuilder, Environment, Island, Obstacle, step};
+//!
+//! // A sheet falls flat from one centimetre.
+//! let sheet = ClothBuilder::new(1.0, 1.0, 8, 8).placed(Vec3::Y * 0.01, Vec3::X, Vec3::Z);
+//! let mut island = Island::of_body(sheet.build(BodySettings::default())?);
+//! island.bodies[0].reports_contacts = true;
+//! let ground = Environment { obstacles: [Obstacle::ground()].into(), ..Environment::default() };
+//! for _ in 0..30 {
+//!     step(&mut island, &ground)?;
+//! }
+//! let contact = island.contacts[0];
+//! assert_eq!(contact.pair(), (Party::Body(0), Other::Obstacle(0)));
+//! assert!(contact.impulse > 0.0 && contact.normal == Vec3::Y);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
 //! Imports: `broad_phase` and below. A contact owns its scratch and is handed the bodies and balls that it works on.
 //! Callers: `substep` and `step`.
 

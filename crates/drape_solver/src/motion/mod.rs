@@ -2,6 +2,25 @@
 //!
 //! `force.rs` has the forces, that of the wind too; `integrate.rs` the Verlet step; `rest.rs` the time at rest.
 //!
+//! ```
+//! use drape_solver::glam::{DVec3, Vec3};
+//! use drape_solver::motion::ballistics::{direction, elevation_for, position_at};
+//! use drape_solver::motion::force::wind_force;
+//! use drape_solver::{BodySettings, ClothBuilder, Environment, Wind};
+//!
+//! // A breeze of 3 m/s pushes a sheet that faces it.
+//! let sheet = ClothBuilder::new(1.0, 1.0, 8, 8).build(BodySettings::default())?;
+//! let breeze = Environment { wind: Wind::new(Vec3::Z * 3.0), ..Environment::default() };
+//! assert!(wind_force(&sheet, &breeze).z > 1.0);
+//!
+//! // A cannon of 20 m/s hits what is 10 m away, at its own height.
+//! let elevation = elevation_for(10.0, 0.0, 20.0, 9.81).expect("it is within range");
+//! let seconds = 10.0 / (20.0 * elevation.cos());
+//! let end = position_at(DVec3::ZERO, direction(elevation, 0.0) * 20.0, DVec3::NEG_Y * 9.81, seconds);
+//! assert!(end.y.abs() < 1e-9);
+//! # Ok::<(), drape_solver::BuildError>(())
+//! ```
+//!
 //! Imports: `state` and below. Callers: `substep` and `step`.
 
 pub mod ballistics;

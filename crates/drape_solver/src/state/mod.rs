@@ -1,6 +1,20 @@
 //! Data of bodies, balls and obstacles, and hashes of their state. Nothing here moves anything: kernels stand on the floors
 //! above.
 //!
+//! ```
+//! use drape_solver::glam::Vec3;
+//! use drape_solver::state::measure::{mass, momentum, stretch};
+//! use drape_solver::{BodySettings, ClothBuilder};
+//!
+//! let mut sheet = ClothBuilder::new(1.0, 1.0, 8, 8).build(BodySettings::default())?;
+//! assert!(stretch(&sheet.particles, &sheet.topology).rms < 1e-6);
+//! for particle in 0..sheet.particles.len() {
+//!     sheet.particles.set_velocity(particle, Vec3::X * 2.0);
+//! }
+//! assert!((momentum(&sheet.particles).x - 2.0 * mass(&sheet.particles)).abs() < 1e-6);
+//! # Ok::<(), drape_solver::BuildError>(())
+//! ```
+//!
 //! Imports: `geometry`, `simd` and the ground. Callers: everything above.
 
 pub mod ball;
