@@ -144,7 +144,10 @@ pub enum StepError {
 }
 
 /// Returns `value` if it is finite and of a magnitude that can be computed with.
-pub(crate) fn finite(field: &'static str, value: f32) -> Result<f32, BuildError> {
+///
+/// # Errors
+/// [`BuildError::NotFinite`] with the name of the field.
+pub fn finite(field: &'static str, value: f32) -> Result<f32, BuildError> {
     // `abs() <= MAX` is false for NaN.
     if value.abs() <= crate::constants::MAX_MAGNITUDE {
         Ok(value)
@@ -154,12 +157,18 @@ pub(crate) fn finite(field: &'static str, value: f32) -> Result<f32, BuildError>
 }
 
 /// Returns `value` if it is finite and above zero.
-pub(crate) fn positive(field: &'static str, value: f32) -> Result<f32, BuildError> {
+///
+/// # Errors
+/// [`BuildError::NotFinite`] or [`BuildError::NotPositive`] with the name of the field.
+pub fn positive(field: &'static str, value: f32) -> Result<f32, BuildError> {
     if finite(field, value)? > 0.0 { Ok(value) } else { Err(BuildError::NotPositive { field, value }) }
 }
 
 /// Returns `value` if it lies in `min..=max`.
-pub(crate) fn in_range(field: &'static str, value: f32, min: f32, max: f32) -> Result<f32, BuildError> {
+///
+/// # Errors
+/// [`BuildError::NotFinite`] for NaN, else [`BuildError::OutOfRange`], with the name of the field.
+pub fn in_range(field: &'static str, value: f32, min: f32, max: f32) -> Result<f32, BuildError> {
     if value.is_nan() {
         Err(BuildError::NotFinite { field, value })
     } else if (min..=max).contains(&value) {

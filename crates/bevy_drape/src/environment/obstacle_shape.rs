@@ -1,6 +1,7 @@
 //! Shapes of obstacles.
 
 use bevy::prelude::*;
+use drape_solver::error::positive;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{BuildError, Shape};
 
@@ -112,19 +113,19 @@ impl ObstacleShape {
     pub fn solid(&self, from_mesh: Option<&ShapeFromMesh>) -> Result<Option<Shape>, BuildError> {
         Ok(Some(match *self {
             Self::HalfSpace { normal } => Shape::HalfSpace { normal },
-            Self::Sphere { radius } => Shape::Sphere { radius: length("radius", radius)? },
+            Self::Sphere { radius } => Shape::Sphere { radius: positive("radius", radius)? },
             Self::Capsule { radius, length: segment } => Shape::Capsule {
-                half_length: 0.5 * length("length", segment)?,
-                radius: length("radius", radius)?,
+                half_length: 0.5 * positive("length", segment)?,
+                radius: positive("radius", radius)?,
             },
             Self::Cuboid { size } => Shape::Cuboid { half_extents: half_extents(size)? },
             Self::Container { size } => Shape::Container { half_extents: half_extents(size)? },
             Self::Cylinder { radius, height } => {
-                let (radius, height) = (length("radius", radius)?, length("height", height)?);
+                let (radius, height) = (positive("radius", radius)?, positive("height", height)?);
                 Shape::Parry(SharedShape::cylinder(0.5 * height, radius))
             }
             Self::Cone { radius, height } => {
-                let (radius, height) = (length("radius", radius)?, length("height", height)?);
+                let (radius, height) = (positive("radius", radius)?, positive("height", height)?);
                 Shape::Parry(SharedShape::cone(0.5 * height, radius))
             }
             Self::TriMesh | Self::ConvexHull => return Ok(from_mesh.map(|shape| shape.0.clone())),
@@ -135,18 +136,7 @@ impl ObstacleShape {
 
 fn half_extents(size: Vec3) -> Result<Vec3, BuildError> {
     for side in size.to_array() {
-        length("size", side)?;
+        positive("size", side)?;
     }
     Ok(0.5 * size)
-}
-
-/// Returns a length if it is finite and above 0.
-fn length(field: &'static str, value: f32) -> Result<f32, BuildError> {
-    if !value.is_finite() {
-        Err(BuildError::NotFinite { field, value })
-    } else if value > 0.0 {
-        Ok(value)
-    } else {
-        Err(BuildError::NotPositive { field, value })
-    }
 }

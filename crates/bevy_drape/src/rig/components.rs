@@ -16,6 +16,7 @@ use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 use drape_solver::constants::MAX_MAGNITUDE;
+use drape_solver::error::{in_range, positive};
 use drape_solver::{BuildError, StickMaterial};
 pub use drape_solver::{StickBound, StickKind};
 
@@ -163,10 +164,7 @@ impl Stick {
         in_range("stiffness", self.stiffness, 0.0, 1.0)?;
         in_range("damping", self.damping, 0.0, MAX_MAGNITUDE)?;
         match self.rest_length {
-            Some(length) if length <= 0.0 => {
-                Err(BuildError::NotPositive { field: "rest_length", value: length })
-            }
-            Some(length) => in_range("rest_length", length, 0.0, MAX_MAGNITUDE),
+            Some(length) => positive("rest_length", length).map(|_| ()),
             None => Ok(()),
         }
     }
@@ -298,16 +296,5 @@ fn note_lost_rig(mut world: DeferredWorld, context: HookContext) {
     let is_lost = world.get::<Rig>(context.entity).is_some_and(|rig| !rig.particles.is_empty());
     if is_lost && let Some(mut edits) = world.get_resource_mut::<RigEdits>() {
         edits.lost_rig = true;
-    }
-}
-
-/// Checks that `value` lies in `min..=max`.
-fn in_range(field: &'static str, value: f32, min: f32, max: f32) -> Result<(), BuildError> {
-    if !value.is_finite() {
-        Err(BuildError::NotFinite { field, value })
-    } else if (min..=max).contains(&value) {
-        Ok(())
-    } else {
-        Err(BuildError::OutOfRange { field, value, min, max })
     }
 }

@@ -1,5 +1,22 @@
 //! Plays a scene in a Bevy app: spawns it, runs its timeline, evaluates its expectations.
 //!
+//! ```
+//! use bevy_drape_script::play::ScenePlay;
+//! use bevy_drape_script::{SceneRunner, SceneScript};
+//!
+//! let text = r#"(
+//!     version: 1,
+//!     settings: (duration: 0.5),
+//!     bodies: { "ball": Balls(at: (0, 2, 0)) },
+//!     expectations: [(probe: Position(of: "ball", axis: Y), expect: AtMost(1))],
+//! )"#;
+//! let mut runner = SceneRunner::headless(SceneScript::parse(text)?);
+//! while runner.step() {}
+//! let play = runner.world().resource::<ScenePlay>();
+//! assert!(play.is_over() && play.broken().count() == 0);
+//! # Ok::<(), bevy_drape_script::SceneError>(())
+//! ```
+//!
 //! Imports `load` for `Set` actions, `checkpoint`, `scene` and `text`. `run` plays scenes step by step; an app with a window
 //! adds [`ScenePlugin`] and calls [`begin_scene`].
 

@@ -2,6 +2,19 @@
 //!
 //! Numbers know their range, so that the parser rejects a number where it stands. Conversions to the plugin's components
 //! live beside the types. Imports `text` and `mesh`; `load` reads and checks scenes, `play` brings them into a world.
+//!
+//! ```
+//! use bevy_drape_script::SceneScript;
+//! use bevy_drape_script::scene::Body;
+//!
+//! let text = r#"(version: 1, bodies: { "flag": Cloth(size: (1.5, 1), pins: Left) })"#;
+//! let script = SceneScript::parse(text)?;
+//! assert!(matches!(script.bodies["flag"], Body::Cloth(_)));
+//! // What is wrong is told in the words of the file.
+//! let error = SceneScript::parse(&text.replace("pins", "pin")).expect_err("there is no such field");
+//! assert!(error.to_string().contains("did you mean `pins`?"));
+//! # Ok::<(), bevy_drape_script::SceneError>(())
+//! ```
 
 mod bodies;
 mod camera;

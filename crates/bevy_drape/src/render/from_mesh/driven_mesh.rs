@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::prelude::*;
-use drape_solver::{Embedding, MeshError, Topology};
+use drape_solver::{Embedding, Topology};
 
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
@@ -132,13 +132,8 @@ fn bind(
     embed: impl Fn(&[[f32; 3]]) -> Result<Embedding, MeshFault>,
 ) -> Result<(EmbeddedVertices, Mesh), MeshFault> {
     let parts = MeshParts::of(mesh)?;
+    parts.check_faces()?;
     let MeshParts { positions, normals, faces } = &parts;
-    let count = positions.len();
-    for (face, &vertex) in faces.iter().enumerate().flat_map(|(i, face)| face.iter().map(move |v| (i, v))) {
-        if vertex as usize >= count {
-            return Err(MeshError::NoSuchVertex { face, vertex, count }.into());
-        }
-    }
     let vertices = EmbeddedVertices::new(embed(positions)?, positions, *normals, faces);
     Ok((vertices, parts.copy_to_show(mesh)))
 }

@@ -50,18 +50,14 @@ pub(crate) fn shape_obstacles(
 }
 
 fn solid_of(shape: &ObstacleShape, mesh: &Mesh) -> Result<Shape, MeshFault> {
-    let MeshParts { positions, faces, .. } = MeshParts::of(mesh)?;
+    let parts = MeshParts::of(mesh)?;
+    parts.check_faces()?;
+    let MeshParts { positions, faces, .. } = parts;
     let corners: Vec<Vec3> = positions.iter().map(|&position| position.into()).collect();
-    // Parry panics on these.
+    // Parry panics on these, and on corners that do not exist.
     if let Some(vertex) = corners.iter().position(|corner| !corner.is_finite()) {
         let position = corners[vertex];
         return Err(MeshError::NotFinite { vertex: vertex as u32, position }.into());
-    }
-    let missing = |corner: &u32| *corner as usize >= corners.len();
-    for (face, triangle) in faces.iter().enumerate() {
-        if let Some(&vertex) = triangle.iter().find(|corner| missing(corner)) {
-            return Err(MeshError::NoSuchVertex { face, vertex, count: corners.len() }.into());
-        }
     }
     if faces.is_empty() {
         return Err(MeshError::NoFaces { vertices: corners.len() }.into());

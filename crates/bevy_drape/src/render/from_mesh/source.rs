@@ -6,6 +6,7 @@ use bevy::ecs::component::Mutable;
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
+use drape_solver::MeshError;
 use thiserror::Error;
 
 use crate::change_detection::collect_changed;
@@ -103,6 +104,20 @@ impl<'a> MeshParts<'a> {
             .and_then(VertexAttributeValues::as_float3)
             .filter(|normals| normals.len() == positions.len());
         Ok(Self { positions, normals, faces: faces(mesh, positions.len())? })
+    }
+
+    /// Checks that the corners of all faces exist.
+    ///
+    /// # Errors
+    /// [`MeshError::NoSuchVertex`] with the first that does not.
+    pub fn check_faces(&self) -> Result<(), MeshError> {
+        let count = self.positions.len();
+        for (face, corners) in self.faces.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
+                return Err(MeshError::NoSuchVertex { face, vertex, count });
+            }
+        }
+        Ok(())
     }
 
     /// Copies the mesh to be written each frame: a triangle list with normals, and without a skin.
