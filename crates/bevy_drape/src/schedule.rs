@@ -53,6 +53,19 @@ pub struct DrapeSchedule;
 #[derive(ScheduleLabel, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct DrapeSubsteps;
 
+/// The set of the system that runs [`DrapeSchedule`], in `FixedPostUpdate` or the schedule of your choice. Order it after
+/// whatever moves obstacles there.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::schedule::DrapeStep;
+/// # #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)] struct MyPhysics;
+/// # let mut app = App::new();
+/// app.configure_sets(FixedPostUpdate, DrapeStep.after(MyPhysics));
+/// ```
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct DrapeStep;
+
 /// The sets of a step, in their order. The last three belong to [`DrapeSubsteps`], the others to
 /// [`DrapeSchedule`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
 use crate::schedule::{
-    CollectRequests, DrapeSchedule, DrapeSystems, FinishPhase, StepTimes, configure_schedules,
+    CollectRequests, DrapeSchedule, DrapeStep, DrapeSystems, FinishPhase, StepTimes, configure_schedules,
 };
 use crate::step::advance::{begin_islands, detect_collisions, finish_islands};
 use crate::step::components::forget_mended;
@@ -33,7 +33,7 @@ impl Plugin for StepPlugin {
             self.schedule,
             CollectRequests.before(run_drape_schedule).before(TransformSystems::Propagate),
         )
-        .add_systems(self.schedule, run_drape_schedule.before(TransformSystems::Propagate))
+        .add_systems(self.schedule, run_drape_schedule.in_set(DrapeStep).before(TransformSystems::Propagate))
         .add_systems(
             DrapeSchedule,
             (

@@ -1,0 +1,34 @@
+//! Friction and restitution of a collider: its own, else those of its rigid body, else the default of the world.
+
+use avian3d::prelude::*;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+/// What a collider is like to touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Surface {
+    pub friction: Friction,
+    pub restitution: Restitution,
+}
+
+/// Materials of colliders and bodies, and the defaults.
+#[derive(SystemParam)]
+pub(crate) struct Surfaces<'w, 's> {
+    materials: Query<'w, 's, (Option<&'static Friction>, Option<&'static Restitution>)>,
+    bodies: Query<'w, 's, &'static ColliderOf>,
+    default_friction: Res<'w, DefaultFriction>,
+    default_restitution: Res<'w, DefaultRestitution>,
+}
+
+impl Surfaces<'_, '_> {
+    /// The surface of a collider, by the rules of Avian's narrow phase.
+    pub fn of(&self, collider: Entity) -> Surface {
+        let (own_friction, own_restitution) = self.materials.get(collider).unwrap_or_default();
+        let body = self.bodies.get(collider).ok().and_then(|of| self.materials.get(of.body).ok());
+        let (body_friction, body_restitution) = body.unwrap_or_default();
+        Surface {
+            friction: *own_friction.or(body_friction).unwrap_or(&self.default_friction.0),
+            restitution: *own_restitution.or(body_restitution).unwrap_or(&self.default_restitution.0),
+        }
+    }
+}

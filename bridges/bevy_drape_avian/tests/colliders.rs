@@ -1,0 +1,227 @@
+//! Colliders of Avian as obstacles of cloth.
+
+use std::time::Duration;
+
+use avian3d::prelude::*;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_drape::body::Activity;
+use bevy_drape::prelude::*;
+use bevy_drape_avian::{AvianDrapePlugin, ColliderObstacle, NoObstacle};
+
+/// Bevy's default fixed step.
+const TIMESTEP: Duration = Duration::from_micros(15_625);
+
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, PhysicsPlugins::default()))
+        .add_plugins((DrapePlugins::default(), AvianDrapePlugin::default()))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(TIMESTEP));
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+fn run(app: &mut App, seconds: f32) {
+    for _ in 0..(seconds / TIMESTEP.as_secs_f32()).round() as usize {
+        app.update();
+    }
+}
+
+/// A square sheet that lies in the air `height` metres above the ground.
+fn sheet(app: &mut App, height: f32) -> Entity {
+    let lying = Transform::from_xyz(0.0, height, 0.0)
+        .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+    let cloth = Cloth::new(0.8, 0.8).with_particles(17, 17).with_pins(ClothPins::None);
+    app.world_mut().spawn((cloth, lying)).id()
+}
+
+fn heights(app: &App, body: Entity) -> impl Iterator<Item = f32> {
+    let particles = app.world().get::<Particles>(body).expect("the body is built");
+    particles.positions().map(|p| p.y).collect::<Vec<_>>().into_iter()
+}
+
+fn least(app: &App, body: Entity) -> f32 {
+    heights(app, body).fold(f32::INFINITY, f32::min)
+}
+
+fn greatest(app: &App, body: Entity) -> f32 {
+    heights(app, body).fold(f32::NEG_INFINITY, f32::max)
+}
+
+/// Each shape with its height above its middle, which is where its top is.
+fn shapes() -> Vec<(&'static str, Collider, f32)> {
+    let corners = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]].map(Vec3::from);
+    let octahedron = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|p| p * 0.3);
+    let part = |x| (Vec3::X * x, Quat::IDENTITY, Collider::cuboid(0.3, 0.4, 0.6));
+    vec![
+        ("sphere", Collider::sphere(0.3), 0.3),
+        ("cuboid", Collider::cuboid(0.6, 0.4, 0.6), 0.2),
+        ("round cuboid", Collider::round_cuboid(0.5, 0.3, 0.5, 0.05), 0.2),
+        ("capsule", Collider::capsule(0.2, 0.3), 0.35),
+        ("cylinder", Collider::cylinder(0.3, 0.4), 0.2),
+        ("cone", Collider::cone(0.3, 0.5), 0.25),
+        ("compound", Collider::compound(vec![part(-0.16), part(0.16)]), 0.2),
+        ("trimesh", Collider::trimesh(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]), 0.0),
+        ("hull", Collider::convex_hull(&octahedron).expect("it has a volume"), 0.3),
+        ("height field", Collider::heightfield(vec![vec![0.0; 5]; 5], Vec3::new(2.0, 1.0, 2.0)), 0.0),
+        ("voxels", Collider::voxels(Vec3::splat(0.2), &[IVec3::ZERO, IVec3::X, IVec3::Z]), 0.2),
+    ]
+}
+
+#[test]
+fn cloth_comes_to_rest_on_every_shape_of_static_and_kinematic_bodies() {
+    for body in [RigidBody::Static, RigidBody::Kinematic] {
+        for (name, collider, top) in shapes() {
+            let mut app = app();
+            app.world_mut().spawn((body, collider, Transform::from_xyz(0.0, 1.0, 0.0)));
+            // Whatever slips off is caught.
+            app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+            let sheet = sheet(&mut app, 1.1 + top);
+            run(&mut app, 4.0);
+            let highest = greatest(&app, sheet);
+            assert!((highest - 1.0 - top).abs() < 0.03, "{name}, {body:?}: it lies at {highest}");
+            assert!(least(&app, sheet) > -1e-3, "{name}, {body:?}: it is below the ground");
+        }
+    }
+}
+
+#[test]
+fn a_crate_that_falls_carries_the_sheet_on_it_down() {
+    let mut app = app();
+    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    let place = Transform::from_xyz(0.0, 2.0, 0.0);
+    let crate_ = app.world_mut().spawn((RigidBody::Dynamic, Collider::cuboid(0.6, 0.6, 0.6), place)).id();
+    let sheet = sheet(&mut app, 2.35);
+    run(&mut app, 5.0);
+    let top = app.world().get::<Transform>(crate_).expect("it is there").translation.y + 0.3;
+    assert!((top - 0.6).abs() < 0.02, "the crate lies on the ground, its top at {top}");
+    assert!((greatest(&app, sheet) - top).abs() < 0.03, "the sheet lies on it, at {}", greatest(&app, sheet));
+}
+
+#[test]
+fn a_door_that_swings_pushes_a_curtain() {
+    let mut app = app();
+    app.world_mut().spawn((
+        RigidBody::Kinematic,
+        Collider::cuboid(1.6, 1.0, 0.1),
+        LinearVelocity(Vec3::Z),
+        Transform::from_xyz(0.0, 1.0, -0.6),
+    ));
+    let curtain = app
+        .world_mut()
+        .spawn((Cloth::new(1.0, 1.0).with_particles(17, 17), Transform::from_xyz(0.0, 1.3, 0.0)))
+        .id();
+    run(&mut app, 1.0);
+    // The face of the door is at z = 0.45.
+    let particles = app.world().get::<Particles>(curtain).expect("the curtain is built");
+    let lowest = particles.positions().min_by(|a, b| a.y.total_cmp(&b.y)).expect("it has particles");
+    assert!(lowest.z > 0.3, "it is pushed ahead, to {lowest}");
+    for place in particles.positions().filter(|p| p.y < 1.4) {
+        assert!(place.z > 0.43, "{place} is inside the door");
+    }
+}
+
+#[test]
+fn colliders_below_a_body_have_their_own_places_and_scales() {
+    let mut app = app();
+    app.world_mut().spawn((
+        RigidBody::Static,
+        Transform::from_xyz(0.0, 0.5, 0.0),
+        children![(
+            Collider::cuboid(1.0, 1.0, 1.0),
+            Transform::from_xyz(0.0, 0.5, 0.0).with_scale(Vec3::new(1.0, 0.2, 1.0)),
+        )],
+    ));
+    let sheet = sheet(&mut app, 1.3);
+    run(&mut app, 3.0);
+    assert!((greatest(&app, sheet) - 1.1).abs() < 0.03, "it lies at {}", greatest(&app, sheet));
+}
+
+/// How high a sheet lies above the ground after two seconds, if it fell on a slab whose top is at 1 m.
+fn falls_on(prepare: impl FnOnce(&mut EntityWorldMut)) -> f32 {
+    let mut app = app();
+    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    let place = Transform::from_xyz(0.0, 0.9, 0.0);
+    let mut slab = app.world_mut().spawn((RigidBody::Static, Collider::cuboid(1.0, 0.2, 1.0), place));
+    prepare(&mut slab);
+    let sheet = sheet(&mut app, 1.1);
+    run(&mut app, 2.0);
+    greatest(&app, sheet)
+}
+
+#[test]
+fn a_collider_can_be_left_out_and_sensors_stop_nothing() {
+    assert!(falls_on(|_| {}) > 0.99);
+    assert!(falls_on(|slab| _ = slab.insert(NoObstacle)) < 0.1);
+    assert!(falls_on(|slab| _ = slab.insert(Sensor)) < 0.1);
+    assert!(falls_on(|slab| _ = slab.insert(ColliderDisabled)) < 0.1);
+    let of_no_layer = CollisionLayers::new(LayerMask::NONE, LayerMask::NONE);
+    assert!(falls_on(|slab| _ = slab.insert(of_no_layer)) < 0.1);
+}
+
+#[test]
+fn an_obstacle_comes_goes_and_changes_with_its_collider() {
+    let mut app = app();
+    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    let slab = app.world_mut().spawn((RigidBody::Static, Transform::from_xyz(0.0, 0.9, 0.0))).id();
+    run(&mut app, 0.1);
+    assert!(app.world().get::<Obstacle>(slab).is_none());
+
+    app.world_mut().entity_mut(slab).insert(Collider::cuboid(1.0, 0.2, 1.0));
+    let sheet = sheet(&mut app, 1.1);
+    run(&mut app, 3.0);
+    assert!((greatest(&app, sheet) - 1.0).abs() < 0.03);
+    assert_eq!(app.world().get::<Activity>(sheet), Some(&Activity::Resting), "it has come to rest");
+
+    *app.world_mut().get_mut::<Collider>(slab).expect("it has one") = Collider::cuboid(1.0, 0.4, 1.0);
+    run(&mut app, 1.0);
+    assert!(
+        (greatest(&app, sheet) - 1.1).abs() < 0.03,
+        "a thicker slab lifts it to {}",
+        greatest(&app, sheet)
+    );
+
+    app.world_mut().entity_mut(slab).remove::<Collider>();
+    run(&mut app, 2.0);
+    let slab = app.world().entity(slab);
+    assert!(!slab.contains::<Obstacle>() && !slab.contains::<ColliderObstacle>());
+    assert!(greatest(&app, sheet) < 0.1, "it has fallen to the ground");
+}
+
+#[test]
+fn an_obstacle_of_your_own_stays() {
+    let mut app = app();
+    let own = Obstacle::sphere(0.3);
+    let entity = app.world_mut().spawn((RigidBody::Static, Collider::cuboid(1.0, 1.0, 1.0), own)).id();
+    run(&mut app, 0.1);
+    let obstacle = app.world().get::<Obstacle>(entity).expect("it is there");
+    assert!(matches!(obstacle.shape, ObstacleShape::Sphere { .. }));
+    assert!(app.world().get::<ColliderObstacle>(entity).is_none());
+}
+
+#[test]
+fn friction_and_restitution_are_those_of_the_collider_else_of_the_body_else_of_the_world() {
+    let mut app = app();
+    app.insert_resource(DefaultFriction(Friction::new(0.1)));
+    let ours = |app: &App, entity| {
+        let obstacle = app.world().get::<Obstacle>(entity).expect("it is an obstacle");
+        (obstacle.friction, obstacle.restitution)
+    };
+    let collider = app.world_mut().spawn(Collider::sphere(0.5)).id();
+    let body = app.world_mut().spawn((RigidBody::Static, Restitution::new(0.4))).add_child(collider).id();
+    run(&mut app, 0.1);
+    assert_eq!(ours(&app, collider), (0.1, 0.4));
+    app.world_mut().entity_mut(body).insert(Friction::new(0.7));
+    run(&mut app, 0.1);
+    assert_eq!(ours(&app, collider), (0.7, 0.4));
+    app.world_mut().entity_mut(collider).insert(Friction::new(0.9));
+    run(&mut app, 0.1);
+    assert_eq!(ours(&app, collider), (0.9, 0.4));
+    app.insert_resource(DefaultFriction(Friction::new(0.3)));
+    app.world_mut().entity_mut(collider).remove::<Friction>();
+    app.world_mut().entity_mut(body).remove::<Friction>();
+    run(&mut app, 0.1);
+    assert_eq!(ours(&app, collider), (0.3, 0.4));
+}
