@@ -14,6 +14,8 @@ from checks import check, status
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = Path(sys.argv[1])
+# READMEs in folders of these are those of crates.
+CRATES = [ROOT / "crates", ROOT / "bridges"]
 OURS = re.compile(r"https://docs\.rs/(?:bevy_drape|bevy_drape_script|drape_solver)/latest/([^#]*)(?:#(.*))?")
 FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 TARGET = re.compile(r"\]\(([^()\s]+)\)|^\[[^\]]+\]: (\S+)|(?:href|src)=\"([^\"]+)\"", re.MULTILINE)
@@ -31,7 +33,7 @@ def fault(file, target):
         return None if item is None or f'id="{item}"' in path.read_text() else "the page has no such item"
     if re.match(r"https?://|mailto:|#", target):
         return None
-    if file.parent.parent == ROOT / "crates":
+    if file.parent.parent in CRATES:
         return "leads nowhere on crates.io"
     return None if (file.parent / target.split("#")[0]).exists() else "no such file"
 
@@ -44,7 +46,7 @@ def main():
         targets = ["".join(found) for found in TARGET.findall(text)]
         count += len(targets)
         faults = [f"{target}: {wrong}" for target in targets if (wrong := fault(file, target))]
-        if file.parent.parent == ROOT / "crates":
+        if file.parent.parent in CRATES:
             faults += [f"{label}: no target" for label in LABEL.findall(text) if f"\n[{label}]: " not in text]
         for wrong in faults:
             check(False, f"{file.relative_to(ROOT)}: {wrong}")

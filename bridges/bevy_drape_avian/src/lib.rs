@@ -9,12 +9,14 @@
 //! obstacles   makes obstacles of colliders, and takes them away again
 //! outdated    the colliders that changed since the last step
 //! surface     friction and restitution of a collider
+//! marks       marks on colliders
 //! ```
 
+mod marks;
 mod obstacles;
 mod outdated;
 mod plugin;
 mod surface;
 
-pub use obstacles::{ColliderObstacle, NoObstacle};
+pub use marks::{ColliderObstacle, NoObstacle};
 pub use plugin::AvianDrapePlugin;

@@ -6,29 +6,9 @@ use bevy_drape::drape_solver::Shape;
 use bevy_drape::environment::ObstacleShape;
 use bevy_drape::prelude::*;
 
+use crate::marks::{ColliderObstacle, NoObstacle};
 use crate::outdated::Outdated;
 use crate::surface::{Surface, Surfaces};
-
-/// Leaves a collider out: cloth passes through it.
-///
-/// ```
-/// # use avian3d::prelude::*;
-/// # use bevy::prelude::*;
-/// # use bevy_drape_avian::NoObstacle;
-/// # fn setup(mut commands: Commands) {
-/// // The player is stopped, the curtain is not.
-/// commands.spawn((RigidBody::Static, Collider::cuboid(2.0, 3.0, 0.1), NoObstacle));
-/// # }
-/// ```
-#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
-#[reflect(Component, Default, Debug, Clone)]
-pub struct NoObstacle;
-
-/// Marks the [`Obstacle`] that was made of the entity's collider, and that follows its changes. A collider with an obstacle
-/// of your own keeps that.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
-#[reflect(Component, Default, Debug, Clone)]
-pub struct ColliderObstacle;
 
 /// A collider, and what decides about its obstacle.
 type ColliderQuery<'w, 's> = Query<

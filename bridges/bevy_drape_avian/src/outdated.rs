@@ -3,7 +3,7 @@
 use avian3d::prelude::*;
 use bevy::prelude::*;
 
-use crate::obstacles::NoObstacle;
+use crate::marks::NoObstacle;
 
 /// Colliders to look at anew in the next step; some may be listed twice, or be gone by then.
 #[derive(Resource, Default, Debug)]

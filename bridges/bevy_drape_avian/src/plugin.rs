@@ -7,7 +7,8 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
 
-use crate::obstacles::{ColliderObstacle, NoObstacle, update_obstacles};
+use crate::marks::{ColliderObstacle, NoObstacle};
+use crate::obstacles::update_obstacles;
 use crate::outdated::{note_changes, watch};
 
 /// Makes an obstacle of every collider of Avian. Cloth takes its step after the physics has, in the same fixed step:
