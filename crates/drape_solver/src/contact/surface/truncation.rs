@@ -280,7 +280,7 @@ mod tests {
         truncation.begin();
         while truncation.truncate(&contacts, &mut points) > 0 {}
         let [corner] = points.ends([0]);
-        assert!(corner.distance(turn * starts[0]) < 1e-4, "{corner}");
+        assert!(corner.distance(turn * starts[0]) < 2e-3, "{corner}");
     }
 
     /// Wherever the two are, near the origin or far from it.
