@@ -21,6 +21,7 @@ pub(crate) mod leaves;
 pub(crate) mod list;
 pub(crate) mod narrow;
 pub(crate) mod pair;
+pub(crate) mod pins;
 pub(crate) mod placed;
 pub(crate) mod points;
 pub(crate) mod reach;

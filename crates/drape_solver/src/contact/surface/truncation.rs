@@ -14,13 +14,14 @@
 //! This is the planar truncation of Chen et al. 2025 ("Offset geometric contact"), for pairs: it sees only how two parts
 //! move against each other, so it does not slow what moves together. In a tight heap one pair may undo what another has
 //! done. Parts that are left then move as one piece, by their mean motion (the impact zones of Provot 1997), and the
-//! piece grows until nothing passes.
+//! piece grows until nothing passes. A piece that holds [pins](super::pins) of different ways follows each of them.
 //!
 //! Design: `docs/design/self_contact.md`.
 
 use glam::Vec3;
 
 use crate::contact::surface::contact::Contact;
+use crate::contact::surface::pins::Followers;
 use crate::contact::surface::points::Points;
 use crate::union_find::Groups;
 
@@ -37,6 +38,7 @@ pub(crate) struct Truncation {
     pieces: Groups,
     has_pieces: bool,
     motions: Vec<Motion>,
+    followers: Followers,
 }
 
 /// The motion of a piece in a substep: sums over its free particles, or over its pins if it has any.
@@ -125,9 +127,9 @@ fn move_apart(contact: &Contact, points: &mut Points) -> u32 {
 }
 
 impl Truncation {
-    /// Moves each piece as one.
+    /// Moves each piece as one; or, where it holds pins that go different ways, has it follow them.
     fn carry(&mut self, points: &mut Points) {
-        let Self { pieces, motions, .. } = self;
+        let Self { pieces, motions, followers, .. } = self;
         motions.clear();
         motions.resize(points.start.len(), Motion::default());
         for (id, &inverse_mass) in points.inverse_mass.iter().enumerate() {
@@ -149,12 +151,13 @@ impl Truncation {
                 points.motion[id] = piece.motion / piece.mass;
             }
         }
+        followers.carry(pieces, points);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec4};
+    use glam::{DVec3, Quat, Vec4};
 
     use super::*;
     use crate::contact::surface::contact::contact;
@@ -260,6 +263,24 @@ mod tests {
             assert!(contact.gap(&points).1 >= contact.least_gap());
         }
         assert!(momentum(&points).distance(before) < 1e-5);
+    }
+
+    /// A corner between two pinned faces that turn about its middle line together: with the mean way of the pins, which is none, it
+    /// would stay, and a face that has turned would be on its other side.
+    #[test]
+    fn a_piece_does_not_tear_away_from_pins_that_turn() {
+        let face = |y: f32| [Vec3::new(-1.0, y, -0.5), Vec3::new(1.0, y, -0.5), Vec3::new(0.0, y, 1.0)];
+        let starts = [&[Vec3::new(0.5, 0.0, 0.0)][..], &face(-0.01), &face(0.01)].concat();
+        let turn = Quat::from_rotation_z(0.1);
+        let mut ends: Vec<Vec3> = starts.iter().map(|&start| turn * start).collect();
+        ends[0].y = -0.02;
+        let mut points = points(&starts, &ends, &[1, 2, 3, 4, 5, 6]);
+        let contacts = [[0, 1, 2, 3], [0, 4, 5, 6]].map(|ids| contact_of(&points, Kind::CornerFace, ids));
+        let mut truncation = Truncation::default();
+        truncation.begin();
+        while truncation.truncate(&contacts, &mut points) > 0 {}
+        let [corner] = points.ends([0]);
+        assert!(corner.distance(turn * starts[0]) < 2e-3, "{corner}");
     }
 
     /// Wherever the two are, near the origin or far from it.
