@@ -15,7 +15,7 @@
 //! RecordSteps::finish(runner.world_mut())?;
 //!
 //! let recording = Recording::load(&path)?;
-//! assert_eq!((recording.tracks()[0].name.as_str(), recording.frame_count()), ("ball", 30));
+//! assert_eq!((recording.tracks()[0].name.as_str(), recording.frame_count()), ("ball#1", 30));
 //! # std::fs::remove_file(path)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
