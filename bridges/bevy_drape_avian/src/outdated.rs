@@ -24,10 +24,10 @@ pub(crate) fn watch(app: &mut App) {
 
 fn watch_component<C: Component>(app: &mut App) {
     app.add_observer(|inserted: On<Insert<C>>, mut outdated: ResMut<Outdated>| {
-        outdated.0.push(inserted.entity)
+        outdated.0.push(inserted.entity);
     });
     app.add_observer(|removed: On<Remove<C>>, mut outdated: ResMut<Outdated>| {
-        outdated.0.push(removed.entity)
+        outdated.0.push(removed.entity);
     });
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn note_changes(
     defaults: (Res<DefaultFriction>, Res<DefaultRestitution>),
 ) {
     outdated.0.extend(&colliders);
-    outdated.0.extend(bodies.iter().flat_map(|colliders| colliders.iter()));
+    outdated.0.extend(bodies.iter().flat_map(RelationshipTarget::iter));
     if defaults.0.is_changed() || defaults.1.is_changed() {
         outdated.0.extend(&all);
     }
