@@ -59,7 +59,7 @@ pub(crate) fn update_obstacles(
     }
 }
 
-/// The obstacle of a collider. Its shape is shared, and scaled by the transform as Avian's is.
+/// The obstacle of a collider, scaled by the transform as Avian's is.
 fn obstacle(collider: &Collider, surface: Surface, is_sensor: bool) -> Obstacle {
     let shape = collider.shape();
     // What cannot be an obstacle is refused by the plugin, which names the entity.

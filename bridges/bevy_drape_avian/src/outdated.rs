@@ -31,23 +31,25 @@ fn watch_component<C: Component>(app: &mut App) {
     });
 }
 
-/// Lists the colliders that were changed in place, and those of bodies whose material was.
+/// Lists the colliders that were changed in place, and all colliders of bodies that are listed, whose material they may have.
 pub(crate) fn note_changes(
     mut outdated: ResMut<Outdated>,
-    colliders: Query<
+    changed: Query<
         Entity,
-        (
-            With<Collider>,
-            Or<(Changed<Collider>, Changed<CollisionLayers>, Changed<Friction>, Changed<Restitution>)>,
-        ),
+        Or<(Changed<Collider>, Changed<CollisionLayers>, Changed<Friction>, Changed<Restitution>)>,
     >,
-    bodies: Query<&RigidBodyColliders, Or<(Changed<Friction>, Changed<Restitution>)>>,
+    bodies: Query<&RigidBodyColliders>,
     all: Query<Entity, With<Collider>>,
     defaults: (Res<DefaultFriction>, Res<DefaultRestitution>),
 ) {
-    outdated.0.extend(&colliders);
-    outdated.0.extend(bodies.iter().flat_map(RelationshipTarget::iter));
+    let outdated = &mut outdated.0;
+    outdated.extend(&changed);
+    for listed in 0..outdated.len() {
+        if let Ok(colliders) = bodies.get(outdated[listed]) {
+            outdated.extend(colliders.iter());
+        }
+    }
     if defaults.0.is_changed() || defaults.1.is_changed() {
-        outdated.0.extend(&all);
+        outdated.extend(&all);
     }
 }

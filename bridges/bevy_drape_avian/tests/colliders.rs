@@ -216,6 +216,10 @@ fn friction_and_restitution_are_those_of_the_collider_else_of_the_body_else_of_t
     app.world_mut().entity_mut(body).insert(Friction::new(0.7));
     run(&mut app, 0.1);
     assert_eq!(ours(&app, collider), (0.7, 0.4));
+    // Taken from the body alone: once, its colliders kept it.
+    app.world_mut().entity_mut(body).remove::<Friction>();
+    run(&mut app, 0.1);
+    assert_eq!(ours(&app, collider), (0.1, 0.4));
     app.world_mut().entity_mut(collider).insert(Friction::new(0.9));
     run(&mut app, 0.1);
     assert_eq!(ours(&app, collider), (0.9, 0.4));
