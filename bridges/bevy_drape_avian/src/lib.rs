@@ -6,17 +6,23 @@
 //!
 //! ```text
 //! plugin      the plugin: what is watched, and when in a step
-//! obstacles   makes obstacles of colliders, and takes them away again
-//! outdated    the colliders that changed since the last step
+//! motion      takes the motion of dynamic bodies over, and hands it back
+//! obstacles   makes obstacles of the colliders of static and kinematic bodies, and takes them away again
+//! bodies      makes one obstacle of all colliders of a dynamic body
+//! outdated    the colliders and bodies that changed since the last step
+//! frame       the principal axes of a body
 //! surface     friction and restitution of a collider
-//! marks       marks on colliders
+//! marks       marks on colliders, and the ties of bodies to their obstacles
 //! ```
 
+mod bodies;
+mod frame;
 mod marks;
+mod motion;
 mod obstacles;
 mod outdated;
 mod plugin;
 mod surface;
 
-pub use marks::{ColliderObstacle, NoObstacle};
+pub use marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 pub use plugin::AvianDrapePlugin;

@@ -22,25 +22,32 @@ type ColliderQuery<'w, 's> = Query<
         Has<NoObstacle>,
         Has<Obstacle>,
         Has<ColliderObstacle>,
+        Option<&'static ColliderOf>,
     ),
 >;
 
-/// Brings the obstacles of all colliders that changed up to date.
+/// Brings the obstacles of all colliders that changed up to date, and lists their bodies. A collider of a dynamic body is
+/// part of the obstacle of that; a sensor is one of its own.
 pub(crate) fn update_obstacles(
     mut outdated: ResMut<Outdated>,
     mut commands: Commands,
     colliders: ColliderQuery,
+    bodies: Query<&RigidBody>,
     surfaces: Surfaces,
 ) {
-    outdated.0.sort_unstable();
-    outdated.0.dedup();
-    for entity in outdated.0.drain(..) {
-        let Ok((collider, layers, is_sensor, is_disabled, is_left_out, has_obstacle, is_ours)) =
+    let Outdated { colliders: changed, bodies: changed_bodies } = &mut *outdated;
+    changed.sort_unstable();
+    changed.dedup();
+    for entity in changed.drain(..) {
+        let Ok((collider, layers, is_sensor, is_disabled, is_left_out, has_obstacle, is_ours, of)) =
             colliders.get(entity)
         else {
             continue;
         };
-        let collider = collider.filter(|_| !is_disabled && !is_left_out);
+        let body = of.map_or(entity, |of| of.body);
+        changed_bodies.push(body);
+        let is_part = !is_sensor && bodies.get(body).is_ok_and(RigidBody::is_dynamic);
+        let collider = collider.filter(|_| !is_disabled && !is_left_out && !is_part);
         match collider {
             Some(_) if has_obstacle && !is_ours => {}
             Some(collider) => {
@@ -64,11 +71,5 @@ fn obstacle(collider: &Collider, surface: Surface, is_sensor: bool) -> Obstacle 
     let shape = collider.shape();
     // What cannot be an obstacle is refused by the plugin, which names the entity.
     let shape = Shape::from_parry(shape.clone()).map_or_else(|_| shape.clone().into(), ObstacleShape::from);
-    Obstacle {
-        friction: surface.friction.dynamic_coefficient,
-        static_friction: surface.friction.static_coefficient,
-        restitution: surface.restitution.coefficient,
-        is_sensor,
-        ..Obstacle::new(shape)
-    }
+    Obstacle { is_sensor, ..surface.obstacle(shape) }
 }

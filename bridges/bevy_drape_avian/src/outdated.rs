@@ -1,13 +1,20 @@
-//! The colliders that changed since the last step, so that those which stay as they are cost nothing.
+//! The colliders and bodies that changed since the last step, so that those which stay as they are cost nothing.
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
 
-use crate::marks::NoObstacle;
+use crate::marks::{BodyObstacle, NoObstacle};
 
-/// Colliders to look at anew in the next step; some may be listed twice, or be gone by then.
+/// Colliders and bodies to look at anew in the next step; some may be listed twice, or be gone by then.
 #[derive(Resource, Default, Debug)]
-pub(crate) struct Outdated(pub Vec<Entity>);
+pub(crate) struct Outdated {
+    pub colliders: Vec<Entity>,
+    pub bodies: Vec<Entity>,
+}
+
+/// The colliders in the obstacle of a body, each with its place in the body.
+#[derive(Component, Debug, Default)]
+pub(crate) struct Parts(pub Vec<(Entity, ColliderTransform)>);
 
 /// Watches what makes a collider an obstacle come and go.
 pub(crate) fn watch(app: &mut App) {
@@ -19,19 +26,24 @@ pub(crate) fn watch(app: &mut App) {
     watch_component::<Friction>(app);
     watch_component::<NoObstacle>(app);
     watch_component::<Restitution>(app);
+    watch_component::<RigidBody>(app);
+    watch_component::<RigidBodyDisabled>(app);
     watch_component::<Sensor>(app);
 }
 
 fn watch_component<C: Component>(app: &mut App) {
     app.add_observer(|inserted: On<Insert<C>>, mut outdated: ResMut<Outdated>| {
-        outdated.0.push(inserted.entity);
+        outdated.colliders.push(inserted.entity);
+        outdated.bodies.push(inserted.entity);
     });
     app.add_observer(|removed: On<Remove<C>>, mut outdated: ResMut<Outdated>| {
-        outdated.0.push(removed.entity);
+        outdated.colliders.push(removed.entity);
+        outdated.bodies.push(removed.entity);
     });
 }
 
-/// Lists the colliders that were changed in place, and all colliders of bodies that are listed, whose material they may have.
+/// Lists the colliders that were changed in place, all colliders of bodies that are listed, whose material they may have,
+/// and bodies whose mass changed or whose colliders moved in them.
 pub(crate) fn note_changes(
     mut outdated: ResMut<Outdated>,
     changed: Query<
@@ -39,10 +51,21 @@ pub(crate) fn note_changes(
         Or<(Changed<Collider>, Changed<CollisionLayers>, Changed<Friction>, Changed<Restitution>)>,
     >,
     bodies: Query<&RigidBodyColliders>,
+    changed_bodies: Query<
+        Entity,
+        Or<(
+            Changed<RigidBodyColliders>,
+            Changed<ComputedMass>,
+            Changed<ComputedAngularInertia>,
+            Changed<ComputedCenterOfMass>,
+        )>,
+    >,
+    moved_parts: Query<(Entity, &ColliderTransform, &ColliderOf), Changed<ColliderTransform>>,
+    known: (Query<&BodyObstacle>, Query<&Parts>),
     all: Query<Entity, With<Collider>>,
     defaults: (Res<DefaultFriction>, Res<DefaultRestitution>),
 ) {
-    let outdated = &mut outdated.0;
+    let Outdated { colliders: outdated, bodies: outdated_bodies } = &mut *outdated;
     outdated.extend(&changed);
     for listed in 0..outdated.len() {
         if let Ok(colliders) = bodies.get(outdated[listed]) {
@@ -51,5 +74,14 @@ pub(crate) fn note_changes(
     }
     if defaults.0.is_changed() || defaults.1.is_changed() {
         outdated.extend(&all);
+    }
+    outdated_bodies.extend(&changed_bodies);
+    // Avian writes the places of all colliders below a body that moves.
+    let (obstacles, parts) = known;
+    for (entity, place, of) in &moved_parts {
+        let parts = obstacles.get(of.body).and_then(|obstacle| parts.get(obstacle.entity()));
+        if parts.is_ok_and(|parts| parts.0.iter().any(|(part, known)| *part == entity && known != place)) {
+            outdated_bodies.push(of.body);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The plugin.
 
+use avian3d::physics_transform::position_to_transform;
 use avian3d::schedule::PhysicsSystems;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
@@ -7,16 +8,20 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
 
-use crate::marks::{ColliderObstacle, NoObstacle};
+use crate::bodies::update_bodies;
+use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
+use crate::motion::{hand_back, plan, start, wake_carried};
 use crate::obstacles::update_obstacles;
 use crate::outdated::{note_changes, watch};
 
-/// Makes an obstacle of every collider of Avian. Cloth takes its step after the physics has, in the same fixed step:
+/// Makes an obstacle of every collider of Avian, and lets cloth, ropes and balls push dynamic bodies. They take their step
+/// after the physics has, in the same fixed step:
 ///
 /// ```text
 /// FixedPostUpdate   PhysicsSystems   bodies move; their transforms are written
-///                   DrapeStep        DrapeSchedule: obstacles of colliders -> cloth moves, from the last places of
-///                                    all bodies to the new ones
+///                   DrapeStep        DrapeSchedule: obstacles of colliders -> cloth moves while all bodies make their
+///                                    way once more, from their last places to the new ones; dynamic bodies are
+///                                    pushed aside -> these get their new places and velocities
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct AvianDrapePlugin {
@@ -40,11 +45,25 @@ impl Default for AvianDrapePlugin {
 impl Plugin for AvianDrapePlugin {
     fn build(&self, app: &mut App) {
         watch(app);
-        app.register_type::<(NoObstacle, ColliderObstacle)>()
+        app.register_type::<(NoObstacle, ColliderObstacle, ObstacleOf, BodyObstacle)>()
+            .add_observer(wake_carried)
             .configure_sets(self.schedule, DrapeStep.after(PhysicsSystems::Last))
             .add_systems(
+                self.schedule,
+                (
+                    start.after(PhysicsSystems::Prepare).before(PhysicsSystems::StepSimulation),
+                    // Avian's own system once more, for the bodies that cloth has pushed.
+                    position_to_transform.after(DrapeStep),
+                ),
+            )
+            .add_systems(
                 DrapeSchedule,
-                (note_changes, update_obstacles).chain().before(DrapeSystems::ManageScene),
+                (
+                    (note_changes, update_obstacles, update_bodies, plan)
+                        .chain()
+                        .before(DrapeSystems::ManageScene),
+                    hand_back.after(DrapeSystems::Finish),
+                ),
             );
     }
 }

@@ -3,12 +3,26 @@
 use avian3d::prelude::*;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use bevy_drape::environment::ObstacleShape;
+use bevy_drape::prelude::*;
 
 /// What a collider is like to touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Surface {
     pub friction: Friction,
     pub restitution: Restitution,
+}
+
+impl Surface {
+    /// An obstacle of this shape with the surface.
+    pub fn obstacle(&self, shape: ObstacleShape) -> Obstacle {
+        Obstacle {
+            friction: self.friction.dynamic_coefficient,
+            static_friction: self.friction.static_coefficient,
+            restitution: self.restitution.coefficient,
+            ..Obstacle::new(shape)
+        }
+    }
 }
 
 /// Materials of colliders and bodies, and the defaults.

@@ -27,6 +27,9 @@ pub(crate) fn give_reactions(
         }
         for moved in &island.solver().moved {
             environment.obstacles[moved.obstacle].land(moved);
+            if let Ok(mut sum) = reactions.get_mut(known.entity(moved.obstacle)) {
+                sum.is_near = true;
+            }
         }
     }
     for (entity, mut dynamic, mut transform) in &mut dynamics {

@@ -2,18 +2,19 @@
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
+use drape_solver::Placement;
 
 use crate::clock::DrapeClock;
-use crate::environment::dynamic_obstacle::DynamicObstacle;
+use crate::environment::dynamic_obstacle::{DynamicObstacle, PlannedPlacement};
 use crate::environment::gravity::DrapeGravity;
 use crate::environment::obstacle::Obstacle;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wake_regions::WakeRegions;
 use crate::refusal::Refusals;
 
-/// Moves dynamic obstacles freely through the coming step.
+/// Moves dynamic obstacles freely through the coming step, or to where another engine has moved them.
 pub(crate) fn fly_dynamic_obstacles(
-    obstacles: Query<(Entity, &DynamicObstacle), With<Obstacle>>,
+    obstacles: Query<(Entity, &DynamicObstacle, Option<&PlannedPlacement>), With<Obstacle>>,
     clock: Res<DrapeClock>,
     gravity: Res<DrapeGravity>,
     mut solver: ResMut<SolverEnvironment>,
@@ -23,7 +24,7 @@ pub(crate) fn fly_dynamic_obstacles(
 ) {
     let gravity = gravity.or_last(solver.environment.gravity);
     let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
-    for (entity, dynamic) in &obstacles {
+    for (entity, dynamic, planned) in &obstacles {
         let body = dynamic.body();
         match &body {
             Ok(_) if refused.remove(&entity) => refusals.forget(entity),
@@ -33,7 +34,12 @@ pub(crate) fn fly_dynamic_obstacles(
         let Some(slot) = known.slot(entity) else { continue };
         let obstacle = &mut environment.obstacles[slot];
         obstacle.set_rigid_body(body.ok());
-        obstacle.fly(gravity * dynamic.gravity_scale, clock.delta());
+        match planned {
+            Some(&PlannedPlacement { translation, rotation }) => {
+                obstacle.fly_to(Placement { translation, rotation }, clock.delta());
+            }
+            None => obstacle.fly(gravity * dynamic.gravity_scale, clock.delta()),
+        }
         if obstacle.is_moving() {
             wake_regions.push(obstacle);
         }

@@ -34,7 +34,7 @@ pub(crate) mod wake_regions;
 pub(crate) mod wind;
 pub(crate) mod wind_zone;
 
-pub use dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
+pub use dynamic_obstacle::{DynamicObstacle, ObstacleReaction, PlannedPlacement};
 pub use gravity::DrapeGravity;
 pub use obstacle::{Obstacle, TeleportObstacle};
 pub use obstacle_shape::{CustomShape, ObstacleShape, ShapeFromMesh};

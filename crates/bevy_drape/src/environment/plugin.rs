@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
-use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
+use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, PlannedPlacement};
 use crate::environment::fly_obstacles::fly_dynamic_obstacles;
 use crate::environment::gravity::DrapeGravity;
 use crate::environment::obstacle::{Obstacle, TeleportObstacle};
@@ -62,7 +62,7 @@ pub(crate) struct DynamicObstaclePlugin;
 
 impl Plugin for DynamicObstaclePlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(DynamicObstacle, ObstacleReaction)>()
+        app.register_type::<(DynamicObstacle, ObstacleReaction, PlannedPlacement)>()
             .add_observer(recheck_obstacle::<Add<ObstacleReaction>>)
             .add_observer(recheck_obstacle::<Remove<ObstacleReaction>>)
             .add_observer(recheck_obstacle::<Remove<DynamicObstacle>>)

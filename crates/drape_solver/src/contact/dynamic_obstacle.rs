@@ -18,9 +18,9 @@ pub(crate) fn detect(contacts: &mut IslandContacts, obstacles: &[Obstacle]) {
     let IslandContacts { bodies, ball_obstacle, movers, .. } = contacts;
     movers.clear();
     for index in bodies.iter().flat_map(BodyContacts::obstacles).chain(ball_obstacle.obstacles()) {
-        let Some(body) = obstacles[index].starts_with() else { continue };
+        let Some((body, drive)) = obstacles[index].starts_with() else { continue };
         if let Err(place) = movers.binary_search_by_key(&index, |mover| mover.obstacle) {
-            movers.insert(place, Mover::new(index, &obstacles[index], body));
+            movers.insert(place, Mover::new(index, &obstacles[index], body, drive));
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::pose::{Placement, Pose, turned};
 use crate::state::friction::Friction;
 use crate::state::obstacle::Obstacle;
-use crate::state::rigid_body::RigidBody;
+use crate::state::rigid_body::{Drive, RigidBody};
 
 /// An obstacle with a rigid body, on its way through a step.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +21,8 @@ pub(crate) struct Mover {
     /// Placement at the end of the substep, with the contacts so far.
     pub to: Placement,
     pub end: RigidBody,
+    /// Accelerations by another engine, if one moves it.
+    drive: Option<Drive>,
     /// Impulse on it in this substep, in newton seconds.
     impulse: DVec3,
     /// Angular impulse about its centre, in newton metre seconds.
@@ -28,7 +30,7 @@ pub(crate) struct Mover {
 }
 
 impl Mover {
-    pub fn new(obstacle: usize, of: &Obstacle, body: RigidBody) -> Self {
+    pub fn new(obstacle: usize, of: &Obstacle, body: RigidBody, drive: Option<Drive>) -> Self {
         let from = of.start();
         Self {
             obstacle,
@@ -36,6 +38,7 @@ impl Mover {
             free: (from, body),
             to: from,
             end: body,
+            drive,
             impulse: DVec3::ZERO,
             angular_impulse: DVec3::ZERO,
         }
@@ -91,7 +94,9 @@ impl Mover {
         pushed.push(linear, angular, free);
         self.to.translation = free.translation + (pushed.velocity - body.velocity) * substep;
         let turn = (pushed.angular_velocity - body.angular_velocity) * substep;
-        self.to.rotation = turned(free.rotation, turn);
+        if turn != Vec3::ZERO {
+            self.to.rotation = turned(free.rotation, turn);
+        }
         self.end = body;
         self.end.turn_to(free, self.to);
         self.end.push(linear, angular, self.to);
@@ -100,7 +105,10 @@ impl Mover {
     pub fn begin_substep(&mut self, substep: f32) {
         self.from = self.to;
         (self.impulse, self.angular_impulse) = (DVec3::ZERO, DVec3::ZERO);
-        self.to = self.end.advance(self.from, substep);
+        self.to = match self.drive {
+            Some(drive) => self.end.advance_driven(self.from, drive, substep),
+            None => self.end.advance(self.from, substep),
+        };
         self.free = (self.to, self.end);
     }
 }

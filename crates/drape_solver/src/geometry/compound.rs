@@ -11,7 +11,8 @@ use crate::geometry::pose::{Placement, Pose};
 use crate::geometry::shape::{Plane, Shape, Surface};
 use crate::geometry::sweep::SweepHit;
 
-/// Shapes that are moved as one. Made by [`Shape::from_parry`](crate::Shape::from_parry).
+/// Shapes that are moved as one. Made by [`Shape::compound`](crate::Shape::compound) and
+/// [`Shape::from_parry`](crate::Shape::from_parry).
 #[derive(Clone, Debug)]
 pub struct CompoundShape {
     parts: Vec<Part>,
@@ -35,7 +36,7 @@ impl CompoundShape {
         Self::of_parts(parts.collect::<Result<_, BuildError>>()?)
     }
 
-    fn of_parts(parts: Vec<(Shape, Placement)>) -> Result<Self, BuildError> {
+    pub(crate) fn of_parts(parts: Vec<(Shape, Placement)>) -> Result<Self, BuildError> {
         if parts.is_empty() || !parts.iter().all(|(_, placement)| placement.is_valid()) {
             return Err(BuildError::BadShape { reason: "it has no parts, or one without a place" });
         }

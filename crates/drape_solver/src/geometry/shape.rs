@@ -17,6 +17,7 @@ use crate::constants::SURFACE_NOISE;
 use crate::error::{BuildError, finite_vector, positive};
 use crate::geometry::compound::CompoundShape;
 use crate::geometry::mesh::MeshShape;
+use crate::geometry::pose::Placement;
 
 /// Corners around a round shape that an uneven scale turns into a convex hull.
 const SCALED_SUBDIVISIONS: u32 = 24;
@@ -132,6 +133,17 @@ impl Shape {
         };
         own.validate()?;
         Ok(own)
+    }
+
+    /// Several shapes as one, each at its place. A single shape at the origin stays as it is.
+    ///
+    /// # Errors
+    /// [`BuildError`] if there is none, or one without end, such as a half-space.
+    pub fn compound(parts: Vec<(Self, Placement)>) -> Result<Self, BuildError> {
+        match &parts[..] {
+            [(only, place)] if *place == Placement::default() => Ok(only.clone()),
+            _ => Ok(Self::Compound(CompoundShape::of_parts(parts)?.into())),
+        }
     }
 
     /// The shape scaled by `scale` along its axes, and checked as by [`from_parry`](Self::from_parry). A round shape

@@ -11,7 +11,7 @@ use crate::geometry::shape::Shape;
 use crate::state::friction::Friction;
 use crate::state::layers::Layers;
 use crate::state::obstacle_motion::MovedObstacle;
-use crate::state::rigid_body::RigidBody;
+use crate::state::rigid_body::{Drive, RigidBody};
 
 /// A shape at a place, still or moving.
 #[derive(Clone, Debug)]
@@ -37,11 +37,13 @@ struct Flight {
     end: RigidBody,
     /// Motion and placement at the end of the step if nothing touches it.
     free: (RigidBody, Placement),
+    /// The accelerations on the way there, if another engine moves it.
+    drive: Option<Drive>,
 }
 
 impl Flight {
     fn at_rest_in(placement: Placement, body: RigidBody) -> Self {
-        Self { start: body, end: body, free: (body, placement) }
+        Self { start: body, end: body, free: (body, placement), drive: None }
     }
 }
 
@@ -151,9 +153,9 @@ impl Obstacle {
         self.flight = body.map(|body| Flight::at_rest_in(self.placement, body));
     }
 
-    /// The motion at the start of the coming step.
-    pub(crate) fn starts_with(&self) -> Option<RigidBody> {
-        self.flight.map(|flight| flight.start)
+    /// The motion at the start of the coming step, and the accelerations in it if another engine moves the obstacle.
+    pub(crate) fn starts_with(&self) -> Option<(RigidBody, Option<Drive>)> {
+        self.flight.map(|flight| (flight.start, flight.drive))
     }
 
     /// Begins a step of `dt` seconds of an obstacle with a [rigid body](Self::with_rigid_body) under `acceleration`
@@ -164,7 +166,25 @@ impl Obstacle {
         let mut end = start;
         let to = end.advance(self.placement, dt);
         self.move_to(to, dt);
-        self.flight = Some(Flight { start, end, free: (end, self.placement) });
+        self.flight = Some(Flight { start, end, free: (end, self.placement), drive: None });
+    }
+
+    /// Begins a step of `dt` seconds of an obstacle with a [rigid body](Self::with_rigid_body) that another physics engine
+    /// has moved to `placement` already: flies it there once more, through whatever is in its way. If nothing touches
+    /// it, it arrives with the velocities that its body has now. Does nothing without a body; ignores an invalid
+    /// placement.
+    pub fn fly_to(&mut self, placement: Placement, dt: f32) {
+        let Some(Flight { end, .. }) = self.flight else { return };
+        let from = self.placement;
+        self.move_to(placement, dt);
+        // A teleport, or a placement that was ignored, leaves no way to fly.
+        let mut start = end;
+        let drive = if self.placement == placement && self.before == from {
+            start.lead(from, placement, dt)
+        } else {
+            start.lead(self.placement, self.placement, dt)
+        };
+        self.flight = Some(Flight { start, end, free: (end, self.placement), drive: Some(drive) });
     }
 
     /// Ends a step in which something was near: sets the resulting motion and placement. If two islands touched the

@@ -2,10 +2,10 @@
 //!
 //! Design: `docs/design/dynamic_obstacles.md`.
 
-use glam::Vec3;
+use glam::{BVec3, Vec3};
 
 use crate::error::{BuildError, finite_vector, positive};
-use crate::geometry::pose::{Placement, Pose, turned};
+use crate::geometry::pose::{Placement, Pose, turn_between, turned};
 use crate::state::obstacle_motion::Reaction;
 
 /// A rigid body between two steps. The origin of its [`Placement`] is its centre of mass; the axes of the placement are
@@ -35,6 +35,10 @@ use crate::state::obstacle_motion::Reaction;
 pub struct RigidBody {
     mass: f32,
     moments: Vec3,
+    /// 1 for each world axis along which pushes move it, 0 for those that are locked.
+    movable: Vec3,
+    /// The same for turns about the axes.
+    turnable: Vec3,
     /// Velocity of the centre of mass in m/s.
     pub velocity: Vec3,
     /// Angular velocity in rad/s, in world axes.
@@ -50,7 +54,22 @@ impl RigidBody {
         positive("mass", mass)?;
         finite_vector("inertia", moments)?;
         positive("inertia", moments.min_element())?;
-        Ok(Self { mass, moments, velocity: Vec3::ZERO, angular_velocity: Vec3::ZERO })
+        Ok(Self {
+            mass,
+            moments,
+            movable: Vec3::ONE,
+            turnable: Vec3::ONE,
+            velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+        })
+    }
+
+    /// Returns the body with world axes locked: no push moves it along those of `translation`, or turns it about those
+    /// of `rotation`.
+    #[must_use]
+    pub fn with_locked_axes(self, translation: BVec3, rotation: BVec3) -> Self {
+        let free = |locked| Vec3::select(locked, Vec3::ZERO, Vec3::ONE);
+        Self { movable: free(translation), turnable: free(rotation), ..self }
     }
 
     /// Mass in kilograms.
@@ -63,7 +82,8 @@ impl RigidBody {
         self.velocity += acceleration * dt;
     }
 
-    /// Moves the body for `dt` seconds free of forces and returns its placement; linear and angular momentum stay.
+    /// Moves the body for `dt` seconds free of forces and returns its placement; linear momentum stays, and angular
+    /// momentum if no turn is locked.
     pub fn advance(&mut self, from: Placement, dt: f32) -> Placement {
         let momentum = self.angular_momentum(from);
         let mut to = Placement { translation: from.translation + self.velocity * dt, ..from };
@@ -71,8 +91,43 @@ impl RigidBody {
             // One turn is exact for small angles only.
             for _ in 0..TURNS {
                 to.rotation = turned(to.rotation, self.angular_velocity * (dt / TURNS as f32));
-                self.angular_velocity = self.scaled(to, momentum, self.moments.recip());
+                self.keep_angular_momentum(momentum, to);
             }
+        }
+        to
+    }
+
+    /// Sets the velocities to those from which `drive`, which is returned, leads the body from one placement to
+    /// another and to these final velocities within `dt` seconds: the parabola through both ends.
+    ///
+    /// ```text
+    /// place   from ----.__          velocity   2 way / dt - v  \
+    ///                     `-._                                   `--- v     acceleration   2 (v - way / dt) / dt
+    ///                         `to
+    /// ```
+    pub(crate) fn lead(&mut self, from: Placement, to: Placement, dt: f32) -> Drive {
+        let way = (to.translation - from.translation) / dt;
+        let turn = turn_between(from.rotation, to.rotation) / dt;
+        let drive = Drive {
+            linear: (self.velocity - way) * (2.0 / dt),
+            angular: (self.angular_velocity - turn) * (2.0 / dt),
+        };
+        self.velocity = 2.0 * way - self.velocity;
+        self.angular_velocity = 2.0 * turn - self.angular_velocity;
+        drive
+    }
+
+    /// Moves the body for `dt` seconds under accelerations that contain all that acts on it, and returns its placement.
+    pub(crate) fn advance_driven(&mut self, from: Placement, drive: Drive, dt: f32) -> Placement {
+        let before = *self;
+        self.velocity += drive.linear * dt;
+        self.angular_velocity += drive.angular * dt;
+        let turn = (before.angular_velocity + self.angular_velocity) * (0.5 * dt);
+        let mut to = from;
+        to.translation += (before.velocity + self.velocity) * (0.5 * dt);
+        // A turn by nothing rounds the quaternion, and a body at rest would wake what lies on it.
+        if turn != Vec3::ZERO {
+            to.rotation = turned(from.rotation, turn);
         }
         to
     }
@@ -85,21 +140,29 @@ impl RigidBody {
     /// Applies an impulse (newton seconds) at the centre of mass, and an angular impulse (newton metre seconds) about
     /// it.
     pub fn push(&mut self, impulse: Vec3, angular_impulse: Vec3, placement: Placement) {
-        self.velocity += impulse / self.mass;
-        self.angular_velocity += self.scaled(placement, angular_impulse, self.moments.recip());
+        self.velocity += impulse / self.mass * self.movable;
+        self.angular_velocity += self.turn_by(placement, angular_impulse);
     }
 
     /// Effective inverse mass in 1/kg of the point at `arm` (metres) from the centre, against a push along the unit
     /// vector `direction`.
     pub(crate) fn inverse_mass_at(&self, placement: Placement, arm: Vec3, direction: Vec3) -> f32 {
         let lever = arm.cross(direction);
-        self.mass.recip() + lever.dot(self.scaled(placement, lever, self.moments.recip()))
+        let along_locked = (direction * (Vec3::ONE - self.movable)).length_squared();
+        self.mass.recip() * (1.0 - along_locked) + lever.dot(self.turn_by(placement, lever))
     }
 
     /// Adapts the angular velocity to a turn from one placement to another, which keeps the angular momentum.
     pub(crate) fn turn_to(&mut self, from: Placement, to: Placement) {
-        let momentum = self.angular_momentum(from);
-        self.angular_velocity = self.scaled(to, momentum, self.moments.recip());
+        self.keep_angular_momentum(self.angular_momentum(from), to);
+    }
+
+    /// Sets the angular velocity to that of `momentum` at a placement. A body that is locked hands momentum on to what
+    /// locks it, and keeps its angular velocity.
+    fn keep_angular_momentum(&mut self, momentum: Vec3, placement: Placement) {
+        if self.turnable == Vec3::ONE {
+            self.angular_velocity = self.scaled(placement, momentum, self.moments.recip());
+        }
     }
 
     /// Angular momentum about its centre of mass, in kg m^2/s.
@@ -113,11 +176,25 @@ impl RigidBody {
         0.5 * (self.mass * self.velocity.length_squared() + turning)
     }
 
+    /// Change of the angular velocity by an angular impulse.
+    fn turn_by(&self, placement: Placement, angular_impulse: Vec3) -> Vec3 {
+        self.scaled(placement, angular_impulse * self.turnable, self.moments.recip()) * self.turnable
+    }
+
     /// A world vector, scaled along the principal axes.
     fn scaled(&self, placement: Placement, vector: Vec3, by: Vec3) -> Vec3 {
         let pose = Pose::between(&placement, &placement, 1.0, placement.translation);
         pose.direction_to_world(pose.to_local(vector) * by)
     }
+}
+
+/// Accelerations that another engine gives a body, with all that acts on it but contacts of cloth, ropes and balls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drive {
+    /// In m/s^2.
+    linear: Vec3,
+    /// In rad/s^2, in world axes.
+    angular: Vec3,
 }
 
 /// The number of small turns in a step.

@@ -1,0 +1,178 @@
+//! Dynamic bodies that cloth pushes, carries and wakes.
+
+use avian3d::prelude::*;
+use bevy::prelude::*;
+use bevy_drape::body::Activity;
+use bevy_drape::environment::Obstacle;
+use bevy_drape::prelude::*;
+use bevy_drape_avian::{BodyObstacle, ObstacleOf};
+
+use crate::common::*;
+
+fn ground(app: &mut App) {
+    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+}
+
+fn place(app: &App, body: Entity) -> Vec3 {
+    app.world().get::<Transform>(body).expect("it is there").translation
+}
+
+fn speed(app: &App, body: Entity) -> f32 {
+    app.world().get::<LinearVelocity>(body).expect("it is a body").length()
+}
+
+/// A crate of `mass` kilograms and sides of `side` metres.
+fn box_of(side: f32, mass: f32) -> impl Bundle {
+    let collider = Collider::cuboid(side, side, side);
+    let inertia = AngularInertia::new(Vec3::splat(mass * side * side / 6.0));
+    (RigidBody::Dynamic, collider, Mass(mass), inertia, NoAutoMass, NoAutoAngularInertia)
+}
+
+/// A sheet of 1 m that hangs flat in the air, pinned along its border.
+fn net(app: &mut App, height: f32) -> Entity {
+    let lying = Transform::from_xyz(0.0, height, 0.0)
+        .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+    let is_border = |i: &u32| [0, 16].contains(&(i % 17)) || [0, 16].contains(&(i / 17));
+    let border = ClothPins::Indices((0..17 * 17).filter(is_border).collect());
+    let cloth = Cloth::new(1.0, 1.0).with_particles(17, 17).with_pins(border);
+    app.world_mut().spawn((cloth, lying)).id()
+}
+
+#[test]
+fn cloth_comes_to_rest_on_every_shape_of_dynamic_bodies() {
+    for (name, collider, top) in shapes() {
+        let mut app = app();
+        ground(&mut app);
+        // Shapes without a volume have the mass that they are given. No ball rolls from under the sheet.
+        let mass = (Mass(20.0), AngularInertia::new(Vec3::ONE), NoAutoMass, NoAutoAngularInertia);
+        let at = Transform::from_xyz(0.0, 1.0, 0.0);
+        let held = (GravityScale(0.0), LinearDamping(5.0), LockedAxes::ROTATION_LOCKED);
+        let body = app.world_mut().spawn((RigidBody::Dynamic, collider, mass, at, held)).id();
+        let sheet = sheet(&mut app, 1.1 + top);
+        run(&mut app, 4.0);
+        let height = place(&app, body).y;
+        let highest = greatest(&app, sheet);
+        assert!((highest - height - top).abs() < 0.03, "{name}: it lies at {highest} on a body at {height}");
+        assert!(height < 1.0, "{name}: nothing weighs on it, it is at {height}");
+        assert!(least(&app, sheet) > -1e-3, "{name}: it is below the ground");
+    }
+}
+
+#[test]
+fn a_crate_that_falls_carries_the_sheet_on_it_down() {
+    let mut app = app();
+    ground(&mut app);
+    let crate_ = app.world_mut().spawn((box_of(0.6, 10.0), Transform::from_xyz(0.0, 2.0, 0.0))).id();
+    let sheet = sheet(&mut app, 2.35);
+    run(&mut app, 5.0);
+    let top = place(&app, crate_).y + 0.3;
+    assert!((top - 0.6).abs() < 0.02, "the crate lies on the ground, its top at {top}");
+    assert!((greatest(&app, sheet) - top).abs() < 0.03, "the sheet lies on it, at {}", greatest(&app, sheet));
+}
+
+#[test]
+fn a_net_catches_a_crate_and_lets_it_fall_when_it_goes() {
+    let mut app = app();
+    ground(&mut app);
+    let net = net(&mut app, 2.0);
+    let crate_ = app.world_mut().spawn((box_of(0.3, 1.0), Transform::from_xyz(0.0, 2.6, 0.0))).id();
+    run(&mut app, 8.0);
+    let at = place(&app, crate_);
+    assert!(at.y > 1.2 && at.y < 2.15, "it hangs in the net, at {at}");
+    assert!(app.world().get::<Sleeping>(crate_).is_some(), "it sleeps there");
+    assert_eq!(app.world().get::<Activity>(net), Some(&Activity::Resting), "the net rests");
+    app.world_mut().despawn(net);
+    run(&mut app, 2.0);
+    assert!(place(&app, crate_).y < 0.16, "it has fallen, to {}", place(&app, crate_));
+}
+
+#[test]
+fn a_crate_on_a_sheet_on_the_floor_comes_to_rest_and_both_sleep() {
+    let mut app = app();
+    ground(&mut app);
+    let sheet = sheet(&mut app, 0.05);
+    let crate_ = app.world_mut().spawn((box_of(0.3, 2.0), Transform::from_xyz(0.0, 0.5, 0.0))).id();
+    run(&mut app, 6.0);
+    let at = place(&app, crate_);
+    assert!((at.y - 0.15).abs() < 0.02, "it lies on the sheet, at {at}");
+    assert!(speed(&app, crate_) < 0.02, "{} m/s", speed(&app, crate_));
+    assert!(app.world().get::<Sleeping>(crate_).is_some(), "the crate sleeps");
+    assert_eq!(app.world().get::<Activity>(sheet), Some(&Activity::Resting), "the sheet rests");
+}
+
+#[test]
+fn a_sheet_over_a_crate_sleeps_with_it_and_a_ball_wakes_both() {
+    let mut app = app();
+    ground(&mut app);
+    let crate_ = app.world_mut().spawn((box_of(0.4, 4.0), Transform::from_xyz(0.0, 0.2, 0.0))).id();
+    let sheet = sheet(&mut app, 0.45);
+    run(&mut app, 8.0);
+    assert!(app.world().get::<Sleeping>(crate_).is_some(), "the crate sleeps");
+    assert_eq!(app.world().get::<Activity>(sheet), Some(&Activity::Resting), "the sheet rests");
+    let before = place(&app, crate_);
+
+    let ball = Projectile { velocity: Vec3::X * 20.0, mass: 2.0, ..Projectile::default() };
+    app.world_mut().spawn((ball, Transform::from_xyz(-1.0, 0.25, 0.0)));
+    run(&mut app, 0.5);
+    let moved = place(&app, crate_).x - before.x;
+    assert!(moved > 0.1, "the ball moved the crate by {moved} m");
+}
+
+#[test]
+fn colliders_of_one_body_move_as_one() {
+    let mut app = app();
+    // A hammer: a light handle along X, its heavy head at the end, so its centre of mass is off its origin.
+    let handle = (Collider::cuboid(1.0, 0.05, 0.05), ColliderDensity(100.0));
+    let head = (Collider::cuboid(0.1, 0.3, 0.1), ColliderDensity(2000.0), Transform::from_xyz(0.5, 0.0, 0.0));
+    let hammer = app
+        .world_mut()
+        .spawn((RigidBody::Dynamic, handle, GravityScale(0.0), AngularVelocity(Vec3::Z), children![head]))
+        .id();
+    run(&mut app, 0.1);
+    let obstacles: Vec<_> = app.world_mut().query::<(&Obstacle, &ObstacleOf)>().iter(app.world()).collect();
+    assert_eq!(obstacles.len(), 1, "both colliders are one obstacle");
+    run(&mut app, 1.0);
+    // Nothing touches it: it goes where Avian alone moves it.
+    let mut alone = app_without_cloth();
+    let handle = (Collider::cuboid(1.0, 0.05, 0.05), ColliderDensity(100.0));
+    let head = (Collider::cuboid(0.1, 0.3, 0.1), ColliderDensity(2000.0), Transform::from_xyz(0.5, 0.0, 0.0));
+    let same = alone
+        .world_mut()
+        .spawn((RigidBody::Dynamic, handle, GravityScale(0.0), AngularVelocity(Vec3::Z), children![head]))
+        .id();
+    run(&mut alone, 0.1);
+    run(&mut alone, 1.0);
+    assert_eq!(app.world().get::<Transform>(hammer), alone.world().get::<Transform>(same));
+    let obstacle = app.world().get::<BodyObstacle>(hammer).expect("it has one").entity();
+    let middle = app.world().get::<Transform>(obstacle).expect("it is there").translation;
+    let expected = app.world().get::<Transform>(hammer).expect("it is there").transform_point(Vec3::X * 0.48);
+    assert!(middle.distance(expected) < 0.03, "its centre of mass is at {middle}, not at {expected}");
+}
+
+#[test]
+fn a_body_that_becomes_static_or_goes_loses_its_obstacle() {
+    let mut app = app();
+    let crate_ = app.world_mut().spawn(box_of(0.3, 1.0)).id();
+    let count = |app: &mut App| {
+        let world = app.world_mut();
+        let all = world.query::<&Obstacle>().iter(world).count();
+        (all, world.query::<&ObstacleOf>().iter(world).count())
+    };
+    run(&mut app, 0.1);
+    assert_eq!(count(&mut app), (1, 1));
+    app.world_mut().entity_mut(crate_).insert(RigidBody::Static);
+    run(&mut app, 0.1);
+    assert_eq!(count(&mut app), (1, 0));
+    app.world_mut().entity_mut(crate_).insert(RigidBody::Dynamic);
+    run(&mut app, 0.1);
+    assert_eq!(count(&mut app), (1, 1));
+    app.world_mut().entity_mut(crate_).remove::<Collider>();
+    run(&mut app, 0.1);
+    assert_eq!(count(&mut app), (0, 0));
+    app.world_mut().entity_mut(crate_).insert(Collider::sphere(0.2));
+    run(&mut app, 0.1);
+    assert_eq!(count(&mut app), (1, 1));
+    app.world_mut().despawn(crate_);
+    run(&mut app, 0.1);
+    assert_eq!(count(&mut app), (0, 0));
+}

@@ -1,0 +1,80 @@
+//! Laws of mechanics between cloth and the bodies of Avian.
+
+use avian3d::prelude::*;
+use bevy::prelude::*;
+use bevy_drape::drape_solver::state::measure;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+const SIDE: f32 = 0.3;
+
+/// A sheet of 200 g that flies free, and a spinning box that flies at it off its middle. Nothing has weight.
+fn hit(mass: f32) -> (App, Entity, Entity) {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO))
+        .insert_resource(DrapeGravity(Vec3::ZERO))
+        .insert_resource(Wind::default());
+    let surface = BodySurface { drag: 0.0, ..default() };
+    let cloth = Cloth::new(1.0, 1.0).with_particles(17, 17).with_pins(ClothPins::None);
+    let sheet = app
+        .world_mut()
+        .spawn((cloth, surface, Fabric { areal_density: 0.2, damping: 0.0, ..default() }))
+        .id();
+    run(&mut app, 0.05);
+    let middle = {
+        let particles = app.world().get::<Particles>(sheet).expect("it is built");
+        particles.positions().sum::<Vec3>() / particles.len() as f32
+    };
+    let inertia = AngularInertia::new(Vec3::splat(mass * SIDE * SIDE / 6.0));
+    let shot = app
+        .world_mut()
+        .spawn((
+            (
+                RigidBody::Dynamic,
+                Collider::cuboid(SIDE, SIDE, SIDE),
+                Friction::new(0.5),
+                Restitution::new(0.0),
+            ),
+            (Mass(mass), inertia, NoAutoMass, NoAutoAngularInertia),
+            (LinearVelocity(Vec3::Z * 6.0), AngularVelocity(Vec3::new(1.0, 2.0, -1.0))),
+            Transform::from_translation(middle + Vec3::new(0.15, 0.05, -0.5)),
+        ))
+        .id();
+    (app, sheet, shot)
+}
+
+/// Momentum in kg m/s, angular momentum about the origin in kg m^2/s, and kinetic energy in joules.
+fn motion(app: &App, sheet: Entity, shot: Entity, mass: f32) -> (Vec3, Vec3, f64) {
+    let world = app.world();
+    let particles = world.get::<Particles>(sheet).expect("it is built");
+    let velocity = world.get::<LinearVelocity>(shot).expect("it is a body").0;
+    let spin = world.get::<AngularVelocity>(shot).expect("it is a body").0;
+    let place = world.get::<Position>(shot).expect("it is a body").0;
+    let moment = mass * SIDE * SIDE / 6.0;
+    let linear = measure::momentum(particles).as_vec3() + velocity * mass;
+    let angular =
+        measure::angular_momentum(particles).as_vec3() + place.cross(velocity) * mass + spin * moment;
+    let energy = 0.5 * (mass * velocity.length_squared() + moment * spin.length_squared());
+    (linear, angular, measure::kinetic_energy(particles) + f64::from(energy))
+}
+
+#[test]
+fn a_box_and_a_free_sheet_keep_momentum_and_gain_no_energy() {
+    for mass in [0.002, 0.02, 0.2, 2.0, 20.0] {
+        let (mut app, sheet, shot) = hit(mass);
+        app.update();
+        let (linear, angular, start) = motion(&app, sheet, shot, mass);
+        for index in 0..48 {
+            app.update();
+            let (now, turning, energy) = motion(&app, sheet, shot, mass);
+            let lost = now.distance(linear) / linear.length();
+            assert!(lost < 1e-5, "{mass} kg: {lost} of the momentum at step {index}");
+            let lost = turning.distance(angular) / angular.length();
+            assert!(lost < 0.02, "{mass} kg: {lost} of the angular momentum at step {index}");
+            assert!(energy < 1.0001 * start, "{mass} kg: {start} to {energy} J at step {index}");
+        }
+        let (.., end) = motion(&app, sheet, shot, mass);
+        assert!(end < 0.999 * start, "{mass} kg: it has hit the sheet");
+    }
+}

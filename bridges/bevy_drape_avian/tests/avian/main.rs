@@ -1,0 +1,6 @@
+//! Colliders and bodies of Avian among cloth.
+
+mod bodies;
+mod colliders;
+mod common;
+mod laws;
