@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! plugin      the plugin: what is watched, and when in a step
+//! sleep       sends bodies that lie on cloth to sleep, and wakes them
 //! motion      takes the motion of dynamic bodies over, and hands it back
 //! obstacles   makes obstacles of the colliders of static and kinematic bodies, and takes them away again
 //! bodies      makes one obstacle of all colliders of a dynamic body
@@ -22,6 +23,7 @@ mod motion;
 mod obstacles;
 mod outdated;
 mod plugin;
+mod sleep;
 mod surface;
 
 pub use marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};

@@ -58,6 +58,11 @@ impl LeftAt {
     }
 }
 
-/// The mean acceleration by which cloth has lately held or pushed a body, in m/s^2.
+/// The support that a body has of cloth.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Load(pub Vec3);
+pub(crate) struct Load {
+    /// Mean acceleration by which cloth has lately held or pushed the body, in m/s^2.
+    pub acceleration: Vec3,
+    /// Seconds for which the body has been slow enough for sleep.
+    pub still_for: f32,
+}

@@ -1,13 +1,12 @@
 //! Takes the motion of dynamic bodies over from Avian, and hands it back.
 
-use avian3d::dynamics::solver::islands::WakeBody;
 use avian3d::prelude::*;
 use bevy::prelude::*;
+use bevy_drape::drape_solver::Placement;
 use bevy_drape::environment::{DynamicObstacle, ObstacleReaction, PlannedPlacement};
-use bevy_drape::prelude::*;
 
 use crate::frame::InertialFrame;
-use crate::marks::{LeftAt, Load, ObstacleOf};
+use crate::marks::{LeftAt, ObstacleOf};
 
 /// Puts obstacles where their bodies begin Avian's step, if anything has moved the bodies since the last one.
 pub(crate) fn start(
@@ -25,7 +24,14 @@ pub(crate) fn start(
 
 /// Tells each obstacle where Avian's step has brought its body.
 pub(crate) fn plan(
-    mut obstacles: Query<(&ObstacleOf, &InertialFrame, &mut PlannedPlacement, &mut DynamicObstacle)>,
+    mut obstacles: Query<(
+        &ObstacleOf,
+        &InertialFrame,
+        &LeftAt,
+        &Transform,
+        &mut PlannedPlacement,
+        &mut DynamicObstacle,
+    )>,
     bodies: Query<(
         &Position,
         &Rotation,
@@ -36,13 +42,19 @@ pub(crate) fn plan(
     )>,
     time: Res<Time<Physics>>,
 ) {
-    for (of, frame, mut planned, mut dynamic) in &mut obstacles {
+    for (of, frame, left, transform, mut planned, mut dynamic) in &mut obstacles {
         let Ok((position, rotation, velocity, spin, locked, is_sleeping)) = bodies.get(of.0) else {
             continue;
         };
-        let place = frame.of_body(position, rotation);
+        let Transform { translation, rotation: turn, .. } = *transform;
+        let place = if LeftAt::new(position, rotation) == *left {
+            // Rounding on the way from body to frame would be a motion, and keep what lies on it awake.
+            Placement { translation, rotation: turn }
+        } else {
+            frame.of_body(position, rotation)
+        };
         *planned = PlannedPlacement { translation: place.translation, rotation: place.rotation };
-        // Cloth is held by a body that does not move, and wakes it if need be.
+        // A body that does not move holds what lies on it.
         let is_still = is_sleeping || time.is_paused();
         let locked = if is_still { LockedAxes::ALL_LOCKED } else { locked.copied().unwrap_or_default() };
         let is_locked = |bit: u8| locked.to_bits() >> bit & 1 == 1;
@@ -56,8 +68,7 @@ pub(crate) fn plan(
     }
 }
 
-/// Moves the bodies that cloth has pushed to where it left them, and wakes those that it pushes otherwise than it did
-/// when they fell asleep.
+/// Moves the bodies that cloth has pushed to where it left them.
 pub(crate) fn hand_back(
     mut obstacles: Query<(
         &ObstacleOf,
@@ -66,7 +77,6 @@ pub(crate) fn hand_back(
         &DynamicObstacle,
         &ObstacleReaction,
         &mut LeftAt,
-        &mut Load,
     )>,
     mut bodies: Query<(
         &mut Position,
@@ -75,50 +85,18 @@ pub(crate) fn hand_back(
         &mut AngularVelocity,
         Has<Sleeping>,
     )>,
-    mut commands: Commands,
-    clock: (Res<Time>, Res<Time<Physics>>),
+    time: Res<Time<Physics>>,
 ) {
-    let (clock, physics) = clock;
-    for (of, frame, transform, dynamic, reaction, mut left, mut load) in &mut obstacles {
+    for (of, frame, transform, dynamic, reaction, mut left) in &mut obstacles {
         let Ok((mut position, mut rotation, mut velocity, mut spin, is_sleeping)) = bodies.get_mut(of.0)
         else {
             continue;
         };
-        let push = reaction.impulse / dynamic.mass;
-        let acceleration = push / clock.delta_secs();
-        if is_sleeping {
-            if reaction.is_near && acceleration.distance(load.0) > WAKING_CHANGE {
-                commands.queue(WakeBody(of.0));
-                velocity.0 += push;
-            }
-        } else if !physics.is_paused() {
-            if reaction.impulse != Vec3::ZERO || reaction.angular_impulse != Vec3::ZERO {
-                (*position, *rotation) = frame.body_at(transform.translation, transform.rotation);
-                (velocity.0, spin.0) = (dynamic.velocity, dynamic.angular_velocity);
-            }
-            load.0 = load.0.lerp(acceleration, LOAD_PART);
+        let is_touched = reaction.impulse != Vec3::ZERO || reaction.angular_impulse != Vec3::ZERO;
+        if is_touched && !is_sleeping && !time.is_paused() {
+            (*position, *rotation) = frame.body_at(transform.translation, transform.rotation);
+            (velocity.0, spin.0) = (dynamic.velocity, dynamic.angular_velocity);
         }
         *left = LeftAt::new(&position, &rotation);
     }
 }
-
-/// Wakes bodies that slept on cloth which is gone.
-pub(crate) fn wake_carried(
-    _gone: On<Remove<Particles>>,
-    obstacles: Query<(&ObstacleOf, &Load)>,
-    sleeping: Query<(), With<Sleeping>>,
-    mut commands: Commands,
-) {
-    for (of, load) in &obstacles {
-        if load.0.length() > WAKING_CHANGE && sleeping.contains(of.0) {
-            commands.queue(WakeBody(of.0));
-        }
-    }
-}
-
-/// A sleeping body wakes if the acceleration by which cloth holds or pushes it changes by this much (m/s^2): half its
-/// weight on earth.
-const WAKING_CHANGE: f32 = 5.0;
-
-/// The part of each step in the mean of a load.
-const LOAD_PART: f32 = 0.1;

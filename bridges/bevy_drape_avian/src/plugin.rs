@@ -1,7 +1,7 @@
 //! The plugin.
 
 use avian3d::physics_transform::position_to_transform;
-use avian3d::schedule::PhysicsSystems;
+use avian3d::schedule::{PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
@@ -10,9 +10,10 @@ use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
 
 use crate::bodies::update_bodies;
 use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
-use crate::motion::{hand_back, plan, start, wake_carried};
+use crate::motion::{hand_back, plan, start};
 use crate::obstacles::update_obstacles;
 use crate::outdated::{note_changes, watch};
+use crate::sleep::{fall_asleep, note_loads, wake_carried};
 
 /// Makes an obstacle of every collider of Avian, and lets cloth, ropes and balls push dynamic bodies. They take their step
 /// after the physics has, in the same fixed step:
@@ -57,12 +58,16 @@ impl Plugin for AvianDrapePlugin {
                 ),
             )
             .add_systems(
+                PhysicsSchedule,
+                fall_asleep.after(PhysicsStepSystems::Sleeping).before(PhysicsStepSystems::Finalize),
+            )
+            .add_systems(
                 DrapeSchedule,
                 (
                     (note_changes, update_obstacles, update_bodies, plan)
                         .chain()
                         .before(DrapeSystems::ManageScene),
-                    hand_back.after(DrapeSystems::Finish),
+                    (hand_back, note_loads).chain().after(DrapeSystems::Finish),
                 ),
             );
     }

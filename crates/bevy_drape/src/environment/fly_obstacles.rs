@@ -36,7 +36,8 @@ pub(crate) fn fly_dynamic_obstacles(
         obstacle.set_rigid_body(body.ok());
         match planned {
             Some(&PlannedPlacement { translation, rotation }) => {
-                obstacle.fly_to(Placement { translation, rotation }, clock.delta());
+                let there = Placement { translation, rotation };
+                obstacle.fly_to(unless_rounded(obstacle.placement(), there), clock.delta());
             }
             None => obstacle.fly(gravity * dynamic.gravity_scale, clock.delta()),
         }
@@ -45,3 +46,13 @@ pub(crate) fn fly_dynamic_obstacles(
         }
     }
 }
+
+/// `there`, or `here` if the two differ only by the rounding of a rotation that has been in a matrix. Such a motion would
+/// keep awake what lies on the obstacle.
+fn unless_rounded(here: Placement, there: Placement) -> Placement {
+    let turn = (here.rotation - there.rotation).length_squared();
+    if here.translation == there.translation && turn < ROUNDED_TURN { here } else { there }
+}
+
+/// Square of the difference of two unit quaternions that are the same but for rounding.
+const ROUNDED_TURN: f32 = 1e-12;

@@ -110,6 +110,9 @@ pub(crate) fn turned(rotation: Quat, turn: Vec3) -> Quat {
 /// The rotation vector (radians, world axes) of the shorter turn from one rotation to another. Halves the turn until
 /// its sine is its angle: a quaternion plus the identity points along half the angle, which takes roots only.
 pub(crate) fn turn_between(from: Quat, to: Quat) -> Vec3 {
+    if from == to {
+        return Vec3::ZERO;
+    }
     let way = to * from.conjugate();
     let mut part = (if way.w < 0.0 { -way } else { way }).normalize();
     for _ in 0..HALVINGS {
@@ -125,6 +128,18 @@ const HALVINGS: u8 = 4;
 mod tests {
     use super::*;
     use crate::simd::miri::unless_miri;
+
+    #[test]
+    fn a_turn_between_two_rotations_leads_from_one_to_the_other() {
+        let from = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
+        for axis in [Vec3::X, Vec3::new(0.6, -0.8, 0.0), Vec3::new(1.0, 2.0, -2.0) / 3.0] {
+            for angle in [1e-6, 0.1, 1.0, 2.0, 3.1] {
+                let turn = turn_between(from, Quat::from_axis_angle(axis, angle) * from);
+                assert!((turn - axis * angle).length() < 0.007 * angle, "{angle} about {axis}: {turn}");
+            }
+        }
+        assert_eq!(turn_between(from, from), Vec3::ZERO);
+    }
 
     #[test]
     fn pose_agrees_with_the_quaternion_and_inverts() {
