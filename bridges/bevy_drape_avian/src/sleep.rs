@@ -35,7 +35,7 @@ pub(crate) fn note_loads(
             if reaction.is_near && acceleration.distance(load.acceleration) > WAKING_CHANGE {
                 commands.queue(WakeBody(of.0));
                 velocity.0 += push;
-                load.still_for = 0.0;
+                *load = Load::default();
             }
             continue;
         }
@@ -51,6 +51,7 @@ pub(crate) fn note_loads(
 pub(crate) fn fall_asleep(
     obstacles: Query<(&ObstacleOf, &Load)>,
     bodies: Query<(&BodyIslandNode, &SleepTimer, Option<&BodyObstacle>), Without<Sleeping>>,
+    mut velocities: Query<(&mut LinearVelocity, &mut AngularVelocity)>,
     mut commands: Commands,
     time_to_sleep: Res<TimeToSleep>,
 ) {
@@ -66,6 +67,10 @@ pub(crate) fn fall_asleep(
         let mut others = bodies.iter().filter(|(other, ..)| other.island_id() == island.island_id());
         if others.all(|(_, timer, obstacle)| is_still(timer, obstacle)) {
             commands.queue(SleepBody(of.0));
+            if let Ok((mut velocity, mut spin)) = velocities.get_mut(of.0) {
+                // It has begun to fall in this step.
+                (velocity.0, spin.0) = (Vec3::ZERO, Vec3::ZERO);
+            }
         }
     }
 }
@@ -73,13 +78,14 @@ pub(crate) fn fall_asleep(
 /// Wakes bodies that slept on cloth which is gone.
 pub(crate) fn wake_carried(
     _gone: On<Remove<Particles>>,
-    obstacles: Query<(&ObstacleOf, &Load)>,
+    mut obstacles: Query<(&ObstacleOf, &mut Load)>,
     sleeping: Query<(), With<Sleeping>>,
     mut commands: Commands,
 ) {
-    for (of, load) in &obstacles {
+    for (of, mut load) in &mut obstacles {
         if load.is_carried() && sleeping.contains(of.0) {
             commands.queue(WakeBody(of.0));
+            *load = Load::default();
         }
     }
 }
