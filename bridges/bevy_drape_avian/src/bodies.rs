@@ -92,8 +92,7 @@ fn shape<'a>(
     parts: impl Iterator<Item = (&'a Collider, &'a ColliderTransform)>,
 ) -> ObstacleShape {
     let placed = parts.map(|(collider, place)| {
-        let placement =
-            frame.from_body(Placement { translation: place.translation, rotation: place.rotation });
+        let placement = frame.placed(Placement { translation: place.translation, rotation: place.rotation });
         Ok((Shape::from_parry(collider.shape_scaled().clone())?, placement))
     });
     let shape = placed.collect::<Result<Vec<_>, BuildError>>().and_then(Shape::compound);

@@ -30,8 +30,8 @@ impl InertialFrame {
         (Position(translation - rotation * self.centre), Rotation(rotation))
     }
 
-    /// A place in the body, as seen from this frame.
-    pub fn from_body(&self, place: Placement) -> Placement {
+    /// The place in this frame of a place in the body.
+    pub fn placed(&self, place: Placement) -> Placement {
         let back = self.axes.conjugate();
         Placement { translation: back * (place.translation - self.centre), rotation: back * place.rotation }
     }

@@ -42,30 +42,18 @@ fn watch_component<C: Component>(app: &mut App) {
     });
 }
 
-/// Lists the colliders that were changed in place, all colliders of bodies that are listed, whose material they may have,
-/// and bodies whose mass changed or whose colliders moved in them.
-pub(crate) fn note_changes(
+/// Lists the colliders that were changed in place, and all colliders of bodies that are listed, whose material they may have.
+pub(crate) fn note_colliders(
     mut outdated: ResMut<Outdated>,
     changed: Query<
         Entity,
         Or<(Changed<Collider>, Changed<CollisionLayers>, Changed<Friction>, Changed<Restitution>)>,
     >,
     bodies: Query<&RigidBodyColliders>,
-    changed_bodies: Query<
-        Entity,
-        Or<(
-            Changed<RigidBodyColliders>,
-            Changed<ComputedMass>,
-            Changed<ComputedAngularInertia>,
-            Changed<ComputedCenterOfMass>,
-        )>,
-    >,
-    moved_parts: Query<(Entity, &ColliderTransform, &ColliderOf), Changed<ColliderTransform>>,
-    known: (Query<&BodyObstacle>, Query<&Parts>),
     all: Query<Entity, With<Collider>>,
     defaults: (Res<DefaultFriction>, Res<DefaultRestitution>),
 ) {
-    let Outdated { colliders: outdated, bodies: outdated_bodies } = &mut *outdated;
+    let outdated = &mut outdated.colliders;
     outdated.extend(&changed);
     for listed in 0..outdated.len() {
         if let Ok(colliders) = bodies.get(outdated[listed]) {
@@ -75,13 +63,30 @@ pub(crate) fn note_changes(
     if defaults.0.is_changed() || defaults.1.is_changed() {
         outdated.extend(&all);
     }
-    outdated_bodies.extend(&changed_bodies);
+}
+
+/// Lists the bodies whose mass changed, and those that gained, lost or moved a collider.
+pub(crate) fn note_bodies(
+    mut outdated: ResMut<Outdated>,
+    changed: Query<
+        Entity,
+        Or<(
+            Changed<RigidBodyColliders>,
+            Changed<ComputedMass>,
+            Changed<ComputedAngularInertia>,
+            Changed<ComputedCenterOfMass>,
+        )>,
+    >,
+    moved: Query<(Entity, &ColliderTransform, &ColliderOf), Changed<ColliderTransform>>,
+    obstacles: Query<&BodyObstacle>,
+    parts: Query<&Parts>,
+) {
+    outdated.bodies.extend(&changed);
     // Avian writes the places of all colliders below a body that moves.
-    let (obstacles, parts) = known;
-    for (entity, place, of) in &moved_parts {
+    for (entity, place, of) in &moved {
         let parts = obstacles.get(of.body).and_then(|obstacle| parts.get(obstacle.entity()));
         if parts.is_ok_and(|parts| parts.0.iter().any(|(part, known)| *part == entity && known != place)) {
-            outdated_bodies.push(of.body);
+            outdated.bodies.push(of.body);
         }
     }
 }

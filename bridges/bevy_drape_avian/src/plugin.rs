@@ -12,7 +12,7 @@ use crate::bodies::update_bodies;
 use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 use crate::motion::{hand_back, plan, start};
 use crate::obstacles::update_obstacles;
-use crate::outdated::{note_changes, watch};
+use crate::outdated::{note_bodies, note_colliders, watch};
 use crate::sleep::{fall_asleep, note_loads, wake_carried};
 
 /// Makes an obstacle of every collider of Avian, and lets cloth, ropes and balls push dynamic bodies. They take their step
@@ -64,7 +64,7 @@ impl Plugin for AvianDrapePlugin {
             .add_systems(
                 DrapeSchedule,
                 (
-                    (note_changes, update_obstacles, update_bodies, plan)
+                    (note_colliders, note_bodies, update_obstacles, update_bodies, plan)
                         .chain()
                         .before(DrapeSystems::ManageScene),
                     (hand_back, note_loads).chain().after(DrapeSystems::Finish),

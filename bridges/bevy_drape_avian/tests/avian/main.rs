@@ -4,3 +4,4 @@ mod bodies;
 mod colliders;
 mod common;
 mod laws;
+mod operations;

@@ -1,0 +1,182 @@
+//! A thousand random operations on a running world: nothing panics, nothing stays behind, nothing is lost in space.
+
+use avian3d::prelude::*;
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape_avian::{NoObstacle, ObstacleOf};
+
+use crate::common::*;
+
+const OPERATIONS: usize = 1000;
+/// Operations between one step and the next.
+const PER_STEP: usize = 4;
+/// Bodies, and cloths, that are there at once.
+const MOST: usize = 12;
+
+/// Numbers that look random and are the same each time (`SplitMix64`).
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, count: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) % count as u64) as usize
+    }
+
+    /// From -reach to reach.
+    fn about(&mut self, reach: f32) -> f32 {
+        (self.below(20_001) as f32 / 10_000.0 - 1.0) * reach
+    }
+
+    fn vector(&mut self, reach: f32) -> Vec3 {
+        Vec3::new(self.about(reach), self.about(reach), self.about(reach))
+    }
+
+    fn of<T: Clone>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len())].clone()
+    }
+
+    fn place(&mut self) -> Transform {
+        Transform::from_translation(self.vector(1.5) + Vec3::Y * 1.6)
+            .with_rotation(Quat::from_scaled_axis(self.vector(3.0)))
+    }
+
+    fn collider(&mut self) -> Collider {
+        // Parry panics where voxels or height fields meet a shape of parts, with or without cloth.
+        let known = |(name, ..): &(&str, Collider, f32)| !["voxels", "height field"].contains(name);
+        let colliders: Vec<_> = shapes().into_iter().filter(known).collect();
+        self.of(&colliders).1
+    }
+
+    fn body(&mut self) -> RigidBody {
+        self.of(&[RigidBody::Static, RigidBody::Kinematic, RigidBody::Dynamic, RigidBody::Dynamic])
+    }
+}
+
+/// The entities that operations choose from; some have gone with a parent.
+#[derive(Default)]
+struct Made {
+    bodies: Vec<Entity>,
+    cloths: Vec<Entity>,
+}
+
+fn spawn(app: &mut App, made: &mut Made, dice: &mut Dice) {
+    let world = app.world_mut();
+    if made.bodies.len() < MOST && dice.below(2) == 0 {
+        let mass = (Mass(dice.of(&[0.01, 1.0, 100.0])), AngularInertia::new(Vec3::splat(0.1)), NoAutoMass);
+        let body = (dice.body(), dice.collider(), mass, NoAutoAngularInertia, dice.place());
+        let velocity = (LinearVelocity(dice.vector(5.0)), AngularVelocity(dice.vector(5.0)));
+        made.bodies.push(world.spawn((body, velocity)).id());
+    } else if made.cloths.len() < MOST {
+        let place = dice.place();
+        let cloth = match dice.below(3) {
+            0 => world.spawn((Cloth::new(0.6, 0.6).with_particles(9, 9).with_pins(ClothPins::None), place)),
+            1 => world.spawn((Rope::new(Vec3::ZERO, Vec3::X, 12), place)),
+            _ => world.spawn((Projectile { velocity: dice.vector(10.0), ..default() }, place)),
+        };
+        made.cloths.push(cloth.id());
+    }
+}
+
+fn operate(app: &mut App, made: &mut Made, dice: &mut Dice) {
+    let kind = dice.below(16);
+    if kind < 4 || made.bodies.is_empty() {
+        return spawn(app, made, dice);
+    }
+    if kind == 4 && !made.cloths.is_empty() {
+        let cloth = made.cloths.swap_remove(dice.below(made.cloths.len()));
+        app.world_mut().despawn(cloth);
+        return;
+    }
+    if kind == 5 {
+        let mut time = app.world_mut().resource_mut::<Time<Physics>>();
+        if time.is_paused() {
+            time.unpause();
+        } else {
+            time.pause();
+        }
+        return;
+    }
+    let index = dice.below(made.bodies.len());
+    let (body, other) = (made.bodies[index], dice.of(&made.bodies));
+    let Ok(mut entity) = app.world_mut().get_entity_mut(body) else {
+        made.bodies.swap_remove(index);
+        return;
+    };
+    match kind {
+        6 => {
+            entity.despawn();
+            made.bodies.swap_remove(index);
+        }
+        7 => _ = entity.insert(dice.body()),
+        8 => _ = entity.insert(dice.collider()),
+        9 => _ = entity.insert(dice.place()),
+        10 => {
+            if let Some(mut place) = entity.get_mut::<Transform>() {
+                place.scale = Vec3::splat(0.5 + dice.about(0.4));
+            }
+        }
+        11 => {
+            let layers = [LayerMask::ALL, LayerMask(2), LayerMask::NONE];
+            entity.insert(CollisionLayers::new(dice.of(&layers), dice.of(&layers)));
+        }
+        12 if entity.contains::<Sensor>() => _ = entity.remove::<Sensor>(),
+        12 => _ = entity.insert(Sensor),
+        13 if entity.contains::<NoObstacle>() => _ = entity.remove::<NoObstacle>(),
+        13 => _ = entity.insert(NoObstacle),
+        14 if entity.contains::<RigidBodyDisabled>() => _ = entity.remove::<RigidBodyDisabled>(),
+        14 => _ = entity.insert(RigidBodyDisabled),
+        _ if entity.contains::<ChildOf>() => _ = entity.remove::<ChildOf>(),
+        _ if other != body => {
+            let is_below = |world: &World, mut of: Entity| loop {
+                match world.get::<ChildOf>(of) {
+                    Some(parent) if parent.parent() == body => return true,
+                    Some(parent) => of = parent.parent(),
+                    None => return false,
+                }
+            };
+            // Half of those that get a parent become one of its colliders.
+            if dice.below(2) == 0 {
+                entity.remove::<RigidBody>();
+            }
+            let world = app.world_mut();
+            if world.get_entity(other).is_ok() && !is_below(world, other) {
+                world.entity_mut(body).insert(ChildOf(other));
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn a_thousand_random_operations_leave_a_sound_world() {
+    let mut app = app();
+    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    let (mut made, mut dice) = (Made::default(), Dice(21));
+    for number in 0..OPERATIONS {
+        operate(&mut app, &mut made, &mut dice);
+        if number % PER_STEP == 0 {
+            app.update();
+            let world = app.world_mut();
+            for (body, place) in world.query::<(Entity, &Transform)>().iter(world) {
+                assert!(
+                    place.is_finite() && place.translation.length() < 1e4,
+                    "{body} at {number}: {place:?}"
+                );
+            }
+            for (body, particles) in world.query::<(Entity, &Particles)>().iter(world) {
+                assert!(particles.positions().all(Vec3::is_finite), "{body} at {number}");
+            }
+        }
+    }
+    for entity in made.bodies.into_iter().chain(made.cloths) {
+        if let Ok(entity) = app.world_mut().get_entity_mut(entity) {
+            entity.despawn();
+        }
+    }
+    app.update();
+    let world = app.world_mut();
+    assert_eq!(world.query::<&ObstacleOf>().iter(world).count(), 0, "no obstacle outlives its body");
+    assert_eq!(world.query::<&Obstacle>().iter(world).count(), 1, "the ground is left");
+}
