@@ -3,7 +3,7 @@
 use avian3d::prelude::*;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use bevy_drape::environment::ObstacleShape;
+use bevy_drape::environment::{CombineRule, ObstacleShape};
 use bevy_drape::prelude::*;
 
 /// What a collider is like to touch.
@@ -19,7 +19,9 @@ impl Surface {
         Obstacle {
             friction: self.friction.dynamic_coefficient,
             static_friction: self.friction.static_coefficient,
+            friction_rule: rule(self.friction.combine_rule),
             restitution: self.restitution.coefficient,
+            restitution_rule: rule(self.restitution.combine_rule),
             ..Obstacle::new(shape)
         }
     }
@@ -44,5 +46,16 @@ impl Surfaces<'_, '_> {
             friction: *own_friction.or(body_friction).unwrap_or(&self.default_friction.0),
             restitution: *own_restitution.or(body_restitution).unwrap_or(&self.default_restitution.0),
         }
+    }
+}
+
+/// The same rule in cloth's terms. Cloth has Avian's default rule, the average, which yields to all others.
+fn rule(rule: CoefficientCombine) -> CombineRule {
+    match rule {
+        CoefficientCombine::Average => CombineRule::Average,
+        CoefficientCombine::GeometricMean => CombineRule::GeometricMean,
+        CoefficientCombine::Min => CombineRule::Min,
+        CoefficientCombine::Multiply => CombineRule::Multiply,
+        CoefficientCombine::Max => CombineRule::Max,
     }
 }

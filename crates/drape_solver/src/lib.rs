@@ -74,6 +74,7 @@ pub use parallel::threads::{Alone, Threads};
 pub use simd::isa::Isa;
 pub use state::ball::{Ball, BallMaterial};
 pub use state::body::{Body, BodyContext};
+pub use state::combine_rule::CombineRule;
 pub use state::frame_motion::FrameMotion;
 pub use state::hash::StateHasher;
 pub use state::layers::Layers;

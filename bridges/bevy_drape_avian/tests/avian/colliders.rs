@@ -154,3 +154,25 @@ fn friction_and_restitution_are_those_of_the_collider_else_of_the_body_else_of_t
     run(&mut app, 0.1);
     assert_eq!(ours(&app, collider), (0.3, 0.4));
 }
+
+#[test]
+fn cloth_and_colliders_combine_their_friction_by_the_rule_of_the_collider() {
+    // A slope of 30 degrees, whose tangent is 0.58; cloth has a friction of 0.5.
+    let slides = |friction: Friction| {
+        let mut app = app();
+        let slope = Transform::from_rotation(Quat::from_rotation_z(-30_f32.to_radians()));
+        app.world_mut().spawn((RigidBody::Static, Collider::cuboid(9.0, 0.2, 9.0), friction, slope));
+        let above = slope.with_translation(slope.rotation * Vec3::Y * 0.12);
+        let lying = above * Transform::from_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+        let cloth = Cloth::new(0.8, 0.8).with_particles(17, 17).with_pins(ClothPins::None);
+        let sheet = app.world_mut().spawn((cloth, lying, BodySurface { friction: 0.5, ..default() })).id();
+        run(&mut app, 0.1);
+        let before = heights(&app, sheet).sum::<f32>();
+        run(&mut app, 1.5);
+        (before - heights(&app, sheet).sum::<f32>()) / 289.0 > 0.1
+    };
+    assert!(slides(Friction::new(0.5)) && !slides(Friction::new(0.8)), "by the average");
+    assert!(!slides(Friction::new(0.1).with_combine_rule(CoefficientCombine::Max).with_static_coefficient(2.0)));
+    assert!(slides(Friction::new(0.9).with_combine_rule(CoefficientCombine::Multiply)));
+    assert!(slides(Friction::new(0.9).with_combine_rule(CoefficientCombine::Min)));
+}

@@ -36,7 +36,7 @@ pub(crate) mod wind_zone;
 
 pub use dynamic_obstacle::{DynamicObstacle, ObstacleReaction, PlannedPlacement};
 pub use gravity::DrapeGravity;
-pub use obstacle::{Obstacle, TeleportObstacle};
+pub use obstacle::{CombineRule, Obstacle, TeleportObstacle};
 pub use obstacle_shape::{CustomShape, ObstacleShape, ShapeFromMesh};
 pub use wind::{Gusts, Wind};
 pub use wind_zone::{WindFlow, WindRegion, WindZone};

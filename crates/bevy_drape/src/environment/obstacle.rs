@@ -1,6 +1,7 @@
 //! Obstacles, which cloth and balls collide with.
 
 use bevy::prelude::*;
+pub use drape_solver::CombineRule;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::{BuildError, Layers, Placement, Shape};
 
@@ -18,12 +19,16 @@ use crate::environment::obstacle_shape::ObstacleShape;
 pub struct Obstacle {
     /// Shape in the entity's coordinates.
     pub shape: ObstacleShape,
-    /// Coulomb friction coefficient, 0 or more. Two surfaces in contact use the mean of theirs.
+    /// Coulomb friction coefficient, 0 or more.
     pub friction: f32,
     /// Coefficient of static friction, which holds until sliding begins; at least `friction` counts.
     pub static_friction: f32,
-    /// Coefficient of restitution against balls: 0 (no bounce) to 1. Two surfaces in contact use the mean of theirs.
+    /// How these two and those of what touches it become one: by their mean, unless set otherwise.
+    pub friction_rule: CombineRule,
+    /// Coefficient of restitution against balls: 0 (no bounce) to 1.
     pub restitution: f32,
+    /// How this and the ball's become one.
+    pub restitution_rule: CombineRule,
     /// True for a sensor, which moves nothing and only reports contacts: see [`as_sensor`](Self::as_sensor).
     pub is_sensor: bool,
 }
@@ -38,7 +43,15 @@ impl Default for Obstacle {
 impl Obstacle {
     /// An obstacle of `shape` with friction 0.5. The next step checks sizes: invalid obstacles are logged and left out.
     pub fn new(shape: impl Into<ObstacleShape>) -> Self {
-        Self { shape: shape.into(), friction: 0.5, static_friction: 0.0, restitution: 0.0, is_sensor: false }
+        Self {
+            shape: shape.into(),
+            friction: 0.5,
+            static_friction: 0.0,
+            friction_rule: CombineRule::Average,
+            restitution: 0.0,
+            restitution_rule: CombineRule::Average,
+            is_sensor: false,
+        }
     }
 
     /// The half-space below the entity.
@@ -149,6 +162,7 @@ pub(crate) fn built(
     let built = drape_solver::Obstacle::new(shape.scaled(scale)?, placement, obstacle.friction)?
         .with_static_friction(obstacle.static_friction)?
         .with_restitution(obstacle.restitution)?
+        .with_combine_rules(obstacle.friction_rule, obstacle.restitution_rule)
         .with_layers(layers);
     let built = if obstacle.is_sensor { built.as_sensor() } else { built };
     let built = if reports_contacts { built.reporting_contacts() } else { built };

@@ -6,7 +6,7 @@ use drape_solver::{BuildError, Placement};
 use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
 use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
-use crate::environment::obstacle::{Obstacle, built};
+use crate::environment::obstacle::{CombineRule, Obstacle, built};
 use crate::environment::obstacle_changes::ObstacleChanges;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
@@ -24,7 +24,9 @@ pub(super) struct ObstacleSnapshot {
     before: ([f32; 3], [f32; 4]),
     friction: f32,
     static_friction: f32,
+    friction_rule: CombineRule,
     restitution: f32,
+    restitution_rule: CombineRule,
     is_sensor: bool,
     own_layers: Option<DrapeLayers>,
     dynamic: Option<DynamicObstacle>,
@@ -60,8 +62,18 @@ impl ObstacleSnapshot {
 
     /// Returns an obstacle with the surface of the snapshot.
     fn on(&self, obstacle: Obstacle) -> Obstacle {
-        let Self { friction, static_friction, restitution, is_sensor, .. } = *self;
-        Obstacle { friction, static_friction, restitution, is_sensor, ..obstacle }
+        let Self {
+            friction, static_friction, friction_rule, restitution, restitution_rule, is_sensor, ..
+        } = *self;
+        Obstacle {
+            friction,
+            static_friction,
+            friction_rule,
+            restitution,
+            restitution_rule,
+            is_sensor,
+            ..obstacle
+        }
     }
 }
 
@@ -82,7 +94,9 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<ObstacleSnapshot> {
             before,
             friction: obstacle.friction,
             static_friction: obstacle.static_friction,
+            friction_rule: obstacle.friction_rule,
             restitution: obstacle.restitution,
+            restitution_rule: obstacle.restitution_rule,
             is_sensor: obstacle.is_sensor,
             own_layers: entity.get().copied(),
             dynamic: entity.get().copied(),

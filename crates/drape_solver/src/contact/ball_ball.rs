@@ -8,6 +8,7 @@ use crate::contact::depenetration::{InitialOverlap, PushOutRate};
 use crate::contact::event::{BallProjection, Other, Touch, add_impulse, record};
 use crate::contact::restitution::Impact;
 use crate::state::ball::{Ball, SURFACE_INVERSE_MASS};
+use crate::state::combine_rule::CombineRule;
 use crate::state::substep::Substep;
 
 /// Two balls that may touch in this step; `a < b`.
@@ -108,7 +109,8 @@ pub(crate) fn rebound(pairs: &mut [BallPair], balls: &mut [Ball], touches: &mut 
         let Ok([a, b]) = balls.get_disjoint_mut([pair.a, pair.b]) else {
             continue;
         };
-        let restitution = [a.material.restitution, b.material.restitution];
+        let rule = CombineRule::default();
+        let restitution = rule.combine(a.material.restitution, b.material.restitution);
         let Some(rebound) = pair.impact.rebound(restitution, substep.duration) else {
             continue;
         };

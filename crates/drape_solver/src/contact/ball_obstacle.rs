@@ -233,7 +233,7 @@ pub(crate) fn rebound(
 ) {
     for pair in &mut contacts.pairs {
         let (ball, obstacle) = (&mut balls[pair.ball], &substep.obstacles[pair.obstacle]);
-        let restitution = [ball.material.restitution, obstacle.restitution()];
+        let restitution = obstacle.restitution_against(ball.material.restitution);
         let Some(rebound) = pair.impact.rebound(restitution, substep.duration) else {
             continue;
         };
@@ -268,8 +268,8 @@ pub(crate) fn apply_friction(
         }
         let ball = &mut balls[pair.ball];
         let mover = pair.follow(movers);
-        let surface = substep.obstacles[pair.obstacle].surface_friction();
-        let friction = ball.material.surface_friction().with(surface);
+        let obstacle = &substep.obstacles[pair.obstacle];
+        let friction = obstacle.friction_against(ball.material.surface_friction());
         let arm = pair.normal * -ball.material.radius;
         let point = ball.position + arm;
         let carried = point - pair.before.point_to_world(pair.now.to_local(point));

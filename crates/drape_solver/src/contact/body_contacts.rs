@@ -184,7 +184,7 @@ impl<'a> NearObstacle<'a> {
             index,
             obstacle,
             pose: obstacle.pose_at(0.0, particles.origin),
-            friction: settings.surface_friction().with(obstacle.surface_friction()),
+            friction: obstacle.friction_against(settings.surface_friction()),
             path: search.flight.towards(obstacle, particles),
             thinnest,
             is_fast: (search.fastest + obstacle.travel()) / search.flight.substeps > thinnest,

@@ -15,7 +15,6 @@
 //! Design: `docs/design/contacts.md`.
 
 use crate::constants::RESTITUTION_SPEED;
-use crate::state::friction::combined;
 
 /// The impact of two in a substep.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,10 +43,9 @@ impl Impact {
         }
     }
 
-    /// The rebound of surfaces with these coefficients (the mean counts), in a `substep` of so many seconds; none if
-    /// they do not bounce.
-    pub fn rebound(self, [first, second]: [f32; 2], substep: f32) -> Option<Rebound> {
-        let restitution = combined(first, second);
+    /// The rebound of two with this coefficient between them, in a `substep` of so many seconds; none if they do not
+    /// bounce.
+    pub fn rebound(self, restitution: f32, substep: f32) -> Option<Rebound> {
         let displacement = restitution * self.approach;
         (restitution > 0.0 && self.approach > RESTITUTION_SPEED * substep)
             .then_some(Rebound { displacement, position: displacement * (1.0 - self.fraction) })

@@ -13,6 +13,8 @@
 
 use glam::Vec3;
 
+use crate::state::combine_rule::CombineRule;
+
 /// The friction of a surface, or of two in contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Friction {
@@ -28,11 +30,16 @@ impl Friction {
         Self { kinetic, sticking: sticking.max(kinetic) }
     }
 
-    /// Friction between two surfaces: the mean of each coefficient.
+    /// Friction between two surfaces that have no rule of their own.
     pub fn with(self, other: Self) -> Self {
+        self.with_by(other, CombineRule::default())
+    }
+
+    /// Friction between two surfaces by a rule, for each coefficient.
+    pub fn with_by(self, other: Self, rule: CombineRule) -> Self {
         Self {
-            kinetic: combined(self.kinetic, other.kinetic),
-            sticking: combined(self.sticking, other.sticking),
+            kinetic: rule.combine(self.kinetic, other.kinetic),
+            sticking: rule.combine(self.sticking, other.sticking),
         }
     }
 
@@ -52,9 +59,4 @@ impl Friction {
             tangential * (self.kinetic * depth / length)
         }
     }
-}
-
-/// The coefficients of two surfaces combined: their mean.
-pub(crate) fn combined(a: f32, b: f32) -> f32 {
-    0.5 * (a + b)
 }

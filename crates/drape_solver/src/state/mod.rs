@@ -19,6 +19,7 @@
 
 pub mod ball;
 pub mod body;
+pub(crate) mod combine_rule;
 pub mod crossings;
 pub mod drag;
 pub mod frame_motion;

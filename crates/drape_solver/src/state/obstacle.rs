@@ -8,6 +8,7 @@ use crate::constants::TELEPORT_SPEED;
 use crate::error::{BuildError, in_range};
 use crate::geometry::pose::{Placement, Pose};
 use crate::geometry::shape::Shape;
+use crate::state::combine_rule::CombineRule;
 use crate::state::friction::Friction;
 use crate::state::layers::Layers;
 use crate::state::obstacle_motion::MovedObstacle;
@@ -21,7 +22,9 @@ pub struct Obstacle {
     /// Placement one step ago; the difference is the velocity that contact and friction use.
     before: Placement,
     friction: Friction,
+    friction_rule: CombineRule,
     restitution: f32,
+    restitution_rule: CombineRule,
     layers: Layers,
     is_sensor: bool,
     reports_contacts: bool,
@@ -69,7 +72,9 @@ impl Obstacle {
             placement: Placement::default(),
             before: Placement::default(),
             friction: Friction::new(0.5, 0.5),
+            friction_rule: CombineRule::default(),
             restitution: 0.0,
+            restitution_rule: CombineRule::default(),
             layers: Layers::ALL,
             is_sensor: false,
             reports_contacts: false,
@@ -264,8 +269,7 @@ impl Obstacle {
         Ok(self)
     }
 
-    /// Sets the coefficient of restitution against balls, from 0 (no bounce) to 1 (no loss). The mean of the obstacle's
-    /// and the ball's coefficients counts.
+    /// Sets the coefficient of restitution against balls, from 0 (no bounce) to 1 (no loss).
     ///
     /// # Errors
     /// [`BuildError`] if it is out of range.
@@ -273,6 +277,13 @@ impl Obstacle {
         in_range("restitution", coefficient, 0.0, 1.0)?;
         self.restitution = coefficient;
         Ok(self)
+    }
+
+    /// Returns the obstacle with the rules by which its coefficients of friction and of restitution and those of what
+    /// touches it become one.
+    #[must_use]
+    pub fn with_combine_rules(self, friction: CombineRule, restitution: CombineRule) -> Self {
+        Self { friction_rule: friction, restitution_rule: restitution, ..self }
     }
 
     /// The coefficient of kinetic friction.
@@ -285,9 +296,14 @@ impl Obstacle {
         self.restitution
     }
 
-    /// Friction of the surface.
-    pub(crate) fn surface_friction(&self) -> Friction {
-        self.friction
+    /// Friction between the obstacle and another surface.
+    pub(crate) fn friction_against(&self, other: Friction) -> Friction {
+        other.with_by(self.friction, self.friction_rule)
+    }
+
+    /// Restitution between the obstacle and something of this coefficient.
+    pub(crate) fn restitution_against(&self, other: f32) -> f32 {
+        self.restitution_rule.combine(other, self.restitution)
     }
 
     /// True if the obstacle moves in the coming step.

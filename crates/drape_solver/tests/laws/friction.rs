@@ -2,7 +2,8 @@
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{
-    BallMaterial, Body, BodySettings, ClothBuilder, Environment, Island, Obstacle, Placement, Shape,
+    BallMaterial, Body, BodySettings, ClothBuilder, CombineRule, Environment, Island, Obstacle, Placement,
+    Shape,
 };
 
 use crate::common::*;
@@ -20,7 +21,10 @@ fn incline(angle: f32, friction: f32) -> (Obstacle, Vec3) {
 /// The distance in metres that the middle of `body` goes downhill in `seconds` on an incline of `angle` (radians). Both
 /// surfaces have the coefficient `friction`.
 fn slid(body: Body, angle: f32, friction: f32, seconds: f32) -> f32 {
-    let (plane, downhill) = incline(angle, friction);
+    slid_on(incline(angle, friction), body, seconds)
+}
+
+fn slid_on((plane, downhill): (Obstacle, Vec3), body: Body, seconds: f32) -> f32 {
     let environment = Environment { obstacles: vec![plane].into(), ..gravity(FRAME) };
     let mut island = Island::of_body(body);
     let middle =
@@ -99,6 +103,47 @@ fn sliding_accelerates_by_what_friction_leaves_of_gravity() {
                 law(&format!("incline, {case}"), found.into(), expected.into(), 2e-6);
             }
         }
+    }
+}
+
+/// The rule of an obstacle makes one coefficient of 0.2 and 0.8, and what lies on it slides above the angle of that.
+#[test]
+fn a_rule_combines_the_friction_of_both_surfaces() {
+    for (rule, combined) in [
+        (CombineRule::Average, 0.5),
+        (CombineRule::GeometricMean, 0.4),
+        (CombineRule::Min, 0.2),
+        (CombineRule::Multiply, 0.16),
+        (CombineRule::Max, 0.8_f32),
+    ] {
+        for (degrees, slides) in [(-0.5_f32, false), (0.5, true)] {
+            let angle = combined.atan() + degrees.to_radians();
+            let (plane, downhill) = incline(angle, 0.2);
+            let plane = plane.with_combine_rules(rule, CombineRule::Average);
+            let way = slid_on((plane, downhill), particle(angle, 0.8, 8), 2.0);
+            assert_eq!(way > 0.03, slides, "{rule:?}, {degrees} degrees beyond the angle: {way} m");
+        }
+    }
+}
+
+/// The same for the restitution of a ball of 0.9 and an obstacle of 0.4.
+#[test]
+fn a_rule_combines_the_restitution_of_both_surfaces() {
+    for (rule, combined) in [
+        (CombineRule::Average, 0.65),
+        (CombineRule::GeometricMean, 0.6),
+        (CombineRule::Min, 0.4),
+        (CombineRule::Multiply, 0.36),
+        (CombineRule::Max, 0.9),
+    ] {
+        let wall = obstacle(Shape::HalfSpace { normal: Vec3::Y }, Vec3::ZERO, 0.0);
+        let wall =
+            wall.with_restitution(0.4).expect("in range").with_combine_rules(CombineRule::Average, rule);
+        let environment = Environment { obstacles: vec![wall].into(), ..weightless(FRAME) };
+        let material = BallMaterial { radius: 0.1, restitution: 0.9, drag: 0.0, ..BallMaterial::default() };
+        let mut island = Island::of_ball(ball(material, Vec3::Y * 0.5, Vec3::Y * -10.0));
+        run(&mut island, &environment, 0.2);
+        law(&format!("rebound, {rule:?}"), island.balls[0].velocity().y.into(), 10.0 * combined, 1e-4);
     }
 }
 
