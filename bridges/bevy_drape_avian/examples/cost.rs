@@ -52,6 +52,8 @@ fn time_steps(statics: usize, dynamics: usize) -> (f64, f64) {
         let up = Transform::from_translation(place(i).translation + Vec3::Y * 9.0);
         world.spawn((RigidBody::Dynamic, Collider::cuboid(1.0, 1.0, 1.0), up, velocity));
     }
+    app.finish();
+    app.cleanup();
     for _ in 0..STEPS + 60 {
         app.update();
     }
