@@ -47,3 +47,4 @@ pub mod tethers;
 pub mod topology;
 pub(crate) mod torn_grid;
 pub mod volume;
+pub(crate) mod watch;

@@ -12,33 +12,32 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use fearless_simd::{Simd, f32x16, prelude::*};
-use glam::Vec3;
+use glam::Vec3A;
 
+use crate::broad_phase::swept_box::SweptBox;
 use crate::constants::{CONTACT_MARGIN_OF_SURFACES, LEAST_FLAT_COSINE, SLACK_OF_CALM};
+use crate::contact::surface::blocks::{Blocks, FlyingGrid, KeepApart, StillKeepApart};
+use crate::contact::surface::deviation::Deviation;
 use crate::contact::surface::leaves::{MOST_BULGE, Turning};
 use crate::contact::surface::placed::PlacedSurfaces;
 use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
-use crate::geometry::nearest_lanes::{least, most};
-use crate::simd::columns::{Cell, Columns};
-use crate::simd::isa::{Isa, Kernel};
-use crate::simd::lanes::Lanes3;
+use crate::simd::isa::Isa;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
 
 /// The calm of a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Calm {
-    /// Places of all particles when the step began, and the way of each in a substep of free flight, in metres.
-    starts: Vec<Cell>,
-    ways: Vec<Cell>,
     /// Metres that a particle may be off its way.
     slack: f32,
-    turning: Turning,
-    /// Substeps that are left; 0 if there is no calm.
-    left: u32,
-    age: u32,
+    /// How faces may turn that are not in blocks; none if all are.
+    turning: Option<Turning>,
+    holds: bool,
+    /// Those of each body.
+    blocks: Vec<Blocks>,
+    /// Boxes around whole bodies, each with its place.
+    wholes: Vec<(usize, SweptBox)>,
 }
 
 /// Change of scaled normals that leaves a flat patch in a half-space of directions.
@@ -47,86 +46,83 @@ const MOST_TURN: f32 = LEAST_FLAT_COSINE - MOST_BULGE;
 impl Calm {
     /// True if nothing can touch in this substep.
     pub fn holds(&self) -> bool {
-        self.left > 0
+        self.holds
     }
 
     pub fn end(&mut self) {
-        self.left = 0;
+        self.holds = false;
     }
 
-    /// Looks whether the rest of a step is calm, if all particles go on from the start of this substep as they have gone to the
-    /// `column` that is given, and parts keep this `distance` at least (metres).
+    /// Looks whether the rest of a step is calm, if all particles go the ways that their watches know, and parts keep this
+    /// `distance` at least (metres). If it is, the watches begin.
     pub fn begin(
         &mut self,
         surfaces: &mut PlacedSurfaces,
         points: &Points,
-        bodies: &[Body],
-        column: fn(&Body) -> &Columns,
+        bodies: &mut [Body],
         substep: Substep,
         distance: f32,
     ) {
-        let left = substep.count - substep.index;
         self.slack = SLACK_OF_CALM * distance;
+        self.holds = self.keep_apart(surfaces, points, bodies, substep);
+        if self.holds {
+            for body in bodies.iter_mut().filter(|body| body.has_self_contact()) {
+                body.context.watch.begin(&body.topology.layout);
+            }
+        }
+    }
+
+    /// True if no parts can touch: by blocks, or by leaves where there are none or bodies come near each other.
+    fn keep_apart(
+        &mut self,
+        surfaces: &mut PlacedSurfaces,
+        points: &Points,
+        bodies: &[Body],
+        substep: Substep,
+    ) -> bool {
+        let left = substep.count - substep.index;
         let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack: self.slack };
-        self.end();
-        let Some(turning) = surfaces.turning_if_apart(bodies, points, column, left, reach, substep.isa)
-        else {
-            return;
-        };
-        (self.turning, self.left, self.age) = (turning, left, 0);
-        self.starts.clone_from(&points.start_cells);
-        self.ways.clear();
-        for (_, next, starts) in points.cells_of(bodies, column) {
-            self.ways.extend(next.iter().zip(starts).map(|(next, start)| next.minus(start)));
+        self.turning = None;
+        self.wholes.clear();
+        self.blocks.resize_with(bodies.len(), Blocks::default);
+        let mut are_blocks = true;
+        for (place, body) in bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact()) {
+            let Body { particles, topology, settings, context, .. } = body;
+            let growth = settings.thickness * reach.factor + reach.slack;
+            let columns = [&*context.watch.starts, &*context.watch.ways];
+            let Some(grid) = FlyingGrid::new(topology, columns, left, growth) else {
+                are_blocks = false;
+                continue;
+            };
+            let blocks = &mut self.blocks[place];
+            let Some(mut whole) = substep.isa.run(KeepApart { grid, blocks }) else { return false };
+            let shift = Vec3A::from(particles.origin - bodies[0].particles.origin);
+            (whole.low, whole.high) = (whole.low + shift, whole.high + shift);
+            let is_far = |&(other, of_other): &(usize, SweptBox)| {
+                !(body.layers.interact(bodies[other].layers) && whole.meets(&of_other))
+            };
+            are_blocks &= self.wholes.iter().all(is_far);
+            self.wholes.push((place, whole));
         }
+        if !are_blocks {
+            surfaces.fit(bodies, points);
+            self.turning = surfaces.turning_if_apart(bodies, left, reach, substep.isa);
+        }
+        are_blocks || self.turning.is_some()
     }
 
-    /// At the end of a substep: true if all are on their way.
-    pub fn is_on_its_way(&self, points: &Points, bodies: &[Body], isa: Isa) -> bool {
-        let part = (self.age + 1) as f32;
-        points.cells_of(bodies, |body| &body.particles.position).all(|(cells, now, _)| {
-            let (starts, ways) = (&self.starts[cells.clone()], &self.ways[cells]);
-            let [low, high] = isa.run(OffWay { starts, ways, now, part });
-            let off = low.abs().max(high.abs()).length();
-            off <= self.slack && self.turning.of((high - low).length()) <= MOST_TURN
+    /// At the end of a substep: true if all have been on their way.
+    pub fn is_on_its_way(&mut self, bodies: &[Body], isa: Isa) -> bool {
+        let all = bodies.iter().zip(&mut self.blocks).filter(|(body, _)| body.has_self_contact());
+        all.into_iter().all(|(body, blocks)| {
+            let off = &*body.context.watch.off;
+            let [most, widest] = isa.run(Deviation(off));
+            most <= self.slack
+                && match self.turning {
+                    Some(turning) => turning.of(widest) <= MOST_TURN,
+                    None => isa.run(StillKeepApart { blocks, off }),
+                }
         })
-    }
-
-    /// Ends a substep.
-    pub fn grow_older(&mut self) {
-        self.left -= 1;
-        self.age += 1;
-    }
-}
-
-/// The box around how far particles are off their ways.
-struct OffWay<'a> {
-    starts: &'a [Cell],
-    ways: &'a [Cell],
-    now: &'a [Cell],
-    part: f32,
-}
-
-impl Kernel for OffWay<'_> {
-    type Output = [Vec3; 2];
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> [Vec3; 2] {
-        let part = f32x16::splat(simd, self.part);
-        let mut low = Lanes3::splat(simd, Vec3::INFINITY);
-        let mut high = Lanes3::splat(simd, Vec3::NEG_INFINITY);
-        for ((start, way), now) in self.starts.iter().zip(self.ways).zip(self.now) {
-            let expected = Lanes3::load(simd, start).plus(Lanes3::load(simd, way).times(part));
-            let off = Lanes3::load(simd, now).minus(expected);
-            low = Lanes3 { x: least(low.x, off.x), y: least(low.y, off.y), z: least(low.z, off.z) };
-            high = Lanes3 { x: most(high.x, off.x), y: most(high.y, off.y), z: most(high.z, off.z) };
-        }
-        let least_of = |axis: f32x16<S>| axis.to_array().into_iter().fold(f32::INFINITY, f32::min);
-        let most_of = |axis: f32x16<S>| axis.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max);
-        [
-            Vec3::new(least_of(low.x), least_of(low.y), least_of(low.z)),
-            Vec3::new(most_of(high.x), most_of(high.y), most_of(high.z)),
-        ]
     }
 }
 

@@ -1,0 +1,397 @@
+//! Blocks of a grid, sixteen side by side: a cheap proof that a sheet does not touch itself.
+//!
+//! A lane of a grid's cells is a patch of neighbours, so boxes around blocks of a patch need no work across lanes:
+//!
+//! ```text
+//!     lane 0   lane 1          each block: a box around its corners and their ways,
+//!     +--+--+  +--+--+         a box around its edges along the rows, and one around those down the columns, at both
+//!     |  |  |  |  |  |         ends of the way. The normals of all its faces are products of the two.
+//!     +--+--+  +--+--+
+//! ```
+//!
+//! Four blocks around a corner that lie flat together do not touch each other, whatever the diagonals of their squares. All
+//! others must keep apart, or lie flat together if only one block is between them.
+//!
+//! Design: `docs/design/self_contact.md`.
+
+use core::ops::Range;
+
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use glam::{Vec3, Vec3A};
+
+use crate::broad_phase::swept_box::{SweptBox, SweptBoxes};
+use crate::constants::LEAST_FLAT_COSINE;
+use crate::geometry::lane_boxes::{CellBoxes, LaneBoxes};
+use crate::geometry::nearest_lanes::{least, most};
+use crate::simd::columns::{Cell, LANES};
+use crate::simd::isa::Kernel;
+use crate::simd::lanes::{Lanes3, load, set_lanes};
+use crate::state::layout::{Grid, Layout, ROWS_OF_STRIP};
+use crate::state::topology::Topology;
+
+/// Squares along a block's side at most.
+const MOST_SQUARES: usize = 8;
+
+/// Blocks one below another, in sixteen lanes.
+#[derive(Clone, Copy, Debug)]
+struct BlockRow {
+    bounds: SweptBoxes,
+    all: SweptBox,
+    /// Edges along the rows and down the columns, in parts of their lengths at rest.
+    across: CellBoxes,
+    down: CellBoxes,
+    /// How far corners of a block are off their ways against each other, in metres.
+    off: Cell,
+}
+
+/// The blocks of a grid.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Blocks {
+    rows: Vec<BlockRow>,
+    /// Blocks side by side in a patch, and squares along their sides.
+    side_by_side: usize,
+    side: usize,
+    /// One over the lengths of the squares' sides at rest, in 1/m.
+    scales: [f32; 2],
+}
+
+/// A grid whose patches lie side by side, on its way.
+pub(crate) struct FlyingGrid<'a> {
+    grid: Grid,
+    /// One over the lengths of its squares' sides at rest, in 1/m.
+    scales: [f32; 2],
+    starts: &'a [Cell],
+    ways: &'a [Cell],
+    /// Substeps that are left.
+    substeps: f32,
+    /// Metres by which boxes are wider than what they hold.
+    growth: f32,
+}
+
+impl<'a> FlyingGrid<'a> {
+    /// The grid of this topology, if it is one.
+    pub fn new(
+        topology: &Topology,
+        [starts, ways]: [&'a [Cell]; 2],
+        substeps: u32,
+        growth: f32,
+    ) -> Option<Self> {
+        let &Layout::Grid(grid) = &topology.layout else { return None };
+        if !topology.has_faces_by_square || !topology.layout.has_whole_rows() || grid.rows < 2 {
+            return None;
+        }
+        let side = |other: usize| topology.rest[other].distance(topology.rest[0]);
+        let scales = [side(1), side(grid.columns)].map(f32::recip);
+        let is_wide = scales.iter().all(|scale| scale.is_finite());
+        is_wide.then_some(Self { grid, scales, starts, ways, substeps: substeps as f32, growth })
+    }
+
+    /// The number of blocks side by side in a patch, and of the squares along their sides.
+    fn cut(&self) -> (usize, usize) {
+        let blocks = self.grid.width.div_ceil(MOST_SQUARES);
+        (blocks, self.grid.width.div_ceil(blocks))
+    }
+
+    /// The place of the particles in this column of all patches and in this row, and their way.
+    #[inline(always)]
+    fn particle<S: Simd>(&self, simd: S, column: usize, row: usize) -> [Lanes3<S>; 2] {
+        let width = self.grid.width;
+        if column == width {
+            return self.particle(simd, 0, row).map(
+                #[inline(always)]
+                |next| next.shifted::<1>(),
+            );
+        }
+        let cell = row * width + column;
+        let way = Lanes3::load(simd, &self.ways[cell]).times(f32x16::splat(simd, self.substeps));
+        [Lanes3::load(simd, &self.starts[cell]), way]
+    }
+
+    /// Where a square begins in this column of all patches.
+    #[inline(always)]
+    fn squares<S: Simd>(&self, simd: S, column: usize) -> mask32x16<S> {
+        let Grid { width, columns, .. } = self.grid;
+        let of_lanes = core::array::from_fn(|lane| (lane * width + column + 1) as f32);
+        load(simd, &of_lanes).simd_lt(f32x16::splat(simd, columns as f32))
+    }
+
+    /// The block that begins in the first of these columns of a patch, and in the first of these rows.
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, columns: Range<usize>, rows: Range<usize>) -> BlockRow {
+        let [scale_across, scale_down] = self.scales.map(
+            #[inline(always)]
+            |scale| f32x16::splat(simd, scale),
+        );
+        let nothing = LaneBoxes::nothing(simd);
+        let (mut places, mut ways, mut across, mut down) = (nothing, nothing, nothing, nothing);
+        for column in columns.start..=columns.end {
+            let squares_before = self.squares(simd, column.saturating_sub(1).max(columns.start));
+            let is_all = squares_before.all_true();
+            for row in rows.start..=rows.end {
+                let [place, way] = self.particle(simd, column, row);
+                let add = |boxes: &mut LaneBoxes<S>, point: Lanes3<S>| {
+                    let point = LaneBoxes::of(point);
+                    *boxes = boxes.and(if is_all { point } else { point.only(simd, squares_before) });
+                };
+                add(&mut places, place);
+                add(&mut ways, way);
+                if column > columns.start {
+                    let [left, left_way] = self.particle(simd, column - 1, row);
+                    let (edge, turned) = (place.minus(left), way.minus(left_way));
+                    add(&mut across, edge.times(scale_across));
+                    add(&mut across, edge.plus(turned).times(scale_across));
+                }
+                if row > rows.start {
+                    let [above, above_way] = self.particle(simd, column, row - 1);
+                    let (edge, turned) = (place.minus(above), way.minus(above_way));
+                    add(&mut down, edge.times(scale_down));
+                    add(&mut down, edge.plus(turned).times(scale_down));
+                }
+            }
+        }
+        let growth = Lanes3::splat(simd, Vec3::splat(self.growth));
+        let axes = |v: Lanes3<S>| [v.x.to_array(), v.y.to_array(), v.z.to_array()];
+        let bounds = SweptBoxes {
+            low: axes(places.low.minus(growth)),
+            high: axes(places.high.plus(growth)),
+            slow: axes(ways.low),
+            fast: axes(ways.high),
+        };
+        let ([low, high], [slow, fast]) = (places.all_lanes(), ways.all_lanes());
+        let [low, high] = [Vec3A::from(low) - self.growth, Vec3A::from(high) + self.growth];
+        let all = SweptBox { low, high, slow: slow.into(), fast: fast.into() };
+        let mut row =
+            BlockRow { bounds, all, across: CellBoxes::NOTHING, down: CellBoxes::NOTHING, off: Cell::default() };
+        across.store(&mut row.across);
+        down.store(&mut row.down);
+        row
+    }
+}
+
+/// Places the blocks: the box around them all, if no two can touch on their ways.
+pub(crate) struct KeepApart<'a> {
+    pub grid: FlyingGrid<'a>,
+    pub blocks: &'a mut Blocks,
+}
+
+impl Kernel for KeepApart<'_> {
+    type Output = Option<SweptBox>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { grid: flying, blocks } = self;
+        let (side_by_side, side) = flying.cut();
+        let Grid { width, height, .. } = flying.grid;
+        blocks.rows.clear();
+        for first in (0..height - 1).step_by(side) {
+            let rows = first..(first + side).min(height - 1);
+            for block in 0..side_by_side {
+                let columns = block * side..((block + 1) * side).min(width);
+                blocks.rows.push(flying.place(simd, columns, rows.clone()));
+            }
+        }
+        (blocks.side_by_side, blocks.side, blocks.scales) = (side_by_side, side, flying.scales);
+        let placed = Placed { blocks, least_cosine: LEAST_FLAT_COSINE };
+        placed.keep_apart(simd).then(|| blocks.rows.iter().fold(SweptBox::NOTHING, |all, row| all.and(&row.all)))
+    }
+}
+
+/// True if placed blocks still keep apart, with their corners off their ways: for each strip of the body, boxes around how far.
+pub(crate) struct StillKeepApart<'a> {
+    pub blocks: &'a mut Blocks,
+    pub off: &'a [CellBoxes],
+}
+
+impl Kernel for StillKeepApart<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> bool {
+        let Self { blocks, off } = self;
+        let &mut Blocks { side_by_side, side, .. } = blocks;
+        for (first, rows) in blocks.rows.chunks_mut(side_by_side).enumerate() {
+            // A block ends with the first row of the one below.
+            let strips = first * side / ROWS_OF_STRIP..=(first + 1) * side / ROWS_OF_STRIP;
+            let off = off[*strips.start()..off.len().min(strips.end() + 1)].iter().fold(
+                LaneBoxes::nothing(simd),
+                #[inline(always)]
+                |all, off| all.and(LaneBoxes::load(simd, off)),
+            );
+            let off = off.and(off.next_lanes().only(simd, has_next(simd)));
+            off.high.minus(off.low).store(&mut rows[0].off);
+            let of_row = rows[0].off;
+            rows.iter_mut().for_each(|row| row.off = of_row);
+        }
+        Placed { blocks, least_cosine: 0.0 }.keep_apart(simd)
+    }
+}
+
+/// All lanes but the last.
+#[inline(always)]
+fn has_next<S: Simd>(simd: S) -> mask32x16<S> {
+    mask32x16::from_bitmask(simd, u64::from(u16::MAX >> 1))
+}
+
+/// The blocks where they are.
+struct Placed<'a> {
+    blocks: &'a Blocks,
+    least_cosine: f32,
+}
+
+impl Placed<'_> {
+    /// True if no two blocks can touch, or faces of one.
+    #[inline(always)]
+    fn keep_apart<S: Simd>(&self, simd: S) -> bool {
+        self.lies_flat(simd) || self.neighbours_lie_flat(simd) && self.others_keep_apart(simd)
+    }
+
+    #[inline(always)]
+    fn edges<S: Simd>(&self, simd: S, row: usize) -> [LaneBoxes<S>; 2] {
+        let row = &self.blocks.rows[row];
+        let off = Lanes3::load(simd, &row.off);
+        let [across, down] = [(&row.across, self.blocks.scales[0]), (&row.down, self.blocks.scales[1])].map(
+            #[inline(always)]
+            |(edges, scale)| {
+                let (edges, off) = (LaneBoxes::load(simd, edges), off.times(f32x16::splat(simd, scale)));
+                LaneBoxes { low: edges.low.minus(off), high: edges.high.plus(off) }
+            },
+        );
+        [across, down]
+    }
+
+    /// The edges of the blocks and of those to the right of them.
+    #[inline(always)]
+    fn edges_and_next<S: Simd>(&self, simd: S, row: usize) -> [LaneBoxes<S>; 2] {
+        let own = self.edges(simd, row);
+        let next = if (row + 1).is_multiple_of(self.blocks.side_by_side) {
+            self.edges(simd, row + 1 - self.blocks.side_by_side).map(
+                #[inline(always)]
+                |edges| edges.next_lanes().only(simd, has_next(simd)),
+            )
+        } else {
+            self.edges(simd, row + 1)
+        };
+        both(own, next)
+    }
+
+    /// True if the whole sheet lies flat.
+    #[inline(always)]
+    fn lies_flat<S: Simd>(&self, simd: S) -> bool {
+        let nothing = [LaneBoxes::nothing(simd); 2];
+        let all = (0..self.blocks.rows.len()).fold(
+            nothing,
+            #[inline(always)]
+            |all, row| both(all, self.edges(simd, row)),
+        );
+        let all = all.map(
+            #[inline(always)]
+            |edges| {
+                let [low, high] = edges.all_lanes();
+                LaneBoxes { low: Lanes3::splat(simd, low), high: Lanes3::splat(simd, high) }
+            },
+        );
+        are_flat(simd, self.least_cosine, all).all_true()
+    }
+
+    /// True if all blocks lie flat with those around each of their corners.
+    #[inline(always)]
+    fn neighbours_lie_flat<S: Simd>(&self, simd: S) -> bool {
+        (0..self.blocks.rows.len()).all(
+            #[inline(always)]
+            |row| {
+                let mut edges = self.edges_and_next(simd, row);
+                if row + self.blocks.side_by_side < self.blocks.rows.len() {
+                    edges = both(edges, self.edges_and_next(simd, row + self.blocks.side_by_side));
+                }
+                let [own, _] = self.edges(simd, row);
+                (are_flat(simd, self.least_cosine, edges) | own.low.x.simd_gt(own.high.x)).all_true()
+            },
+        )
+    }
+
+    /// True if no two blocks that are not neighbours can touch.
+    #[inline(always)]
+    fn others_keep_apart<S: Simd>(&self, simd: S) -> bool {
+        (0..self.blocks.rows.len()).all(
+            #[inline(always)]
+            |a| {
+                let all = &self.blocks.rows[a].all;
+                (a..self.blocks.rows.len()).all(
+                    #[inline(always)]
+                    |b| !all.meets(&self.blocks.rows[b].all) || self.rows_keep_apart(simd, a, b),
+                )
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn rows_keep_apart<S: Simd>(&self, simd: S, a: usize, b: usize) -> bool {
+        let (own, other) = (&self.blocks.rows[a], &self.blocks.rows[b]);
+        let rows_between = b / self.blocks.side_by_side - a / self.blocks.side_by_side;
+        set_lanes(own.bounds.meets(simd, &other.all)).all(
+            #[inline(always)]
+            |lane| {
+                let near = |most: usize| if rows_between <= most { self.near(a, lane, b, most) } else { 0 };
+                let mut hits = other.bounds.meets_lane(simd, &own.bounds, lane) & !near(1);
+                if a == b {
+                    hits &= u16::MAX.checked_shl(lane as u32 + 1).unwrap_or(0);
+                }
+                if hits != 0 && hits & !near(2) == 0 {
+                    let own = self.edges(simd, a).map(
+                        #[inline(always)]
+                        |edges| edges.splat_lane(simd, lane),
+                    );
+                    hits &= !(are_flat(simd, self.least_cosine, both(own, self.edges(simd, b))).to_bitmask() as u16);
+                }
+                hits == 0
+            },
+        )
+    }
+
+    /// Bit mask of the lanes of row `b` whose blocks are at most so many columns of blocks away from that in `lane` of row `a`.
+    #[inline(always)]
+    fn near(&self, a: usize, lane: usize, b: usize, most: usize) -> u16 {
+        let column = |row: usize, lane: usize| lane * self.blocks.side_by_side + row % self.blocks.side_by_side;
+        let own = column(a, lane);
+        let lanes = lane.saturating_sub(most)..(lane + most + 1).min(LANES);
+        lanes.fold(0, |near, other| near | (u16::from(column(b, other).abs_diff(own) <= most) << other))
+    }
+}
+
+#[inline(always)]
+fn both<S: Simd>([a, b]: [LaneBoxes<S>; 2], [c, d]: [LaneBoxes<S>; 2]) -> [LaneBoxes<S>; 2] {
+    [a.and(c), b.and(d)]
+}
+
+/// Lanes in which the normals of all faces with such edges along the rows and down the columns lean to one side.
+#[inline(always)]
+fn are_flat<S: Simd>(simd: S, least_cosine: f32, [across, down]: [LaneBoxes<S>; 2]) -> mask32x16<S> {
+    let (a, b, c, d) = (down.low, down.high, across.low, across.high);
+    let [x, y, z] = [
+        difference(product([a.y, b.y], [c.z, d.z]), product([a.z, b.z], [c.y, d.y])),
+        difference(product([a.z, b.z], [c.x, d.x]), product([a.x, b.x], [c.z, d.z])),
+        difference(product([a.x, b.x], [c.y, d.y]), product([a.y, b.y], [c.x, d.x])),
+    ];
+    let zero = f32x16::splat(simd, 0.0);
+    let (mut lowest, mut squares) = (zero, zero);
+    for [low, high] in [x, y, z] {
+        let way = low + high;
+        lowest = lowest + least(way * low, way * high);
+        squares = squares + way * way;
+    }
+    let cosine = f32x16::splat(simd, least_cosine * least_cosine);
+    lowest.simd_gt(zero) & (lowest * lowest).simd_gt(cosine * squares)
+}
+
+/// The range of products of two numbers out of these ranges.
+#[inline(always)]
+fn product<S: Simd>([a, b]: [f32x16<S>; 2], [c, d]: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
+    let (p, q, r, s) = (a * c, a * d, b * c, b * d);
+    [least(least(p, q), least(r, s)), most(most(p, q), most(r, s))]
+}
+
+/// The range of differences of two numbers out of these ranges.
+#[inline(always)]
+fn difference<S: Simd>([a, b]: [f32x16<S>; 2], [c, d]: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
+    [a - d, b - c]
+}
