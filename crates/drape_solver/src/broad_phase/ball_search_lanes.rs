@@ -101,8 +101,8 @@ impl Kernel for SquareTest<'_> {
             if !is_near {
                 continue;
             }
-            let first =
-                LaneBoxes::of(Lanes3::load(simd, &upper[0])).and(LaneBoxes::of(Lanes3::load(simd, &lower[0])));
+            let first = LaneBoxes::of(Lanes3::load(simd, &upper[0]))
+                .and(LaneBoxes::of(Lanes3::load(simd, &lower[0])));
             let mut left = first;
             for (cell, mask) in masks.iter_mut().enumerate() {
                 let right = if cell + 1 < width {

@@ -42,6 +42,12 @@ impl<S: Simd> LaneBoxes<S> {
         Self { low: point, high: point }
     }
 
+    /// The boxes around an edge as it is and as it becomes, if it changes like this.
+    #[inline(always)]
+    pub fn of_edge(edge: Lanes3<S>, change: Lanes3<S>) -> Self {
+        Self::of(edge).and(Self::of(edge.plus(change)))
+    }
+
     #[inline(always)]
     pub fn load(simd: S, boxes: &CellBoxes) -> Self {
         Self { low: Lanes3::load(simd, &boxes.low), high: Lanes3::load(simd, &boxes.high) }
@@ -68,6 +74,12 @@ impl<S: Simd> LaneBoxes<S> {
                 z: most(high.z, other.high.z),
             },
         }
+    }
+
+    /// The boxes, so many times as far from zero and as large.
+    #[inline(always)]
+    pub fn times(self, factor: f32x16<S>) -> Self {
+        Self { low: self.low.times(factor), high: self.high.times(factor) }
     }
 
     /// These boxes where `mask` holds, else nothing.

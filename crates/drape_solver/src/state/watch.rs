@@ -27,14 +27,20 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Notes the ways from these `starts`, from substep `since` on. Nothing is watched yet.
-    pub fn prepare(&mut self, starts: &[Cell], ways: impl IntoIterator<Item = Cell>, since: u32) {
+    /// Notes the ways from these `starts` that are as far in each substep, from substep `since` on. Nothing is watched yet.
+    pub fn prepare(&mut self, starts: &[Cell], ways: &[Cell], since: u32) {
         self.end();
         self.starts.clear();
         self.starts.extend_from_slice(starts);
         self.ways.clear();
-        self.ways.extend(ways);
+        self.ways.extend_from_slice(ways);
         self.since = since;
+    }
+
+    /// Notes the ways from these `starts` to where the particles are one substep later.
+    pub fn prepare_towards(&mut self, starts: &[Cell], next: &[Cell], since: u32) {
+        self.prepare(starts, next, since);
+        self.ways.iter_mut().zip(starts).for_each(|(way, start)| *way = way.minus(start));
     }
 
     pub fn begin(&mut self, layout: &Layout) {

@@ -118,8 +118,9 @@ impl Work<'_> {
         strips: Range<usize>,
         projection: impl Projection,
     ) {
-        let Self { first_strip, cells_of_strip, ref mut moving, ref mut contacts, ref mut watch, rest, .. } =
-            *self;
+        let Self {
+            first_strip, cells_of_strip, ref mut moving, ref mut contacts, ref mut watch, rest, ..
+        } = *self;
         let first_cell = first_strip * cells_of_strip;
         let last_cell = first_cell + moving.position.len();
         // The same cells, counted in the body and in the columns of this part.

@@ -44,6 +44,16 @@ struct BlockRow {
     off: Cell,
 }
 
+impl BlockRow {
+    const NOTHING: Self = Self {
+        bounds: SweptBoxes::NOTHING,
+        all: SweptBox::NOTHING,
+        across: CellBoxes::NOTHING,
+        down: CellBoxes::NOTHING,
+        off: Cell { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES] },
+    };
+}
+
 /// The blocks of a grid.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Blocks {
@@ -88,84 +98,77 @@ impl<'a> FlyingGrid<'a> {
 
     /// The number of blocks side by side in a patch, and of the squares along their sides.
     fn cut(&self) -> (usize, usize) {
-        let blocks = self.grid.width.div_ceil(MOST_SQUARES);
-        (blocks, self.grid.width.div_ceil(blocks))
+        let width = self.grid.width;
+        let side = width.div_ceil(width.div_ceil(MOST_SQUARES));
+        (width.div_ceil(side), side)
     }
 
     /// The place of the particles in this column of all patches and in this row, and their way.
     #[inline(always)]
     fn particle<S: Simd>(&self, simd: S, column: usize, row: usize) -> [Lanes3<S>; 2] {
         let width = self.grid.width;
-        if column == width {
-            return self.particle(simd, 0, row).map(
-                #[inline(always)]
-                |next| next.shifted::<1>(),
-            );
-        }
-        let cell = row * width + column;
+        let cell = row * width + if column == width { 0 } else { column };
+        let place = Lanes3::load(simd, &self.starts[cell]);
         let way = Lanes3::load(simd, &self.ways[cell]).times(f32x16::splat(simd, self.substeps));
-        [Lanes3::load(simd, &self.starts[cell]), way]
+        if column == width { [place.shifted::<1>(), way.shifted::<1>()] } else { [place, way] }
     }
 
     /// Where a square begins in this column of all patches.
     #[inline(always)]
     fn squares<S: Simd>(&self, simd: S, column: usize) -> mask32x16<S> {
         let Grid { width, columns, .. } = self.grid;
-        let of_lanes = core::array::from_fn(|lane| (lane * width + column + 1) as f32);
+        let mut of_lanes = [0.0; LANES];
+        of_lanes.iter_mut().enumerate().for_each(|(lane, of)| *of = (lane * width + column + 1) as f32);
         load(simd, &of_lanes).simd_lt(f32x16::splat(simd, columns as f32))
     }
 
     /// The block that begins in the first of these columns of a patch, and in the first of these rows.
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, columns: Range<usize>, rows: Range<usize>) -> BlockRow {
-        let [scale_across, scale_down] = self.scales.map(
-            #[inline(always)]
-            |scale| f32x16::splat(simd, scale),
-        );
+    fn place<S: Simd>(&self, simd: S, columns: Range<usize>, rows: Range<usize>, block: &mut BlockRow) {
+        let [scale_across, scale_down] =
+            [f32x16::splat(simd, self.scales[0]), f32x16::splat(simd, self.scales[1])];
         let nothing = LaneBoxes::nothing(simd);
         let (mut places, mut ways, mut across, mut down) = (nothing, nothing, nothing, nothing);
         for column in columns.start..=columns.end {
-            let squares_before = self.squares(simd, column.saturating_sub(1).max(columns.start));
-            let is_all = squares_before.all_true();
+            let (mut of_places, mut of_ways, mut of_across, mut of_down) =
+                (nothing, nothing, nothing, nothing);
+            let mut above = self.particle(simd, column, rows.start);
             for row in rows.start..=rows.end {
                 let [place, way] = self.particle(simd, column, row);
-                let add = |boxes: &mut LaneBoxes<S>, point: Lanes3<S>| {
-                    let point = LaneBoxes::of(point);
-                    *boxes = boxes.and(if is_all { point } else { point.only(simd, squares_before) });
-                };
-                add(&mut places, place);
-                add(&mut ways, way);
+                of_places = of_places.and(LaneBoxes::of(place));
+                of_ways = of_ways.and(LaneBoxes::of(way));
                 if column > columns.start {
                     let [left, left_way] = self.particle(simd, column - 1, row);
-                    let (edge, turned) = (place.minus(left), way.minus(left_way));
-                    add(&mut across, edge.times(scale_across));
-                    add(&mut across, edge.plus(turned).times(scale_across));
+                    of_across = of_across.and(LaneBoxes::of_edge(place.minus(left), way.minus(left_way)));
                 }
                 if row > rows.start {
-                    let [above, above_way] = self.particle(simd, column, row - 1);
-                    let (edge, turned) = (place.minus(above), way.minus(above_way));
-                    add(&mut down, edge.times(scale_down));
-                    add(&mut down, edge.plus(turned).times(scale_down));
+                    of_down = of_down.and(LaneBoxes::of_edge(place.minus(above[0]), way.minus(above[1])));
                 }
+                above = [place, way];
             }
+            let is_there = self.squares(simd, column.saturating_sub(1).max(columns.start));
+            places = places.and(of_places.only(simd, is_there));
+            ways = ways.and(of_ways.only(simd, is_there));
+            across = across.and(of_across.only(simd, is_there));
+            down = down.and(of_down.only(simd, is_there));
         }
         let growth = Lanes3::splat(simd, Vec3::splat(self.growth));
-        let axes = |v: Lanes3<S>| [v.x.to_array(), v.y.to_array(), v.z.to_array()];
-        let bounds = SweptBoxes {
-            low: axes(places.low.minus(growth)),
-            high: axes(places.high.plus(growth)),
-            slow: axes(ways.low),
-            fast: axes(ways.high),
-        };
         let ([low, high], [slow, fast]) = (places.all_lanes(), ways.all_lanes());
         let [low, high] = [Vec3A::from(low) - self.growth, Vec3A::from(high) + self.growth];
-        let all = SweptBox { low, high, slow: slow.into(), fast: fast.into() };
-        let mut row =
-            BlockRow { bounds, all, across: CellBoxes::NOTHING, down: CellBoxes::NOTHING, off: Cell::default() };
-        across.store(&mut row.across);
-        down.store(&mut row.down);
-        row
+        block.all = SweptBox { low, high, slow: slow.into(), fast: fast.into() };
+        put(places.low.minus(growth), &mut block.bounds.low);
+        put(places.high.plus(growth), &mut block.bounds.high);
+        put(ways.low, &mut block.bounds.slow);
+        put(ways.high, &mut block.bounds.fast);
+        across.times(scale_across).store(&mut block.across);
+        down.times(scale_down).store(&mut block.down);
+        block.off = Cell::default();
     }
+}
+
+#[inline(always)]
+fn put<S: Simd>(v: Lanes3<S>, [x, y, z]: &mut [[f32; LANES]; 3]) {
+    (*x, *y, *z) = (v.x.to_array(), v.y.to_array(), v.z.to_array());
 }
 
 /// Places the blocks: the box around them all, if no two can touch on their ways.
@@ -182,17 +185,18 @@ impl Kernel for KeepApart<'_> {
         let Self { grid: flying, blocks } = self;
         let (side_by_side, side) = flying.cut();
         let Grid { width, height, .. } = flying.grid;
-        blocks.rows.clear();
-        for first in (0..height - 1).step_by(side) {
-            let rows = first..(first + side).min(height - 1);
-            for block in 0..side_by_side {
-                let columns = block * side..((block + 1) * side).min(width);
-                blocks.rows.push(flying.place(simd, columns, rows.clone()));
+        blocks.rows.resize((height - 1).div_ceil(side) * side_by_side, BlockRow::NOTHING);
+        for (first, blocks) in (0..height - 1).step_by(side).zip(blocks.rows.chunks_exact_mut(side_by_side)) {
+            for (from, block) in (0..width).step_by(side).zip(blocks) {
+                let (columns, rows) = (from..(from + side).min(width), first..(first + side).min(height - 1));
+                flying.place(simd, columns, rows, block);
             }
         }
         (blocks.side_by_side, blocks.side, blocks.scales) = (side_by_side, side, flying.scales);
         let placed = Placed { blocks, least_cosine: LEAST_FLAT_COSINE };
-        placed.keep_apart(simd).then(|| blocks.rows.iter().fold(SweptBox::NOTHING, |all, row| all.and(&row.all)))
+        placed
+            .keep_apart(simd)
+            .then(|| blocks.rows.iter().fold(SweptBox::NOTHING, |all, row| all.and(&row.all)))
     }
 }
 
@@ -341,7 +345,8 @@ impl Placed<'_> {
                         #[inline(always)]
                         |edges| edges.splat_lane(simd, lane),
                     );
-                    hits &= !(are_flat(simd, self.least_cosine, both(own, self.edges(simd, b))).to_bitmask() as u16);
+                    hits &= !(are_flat(simd, self.least_cosine, both(own, self.edges(simd, b))).to_bitmask()
+                        as u16);
                 }
                 hits == 0
             },
@@ -351,7 +356,8 @@ impl Placed<'_> {
     /// Bit mask of the lanes of row `b` whose blocks are at most so many columns of blocks away from that in `lane` of row `a`.
     #[inline(always)]
     fn near(&self, a: usize, lane: usize, b: usize, most: usize) -> u16 {
-        let column = |row: usize, lane: usize| lane * self.blocks.side_by_side + row % self.blocks.side_by_side;
+        let column =
+            |row: usize, lane: usize| lane * self.blocks.side_by_side + row % self.blocks.side_by_side;
         let own = column(a, lane);
         let lanes = lane.saturating_sub(most)..(lane + most + 1).min(LANES);
         lanes.fold(0, |near, other| near | (u16::from(column(b, other).abs_diff(own) <= most) << other))

@@ -151,8 +151,7 @@ impl SurfaceContacts {
         self.found.clear();
         self.begin_step();
         for Body { particles, context, .. } in bodies.iter_mut().filter(|body| body.has_self_contact()) {
-            let ways = particles.displacement.cells.iter().copied();
-            context.watch.prepare(&particles.position.cells, ways, 0);
+            context.watch.prepare(&particles.position.cells, &particles.displacement.cells, 0);
         }
         let distance = least_distance(bodies);
         self.calm.begin(&mut self.surfaces, &self.points, bodies, substep, distance);

@@ -97,8 +97,7 @@ impl Points {
             let mut watch = core::mem::take(&mut body.context.watch);
             let starts = &self.start_cells[first as usize / LANES..];
             let next = &column(body).cells;
-            let ways = next.iter().zip(starts).map(|(next, start)| next.minus(start));
-            watch.prepare(&starts[..next.len()], ways, index);
+            watch.prepare_towards(&starts[..next.len()], next, index);
             body.context.watch = watch;
         }
     }
