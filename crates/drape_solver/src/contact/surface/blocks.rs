@@ -20,7 +20,6 @@ use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::{Vec3, Vec3A};
 
 use crate::broad_phase::swept_box::{SweptBox, SweptBoxes};
-use crate::constants::LEAST_FLAT_COSINE;
 use crate::geometry::lane_boxes::{CellBoxes, LaneBoxes};
 use crate::geometry::nearest_lanes::{least, most};
 use crate::simd::columns::{Cell, LANES};
@@ -31,6 +30,14 @@ use crate::state::topology::Topology;
 
 /// Squares along a block's side at most.
 const MOST_SQUARES: usize = 8;
+
+/// Sizes of blocks that are tried, each half of the one before.
+const FINENESSES: usize = 2;
+
+/// Faces lean to one side if their normals, at rest 1 long, are longer than this along the middle one; and where particles have
+/// left their ways.
+const LEAST_COSINE: f32 = 0.1;
+const LEAST_COSINE_LEFT: f32 = 0.02;
 
 /// Blocks one below another, in sixteen lanes.
 #[derive(Clone, Copy, Debug)]
@@ -96,13 +103,6 @@ impl<'a> FlyingGrid<'a> {
         is_wide.then_some(Self { grid, scales, starts, ways, substeps: substeps as f32, growth })
     }
 
-    /// The number of blocks side by side in a patch, and of the squares along their sides.
-    fn cut(&self) -> (usize, usize) {
-        let width = self.grid.width;
-        let side = width.div_ceil(width.div_ceil(MOST_SQUARES));
-        (width.div_ceil(side), side)
-    }
-
     /// The place of the particles in this column of all patches and in this row, and their way.
     #[inline(always)]
     fn particle<S: Simd>(&self, simd: S, column: usize, row: usize) -> [Lanes3<S>; 2] {
@@ -120,6 +120,21 @@ impl<'a> FlyingGrid<'a> {
         let mut of_lanes = [0.0; LANES];
         of_lanes.iter_mut().enumerate().for_each(|(lane, of)| *of = (lane * width + column + 1) as f32);
         load(simd, &of_lanes).simd_lt(f32x16::splat(simd, columns as f32))
+    }
+
+    /// Places blocks with so many squares along their sides.
+    #[inline(always)]
+    fn place_all<S: Simd>(&self, simd: S, side: usize, blocks: &mut Blocks) {
+        let Grid { width, height, .. } = self.grid;
+        let side_by_side = width.div_ceil(side);
+        blocks.rows.resize((height - 1).div_ceil(side) * side_by_side, BlockRow::NOTHING);
+        for (first, blocks) in (0..height - 1).step_by(side).zip(blocks.rows.chunks_exact_mut(side_by_side)) {
+            for (from, block) in (0..width).step_by(side).zip(blocks) {
+                let (columns, rows) = (from..(from + side).min(width), first..(first + side).min(height - 1));
+                self.place(simd, columns, rows, block);
+            }
+        }
+        (blocks.side_by_side, blocks.side, blocks.scales) = (side_by_side, side, self.scales);
     }
 
     /// The block that begins in the first of these columns of a patch, and in the first of these rows.
@@ -183,20 +198,17 @@ impl Kernel for KeepApart<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let Self { grid: flying, blocks } = self;
-        let (side_by_side, side) = flying.cut();
-        let Grid { width, height, .. } = flying.grid;
-        blocks.rows.resize((height - 1).div_ceil(side) * side_by_side, BlockRow::NOTHING);
-        for (first, blocks) in (0..height - 1).step_by(side).zip(blocks.rows.chunks_exact_mut(side_by_side)) {
-            for (from, block) in (0..width).step_by(side).zip(blocks) {
-                let (columns, rows) = (from..(from + side).min(width), first..(first + side).min(height - 1));
-                flying.place(simd, columns, rows, block);
+        let width = flying.grid.width;
+        let coarse = width.div_ceil(width.div_ceil(MOST_SQUARES));
+        let mut side = 2 * coarse;
+        for _ in 0..FINENESSES {
+            side = side.div_ceil(2);
+            flying.place_all(simd, side, blocks);
+            if (Placed { blocks, least_cosine: LEAST_COSINE }).keep_apart(simd) {
+                return Some(blocks.rows.iter().fold(SweptBox::NOTHING, |all, row| all.and(&row.all)));
             }
         }
-        (blocks.side_by_side, blocks.side, blocks.scales) = (side_by_side, side, flying.scales);
-        let placed = Placed { blocks, least_cosine: LEAST_FLAT_COSINE };
-        placed
-            .keep_apart(simd)
-            .then(|| blocks.rows.iter().fold(SweptBox::NOTHING, |all, row| all.and(&row.all)))
+        None
     }
 }
 
@@ -226,7 +238,7 @@ impl Kernel for StillKeepApart<'_> {
             let of_row = rows[0].off;
             rows.iter_mut().for_each(|row| row.off = of_row);
         }
-        Placed { blocks, least_cosine: 0.0 }.keep_apart(simd)
+        Placed { blocks, least_cosine: LEAST_COSINE_LEFT }.keep_apart(simd)
     }
 }
 
