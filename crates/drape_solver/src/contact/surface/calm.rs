@@ -24,7 +24,6 @@ use crate::contact::surface::points::Points;
 use crate::contact::surface::reach::Reach;
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
-use crate::state::substep::Substep;
 
 /// The calm of a step.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +32,8 @@ pub(crate) struct Calm {
     slack: f32,
     /// How faces may turn that are not in blocks; none if all are.
     turning: Option<Turning>,
-    holds: bool,
+    /// Substeps that are left; 0 if there is no calm.
+    left: u32,
     /// Those of each body.
     blocks: Vec<Blocks>,
     /// Boxes around whole bodies, each with its place.
@@ -46,26 +46,39 @@ const MOST_TURN: f32 = LEAST_FLAT_COSINE - MOST_BULGE;
 impl Calm {
     /// True if nothing can touch in this substep.
     pub fn holds(&self) -> bool {
-        self.holds
+        self.left > 0
+    }
+
+    /// True if nothing can touch in so many substeps.
+    pub fn holds_for(&self, substeps: u32) -> bool {
+        self.left >= substeps
     }
 
     pub fn end(&mut self) {
-        self.holds = false;
+        self.left = 0;
     }
 
-    /// Looks whether the rest of a step is calm, if all particles go the ways that their watches know, and parts keep this
-    /// `distance` at least (metres). If it is, the watches begin.
+    /// Ends a substep.
+    pub fn grow_older(&mut self) {
+        self.left -= 1;
+    }
+
+    /// Looks whether some `substeps` are calm, or else half of them, or a quarter, if all particles go the ways that their watches
+    /// know, and parts keep this `distance` at least (metres). If they are, the watches begin.
     pub fn begin(
         &mut self,
         surfaces: &mut PlacedSurfaces,
         points: &Points,
         bodies: &mut [Body],
-        substep: Substep,
+        substeps: u32,
         distance: f32,
+        isa: Isa,
     ) {
         self.slack = SLACK_OF_CALM * distance;
-        self.holds = self.keep_apart(surfaces, points, bodies, substep);
-        if self.holds {
+        let mut tried = [substeps, substeps.div_ceil(2), substeps.div_ceil(4)].into_iter();
+        let calm = tried.find(|&substeps| self.keep_apart(surfaces, points, bodies, substeps, isa));
+        self.left = calm.unwrap_or(0);
+        if self.holds() {
             for body in bodies.iter_mut().filter(|body| body.has_self_contact()) {
                 body.context.watch.begin(&body.topology.layout);
             }
@@ -78,9 +91,9 @@ impl Calm {
         surfaces: &mut PlacedSurfaces,
         points: &Points,
         bodies: &[Body],
-        substep: Substep,
+        substeps: u32,
+        isa: Isa,
     ) -> bool {
-        let left = substep.count - substep.index;
         let reach = Reach { factor: 1.0 + CONTACT_MARGIN_OF_SURFACES, slack: self.slack };
         self.turning = None;
         self.wholes.clear();
@@ -90,12 +103,12 @@ impl Calm {
             let Body { particles, topology, settings, context, .. } = body;
             let growth = settings.thickness * reach.factor + reach.slack;
             let columns = [&*context.watch.starts, &*context.watch.ways];
-            let Some(grid) = FlyingGrid::new(topology, columns, left, growth) else {
+            let Some(grid) = FlyingGrid::new(topology, columns, substeps, growth) else {
                 are_blocks = false;
                 continue;
             };
             let blocks = &mut self.blocks[place];
-            let Some(mut whole) = substep.isa.run(KeepApart { grid, blocks }) else { return false };
+            let Some(mut whole) = isa.run(KeepApart { grid, blocks }) else { return false };
             let shift = Vec3A::from(particles.origin - bodies[0].particles.origin);
             (whole.low, whole.high) = (whole.low + shift, whole.high + shift);
             let is_far = |&(other, of_other): &(usize, SweptBox)| {
@@ -106,7 +119,7 @@ impl Calm {
         }
         if !are_blocks {
             surfaces.fit(bodies, points);
-            self.turning = surfaces.turning_if_apart(bodies, left, reach, substep.isa);
+            self.turning = surfaces.turning_if_apart(bodies, substeps, reach, isa);
         }
         are_blocks || self.turning.is_some()
     }
@@ -185,9 +198,8 @@ mod tests {
         surfaces.fit(&bodies, &points);
         surfaces.look_at_all();
         let mut calm = Calm::default();
-        let substep = Substep { count: SUBSTEPS, ..Substep::default() };
         points.prepare_watches(&mut bodies, |body| &body.context.integrated, 0);
-        calm.begin(&mut surfaces, &points, &mut bodies, substep, DISTANCE);
+        calm.begin(&mut surfaces, &points, &mut bodies, SUBSTEPS, DISTANCE, Isa::default());
         Proved { bodies, points, surfaces, calm }
     }
 
@@ -205,7 +217,7 @@ mod tests {
             }
             calms += 1;
             let slack = 0.99 * SLACK_OF_CALM * DISTANCE;
-            for substep in 0..=SUBSTEPS {
+            for substep in 0..=calm.left {
                 let part = substep as f32;
                 let places: Vec<Vec4> = points
                     .start

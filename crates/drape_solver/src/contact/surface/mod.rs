@@ -154,8 +154,8 @@ impl SurfaceContacts {
             context.watch.prepare(&particles.position.cells, &particles.displacement.cells, 0);
         }
         let distance = least_distance(bodies);
-        self.calm.begin(&mut self.surfaces, &self.points, bodies, substep, distance);
-        self.calm.holds()
+        self.calm.begin(&mut self.surfaces, &self.points, bodies, substep.count, distance, substep.isa);
+        self.calm.holds_for(substep.count)
     }
 
     /// After a whole step that was expected to be calm: true if it was. If not, everything is where it was when it began.
@@ -217,7 +217,8 @@ impl SurfaceContacts {
     fn begin_calm(&mut self, bodies: &mut [Body], column: fn(&Body) -> &Columns, substep: Substep) {
         let Self { calm, surfaces, points, .. } = self;
         points.prepare_watches(bodies, column, substep.index);
-        calm.begin(surfaces, points, bodies, substep, least_distance(bodies));
+        let (left, distance) = (substep.count - substep.index, least_distance(bodies));
+        calm.begin(surfaces, points, bodies, left, distance, substep.isa);
     }
 
     /// Ends a substep in which nothing could touch: false if something may have left its way so far that it does.
@@ -225,7 +226,11 @@ impl SurfaceContacts {
         if !self.calm.is_on_its_way(bodies, substep.isa) {
             self.begin_calm(bodies, |body| &body.particles.position, substep);
         }
-        self.calm.holds()
+        let is_calm = self.calm.holds();
+        if is_calm {
+            self.calm.grow_older();
+        }
+        is_calm
     }
 
     /// Lists what may touch; and, when the step begins, the edges that pass through faces.
