@@ -238,7 +238,7 @@ pub const MOST_LISTED_SUBSTEPS: u32 = 8;
 pub const SLACK_OF_SURFACES: f32 = 0.25;
 
 /// The same where nothing is near and nothing is listed.
-pub const SLACK_OF_CALM: f32 = 0.5;
+pub const SLACK_OF_CALM: f32 = 1.0;
 
 /// Part of their distance that edges keep which lie flat between their faces: corners on faces hold flat layers apart.
 pub const BLUNT_EDGES: f32 = 0.3;

@@ -68,8 +68,17 @@ pub(crate) struct Blocks {
     /// Blocks side by side in a patch, and squares along their sides.
     side_by_side: usize,
     side: usize,
+    /// Metres that particles may be off their ways.
+    slack: f32,
     /// One over the lengths of the squares' sides at rest, in 1/m.
     scales: [f32; 2],
+}
+
+impl Blocks {
+    /// Metres that particles may be off their ways.
+    pub fn slack(&self) -> f32 {
+        self.slack
+    }
 }
 
 /// A grid whose patches lie side by side, on its way.
@@ -81,8 +90,10 @@ pub(crate) struct FlyingGrid<'a> {
     ways: &'a [Cell],
     /// Substeps that are left.
     substeps: f32,
-    /// Metres by which boxes are wider than what they hold.
-    growth: f32,
+    /// Metres that parts keep to the middle between them, and that particles may be off their ways: with blocks of half the size,
+    /// half as much.
+    reach: f32,
+    slack: f32,
 }
 
 impl<'a> FlyingGrid<'a> {
@@ -91,7 +102,7 @@ impl<'a> FlyingGrid<'a> {
         topology: &Topology,
         [starts, ways]: [&'a [Cell]; 2],
         substeps: u32,
-        growth: f32,
+        [reach, slack]: [f32; 2],
     ) -> Option<Self> {
         let &Layout::Grid(grid) = &topology.layout else { return None };
         if !topology.has_faces_by_square || !topology.layout.has_whole_rows() || grid.rows < 2 {
@@ -100,7 +111,7 @@ impl<'a> FlyingGrid<'a> {
         let side = |other: usize| topology.rest[other].distance(topology.rest[0]);
         let scales = [side(1), side(grid.columns)].map(f32::recip);
         let is_wide = scales.iter().all(|scale| scale.is_finite());
-        is_wide.then_some(Self { grid, scales, starts, ways, substeps: substeps as f32, growth })
+        is_wide.then_some(Self { grid, scales, starts, ways, substeps: substeps as f32, reach, slack })
     }
 
     /// The place of the particles in this column of all patches and in this row, and their way.
@@ -124,22 +135,30 @@ impl<'a> FlyingGrid<'a> {
 
     /// Places blocks with so many squares along their sides.
     #[inline(always)]
-    fn place_all<S: Simd>(&self, simd: S, side: usize, blocks: &mut Blocks) {
+    fn place_all<S: Simd>(&self, simd: S, side: usize, slack: f32, blocks: &mut Blocks) {
         let Grid { width, height, .. } = self.grid;
         let side_by_side = width.div_ceil(side);
         blocks.rows.resize((height - 1).div_ceil(side) * side_by_side, BlockRow::NOTHING);
         for (first, blocks) in (0..height - 1).step_by(side).zip(blocks.rows.chunks_exact_mut(side_by_side)) {
             for (from, block) in (0..width).step_by(side).zip(blocks) {
                 let (columns, rows) = (from..(from + side).min(width), first..(first + side).min(height - 1));
-                self.place(simd, columns, rows, block);
+                self.place(simd, columns, rows, self.reach + slack, block);
             }
         }
-        (blocks.side_by_side, blocks.side, blocks.scales) = (side_by_side, side, self.scales);
+        (blocks.side_by_side, blocks.side, blocks.slack) = (side_by_side, side, slack);
+        blocks.scales = self.scales;
     }
 
     /// The block that begins in the first of these columns of a patch, and in the first of these rows.
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, columns: Range<usize>, rows: Range<usize>, block: &mut BlockRow) {
+    fn place<S: Simd>(
+        &self,
+        simd: S,
+        columns: Range<usize>,
+        rows: Range<usize>,
+        growth: f32,
+        block: &mut BlockRow,
+    ) {
         let [scale_across, scale_down] =
             [f32x16::splat(simd, self.scales[0]), f32x16::splat(simd, self.scales[1])];
         let nothing = LaneBoxes::nothing(simd);
@@ -167,10 +186,10 @@ impl<'a> FlyingGrid<'a> {
             across = across.and(of_across.only(simd, is_there));
             down = down.and(of_down.only(simd, is_there));
         }
-        let growth = Lanes3::splat(simd, Vec3::splat(self.growth));
         let ([low, high], [slow, fast]) = (places.all_lanes(), ways.all_lanes());
-        let [low, high] = [Vec3A::from(low) - self.growth, Vec3A::from(high) + self.growth];
+        let [low, high] = [Vec3A::from(low) - growth, Vec3A::from(high) + growth];
         block.all = SweptBox { low, high, slow: slow.into(), fast: fast.into() };
+        let growth = Lanes3::splat(simd, Vec3::splat(growth));
         put(places.low.minus(growth), &mut block.bounds.low);
         put(places.high.plus(growth), &mut block.bounds.high);
         put(ways.low, &mut block.bounds.slow);
@@ -200,10 +219,9 @@ impl Kernel for KeepApart<'_> {
         let Self { grid: flying, blocks } = self;
         let width = flying.grid.width;
         let coarse = width.div_ceil(width.div_ceil(MOST_SQUARES));
-        let mut side = 2 * coarse;
-        for _ in 0..FINENESSES {
-            side = side.div_ceil(2);
-            flying.place_all(simd, side, blocks);
+        for halvings in 0..FINENESSES {
+            let slack = flying.slack / (1 << halvings) as f32;
+            flying.place_all(simd, coarse.div_ceil(1 << halvings), slack, blocks);
             if (Placed { blocks, least_cosine: LEAST_COSINE }).keep_apart(simd) {
                 return Some(blocks.rows.iter().fold(SweptBox::NOTHING, |all, row| all.and(&row.all)));
             }

@@ -101,7 +101,7 @@ impl Calm {
         let mut are_blocks = true;
         for (place, body) in bodies.iter().enumerate().filter(|(_, body)| body.has_self_contact()) {
             let Body { particles, topology, settings, context, .. } = body;
-            let growth = settings.thickness * reach.factor + reach.slack;
+            let growth = [settings.thickness * reach.factor, reach.slack];
             let columns = [&*context.watch.starts, &*context.watch.ways];
             let Some(grid) = FlyingGrid::new(topology, columns, substeps, growth) else {
                 are_blocks = false;
@@ -130,11 +130,10 @@ impl Calm {
         all.into_iter().all(|(body, blocks)| {
             let off = &*body.context.watch.off;
             let [most, widest] = isa.run(Deviation(off));
-            most <= self.slack
-                && match self.turning {
-                    Some(turning) => turning.of(widest) <= MOST_TURN,
-                    None => isa.run(StillKeepApart { blocks, off }),
-                }
+            match self.turning {
+                Some(turning) => most <= self.slack && turning.of(widest) <= MOST_TURN,
+                None => most <= blocks.slack() && isa.run(StillKeepApart { blocks, off }),
+            }
         })
     }
 }

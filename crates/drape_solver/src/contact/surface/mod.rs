@@ -126,7 +126,6 @@ impl SurfaceContacts {
         self.found.clear();
         if is_first {
             self.step_starts.clone_from(&self.points.start_cells);
-            self.surfaces.fit(bodies, &self.points);
             self.begin_step();
         }
     }
@@ -236,6 +235,7 @@ impl SurfaceContacts {
     /// Lists what may touch; and, when the step begins, the edges that pass through faces.
     fn make_list(&mut self, bodies: &[Body], substep: Substep, workers: &Workers) {
         let Self { points, surfaces, list, crossings, is_crossing, counts, .. } = self;
+        surfaces.fit(bodies, points);
         counts.lists += 1;
         let distance = least_distance(bodies);
         let of_start = (substep.index == 0).then_some(&mut *crossings);
@@ -353,6 +353,7 @@ impl SurfaceContacts {
         let distance = least_distance(bodies);
         if was_calm {
             let Self { points, surfaces, list, looked_at, counts, .. } = self;
+            surfaces.fit(bodies, points);
             list.make_at_end(surfaces, points, bodies, substep, distance, workers);
             counts.lists += 1;
             looked_at.clone_from(&points.end);
