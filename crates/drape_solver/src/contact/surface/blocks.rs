@@ -65,6 +65,9 @@ impl BlockRow {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Blocks {
     rows: Vec<BlockRow>,
+    /// True if the whole sheet lies flat; else the rows with blocks that come near each other, but lie flat together.
+    lies_flat: bool,
+    close: Vec<[u32; 2]>,
     /// Blocks side by side in a patch, and squares along their sides.
     side_by_side: usize,
     side: usize,
@@ -222,7 +225,7 @@ impl Kernel for KeepApart<'_> {
         for halvings in 0..FINENESSES {
             let slack = flying.slack / (1 << halvings) as f32;
             flying.place_all(simd, coarse.div_ceil(1 << halvings), slack, blocks);
-            if (Placed { blocks, least_cosine: LEAST_COSINE }).keep_apart(simd) {
+            if blocks.keep_apart(simd, LEAST_COSINE) {
                 return Some(blocks.rows.iter().fold(SweptBox::NOTHING, |all, row| all.and(&row.all)));
             }
         }
@@ -256,7 +259,20 @@ impl Kernel for StillKeepApart<'_> {
             let of_row = rows[0].off;
             rows.iter_mut().for_each(|row| row.off = of_row);
         }
-        Placed { blocks, least_cosine: LEAST_COSINE_LEFT }.keep_apart(simd)
+        let placed = Placed {
+            rows: &blocks.rows,
+            scales: blocks.scales,
+            side_by_side,
+            least_cosine: LEAST_COSINE_LEFT,
+        };
+        if blocks.lies_flat {
+            return placed.lies_flat(simd) || blocks.keep_apart(simd, LEAST_COSINE_LEFT);
+        }
+        placed.neighbours_lie_flat(simd)
+            && blocks.close.iter().all(
+                #[inline(always)]
+                |&[a, b]| placed.meet(simd, a as usize, b as usize) != Meeting::Touch,
+            )
     }
 }
 
@@ -266,24 +282,40 @@ fn has_next<S: Simd>(simd: S) -> mask32x16<S> {
     mask32x16::from_bitmask(simd, u64::from(u16::MAX >> 1))
 }
 
+impl Blocks {
+    /// True if no two blocks can touch, or faces of one. Notes which are close.
+    #[inline(always)]
+    fn keep_apart<S: Simd>(&mut self, simd: S, least_cosine: f32) -> bool {
+        let Self { rows, close, side_by_side, scales, .. } = self;
+        let placed = Placed { rows, scales: *scales, side_by_side: *side_by_side, least_cosine };
+        self.lies_flat = placed.lies_flat(simd);
+        self.lies_flat || placed.neighbours_lie_flat(simd) && placed.others_keep_apart(simd, close)
+    }
+}
+
 /// The blocks where they are.
 struct Placed<'a> {
-    blocks: &'a Blocks,
+    rows: &'a [BlockRow],
+    scales: [f32; 2],
+    side_by_side: usize,
     least_cosine: f32,
 }
 
-impl Placed<'_> {
-    /// True if no two blocks can touch, or faces of one.
-    #[inline(always)]
-    fn keep_apart<S: Simd>(&self, simd: S) -> bool {
-        self.lies_flat(simd) || self.neighbours_lie_flat(simd) && self.others_keep_apart(simd)
-    }
+/// What blocks that are not neighbours may do.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Meeting {
+    StayAway,
+    /// Some come near each other, but lie flat together.
+    LieFlat,
+    Touch,
+}
 
+impl Placed<'_> {
     #[inline(always)]
     fn edges<S: Simd>(&self, simd: S, row: usize) -> [LaneBoxes<S>; 2] {
-        let row = &self.blocks.rows[row];
+        let row = &self.rows[row];
         let off = Lanes3::load(simd, &row.off);
-        let [across, down] = [(&row.across, self.blocks.scales[0]), (&row.down, self.blocks.scales[1])].map(
+        let [across, down] = [(&row.across, self.scales[0]), (&row.down, self.scales[1])].map(
             #[inline(always)]
             |(edges, scale)| {
                 let (edges, off) = (LaneBoxes::load(simd, edges), off.times(f32x16::splat(simd, scale)));
@@ -297,8 +329,8 @@ impl Placed<'_> {
     #[inline(always)]
     fn edges_and_next<S: Simd>(&self, simd: S, row: usize) -> [LaneBoxes<S>; 2] {
         let own = self.edges(simd, row);
-        let next = if (row + 1).is_multiple_of(self.blocks.side_by_side) {
-            self.edges(simd, row + 1 - self.blocks.side_by_side).map(
+        let next = if (row + 1).is_multiple_of(self.side_by_side) {
+            self.edges(simd, row + 1 - self.side_by_side).map(
                 #[inline(always)]
                 |edges| edges.next_lanes().only(simd, has_next(simd)),
             )
@@ -312,7 +344,7 @@ impl Placed<'_> {
     #[inline(always)]
     fn lies_flat<S: Simd>(&self, simd: S) -> bool {
         let nothing = [LaneBoxes::nothing(simd); 2];
-        let all = (0..self.blocks.rows.len()).fold(
+        let all = (0..self.rows.len()).fold(
             nothing,
             #[inline(always)]
             |all, row| both(all, self.edges(simd, row)),
@@ -330,12 +362,12 @@ impl Placed<'_> {
     /// True if all blocks lie flat with those around each of their corners.
     #[inline(always)]
     fn neighbours_lie_flat<S: Simd>(&self, simd: S) -> bool {
-        (0..self.blocks.rows.len()).all(
+        (0..self.rows.len()).all(
             #[inline(always)]
             |row| {
                 let mut edges = self.edges_and_next(simd, row);
-                if row + self.blocks.side_by_side < self.blocks.rows.len() {
-                    edges = both(edges, self.edges_and_next(simd, row + self.blocks.side_by_side));
+                if row + self.side_by_side < self.rows.len() {
+                    edges = both(edges, self.edges_and_next(simd, row + self.side_by_side));
                 }
                 let [own, _] = self.edges(simd, row);
                 (are_flat(simd, self.least_cosine, edges) | own.low.x.simd_gt(own.high.x)).all_true()
@@ -343,51 +375,54 @@ impl Placed<'_> {
         )
     }
 
-    /// True if no two blocks that are not neighbours can touch.
+    /// True if no two blocks that are not neighbours can touch. Lists the rows with `close` ones that must lie flat for that.
     #[inline(always)]
-    fn others_keep_apart<S: Simd>(&self, simd: S) -> bool {
-        (0..self.blocks.rows.len()).all(
-            #[inline(always)]
-            |a| {
-                let all = &self.blocks.rows[a].all;
-                (a..self.blocks.rows.len()).all(
-                    #[inline(always)]
-                    |b| !all.meets(&self.blocks.rows[b].all) || self.rows_keep_apart(simd, a, b),
-                )
-            },
-        )
+    fn others_keep_apart<S: Simd>(&self, simd: S, close: &mut Vec<[u32; 2]>) -> bool {
+        close.clear();
+        for a in 0..self.rows.len() {
+            let all = &self.rows[a].all;
+            for b in (a..self.rows.len()).filter(|&b| all.meets(&self.rows[b].all)) {
+                match self.meet(simd, a, b) {
+                    Meeting::StayAway => {}
+                    Meeting::LieFlat => close.push([a as u32, b as u32]),
+                    Meeting::Touch => return false,
+                }
+            }
+        }
+        true
     }
 
     #[inline(always)]
-    fn rows_keep_apart<S: Simd>(&self, simd: S, a: usize, b: usize) -> bool {
-        let (own, other) = (&self.blocks.rows[a], &self.blocks.rows[b]);
-        let rows_between = b / self.blocks.side_by_side - a / self.blocks.side_by_side;
-        set_lanes(own.bounds.meets(simd, &other.all)).all(
-            #[inline(always)]
-            |lane| {
-                let near = |most: usize| if rows_between <= most { self.near(a, lane, b, most) } else { 0 };
-                let mut hits = other.bounds.meets_lane(simd, &own.bounds, lane) & !near(1);
-                if a == b {
-                    hits &= u16::MAX.checked_shl(lane as u32 + 1).unwrap_or(0);
-                }
-                if hits != 0 && hits & !near(2) == 0 {
-                    let own = self.edges(simd, a).map(
-                        #[inline(always)]
-                        |edges| edges.splat_lane(simd, lane),
-                    );
-                    hits &= !(are_flat(simd, self.least_cosine, both(own, self.edges(simd, b))).to_bitmask()
-                        as u16);
-                }
-                hits == 0
-            },
-        )
+    fn meet<S: Simd>(&self, simd: S, a: usize, b: usize) -> Meeting {
+        let (own, other) = (&self.rows[a], &self.rows[b]);
+        let rows_between = b / self.side_by_side - a / self.side_by_side;
+        let mut meeting = Meeting::StayAway;
+        for lane in set_lanes(own.bounds.meets(simd, &other.all)) {
+            let near = |most: usize| if rows_between <= most { self.near(a, lane, b, most) } else { 0 };
+            let mut hits = other.bounds.meets_lane(simd, &own.bounds, lane) & !near(1);
+            if a == b {
+                hits &= u16::MAX.checked_shl(lane as u32 + 1).unwrap_or(0);
+            }
+            if hits == 0 {
+                continue;
+            }
+            meeting = Meeting::LieFlat;
+            let own = self.edges(simd, a).map(
+                #[inline(always)]
+                |edges| edges.splat_lane(simd, lane),
+            );
+            let flat = are_flat(simd, self.least_cosine, both(own, self.edges(simd, b))).to_bitmask() as u16;
+            if hits & !(near(2) & flat) != 0 {
+                return Meeting::Touch;
+            }
+        }
+        meeting
     }
 
     /// Bit mask of the lanes of row `b` whose blocks are at most so many columns of blocks away from that in `lane` of row `a`.
     #[inline(always)]
     fn near(&self, a: usize, lane: usize, b: usize, most: usize) -> u16 {
-        let column =
-            |row: usize, lane: usize| lane * self.blocks.side_by_side + row % self.blocks.side_by_side;
+        let column = |row: usize, lane: usize| lane * self.side_by_side + row % self.side_by_side;
         let own = column(a, lane);
         let lanes = lane.saturating_sub(most)..(lane + most + 1).min(LANES);
         lanes.fold(0, |near, other| near | (u16::from(column(b, other).abs_diff(own) <= most) << other))
