@@ -282,6 +282,36 @@ mod tests {
         assert!(!bent(30.0).calm.holds(), "it is rolled up");
     }
 
+    /// Strips that bend to and fro: where one is calm, columns that lie farther apart in it than they keep do not touch.
+    #[test]
+    fn no_calm_strip_touches_itself() {
+        let mut calms = 0;
+        let seeds = unless_miri(400, 1);
+        for seed in 0..seeds {
+            let mut numbers = Numbers(seed);
+            let [bend, wave, phase] = [(); 3].map(|()| numbers.next());
+            let length = 0.6 / 60.0;
+            let (mut at, mut angle, mut curve) = ([0.0_f32; 2], 0.0_f32, Vec::new());
+            for column in 0..61 {
+                curve.push(at);
+                let turn = 0.3 * bend + 0.6 * wave * libm::sinf(0.25 * column as f32 + 3.0 * phase);
+                angle += turn;
+                at = [at[0] + length * libm::cosf(angle), at[1] + length * libm::sinf(angle)];
+            }
+            let Proved { calm, .. } = strip(|along| curve[(along / length).round() as usize]);
+            if !calm.holds() {
+                continue;
+            }
+            calms += 1;
+            let distance = |a: [f32; 2], b: [f32; 2]| glam::Vec2::from(a).distance(b.into());
+            for (i, j) in (0..61).flat_map(|j| (0..j).map(move |i| (i, j))) {
+                let is_far = (j - i) as f32 * length > 4.0 * DISTANCE;
+                assert!(!is_far || distance(curve[i], curve[j]) > DISTANCE, "seed {seed}: {i} and {j}");
+            }
+        }
+        assert!(unless_miri((30..300).contains(&calms), true), "{calms} of {seeds} are calm");
+    }
+
     /// What is near itself along the sheet, too: leaves are 4 cm wide.
     #[test]
     fn a_narrow_fold_is_not_calm() {
