@@ -145,7 +145,7 @@ impl Plan {
                 BodyStage::Limits => self.stages.extend(extras.has_limits.then_some(StripStage::Limits)),
                 BodyStage::Leave => self.stages.extend(extras.has_frame.then_some(StripStage::Leave)),
                 BodyStage::Watch => {
-                    self.stages.extend(settings.has_self_contact().then_some(StripStage::Watch))
+                    self.stages.extend(settings.has_self_contact().then_some(StripStage::Watch));
                 }
                 _ => {}
             }

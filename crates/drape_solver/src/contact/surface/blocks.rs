@@ -447,8 +447,8 @@ fn are_flat<S: Simd>(simd: S, least_cosine: f32, [across, down]: [LaneBoxes<S>; 
     let (mut lowest, mut squares) = (zero, zero);
     for [low, high] in [x, y, z] {
         let way = low + high;
-        lowest = lowest + least(way * low, way * high);
-        squares = squares + way * way;
+        lowest += least(way * low, way * high);
+        squares += way * way;
     }
     let cosine = f32x16::splat(simd, least_cosine * least_cosine);
     lowest.simd_gt(zero) & (lowest * lowest).simd_gt(cosine * squares)
