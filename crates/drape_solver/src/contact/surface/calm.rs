@@ -1,8 +1,9 @@
 //! Calm: a proof that no surfaces touch in a step, and a watch over what it rests on.
 //!
-//! When a step begins, boxes and leans of whole [leaves](super::leaves) show whether anything may touch on its way in free
-//! flight. If nothing may, nothing is listed, and at the end of each substep one pass looks how far particles are off that
-//! way:
+//! Before a step, boxes around the [blocks](super::blocks) of grids, or else around whole [leaves](super::leaves), show whether
+//! anything may touch on an even way. If nothing may, nothing is listed, and a [watch](crate::state::watch) notes how far
+//! particles are off that way at the end of each substep. A whole step is tried in sweeps, and taken back if something has left
+//! its way. Substep by substep:
 //!
 //! ```text
 //!     start   1   2   3             all within the slack:       still calm
