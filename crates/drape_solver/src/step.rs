@@ -108,12 +108,7 @@ fn threads_for<'a>(island: &Island, threads: &'a dyn Threads) -> &'a dyn Threads
 }
 
 fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
-    if can_be_swept(island) {
-        let substep = island.context.now(island.isa, environment);
-        let IslandContext { contacts, plans, .. } = &mut island.context;
-        for ((body, contacts), plan) in island.bodies.iter_mut().zip(&mut contacts.bodies).zip(plans) {
-            sweep::substeps(body, &mut contacts.obstacles, plan, substep, workers);
-        }
+    if can_be_swept(island) && sweep_all(island, environment, workers) {
         island.context.iterations_taken = island.iterations();
         island.context.substep_index = island.context.substeps;
         count_conflicts(island, environment);
@@ -121,6 +116,19 @@ fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
     while island.context.substep_index < island.context.substeps {
         substep_on(island, environment, workers);
     }
+}
+
+/// Takes all bodies through the substeps that are left, one by one. False if surfaces may have touched: nothing has moved then.
+fn sweep_all(island: &mut Island, environment: &Environment, workers: &Workers) -> bool {
+    let substep = island.context.now(island.isa, environment);
+    let Island { bodies, context: IslandContext { contacts, plans, .. }, .. } = island;
+    if !contacts.surfaces.expects_calm(bodies, substep) {
+        return false;
+    }
+    for ((body, contacts), plan) in bodies.iter_mut().zip(&mut contacts.bodies).zip(plans) {
+        sweep::substeps(body, &mut contacts.obstacles, plan, substep, workers);
+    }
+    contacts.surfaces.was_calm(bodies, substep.isa)
 }
 
 /// True if no stage of the island has anything to do, so that its bodies may go through their substeps one by one.
@@ -352,7 +360,8 @@ fn run_body_stage(
         | BodyStage::Update
         | BodyStage::ObstacleFriction
         | BodyStage::Limits
-        | BodyStage::Leave => {
+        | BodyStage::Leave
+        | BodyStage::Watch => {
             sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, plan.plan.span(place));
         }
     }

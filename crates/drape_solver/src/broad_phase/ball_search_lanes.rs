@@ -6,6 +6,7 @@ use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
 use crate::broad_phase::ball_search::{Squares, set};
+use crate::geometry::lane_boxes::LaneBoxes;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::Kernel;
 use crate::simd::lanes::{Lanes3, set_lanes};
@@ -32,59 +33,13 @@ impl Kernel for Mark<'_> {
     }
 }
 
-/// Boxes in lanes.
-#[derive(Clone, Copy)]
-struct Boxes<S: Simd> {
-    low: Lanes3<S>,
-    high: Lanes3<S>,
-}
-
-impl<S: Simd> Boxes<S> {
-    #[inline(always)]
-    fn of(point: Lanes3<S>) -> Self {
-        Self { low: point, high: point }
-    }
-
-    #[inline(always)]
-    fn and(self, other: Self) -> Self {
-        let (low, high) = (self.low, self.high);
-        Self {
-            low: Lanes3 { x: low.x.min(other.low.x), y: low.y.min(other.low.y), z: low.z.min(other.low.z) },
-            high: Lanes3 {
-                x: high.x.max(other.high.x),
-                y: high.y.max(other.high.y),
-                z: high.z.max(other.high.z),
-            },
-        }
-    }
-
-    /// The boxes of the lanes that follow.
-    #[inline(always)]
-    fn next_lanes(self) -> Self {
-        Self { low: self.low.shifted::<1>(), high: self.high.shifted::<1>() }
-    }
-
-    /// Squared distance from `centre`.
-    #[inline(always)]
-    fn distance_squared(self, simd: S, centre: Lanes3<S>) -> f32x16<S> {
-        let zero = f32x16::splat(simd, 0.0);
-        let (above, below) = (self.low.minus(centre), centre.minus(self.high));
-        let away = Lanes3 {
-            x: above.x.max(below.x).max(zero),
-            y: above.y.max(below.y).max(zero),
-            z: above.z.max(below.z).max(zero),
-        };
-        away.dot(away)
-    }
-}
-
 /// The boxes of a row of cells, with the first cell of the next lane, which a lane's last square reaches.
 #[inline(always)]
-fn row_boxes<S: Simd>(simd: S, cells: &[Cell]) -> Boxes<S> {
-    let first = Boxes::of(Lanes3::load(simd, &cells[0]));
+fn row_boxes<S: Simd>(simd: S, cells: &[Cell]) -> LaneBoxes<S> {
+    let first = LaneBoxes::of(Lanes3::load(simd, &cells[0]));
     let mut all = first.and(first.next_lanes());
     for cell in &cells[1..] {
-        all = all.and(Boxes::of(Lanes3::load(simd, cell)));
+        all = all.and(LaneBoxes::of(Lanes3::load(simd, cell)));
     }
     all
 }
@@ -146,13 +101,13 @@ impl Kernel for SquareTest<'_> {
             if !is_near {
                 continue;
             }
-            let first =
-                Boxes::of(Lanes3::load(simd, &upper[0])).and(Boxes::of(Lanes3::load(simd, &lower[0])));
+            let first = LaneBoxes::of(Lanes3::load(simd, &upper[0]))
+                .and(LaneBoxes::of(Lanes3::load(simd, &lower[0])));
             let mut left = first;
             for (cell, mask) in masks.iter_mut().enumerate() {
                 let right = if cell + 1 < width {
-                    let upper = Boxes::of(Lanes3::load(simd, &upper[cell + 1]));
-                    upper.and(Boxes::of(Lanes3::load(simd, &lower[cell + 1])))
+                    let upper = LaneBoxes::of(Lanes3::load(simd, &upper[cell + 1]));
+                    upper.and(LaneBoxes::of(Lanes3::load(simd, &lower[cell + 1])))
                 } else {
                     first.next_lanes()
                 };

@@ -16,6 +16,7 @@
 //! Imports: `simd` and the ground. Callers: everything above.
 
 pub mod compound;
+pub(crate) mod lane_boxes;
 pub mod mesh;
 pub(crate) mod nearest;
 pub(crate) mod nearest_lanes;

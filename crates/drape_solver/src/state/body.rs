@@ -12,6 +12,7 @@ use crate::state::layers::Layers;
 use crate::state::particles::Particles;
 use crate::state::settings::BodySettings;
 use crate::state::topology::Topology;
+use crate::state::watch::Watch;
 
 /// A cloth, a rope or a rig, ready to be stepped.
 #[derive(Clone, Debug, Default)]
@@ -76,6 +77,8 @@ pub struct BodyContext {
     pub(crate) rows: Rows,
     /// Gradient of the volume by each particle's position, in square metres.
     pub(crate) gradient: Vec<DVec3>,
+    /// The ways of the particles, while nothing of the body is expected to touch.
+    pub(crate) watch: Watch,
     pub(crate) still_for: f32,
 }
 

@@ -152,7 +152,7 @@ impl Layout {
 }
 
 /// Rows of cells in a strip, the unit of a sweep: sticks down the rows begin in every second row, or in two of four.
-const ROWS_OF_STRIP: usize = 2;
+pub(crate) const ROWS_OF_STRIP: usize = 2;
 
 /// Least number of columns or rows of a patch: with fewer, a skip-one stick would end in its own cell.
 const LEAST_PATCH: usize = 3;

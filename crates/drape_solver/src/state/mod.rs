@@ -48,3 +48,4 @@ pub mod tethers;
 pub mod topology;
 pub(crate) mod torn_grid;
 pub mod volume;
+pub(crate) mod watch;

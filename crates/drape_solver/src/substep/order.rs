@@ -50,6 +50,8 @@ pub(crate) enum BodyStage {
     Limits,
     /// The motion of the frame is subtracted from the displacements.
     Leave,
+    /// The watch notes how far particles are off their ways.
+    Watch,
 }
 
 /// A stage of a substep that concerns the whole island.
@@ -147,7 +149,7 @@ const VELOCITIES: &[Stages] = &[
     Stages::Island(Island::ImpactZones),
     Stages::Island(Island::TurnBalls),
     Stages::Island(Island::Account),
-    Stages::Bodies(&[Body::Limits, Body::Leave]),
+    Stages::Bodies(&[Body::Limits, Body::Leave, Body::Watch]),
     Stages::Island(Island::KeepApart),
 ];
 

@@ -44,6 +44,8 @@ pub(crate) enum StripStage {
     Limits,
     /// The motion of the frame is subtracted from the displacements.
     Leave,
+    /// The watch notes how far particles are off their ways.
+    Watch,
 }
 
 impl StripStage {
@@ -142,6 +144,9 @@ impl Plan {
                 BodyStage::ObstacleFriction => self.stages.push(StripStage::Friction),
                 BodyStage::Limits => self.stages.extend(extras.has_limits.then_some(StripStage::Limits)),
                 BodyStage::Leave => self.stages.extend(extras.has_frame.then_some(StripStage::Leave)),
+                BodyStage::Watch => {
+                    self.stages.extend(settings.has_self_contact().then_some(StripStage::Watch));
+                }
                 _ => {}
             }
         }

@@ -67,7 +67,7 @@ pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     let has_pressure = body.pressure > 0.0;
     let is_damped = body.context.damping.iter().any(|&damping| damping != 0.0);
-    let is_in_strips = contacts.faces.is_empty() && contacts.embedded.is_empty() && !body.has_self_contact();
+    let is_in_strips = contacts.faces.is_empty() && contacts.embedded.is_empty();
     is_fixed && is_in_strips && !has_pressure && !is_damped
 }
 
@@ -206,6 +206,7 @@ fn with_work(
         },
         contacts: contacts.rows(),
         rows: Some(&mut context.rows),
+        watch: context.watch.rows(),
         rest: BodyColumns {
             inverse_mass,
             common_mass: &particles.masses.common,

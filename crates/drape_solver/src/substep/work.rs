@@ -15,6 +15,7 @@ use crate::motion::body_columns::{BodyColumns, MovingColumns};
 use crate::motion::integrate::update_displacements;
 use crate::simd::rows::Rows;
 use crate::state::topology::{BatchSticks, StickBatch};
+use crate::state::watch::WatchRows;
 use crate::substep::plan::StripStage;
 
 /// Some strips of a body: all, or those above or below a cut.
@@ -26,6 +27,7 @@ pub(crate) struct Work<'a> {
     pub contacts: ObstacleRows<'a>,
     /// The rows in which listed sticks are relaxed. None in a part of a body: a body with listed sticks is never cut.
     pub rows: Option<&'a mut Rows>,
+    pub watch: WatchRows<'a>,
     pub rest: BodyColumns<'a>,
 }
 
@@ -55,18 +57,28 @@ impl Work<'_> {
         let displacement = displacement.split_at_mut(cells);
         let integrated = integrated.split_at_mut(cells);
         let contacts = self.contacts.split_at(strip);
+        let watch = self.watch.split_at(strip - first_strip, cells);
         let above =
             MovingColumns { position: position.0, displacement: displacement.0, integrated: integrated.0 };
         let below =
             MovingColumns { position: position.1, displacement: displacement.1, integrated: integrated.1 };
         (
-            Work { first_strip, cells_of_strip, moving: above, contacts: contacts.0, rows: None, rest },
+            Work {
+                first_strip,
+                cells_of_strip,
+                moving: above,
+                contacts: contacts.0,
+                rows: None,
+                watch: watch.0,
+                rest,
+            },
             Work {
                 first_strip: strip,
                 cells_of_strip,
                 moving: below,
                 contacts: contacts.1,
                 rows: None,
+                watch: watch.1,
                 rest,
             },
         )
@@ -106,7 +118,9 @@ impl Work<'_> {
         strips: Range<usize>,
         projection: impl Projection,
     ) {
-        let Self { first_strip, cells_of_strip, ref mut moving, ref mut contacts, rest, .. } = *self;
+        let Self {
+            first_strip, cells_of_strip, ref mut moving, ref mut contacts, ref mut watch, rest, ..
+        } = *self;
         let first_cell = first_strip * cells_of_strip;
         let last_cell = first_cell + moving.position.len();
         // The same cells, counted in the body and in the columns of this part.
@@ -165,8 +179,16 @@ impl Work<'_> {
                 #[inline(always)]
                 || update_displacements(simd, places, moving, rest.drift),
             ),
-            // No contacts, or a stage of sticks.
-            StripStage::Contacts { .. }
+            StripStage::Watch if watch.is_on() => {
+                let strips = strips.start - first_strip..strips.end - first_strip;
+                simd.vectorize(
+                    #[inline(always)]
+                    || watch.note(simd, moving.position, strips, cells_of_strip, index),
+                );
+            }
+            // No contacts, nothing to watch, or a stage of sticks.
+            StripStage::Watch
+            | StripStage::Contacts { .. }
             | StripStage::Friction
             | StripStage::Sticks(_)
             | StripStage::Listed { .. }

@@ -16,8 +16,9 @@ use crate::state::surface_leaf::{MOST_CORNERS, SurfaceLeaves};
 /// The leaves of one body, on an even way.
 pub(crate) struct FlyingLeaves<'a> {
     pub leaves: &'a SurfaceLeaves,
-    /// Places at the start, and one substep later, in metres, with the body's origin at `origin`.
-    pub places: [&'a [Cell]; 2],
+    /// Places at the start, with the body's origin at `origin`, and ways in a substep, in metres.
+    pub starts: &'a [Cell],
+    pub ways: &'a [Cell],
     pub origin: Vec3,
     /// Substeps that are left.
     pub substeps: f32,
@@ -72,8 +73,8 @@ impl FlyingLeaves<'_> {
     fn place_leaf(&self, leaf: usize, corners: &mut [[Vec3A; 2]; MOST_CORNERS]) -> (PlacedLeaf, Turning) {
         let mut bounds = SweptBox::NOTHING;
         for (&slot, corner) in self.leaves.corners(leaf).iter().zip(corners.iter_mut()) {
-            let [start, next] = self.places.map(|cells| place(cells, slot));
-            let way = (next - start) * self.substeps;
+            let [start, way] = [self.starts, self.ways].map(|cells| place(cells, slot));
+            let way = way * self.substeps;
             bounds.add(start, way);
             *corner = [start, start + way];
         }

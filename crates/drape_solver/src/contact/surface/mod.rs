@@ -13,10 +13,12 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
+pub(crate) mod blocks;
 pub(crate) mod calm;
 pub(crate) mod contact;
 pub(crate) mod counts;
 pub(crate) mod crossing;
+pub(crate) mod deviation;
 pub(crate) mod leaves;
 pub(crate) mod list;
 pub(crate) mod narrow;
@@ -48,7 +50,7 @@ use crate::contact::surface::points::Points;
 use crate::contact::surface::truncation::Truncation;
 use crate::parallel::gather::{Spare, gather};
 use crate::parallel::workers::Workers;
-use crate::simd::columns::{Cell, LANES};
+use crate::simd::columns::{Cell, Columns, LANES};
 use crate::simd::isa::Isa;
 use crate::state::body::Body;
 use crate::state::star::NONE;
@@ -124,12 +126,48 @@ impl SurfaceContacts {
         self.found.clear();
         if is_first {
             self.step_starts.clone_from(&self.points.start_cells);
-            self.surfaces.fit(bodies, &self.points);
-            self.calm.end();
-            self.list.clear();
-            self.crossings.clear();
-            self.counts = SelfContactCounts::default();
+            self.begin_step();
         }
+    }
+
+    fn begin_step(&mut self) {
+        self.calm.end();
+        self.list.clear();
+        self.crossings.clear();
+        self.counts = SelfContactCounts::default();
+    }
+
+    /// Before anything moves: true if nothing is expected to touch in the whole step, with which the bodies' watches begin.
+    pub fn expects_calm(&mut self, bodies: &mut [Body], substep: Substep) -> bool {
+        if !bodies.iter().any(Body::has_self_contact) {
+            return true;
+        }
+        // Frames take particles along on ways that their displacements do not show.
+        if substep.index > 0 || bodies.iter().any(|body| body.context.frame.is_some()) {
+            return false;
+        }
+        self.points.number(bodies);
+        self.found.clear();
+        self.begin_step();
+        for Body { particles, context, .. } in bodies.iter_mut().filter(|body| body.has_self_contact()) {
+            context.watch.prepare(&particles.position.cells, &particles.displacement.cells, 0);
+        }
+        let distance = least_distance(bodies);
+        self.calm.begin(&mut self.surfaces, &self.points, bodies, substep.count, distance, substep.isa);
+        self.calm.holds_for(substep.count)
+    }
+
+    /// After a whole step that was expected to be calm: true if it was. If not, everything is where it was when it began.
+    pub fn was_calm(&mut self, bodies: &mut [Body], isa: Isa) -> bool {
+        let was_calm = self.calm.is_on_its_way(bodies, isa);
+        for Body { particles, context, .. } in bodies.iter_mut().filter(|body| body.has_self_contact()) {
+            if !was_calm {
+                particles.position.cells.copy_from_slice(&context.watch.starts);
+                particles.displacement.cells.copy_from_slice(&context.watch.ways);
+            }
+            context.watch.end();
+        }
+        was_calm
     }
 
     /// Finds what touches in free flight, where a rope takes part.
@@ -165,39 +203,31 @@ impl SurfaceContacts {
     }
 
     /// True if nothing can touch in this substep.
-    fn is_calm(&mut self, bodies: &[Body], substep: Substep) -> bool {
-        let Self { calm, list, surfaces, points, .. } = self;
-        if !calm.holds() && !list.holds() {
-            calm.begin(
-                surfaces,
-                points,
-                bodies,
-                |body| &body.context.integrated,
-                substep,
-                least_distance(bodies),
-            );
+    fn is_calm(&mut self, bodies: &mut [Body], substep: Substep) -> bool {
+        if !self.calm.holds() && !self.list.holds() {
+            self.begin_calm(bodies, |body| &body.context.integrated, substep);
             // Nothing of a list that holds no more is watched.
-            list.clear();
+            self.list.clear();
         }
-        calm.holds()
+        self.calm.holds()
+    }
+
+    /// Looks whether the rest of the step is calm, if all go on from the start of this substep as they have gone to this `column`.
+    fn begin_calm(&mut self, bodies: &mut [Body], column: fn(&Body) -> &Columns, substep: Substep) {
+        let Self { calm, surfaces, points, .. } = self;
+        points.prepare_watches(bodies, column, substep.index);
+        let (left, distance) = (substep.count - substep.index, least_distance(bodies));
+        calm.begin(surfaces, points, bodies, left, distance, substep.isa);
     }
 
     /// Ends a substep in which nothing could touch: false if something may have left its way so far that it does.
-    fn stays_calm(&mut self, bodies: &[Body], substep: Substep) -> bool {
-        let Self { calm, surfaces, points, .. } = self;
-        if !calm.is_on_its_way(points, bodies, substep.isa) {
-            calm.begin(
-                surfaces,
-                points,
-                bodies,
-                |body| &body.particles.position,
-                substep,
-                least_distance(bodies),
-            );
+    fn stays_calm(&mut self, bodies: &mut [Body], substep: Substep) -> bool {
+        if !self.calm.is_on_its_way(bodies, substep.isa) {
+            self.begin_calm(bodies, |body| &body.particles.position, substep);
         }
-        let is_calm = calm.holds();
+        let is_calm = self.calm.holds();
         if is_calm {
-            calm.grow_older();
+            self.calm.grow_older();
         }
         is_calm
     }
@@ -205,6 +235,7 @@ impl SurfaceContacts {
     /// Lists what may touch; and, when the step begins, the edges that pass through faces.
     fn make_list(&mut self, bodies: &[Body], substep: Substep, workers: &Workers) {
         let Self { points, surfaces, list, crossings, is_crossing, counts, .. } = self;
+        surfaces.fit(bodies, points);
         counts.lists += 1;
         let distance = least_distance(bodies);
         let of_start = (substep.index == 0).then_some(&mut *crossings);
@@ -322,6 +353,7 @@ impl SurfaceContacts {
         let distance = least_distance(bodies);
         if was_calm {
             let Self { points, surfaces, list, looked_at, counts, .. } = self;
+            surfaces.fit(bodies, points);
             list.make_at_end(surfaces, points, bodies, substep, distance, workers);
             counts.lists += 1;
             looked_at.clone_from(&points.end);

@@ -16,7 +16,7 @@ use crate::contact::surface::reach::Reach;
 use crate::contact::surface::rows::{FlyingStars, PlaceBoxes, PlaceRows, Row};
 use crate::geometry::nearest_triangle::weighted;
 use crate::parallel::workers::Workers;
-use crate::simd::columns::{Columns, LANES};
+use crate::simd::columns::LANES;
 use crate::simd::isa::Isa;
 use crate::simd::lanes::set_lanes;
 use crate::state::body::Body;
@@ -269,24 +269,22 @@ impl PlacedSurfaces {
         }
     }
 
-    /// How faces may turn if no parts can touch in some `substeps`, by the leaves as a whole: in each substep all go as far as
-    /// from their starts to the `column` that is given.
+    /// How faces may turn if no parts can touch in some `substeps`, by the leaves as a whole: all go the ways that are watched.
     pub fn turning_if_apart(
         &mut self,
         bodies: &[Body],
-        points: &Points,
-        column: fn(&Body) -> &Columns,
         substeps: u32,
         reach: Reach,
         isa: Isa,
     ) -> Option<Turning> {
         let Self { bodies: placed, leaf_pairs, .. } = self;
         let mut turning = Turning::default();
-        for (body, (_, next, starts)) in placed.iter_mut().zip(points.cells_of(bodies, column)) {
-            let Body { particles, topology, settings, .. } = &bodies[body.place];
+        for body in &mut *placed {
+            let Body { particles, topology, settings, context, .. } = &bodies[body.place];
             let flying = FlyingLeaves {
                 leaves: &topology.surface().leaves,
-                places: [starts, next],
+                starts: &context.watch.starts,
+                ways: &context.watch.ways,
                 origin: particles.origin - bodies[0].particles.origin,
                 substeps: substeps as f32,
                 growth: settings.thickness * reach.factor + reach.slack,

@@ -2,8 +2,6 @@
 //!
 //! Design: `docs/design/self_contact.md`.
 
-use core::ops::Range;
-
 use glam::{Vec3, Vec4};
 
 use crate::simd::columns::{Cell, Columns, LANES};
@@ -17,6 +15,8 @@ use crate::state::star::NONE;
 pub(crate) struct Points {
     /// For each body the number of its first particle; [`NONE`] if its surface touches nothing.
     pub first: Vec<u32>,
+    /// The number of cells of all these bodies.
+    cells: usize,
     /// Places at the start of the substep, as the bodies have them. What follows is read from it when it is needed.
     pub start_cells: Vec<Cell>,
     /// The body of each particle.
@@ -38,13 +38,14 @@ pub(crate) struct Points {
 impl Points {
     pub fn clear(&mut self) {
         self.first.clear();
+        self.cells = 0;
         self.start_cells.clear();
         self.start.clear();
     }
 
     /// The number of particles.
     pub fn len(&self) -> usize {
-        self.start_cells.len() * LANES
+        self.cells * LANES
     }
 
     /// True if no surface touches anything.
@@ -52,16 +53,24 @@ impl Points {
         self.start_cells.is_empty()
     }
 
-    /// Notes where the particles are at the start of a substep, before anything has moved.
-    pub fn begin_substep(&mut self, bodies: &[Body]) {
+    /// Numbers the particles.
+    pub fn number(&mut self, bodies: &[Body]) {
         self.clear();
         for body in bodies {
             if body.has_self_contact() {
-                self.first.push((self.start_cells.len() * LANES) as u32);
-                self.start_cells.extend_from_slice(&body.particles.position.cells);
+                self.first.push((self.cells * LANES) as u32);
+                self.cells += body.particles.position.cells.len();
             } else {
                 self.first.push(NONE);
             }
+        }
+    }
+
+    /// Notes where the particles are at the start of a substep, before anything has moved.
+    pub fn begin_substep(&mut self, bodies: &[Body]) {
+        self.number(bodies);
+        for body in bodies.iter().filter(|body| body.has_self_contact()) {
+            self.start_cells.extend_from_slice(&body.particles.position.cells);
         }
     }
 
@@ -82,21 +91,15 @@ impl Points {
         }
     }
 
-    /// The bodies whose surfaces may touch: the place of each one's cells in the island, a column of its own, and its places
-    /// when the substep began.
-    pub fn cells_of<'a>(
-        &'a self,
-        bodies: &'a [Body],
-        column: impl Fn(&'a Body) -> &'a Columns,
-    ) -> impl Iterator<Item = (Range<usize>, &'a [Cell], &'a [Cell])> {
-        let on = bodies.iter().zip(&self.first).filter(|(_, first)| **first != NONE);
-        on.map(move |(body, &first)| {
-            let first = first as usize / LANES;
-            let column = &column(body).cells[..];
-            let cells = first..first + column.len();
-            let starts = &self.start_cells[cells.clone()];
-            (cells, column, starts)
-        })
+    /// Has the bodies watch the ways from where their particles were when the substep began to where they are in this `column`.
+    pub fn prepare_watches(&self, bodies: &mut [Body], column: fn(&Body) -> &Columns, index: u32) {
+        for (body, &first) in bodies.iter_mut().zip(&self.first).filter(|(_, first)| **first != NONE) {
+            let mut watch = core::mem::take(&mut body.context.watch);
+            let starts = &self.start_cells[first as usize / LANES..];
+            let next = &column(body).cells;
+            watch.prepare_towards(&starts[..next.len()], next, index);
+            body.context.watch = watch;
+        }
     }
 
     /// Reads where the particles are now, and their motion: what they have moved since this `followed` column is part of it.
