@@ -172,7 +172,9 @@ fn cloth_and_colliders_combine_their_friction_by_the_rule_of_the_collider() {
         (before - heights(&app, sheet).sum::<f32>()) / 289.0 > 0.1
     };
     assert!(slides(Friction::new(0.5)) && !slides(Friction::new(0.8)), "by the average");
-    assert!(!slides(Friction::new(0.1).with_combine_rule(CoefficientCombine::Max).with_static_coefficient(2.0)));
+    assert!(!slides(
+        Friction::new(0.1).with_combine_rule(CoefficientCombine::Max).with_static_coefficient(2.0)
+    ));
     assert!(slides(Friction::new(0.9).with_combine_rule(CoefficientCombine::Multiply)));
     assert!(slides(Friction::new(0.9).with_combine_rule(CoefficientCombine::Min)));
 }
