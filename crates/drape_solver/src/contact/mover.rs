@@ -94,7 +94,8 @@ impl Mover {
         pushed.push(linear, angular, free);
         self.to.translation = free.translation + (pushed.velocity - body.velocity) * substep;
         let turn = (pushed.angular_velocity - body.angular_velocity) * substep;
-        if turn != Vec3::ZERO {
+        // A turn by nothing rounds: a body at rest would leave the place where its engine has put it.
+        if turn != Vec3::ZERO || self.drive.is_none() {
             self.to.rotation = turned(free.rotation, turn);
         }
         self.end = body;

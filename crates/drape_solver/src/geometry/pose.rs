@@ -135,7 +135,10 @@ mod tests {
         for axis in [Vec3::X, Vec3::new(0.6, -0.8, 0.0), Vec3::new(1.0, 2.0, -2.0) / 3.0] {
             for angle in [1e-3, 0.1, 1.0, 2.0, 3.1] {
                 let turn = turn_between(from, Quat::from_axis_angle(axis, angle) * from);
-                assert!((turn - axis * angle).length() < 0.007 * angle + 1e-6, "{angle} about {axis}: {turn}");
+                assert!(
+                    (turn - axis * angle).length() < 0.007 * angle + 1e-6,
+                    "{angle} about {axis}: {turn}"
+                );
             }
         }
         assert_eq!(turn_between(from, from), Vec3::ZERO);
