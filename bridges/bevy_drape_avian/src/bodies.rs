@@ -4,7 +4,7 @@
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::drape_solver::{BuildError, Placement, Shape};
-use bevy_drape::environment::{DynamicObstacle, ObstacleShape, PlannedPlacement};
+use bevy_drape::environment::{DynamicObstacle, ObstacleShape};
 use bevy_drape::prelude::*;
 
 use crate::frame::InertialFrame;
@@ -80,7 +80,7 @@ pub(crate) fn update_bodies(
                 let place = frame.of_body(position, rotation);
                 let there =
                     Transform { translation: place.translation, rotation: place.rotation, ..default() };
-                commands.spawn((obstacle, there, PlannedPlacement::default(), ObstacleOf(entity)));
+                commands.spawn((obstacle, there, ObstacleOf(entity)));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use avian3d::prelude::{Position, Rotation};
 use bevy::prelude::*;
+use bevy_drape::environment::PlannedPlacement;
 
 /// Leaves a collider out: cloth passes through it.
 ///
@@ -28,7 +29,7 @@ pub struct ColliderObstacle;
 /// has the colliders of the body as one shape.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[relationship(relationship_target = BodyObstacle)]
-#[require(LeftAt, Load)]
+#[require(LeftAt, Load, PlannedPlacement)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 pub struct ObstacleOf(pub Entity);
 

@@ -8,6 +8,7 @@
 //! world/       bodies, balls and obstacles by name: islands, sleep, wake and culling
 //! drape_test   Cusick's drape test, and stretch by weight
 //! step         the whole step, phase by phase: start here
+//! stages       the stages of a substep, one by one
 //! island       bodies and balls that are stepped together, with their scratch
 //! tearing/     sticks tear, blades cut, bodies fall into pieces
 //! build/       builders of cloths, ropes, soft bodies, ragdolls; cloth from meshes
@@ -41,6 +42,7 @@ pub mod parallel;
 #[cfg(test)]
 mod random;
 pub mod simd;
+pub(crate) mod stages;
 pub mod state;
 pub mod step;
 pub(crate) mod substep;

@@ -23,11 +23,11 @@ pub struct Obstacle {
     pub friction: f32,
     /// Coefficient of static friction, which holds until sliding begins; at least `friction` counts.
     pub static_friction: f32,
-    /// How these two and those of what touches it become one: by their mean, unless set otherwise.
+    /// The rule by which these two and those of what touches it become one; the mean unless set otherwise.
     pub friction_rule: CombineRule,
     /// Coefficient of restitution against balls: 0 (no bounce) to 1.
     pub restitution: f32,
-    /// How this and the ball's become one.
+    /// The rule by which this and the ball's become one.
     pub restitution_rule: CombineRule,
     /// True for a sensor, which moves nothing and only reports contacts: see [`as_sensor`](Self::as_sensor).
     pub is_sensor: bool,

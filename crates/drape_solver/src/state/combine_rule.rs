@@ -3,7 +3,7 @@
 #[cfg(feature = "bevy")]
 use bevy_reflect::std_traits::ReflectDefault;
 
-/// How the friction or restitution of an obstacle and that of what touches it become one coefficient. Two bodies, or two
+/// Makes one coefficient of the friction or restitution of an obstacle and that of what touches it. Two bodies, or two
 /// balls, take the [`Average`](Self::Average).
 ///
 /// ```

@@ -6,11 +6,11 @@
 //! project collisions   CLOTH, CONTACTS, VELOCITIES
 //! ```
 //!
-//! An island walks the list [stage by stage](mod@crate::step), so that a schedule may run systems of its own between the
+//! An island walks the list [stage by stage](crate::stages), so that a schedule may run systems of its own between the
 //! three phases: integrate, relax, project collisions. A body that nothing but obstacles can touch walks the same list in
 //! [sweeps](crate::substep::sweep) down its strips: its [plan](crate::substep::plan) is made from this list.
 //!
-//! To add a stage, add it here and to `run_body_stage` or `run_island_stage` of `step.rs`. If it runs strip by strip, add it to
+//! To add a stage, add it here and to `run_body_stage` or `run_island_stage` of `stages.rs`. If it runs strip by strip, add it to
 //! `Plan::make` in `plan.rs` and write its code in `work.rs`. If not, sweeps leave it out: have `can_be_swept` refuse what needs
 //! it (of `sweep.rs` for a body, of `step.rs` for an island).
 //!

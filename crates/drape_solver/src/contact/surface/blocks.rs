@@ -47,7 +47,7 @@ struct BlockRow {
     /// Edges along the rows and down the columns, in parts of their lengths at rest.
     across: CellBoxes,
     down: CellBoxes,
-    /// How far corners of a block are off their ways against each other, in metres.
+    /// Greatest deviations of a block's corners from their ways against each other, in metres.
     off: Cell,
 }
 
@@ -127,7 +127,7 @@ impl<'a> FlyingGrid<'a> {
         if column == width { [place.shifted::<1>(), way.shifted::<1>()] } else { [place, way] }
     }
 
-    /// Where a square begins in this column of all patches.
+    /// The lanes in which a square begins in this column of their patch.
     #[inline(always)]
     fn squares<S: Simd>(&self, simd: S, column: usize) -> mask32x16<S> {
         let Grid { width, columns, .. } = self.grid;
@@ -301,7 +301,7 @@ struct Placed<'a> {
     least_cosine: f32,
 }
 
-/// What blocks that are not neighbours may do.
+/// The meeting of blocks that are not neighbours.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Meeting {
     StayAway,

@@ -31,7 +31,7 @@ use crate::state::body::Body;
 pub(crate) struct Calm {
     /// Metres that a particle may be off its way.
     slack: f32,
-    /// How faces may turn that are not in blocks; none if all are.
+    /// Bounds on turns of faces that are not in blocks; none if all are.
     turning: Option<Turning>,
     /// Substeps that are left; 0 if there is no calm.
     left: u32,

@@ -1,4 +1,4 @@
-//! How far the particles of a body are off the ways that are watched.
+//! The deviation of a body's particles from the ways that are watched.
 //!
 //! Design: `docs/design/self_contact.md`.
 

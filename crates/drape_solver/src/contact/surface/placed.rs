@@ -269,7 +269,7 @@ impl PlacedSurfaces {
         }
     }
 
-    /// How faces may turn if no parts can touch in some `substeps`, by the leaves as a whole: all go the ways that are watched.
+    /// Bounds on turns of faces if no parts can touch in some `substeps`, by the leaves as a whole: all go the ways that are watched.
     pub fn turning_if_apart(
         &mut self,
         bodies: &[Body],
