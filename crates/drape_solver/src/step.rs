@@ -120,13 +120,21 @@ fn substeps(island: &mut Island, environment: &Environment, workers: &Workers) {
 fn sweep_all(island: &mut Island, environment: &Environment, workers: &Workers) -> bool {
     let substep = island.context.now(island.isa, environment);
     let Island { bodies, context: IslandContext { contacts, plans, .. }, .. } = island;
-    if !contacts.surfaces.expects_calm(bodies, substep) {
+    let IslandContacts { surfaces, bodies: contacts, .. } = contacts;
+    if !surfaces.expects_calm(bodies, substep) {
         return false;
     }
-    for ((body, contacts), plan) in bodies.iter_mut().zip(&mut contacts.bodies).zip(plans) {
-        sweep::substeps(body, &mut contacts.obstacles, plan, substep, workers);
+    // The steps of bodies that may touch are taken back if they do: all others wait for them.
+    for may_touch in [true, false] {
+        let all = bodies.iter_mut().zip(contacts.iter_mut()).zip(&mut *plans);
+        for ((body, contacts), plan) in all.filter(|((body, ..), _)| body.has_self_contact() == may_touch) {
+            sweep::substeps(body, &mut contacts.obstacles, plan, substep, workers);
+        }
+        if may_touch && !surfaces.was_calm(bodies, substep.isa) {
+            return false;
+        }
     }
-    contacts.surfaces.was_calm(bodies, substep.isa)
+    true
 }
 
 /// True if no stage of the island has anything to do, so that its bodies may go through their substeps one by one.

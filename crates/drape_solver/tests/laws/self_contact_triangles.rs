@@ -377,6 +377,15 @@ fn steps_taken_in_sweeps_end_as_those_taken_substep_by_substep() {
     }
 }
 
+/// A rope without self-contact went on from the end of the step when that of the sheet beside it was taken back.
+#[test]
+fn what_has_no_self_contact_takes_no_step_twice() {
+    let rope = RopeBuilder::new(Vec3::Z * 5.0, Vec3::new(1.0, 0.0, 5.0), 9);
+    let mut island = hanging(50, 49, Vec3::new(0.0, -0.8, 0.6));
+    island.bodies.push(rope.build(BodySettings::default()).expect("valid"));
+    assert!(check_sweeps(island, &gravity(FRAME)) > 15);
+}
+
 /// Two sheets hang apart when a step begins, and a ball drives one into the other within that step.
 #[test]
 fn layers_that_a_ball_drives_together_within_a_step_do_not_cross() {
