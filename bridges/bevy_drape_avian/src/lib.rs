@@ -7,24 +7,18 @@
 //! ```text
 //! plugin      the plugin: what is watched, and when in a step
 //! sleep       sends bodies that lie on cloth to sleep, and wakes them
-//! motion      takes the motion of dynamic bodies over, and hands it back
-//! obstacles   makes obstacles of the colliders of static and kinematic bodies, and takes them away again
-//! bodies      makes one obstacle of all colliders of a dynamic body
-//! outdated    the colliders and bodies that changed since the last step
-//! frame       the principal axes of a body
+//! changes     the colliders and bodies that changed since the last step
+//! obstacles   colliders and dynamic bodies as obstacles
+//! motion      reads the motion of dynamic bodies, and writes it back
 //! surface     friction and restitution of a collider
-//! marks       marks on colliders, and the ties of bodies to their obstacles
 //! ```
 
-mod bodies;
-mod frame;
-mod marks;
+mod changes;
 mod motion;
 mod obstacles;
-mod outdated;
 mod plugin;
 mod sleep;
 mod surface;
 
-pub use marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
+pub use bevy_drape_bridge::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 pub use plugin::AvianDrapePlugin;

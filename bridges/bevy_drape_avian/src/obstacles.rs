@@ -1,14 +1,15 @@
-//! Makes obstacles of colliders, and takes them away again.
+//! Colliders and dynamic bodies as obstacles.
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
-use bevy_drape::drape_solver::Shape;
-use bevy_drape::environment::ObstacleShape;
 use bevy_drape::prelude::*;
+use bevy_drape_bridge::{
+    BodyObstacle, BodyParts, HasObstacle, InertialFrame, NoObstacle, Outdated, Part, obstacle_shape,
+    update_body, update_collider,
+};
 
-use crate::marks::{ColliderObstacle, NoObstacle};
-use crate::outdated::Outdated;
-use crate::surface::{Surface, Surfaces};
+use crate::motion::{place_in_body, placement};
+use crate::surface::Surfaces;
 
 /// A collider, and what decides about its obstacle.
 type ColliderQuery<'w, 's> = Query<
@@ -17,59 +18,104 @@ type ColliderQuery<'w, 's> = Query<
     (
         Option<&'static Collider>,
         Option<&'static CollisionLayers>,
+        Option<&'static ColliderOf>,
         Has<Sensor>,
         Has<ColliderDisabled>,
         Has<NoObstacle>,
-        Has<Obstacle>,
-        Has<ColliderObstacle>,
-        Option<&'static ColliderOf>,
+        HasObstacle,
     ),
+>;
+
+/// A body, and what decides about its obstacle.
+type BodyQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static RigidBody,
+        Option<&'static RigidBodyColliders>,
+        &'static ComputedMass,
+        &'static ComputedAngularInertia,
+        &'static ComputedCenterOfMass,
+        (&'static Position, &'static Rotation),
+        Option<&'static BodyObstacle>,
+        Has<RigidBodyDisabled>,
+    ),
+>;
+
+/// Colliders that are part of a body's obstacle.
+type PartQuery<'w, 's> = Query<
+    'w,
+    's,
+    (Entity, &'static Collider, &'static ColliderTransform, Option<&'static CollisionLayers>),
+    (Without<Sensor>, Without<ColliderDisabled>, Without<NoObstacle>, Without<Obstacle>),
 >;
 
 /// Brings the obstacles of all colliders that changed up to date, and lists their bodies. A collider of a dynamic body is
 /// part of the obstacle of that; a sensor is one of its own.
-pub(crate) fn update_obstacles(
+pub(crate) fn update_colliders(
     mut outdated: ResMut<Outdated>,
     mut commands: Commands,
     colliders: ColliderQuery,
     bodies: Query<&RigidBody>,
     surfaces: Surfaces,
 ) {
-    let Outdated { colliders: changed, bodies: changed_bodies } = &mut *outdated;
-    changed.sort_unstable();
-    changed.dedup();
-    for entity in changed.drain(..) {
-        let Ok((collider, layers, is_sensor, is_disabled, is_left_out, has_obstacle, is_ours, of)) =
-            colliders.get(entity)
+    for entity in outdated.take_colliders() {
+        let Ok((collider, layers, of, is_sensor, is_disabled, is_left_out, has)) = colliders.get(entity)
         else {
             continue;
         };
         let body = of.map_or(entity, |of| of.body);
-        changed_bodies.push(body);
+        outdated.bodies.push(body);
         let is_part = !is_sensor && bodies.get(body).is_ok_and(RigidBody::is_dynamic);
         let collider = collider.filter(|_| !is_disabled && !is_left_out && !is_part);
-        match collider {
-            Some(_) if has_obstacle && !is_ours => {}
-            Some(collider) => {
-                let layers = layers.copied().unwrap_or_default();
-                commands.entity(entity).try_insert((
-                    obstacle(collider, surfaces.of(entity), is_sensor),
-                    DrapeLayers::new(layers.memberships.0, layers.filters.0),
-                    ColliderObstacle,
-                ));
-            }
-            None if is_ours => {
-                commands.entity(entity).try_remove::<(Obstacle, DrapeLayers, ColliderObstacle)>();
-            }
-            None => {}
-        }
+        let obstacle = collider.map(|collider| {
+            // Cloth scales the shape by the transform, as Avian does.
+            let obstacle = surfaces.of(entity).obstacle(obstacle_shape(collider.shape()));
+            (Obstacle { is_sensor, ..obstacle }, drape_layers(layers))
+        });
+        update_collider(&mut commands, entity, has, obstacle);
     }
 }
 
-/// The obstacle of a collider, scaled by the transform as Avian's is.
-fn obstacle(collider: &Collider, surface: Surface, is_sensor: bool) -> Obstacle {
-    let shape = collider.shape();
-    // What cannot be an obstacle is refused by the plugin, which names the entity.
-    let shape = Shape::from_parry(shape.clone()).map_or_else(|_| shape.clone().into(), ObstacleShape::from);
-    Obstacle { is_sensor, ..surface.obstacle(shape) }
+/// Brings the obstacles of all dynamic bodies that changed up to date. Runs after those of colliders.
+pub(crate) fn update_bodies(
+    mut outdated: ResMut<Outdated>,
+    mut commands: Commands,
+    bodies: BodyQuery,
+    parts: PartQuery,
+    surfaces: Surfaces,
+) {
+    for entity in outdated.take_bodies() {
+        let Ok((kind, colliders, mass, inertia, centre, place, known, is_disabled)) = bodies.get(entity)
+        else {
+            continue;
+        };
+        let is_dynamic = kind.is_dynamic() && !is_disabled && mass.is_finite();
+        let colliders = colliders.into_iter().flatten().filter(|_| is_dynamic);
+        let found: Vec<_> = colliders.filter_map(|collider| parts.get(collider).ok()).collect();
+        let body = found.first().map(|&(first, collider, _, layers)| {
+            let (moments, axes) = inertia.principal_angular_inertia_with_local_frame();
+            BodyParts {
+                mass: mass.value(),
+                frame: InertialFrame { centre: centre.0, axes, moments },
+                place: placement(place.0, place.1),
+                parts: found
+                    .iter()
+                    .map(|&(entity, collider, place, _)| part(entity, collider, place))
+                    .collect(),
+                surface: surfaces.of(first).obstacle(obstacle_shape(collider.shape())),
+                layers: drape_layers(layers),
+            }
+        });
+        update_body(&mut commands, entity, known, body);
+    }
+}
+
+fn part(entity: Entity, collider: &Collider, place: &ColliderTransform) -> Part {
+    Part { entity, shape: collider.shape_scaled().clone(), place: place_in_body(place) }
+}
+
+fn drape_layers(layers: Option<&CollisionLayers>) -> DrapeLayers {
+    let layers = layers.copied().unwrap_or_default();
+    DrapeLayers::new(layers.memberships.0, layers.filters.0)
 }

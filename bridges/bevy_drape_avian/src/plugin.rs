@@ -5,15 +5,13 @@ use avian3d::schedule::{PhysicsSchedule, PhysicsStepSystems, PhysicsSystems};
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
 use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
+use bevy_drape_bridge::{BridgePlugin, BridgeSystems, ObstacleOf};
 
-use crate::bodies::update_bodies;
-use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
-use crate::motion::{hand_back, plan, start};
-use crate::obstacles::update_obstacles;
-use crate::outdated::{note_bodies, note_colliders, watch};
-use crate::sleep::{fall_asleep, note_loads, wake_carried};
+use crate::changes::{note_bodies, note_colliders, watch};
+use crate::motion::{read, write};
+use crate::obstacles::{update_bodies, update_colliders};
+use crate::sleep::{StillFor, fall_asleep, note_still, wake};
 
 /// Makes an obstacle of every collider of Avian, and lets cloth, ropes and balls push dynamic bodies. They take their step
 /// after the physics has, in the same fixed step:
@@ -46,13 +44,16 @@ impl Default for AvianDrapePlugin {
 impl Plugin for AvianDrapePlugin {
     fn build(&self, app: &mut App) {
         watch(app);
-        app.register_type::<(NoObstacle, ColliderObstacle, ObstacleOf, BodyObstacle)>()
-            .add_observer(wake_carried)
+        app.add_plugins(BridgePlugin { schedule: self.schedule })
+            .register_required_components::<ObstacleOf, StillFor>()
+            .add_observer(wake)
             .configure_sets(self.schedule, DrapeStep.after(PhysicsSystems::Last))
+            .configure_sets(self.schedule, BridgeSystems::ReadStarts.after(PhysicsSystems::Prepare))
+            .configure_sets(self.schedule, BridgeSystems::Start.before(PhysicsSystems::StepSimulation))
             .add_systems(
                 self.schedule,
                 (
-                    start.after(PhysicsSystems::Prepare).before(PhysicsSystems::StepSimulation),
+                    read.in_set(BridgeSystems::ReadStarts),
                     // Avian's own system once more, for the bodies that cloth has pushed.
                     position_to_transform.after(DrapeStep),
                 ),
@@ -64,10 +65,11 @@ impl Plugin for AvianDrapePlugin {
             .add_systems(
                 DrapeSchedule,
                 (
-                    (note_colliders, note_bodies, update_obstacles, update_bodies, plan)
+                    (note_colliders, note_bodies, update_colliders, update_bodies)
                         .chain()
-                        .before(DrapeSystems::ManageScene),
-                    (hand_back, note_loads).chain().after(DrapeSystems::Finish),
+                        .in_set(BridgeSystems::ReadColliders),
+                    read.in_set(BridgeSystems::ReadEnds),
+                    (write, note_still).chain().in_set(BridgeSystems::Write),
                 ),
             );
     }

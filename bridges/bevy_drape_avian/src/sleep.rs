@@ -6,63 +6,44 @@
 use avian3d::dynamics::solver::islands::{BodyIslandNode, SleepBody, WakeBody};
 use avian3d::prelude::*;
 use bevy::prelude::*;
-use bevy_drape::environment::{DynamicObstacle, ObstacleReaction};
-use bevy_drape::prelude::*;
+use bevy_drape_bridge::{BodyObstacle, EngineBody, Load, ObstacleOf, WakeRequest};
 
-use crate::marks::{BodyObstacle, Load, ObstacleOf};
+/// On the obstacle of a body: seconds for which the body has been slow enough for sleep.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct StillFor(f32);
 
-/// Takes the mean of the loads on bodies that are awake, and wakes those that cloth pushes otherwise than it did when
-/// they fell asleep.
-pub(crate) fn note_loads(
-    mut obstacles: Query<(&ObstacleOf, &DynamicObstacle, &ObstacleReaction, &mut Load)>,
-    mut bodies: Query<(
-        &mut LinearVelocity,
-        &AngularVelocity,
-        Option<&SleepThreshold>,
-        Has<SleepingDisabled>,
-        Has<Sleeping>,
-    )>,
-    mut commands: Commands,
+/// Counts the time for which bodies have been slow, after cloth has pushed them.
+pub(crate) fn note_still(
+    mut obstacles: Query<(&ObstacleOf, &EngineBody, &mut StillFor)>,
+    bodies: Query<(&LinearVelocity, &AngularVelocity, Option<&SleepThreshold>, Has<SleepingDisabled>)>,
     time: Res<Time>,
 ) {
-    for (of, dynamic, reaction, mut load) in &mut obstacles {
-        let Ok((mut velocity, spin, threshold, is_kept_awake, is_sleeping)) = bodies.get_mut(of.0) else {
-            continue;
-        };
-        let push = reaction.impulse / dynamic.mass;
-        let acceleration = push / time.delta_secs();
-        if is_sleeping {
-            if reaction.is_near && acceleration.distance(load.acceleration) > WAKING_CHANGE {
-                commands.queue(WakeBody(of.0));
-                velocity.0 += push;
-                *load = Load::default();
-            }
-            continue;
-        }
-        load.acceleration = load.acceleration.lerp(acceleration, LOAD_PART);
+    for (of, body, mut still) in &mut obstacles {
+        let Ok((velocity, spin, threshold, is_kept_awake)) = bodies.get(of.0) else { continue };
         let threshold = threshold.copied().unwrap_or_default();
-        let is_still = velocity.length() < threshold.linear && spin.length() < threshold.angular;
-        load.still_for = if is_still && !is_kept_awake { load.still_for + time.delta_secs() } else { 0.0 };
+        let is_slow = velocity.length() < threshold.linear && spin.length() < threshold.angular;
+        let is_still = is_slow && !is_kept_awake && !body.is_asleep;
+        still.0 = if is_still { still.0 + time.delta_secs() } else { 0.0 };
     }
 }
 
 /// Sends islands of bodies to sleep that lie on cloth and have been still for long enough. Runs in Avian's step: what cloth
 /// has handed back after it would wake a body that sleeps.
 pub(crate) fn fall_asleep(
-    obstacles: Query<(&ObstacleOf, &Load)>,
+    obstacles: Query<(&ObstacleOf, &Load, &StillFor)>,
     bodies: Query<(&BodyIslandNode, &SleepTimer, Option<&BodyObstacle>), Without<Sleeping>>,
     mut velocities: Query<(&mut LinearVelocity, &mut AngularVelocity)>,
     mut commands: Commands,
     time_to_sleep: Res<TimeToSleep>,
 ) {
-    for (of, load) in &obstacles {
-        if !load.is_carried() || load.still_for < time_to_sleep.0 {
+    for (of, load, still) in &obstacles {
+        if !load.is_carried() || still.0 < time_to_sleep.0 {
             continue;
         }
         let Ok((island, ..)) = bodies.get(of.0) else { continue };
         let is_still = |timer: &SleepTimer, obstacle: Option<&BodyObstacle>| {
-            let load = obstacle.and_then(|obstacle| obstacles.get(obstacle.entity()).ok());
-            timer.0.max(load.map_or(0.0, |(_, load)| load.still_for)) >= time_to_sleep.0
+            let still = obstacle.and_then(|obstacle| obstacles.get(obstacle.entity()).ok());
+            timer.0.max(still.map_or(0.0, |(.., still)| still.0)) >= time_to_sleep.0
         };
         let mut others = bodies.iter().filter(|(other, ..)| other.island_id() == island.island_id());
         if others.all(|(_, timer, obstacle)| is_still(timer, obstacle)) {
@@ -75,31 +56,7 @@ pub(crate) fn fall_asleep(
     }
 }
 
-/// Wakes bodies that slept on cloth which is gone.
-pub(crate) fn wake_carried(
-    _gone: On<Remove<Particles>>,
-    mut obstacles: Query<(&ObstacleOf, &mut Load)>,
-    sleeping: Query<(), With<Sleeping>>,
-    mut commands: Commands,
-) {
-    for (of, mut load) in &mut obstacles {
-        if load.is_carried() && sleeping.contains(of.0) {
-            commands.queue(WakeBody(of.0));
-            *load = Load::default();
-        }
-    }
+/// Wakes a body for cloth.
+pub(crate) fn wake(request: On<WakeRequest>, mut commands: Commands) {
+    commands.queue(WakeBody(request.entity));
 }
-
-impl Load {
-    /// True if cloth carries a good part of the body.
-    fn is_carried(&self) -> bool {
-        self.acceleration.length() > WAKING_CHANGE
-    }
-}
-
-/// A sleeping body wakes if the acceleration by which cloth holds or pushes it changes by this much (m/s^2): half its
-/// weight on earth.
-const WAKING_CHANGE: f32 = 5.0;
-
-/// The part of each step in the mean of a load.
-const LOAD_PART: f32 = 0.1;

@@ -1,7 +1,14 @@
-//! Colliders and bodies of Avian among cloth.
+//! Colliders and bodies of Avian among cloth. Most tests are shared with the other bridges.
 
+#[path = "../../../tests/bodies.rs"]
 mod bodies;
+#[path = "../../../tests/colliders.rs"]
 mod colliders;
-mod common;
+mod engine;
+#[path = "../../../tests/laws.rs"]
 mod laws;
+mod materials;
+#[path = "../../../tests/operations.rs"]
 mod operations;
+#[path = "../../../tests/scene.rs"]
+mod scene;

@@ -12,6 +12,7 @@ use bevy_reflect::std_traits::ReflectDefault;
 /// // Ice: slippery for all that touches it.
 /// let ice = Obstacle::ground().with_combine_rules(CombineRule::Min, CombineRule::Average);
 /// # let _ = ice;
+/// assert_eq!(CombineRule::ClampedSum.combine(0.8, 0.7), 1.0);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
@@ -28,6 +29,8 @@ pub enum CombineRule {
     Multiply,
     /// The larger one.
     Max,
+    /// Their sum, at most 1.
+    ClampedSum,
 }
 
 impl CombineRule {
@@ -39,6 +42,7 @@ impl CombineRule {
             Self::Min => a.min(b),
             Self::Multiply => a * b,
             Self::Max => a.max(b),
+            Self::ClampedSum => (a + b).min(1.0),
         }
     }
 }

@@ -107,12 +107,13 @@ fn sliding_accelerates_by_what_friction_leaves_of_gravity() {
 }
 
 /// The coefficients that each rule makes of 0.2 and 0.8.
-const COMBINED: [(CombineRule, f32); 5] = [
+const COMBINED: [(CombineRule, f32); 6] = [
     (CombineRule::Average, 0.5),
     (CombineRule::GeometricMean, 0.4),
     (CombineRule::Min, 0.2),
     (CombineRule::Multiply, 0.16),
     (CombineRule::Max, 0.8),
+    (CombineRule::ClampedSum, 1.0),
 ];
 
 /// What lies on an obstacle slides above the angle of friction that its rule makes.

@@ -1,24 +1,12 @@
-//! The colliders and bodies that changed since the last step, so that those which stay as they are cost nothing.
+//! Watches what makes a collider an obstacle come, go and change.
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
+use bevy_drape_bridge::{BodyObstacle, NoObstacle, Outdated, Parts, watch_component};
 
-use crate::marks::{BodyObstacle, NoObstacle};
+use crate::motion::place_in_body;
 
-/// Colliders and bodies to look at anew in the next step; some may be listed twice, or be gone by then.
-#[derive(Resource, Default, Debug)]
-pub(crate) struct Outdated {
-    pub colliders: Vec<Entity>,
-    pub bodies: Vec<Entity>,
-}
-
-/// The colliders in the obstacle of a body, each with its place in the body.
-#[derive(Component, Debug, Default)]
-pub(crate) struct Parts(pub Vec<(Entity, ColliderTransform)>);
-
-/// Watches what makes a collider an obstacle come and go.
 pub(crate) fn watch(app: &mut App) {
-    app.init_resource::<Outdated>();
     watch_component::<Collider>(app);
     watch_component::<ColliderDisabled>(app);
     watch_component::<ColliderOf>(app);
@@ -29,17 +17,6 @@ pub(crate) fn watch(app: &mut App) {
     watch_component::<RigidBody>(app);
     watch_component::<RigidBodyDisabled>(app);
     watch_component::<Sensor>(app);
-}
-
-fn watch_component<C: Component>(app: &mut App) {
-    app.add_observer(|inserted: On<Insert<C>>, mut outdated: ResMut<Outdated>| {
-        outdated.colliders.push(inserted.entity);
-        outdated.bodies.push(inserted.entity);
-    });
-    app.add_observer(|removed: On<Remove<C>>, mut outdated: ResMut<Outdated>| {
-        outdated.colliders.push(removed.entity);
-        outdated.bodies.push(removed.entity);
-    });
 }
 
 /// Lists the colliders that were changed in place, and all colliders of bodies that are listed, whose material they may have.
@@ -85,7 +62,9 @@ pub(crate) fn note_bodies(
     // Avian writes the places of all colliders below a body that moves.
     for (entity, place, of) in &moved {
         let parts = obstacles.get(of.body).and_then(|obstacle| parts.get(obstacle.entity()));
-        if parts.is_ok_and(|parts| parts.0.iter().any(|(part, known)| *part == entity && known != place)) {
+        if parts.is_ok_and(|parts| {
+            parts.0.iter().any(|&(part, known)| part == entity && known != place_in_body(place))
+        }) {
             outdated.bodies.push(of.body);
         }
     }

@@ -1,11 +1,10 @@
 //! A thousand random operations on a running world: nothing panics, nothing stays behind, nothing is lost in space.
 
-use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape_avian::{NoObstacle, ObstacleOf};
 
-use crate::common::*;
+use crate::engine::*;
+use crate::scene::*;
 
 const OPERATIONS: usize = 1000;
 /// Operations between one step and the next.
@@ -50,7 +49,7 @@ impl Dice {
     }
 
     fn body(&mut self) -> RigidBody {
-        self.of(&[RigidBody::Static, RigidBody::Kinematic, RigidBody::Dynamic, RigidBody::Dynamic])
+        self.of(&[STATIC, KINEMATIC, DYNAMIC, DYNAMIC])
     }
 }
 
@@ -64,10 +63,9 @@ struct Made {
 fn spawn(app: &mut App, made: &mut Made, dice: &mut Dice) {
     let world = app.world_mut();
     if made.bodies.len() < MOST && dice.below(2) == 0 {
-        let mass = (Mass(dice.of(&[0.01, 1.0, 100.0])), AngularInertia::new(Vec3::splat(0.1)), NoAutoMass);
-        let body = (dice.body(), dice.collider(), mass, NoAutoAngularInertia, dice.place());
-        let velocity = (LinearVelocity(dice.vector(5.0)), AngularVelocity(dice.vector(5.0)));
-        made.bodies.push(world.spawn((body, velocity)).id());
+        let mass = mass(dice.of(&[0.01, 1.0, 100.0]), 0.1);
+        let motion = moving(dice.vector(5.0), dice.vector(5.0));
+        made.bodies.push(world.spawn((dice.body(), dice.collider(), mass, dice.place(), motion)).id());
     } else if made.cloths.len() < MOST {
         let place = dice.place();
         let cloth = match dice.below(3) {
@@ -90,12 +88,7 @@ fn operate(app: &mut App, made: &mut Made, dice: &mut Dice) {
         return;
     }
     if kind == 5 {
-        let mut time = app.world_mut().resource_mut::<Time<Physics>>();
-        if time.is_paused() {
-            time.unpause();
-        } else {
-            time.pause();
-        }
+        pause(app);
         return;
     }
     let index = dice.below(made.bodies.len());
@@ -118,8 +111,8 @@ fn operate(app: &mut App, made: &mut Made, dice: &mut Dice) {
             }
         }
         11 => {
-            let layers = [LayerMask::ALL, LayerMask(2), LayerMask::NONE];
-            entity.insert(CollisionLayers::new(dice.of(&layers), dice.of(&layers)));
+            let all = [u32::MAX, 2, 0];
+            entity.insert(layers(dice.of(&all), dice.of(&all)));
         }
         12 if entity.contains::<Sensor>() => _ = entity.remove::<Sensor>(),
         12 => _ = entity.insert(Sensor),
@@ -152,7 +145,7 @@ fn operate(app: &mut App, made: &mut Made, dice: &mut Dice) {
 #[test]
 fn a_thousand_random_operations_leave_a_sound_world() {
     let mut app = app();
-    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    ground(&mut app);
     let (mut made, mut dice) = (Made::default(), Dice(21));
     for number in 0..OPERATIONS {
         operate(&mut app, &mut made, &mut dice);

@@ -1,21 +1,20 @@
 //! Colliders of static and kinematic bodies as obstacles of cloth.
 
-use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::body::Activity;
 use bevy_drape::prelude::*;
-use bevy_drape_avian::{ColliderObstacle, NoObstacle};
 
-use crate::common::*;
+use crate::engine::*;
+use crate::scene::*;
 
 #[test]
 fn cloth_comes_to_rest_on_every_shape_of_static_and_kinematic_bodies() {
-    for body in [RigidBody::Static, RigidBody::Kinematic] {
+    for body in [STATIC, KINEMATIC] {
         for (name, collider, top) in shapes() {
             let mut app = app();
             app.world_mut().spawn((body, collider, Transform::from_xyz(0.0, 1.0, 0.0)));
             // Whatever slips off is caught.
-            app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+            ground(&mut app);
             let sheet = sheet(&mut app, 1.1 + top);
             run(&mut app, 4.0);
             let highest = greatest(&app, sheet);
@@ -29,9 +28,9 @@ fn cloth_comes_to_rest_on_every_shape_of_static_and_kinematic_bodies() {
 fn a_door_that_swings_pushes_a_curtain() {
     let mut app = app();
     app.world_mut().spawn((
-        RigidBody::Kinematic,
-        Collider::cuboid(1.6, 1.0, 0.1),
-        LinearVelocity(Vec3::Z),
+        KINEMATIC,
+        cuboid(Vec3::new(1.6, 1.0, 0.1)),
+        moving(Vec3::Z, Vec3::ZERO),
         Transform::from_xyz(0.0, 1.0, -0.6),
     ));
     let curtain = app
@@ -52,10 +51,10 @@ fn a_door_that_swings_pushes_a_curtain() {
 fn colliders_below_a_body_have_their_own_places_and_scales() {
     let mut app = app();
     app.world_mut().spawn((
-        RigidBody::Static,
+        STATIC,
         Transform::from_xyz(0.0, 0.5, 0.0),
         children![(
-            Collider::cuboid(1.0, 1.0, 1.0),
+            cuboid(Vec3::new(1.0, 1.0, 1.0)),
             Transform::from_xyz(0.0, 0.5, 0.0).with_scale(Vec3::new(1.0, 0.2, 1.0)),
         )],
     ));
@@ -67,9 +66,9 @@ fn colliders_below_a_body_have_their_own_places_and_scales() {
 /// How high a sheet lies above the ground after two seconds, if it fell on a slab whose top is at 1 m.
 fn falls_on(prepare: impl FnOnce(&mut EntityWorldMut)) -> f32 {
     let mut app = app();
-    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    ground(&mut app);
     let place = Transform::from_xyz(0.0, 0.9, 0.0);
-    let mut slab = app.world_mut().spawn((RigidBody::Static, Collider::cuboid(1.0, 0.2, 1.0), place));
+    let mut slab = app.world_mut().spawn((STATIC, cuboid(Vec3::new(1.0, 0.2, 1.0)), place));
     prepare(&mut slab);
     let sheet = sheet(&mut app, 1.1);
     run(&mut app, 2.0);
@@ -82,25 +81,24 @@ fn a_collider_can_be_left_out_and_sensors_stop_nothing() {
     assert!(falls_on(|slab| _ = slab.insert(NoObstacle)) < 0.1);
     assert!(falls_on(|slab| _ = slab.insert(Sensor)) < 0.1);
     assert!(falls_on(|slab| _ = slab.insert(ColliderDisabled)) < 0.1);
-    let of_no_layer = CollisionLayers::new(LayerMask::NONE, LayerMask::NONE);
-    assert!(falls_on(|slab| _ = slab.insert(of_no_layer)) < 0.1);
+    assert!(falls_on(|slab| _ = slab.insert(layers(0, 0))) < 0.1);
 }
 
 #[test]
 fn an_obstacle_comes_goes_and_changes_with_its_collider() {
     let mut app = app();
-    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
-    let slab = app.world_mut().spawn((RigidBody::Static, Transform::from_xyz(0.0, 0.9, 0.0))).id();
+    ground(&mut app);
+    let slab = app.world_mut().spawn((STATIC, Transform::from_xyz(0.0, 0.9, 0.0))).id();
     run(&mut app, 0.1);
     assert!(app.world().get::<Obstacle>(slab).is_none());
 
-    app.world_mut().entity_mut(slab).insert(Collider::cuboid(1.0, 0.2, 1.0));
+    app.world_mut().entity_mut(slab).insert(cuboid(Vec3::new(1.0, 0.2, 1.0)));
     let sheet = sheet(&mut app, 1.1);
     run(&mut app, 3.0);
     assert!((greatest(&app, sheet) - 1.0).abs() < 0.03);
     assert_eq!(app.world().get::<Activity>(sheet), Some(&Activity::Resting), "it has come to rest");
 
-    *app.world_mut().get_mut::<Collider>(slab).expect("it has one") = Collider::cuboid(1.0, 0.4, 1.0);
+    *app.world_mut().get_mut::<Collider>(slab).expect("it has one") = cuboid(Vec3::new(1.0, 0.4, 1.0));
     run(&mut app, 1.0);
     assert!(
         (greatest(&app, sheet) - 1.1).abs() < 0.03,
@@ -119,7 +117,7 @@ fn an_obstacle_comes_goes_and_changes_with_its_collider() {
 fn an_obstacle_of_your_own_stays() {
     let mut app = app();
     let own = Obstacle::sphere(0.3);
-    let entity = app.world_mut().spawn((RigidBody::Static, Collider::cuboid(1.0, 1.0, 1.0), own)).id();
+    let entity = app.world_mut().spawn((STATIC, cuboid(Vec3::new(1.0, 1.0, 1.0)), own)).id();
     run(&mut app, 0.1);
     let obstacle = app.world().get::<Obstacle>(entity).expect("it is there");
     assert!(matches!(obstacle.shape, ObstacleShape::Sphere { .. }));
@@ -127,41 +125,12 @@ fn an_obstacle_of_your_own_stays() {
 }
 
 #[test]
-fn friction_and_restitution_are_those_of_the_collider_else_of_the_body_else_of_the_world() {
-    let mut app = app();
-    app.insert_resource(DefaultFriction(Friction::new(0.1)));
-    let ours = |app: &App, entity| {
-        let obstacle = app.world().get::<Obstacle>(entity).expect("it is an obstacle");
-        (obstacle.friction, obstacle.restitution)
-    };
-    let collider = app.world_mut().spawn(Collider::sphere(0.5)).id();
-    let body = app.world_mut().spawn((RigidBody::Static, Restitution::new(0.4))).add_child(collider).id();
-    run(&mut app, 0.1);
-    assert_eq!(ours(&app, collider), (0.1, 0.4));
-    app.world_mut().entity_mut(body).insert(Friction::new(0.7));
-    run(&mut app, 0.1);
-    assert_eq!(ours(&app, collider), (0.7, 0.4));
-    // Taken from the body alone: once, its colliders kept it.
-    app.world_mut().entity_mut(body).remove::<Friction>();
-    run(&mut app, 0.1);
-    assert_eq!(ours(&app, collider), (0.1, 0.4));
-    app.world_mut().entity_mut(collider).insert(Friction::new(0.9));
-    run(&mut app, 0.1);
-    assert_eq!(ours(&app, collider), (0.9, 0.4));
-    app.insert_resource(DefaultFriction(Friction::new(0.3)));
-    app.world_mut().entity_mut(collider).remove::<Friction>();
-    app.world_mut().entity_mut(body).remove::<Friction>();
-    run(&mut app, 0.1);
-    assert_eq!(ours(&app, collider), (0.3, 0.4));
-}
-
-#[test]
 fn cloth_and_colliders_combine_their_friction_by_the_rule_of_the_collider() {
     // A slope of 30 degrees, whose tangent is 0.58; cloth has a friction of 0.5.
-    let slides = |friction: Friction| {
+    fn slides(friction: impl Bundle) -> bool {
         let mut app = app();
         let slope = Transform::from_rotation(Quat::from_rotation_z(-30_f32.to_radians()));
-        app.world_mut().spawn((RigidBody::Static, Collider::cuboid(9.0, 0.2, 9.0), friction, slope));
+        app.world_mut().spawn((STATIC, cuboid(Vec3::new(9.0, 0.2, 9.0)), friction, slope));
         let above = slope.with_translation(slope.rotation * Vec3::Y * 0.12);
         let lying = above * Transform::from_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
         let cloth = Cloth::new(0.8, 0.8).with_particles(17, 17).with_pins(ClothPins::None);
@@ -170,11 +139,9 @@ fn cloth_and_colliders_combine_their_friction_by_the_rule_of_the_collider() {
         let before = heights(&app, sheet).sum::<f32>();
         run(&mut app, 1.5);
         (before - heights(&app, sheet).sum::<f32>()) / 289.0 > 0.1
-    };
-    assert!(slides(Friction::new(0.5)) && !slides(Friction::new(0.8)), "by the average");
-    assert!(!slides(
-        Friction::new(0.1).with_combine_rule(CoefficientCombine::Max).with_static_coefficient(2.0)
-    ));
-    assert!(slides(Friction::new(0.9).with_combine_rule(CoefficientCombine::Multiply)));
-    assert!(slides(Friction::new(0.9).with_combine_rule(CoefficientCombine::Min)));
+    }
+    assert!(slides(friction(0.5)) && !slides(friction(0.8)), "by the average");
+    assert!(!slides(friction_by_greater(0.7)));
+    assert!(slides(friction_by_product(0.9)));
+    assert!(slides(friction_by_smaller(0.9)));
 }

@@ -1,18 +1,20 @@
 //! Marks on colliders, and the ties of bodies to their obstacles.
 
-use avian3d::prelude::{Position, Rotation};
 use bevy::prelude::*;
 use bevy_drape::environment::PlannedPlacement;
+
+use crate::load::Load;
+use crate::motion::EngineBody;
 
 /// Leaves a collider out: cloth passes through it.
 ///
 /// ```
-/// # use avian3d::prelude::*;
 /// # use bevy::prelude::*;
-/// # use bevy_drape_avian::NoObstacle;
+/// # use bevy_drape_bridge::NoObstacle;
+/// # #[derive(Component)] struct Collider;
 /// # fn setup(mut commands: Commands) {
 /// // The player is stopped, the curtain is not.
-/// commands.spawn((RigidBody::Static, Collider::cuboid(2.0, 3.0, 0.1), NoObstacle));
+/// commands.spawn((Collider, NoObstacle));
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
@@ -29,7 +31,7 @@ pub struct ColliderObstacle;
 /// has the colliders of the body as one shape.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[relationship(relationship_target = BodyObstacle)]
-#[require(LeftAt, Load, PlannedPlacement)]
+#[require(EngineBody, Load, PlannedPlacement)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 pub struct ObstacleOf(pub Entity);
 
@@ -44,26 +46,4 @@ impl BodyObstacle {
     pub fn entity(&self) -> Entity {
         self.0
     }
-}
-
-/// The place of a body after the last step.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct LeftAt {
-    position: Vec3,
-    rotation: Quat,
-}
-
-impl LeftAt {
-    pub fn new(position: &Position, rotation: &Rotation) -> Self {
-        Self { position: position.0, rotation: rotation.0 }
-    }
-}
-
-/// The support that a body has of cloth.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Load {
-    /// Mean acceleration by which cloth has lately held or pushed the body, in m/s^2.
-    pub acceleration: Vec3,
-    /// Seconds for which the body has been slow enough for sleep.
-    pub still_for: f32,
 }

@@ -1,37 +1,25 @@
 //! Dynamic bodies that cloth pushes, carries and wakes.
 
-use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::body::Activity;
 use bevy_drape::environment::Obstacle;
 use bevy_drape::prelude::*;
-use bevy_drape_avian::{BodyObstacle, ObstacleOf};
 
-use crate::common::*;
-
-fn ground(app: &mut App) {
-    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
-}
-
-fn place(app: &App, body: Entity) -> Vec3 {
-    app.world().get::<Transform>(body).expect("it is there").translation
-}
+use crate::engine::*;
+use crate::scene::*;
 
 #[track_caller]
 fn assert_asleep(app: &App, body: Entity, cloth: Entity) {
-    let speed = app.world().get::<LinearVelocity>(body).expect("it is a body").length();
-    assert!(app.world().get::<Sleeping>(body).is_some(), "the body is awake, at {speed} m/s");
+    assert!(is_asleep(app, body), "the body is awake, at {} m/s", velocities(app, body)[0].length());
     let particles = app.world().get::<Particles>(cloth).expect("it is built");
     let fastest = (0..particles.len()).map(|i| particles.velocity(i).length()).fold(0.0, f32::max);
     let activity = app.world().get::<Activity>(cloth);
     assert_eq!(activity, Some(&Activity::Resting), "the cloth is awake, at {fastest} m/s");
 }
 
-/// A crate of `mass` kilograms and sides of `side` metres.
-fn box_of(side: f32, mass: f32) -> impl Bundle {
-    let collider = Collider::cuboid(side, side, side);
-    let inertia = AngularInertia::new(Vec3::splat(mass * side * side / 6.0));
-    (RigidBody::Dynamic, collider, Mass(mass), inertia, NoAutoMass, NoAutoAngularInertia)
+/// A crate of so many kilograms and sides of `side` metres.
+fn box_of(side: f32, kilograms: f32) -> impl Bundle {
+    (DYNAMIC, cuboid(Vec3::splat(side)), mass(kilograms, kilograms * side * side / 6.0))
 }
 
 /// A sheet of 1 m that hangs flat in the air, pinned along its border.
@@ -50,10 +38,8 @@ fn cloth_comes_to_rest_on_every_shape_of_dynamic_bodies() {
         let mut app = app();
         ground(&mut app);
         // Shapes without a volume have the mass that they are given. No ball rolls from under the sheet.
-        let mass = (Mass(20.0), AngularInertia::new(Vec3::ONE), NoAutoMass, NoAutoAngularInertia);
         let at = Transform::from_xyz(0.0, 1.0, 0.0);
-        let held = (GravityScale(0.0), LinearDamping(5.0), LockedAxes::ROTATION_LOCKED);
-        let body = app.world_mut().spawn((RigidBody::Dynamic, collider, mass, at, held)).id();
+        let body = app.world_mut().spawn((DYNAMIC, collider, mass(20.0, 1.0), at, drifting())).id();
         let sheet = sheet(&mut app, 1.1 + top);
         run(&mut app, 4.0);
         let height = place(&app, body).y;
@@ -85,7 +71,7 @@ fn a_net_catches_a_crate_and_lets_it_fall_when_it_goes() {
     run(&mut app, 8.0);
     let at = place(&app, crate_);
     assert!(at.y > 1.2 && at.y < 2.15, "it hangs in the net, at {at}");
-    assert!(app.world().get::<Sleeping>(crate_).is_some(), "it sleeps there");
+    assert!(is_asleep(&app, crate_), "it sleeps there");
     app.world_mut().despawn(net);
     run(&mut app, 2.0);
     assert!(place(&app, crate_).y < 0.16, "it has fallen, to {}", place(&app, crate_));
@@ -100,7 +86,7 @@ fn a_crate_on_a_sheet_on_the_floor_comes_to_rest() {
     run(&mut app, 6.0);
     let at = place(&app, crate_);
     assert!((at - Vec3::Y * 0.15).length() < 0.02, "it lies on the sheet, at {at}");
-    assert!(app.world().get::<Sleeping>(crate_).is_some(), "it sleeps");
+    assert!(is_asleep(&app, crate_), "it sleeps");
     assert!(greatest(&app, sheet) < 0.1, "the sheet is thrown up, to {} m", greatest(&app, sheet));
 }
 
@@ -124,26 +110,22 @@ fn a_sheet_on_a_table_sleeps_with_it_and_a_ball_wakes_both() {
 
 #[test]
 fn colliders_of_one_body_move_as_one() {
-    let mut app = app();
     // A hammer: a light handle along X, its heavy head at the end, so its centre of mass is off its origin.
-    let handle = (Collider::cuboid(1.0, 0.05, 0.05), ColliderDensity(100.0));
-    let head = (Collider::cuboid(0.1, 0.3, 0.1), ColliderDensity(2000.0), Transform::from_xyz(0.5, 0.0, 0.0));
-    let hammer = app
-        .world_mut()
-        .spawn((RigidBody::Dynamic, handle, GravityScale(0.0), AngularVelocity(Vec3::Z), children![head]))
-        .id();
+    let spawn = |app: &mut App| {
+        let handle = (cuboid(Vec3::new(1.0, 0.05, 0.05)), density(100.0));
+        let head = (cuboid(Vec3::new(0.1, 0.3, 0.1)), density(2000.0), Transform::from_xyz(0.5, 0.0, 0.0));
+        let body = (DYNAMIC, GravityScale(0.0), moving(Vec3::ZERO, Vec3::Z), Transform::default());
+        app.world_mut().spawn((body, handle, children![head])).id()
+    };
+    let mut app = app();
+    let hammer = spawn(&mut app);
     run(&mut app, 0.1);
     let obstacles: Vec<_> = app.world_mut().query::<(&Obstacle, &ObstacleOf)>().iter(app.world()).collect();
     assert_eq!(obstacles.len(), 1, "both colliders are one obstacle");
     run(&mut app, 1.0);
-    // Nothing touches it: it goes where Avian alone moves it.
+    // Nothing touches it: it goes where the engine alone moves it.
     let mut alone = app_without_cloth();
-    let handle = (Collider::cuboid(1.0, 0.05, 0.05), ColliderDensity(100.0));
-    let head = (Collider::cuboid(0.1, 0.3, 0.1), ColliderDensity(2000.0), Transform::from_xyz(0.5, 0.0, 0.0));
-    let same = alone
-        .world_mut()
-        .spawn((RigidBody::Dynamic, handle, GravityScale(0.0), AngularVelocity(Vec3::Z), children![head]))
-        .id();
+    let same = spawn(&mut alone);
     run(&mut alone, 0.1);
     run(&mut alone, 1.0);
     assert_eq!(app.world().get::<Transform>(hammer), alone.world().get::<Transform>(same));
@@ -156,7 +138,7 @@ fn colliders_of_one_body_move_as_one() {
 #[test]
 fn a_body_that_becomes_static_or_goes_loses_its_obstacle() {
     let mut app = app();
-    let crate_ = app.world_mut().spawn(box_of(0.3, 1.0)).id();
+    let crate_ = app.world_mut().spawn((box_of(0.3, 1.0), Transform::default())).id();
     let count = |app: &mut App| {
         let world = app.world_mut();
         let all = world.query::<&Obstacle>().iter(world).count();
@@ -164,16 +146,16 @@ fn a_body_that_becomes_static_or_goes_loses_its_obstacle() {
     };
     run(&mut app, 0.1);
     assert_eq!(count(&mut app), (1, 1));
-    app.world_mut().entity_mut(crate_).insert(RigidBody::Static);
+    app.world_mut().entity_mut(crate_).insert(STATIC);
     run(&mut app, 0.1);
     assert_eq!(count(&mut app), (1, 0));
-    app.world_mut().entity_mut(crate_).insert(RigidBody::Dynamic);
+    app.world_mut().entity_mut(crate_).insert(DYNAMIC);
     run(&mut app, 0.1);
     assert_eq!(count(&mut app), (1, 1));
     app.world_mut().entity_mut(crate_).remove::<Collider>();
     run(&mut app, 0.1);
     assert_eq!(count(&mut app), (0, 0));
-    app.world_mut().entity_mut(crate_).insert(Collider::sphere(0.2));
+    app.world_mut().entity_mut(crate_).insert(sphere(0.2));
     run(&mut app, 0.1);
     assert_eq!(count(&mut app), (1, 1));
     app.world_mut().despawn(crate_);

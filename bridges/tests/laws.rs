@@ -1,20 +1,19 @@
-//! Laws of mechanics between cloth and the bodies of Avian.
+//! Laws of mechanics between cloth and the bodies of an engine.
 
-use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::drape_solver::state::measure;
 use bevy_drape::prelude::*;
 
-use crate::common::*;
+use crate::engine::*;
+use crate::scene::*;
 
 const SIDE: f32 = 0.3;
 
 /// A sheet of 200 g that flies free, and a spinning box that flies at it off its middle. Nothing has weight.
-fn hit(mass: f32) -> (App, Entity, Entity) {
+fn hit(kilograms: f32) -> (App, Entity, Entity) {
     let mut app = app();
-    app.insert_resource(Gravity(Vec3::ZERO))
-        .insert_resource(DrapeGravity(Vec3::ZERO))
-        .insert_resource(Wind::default());
+    set_gravity(&mut app, Vec3::ZERO);
+    app.insert_resource(DrapeGravity(Vec3::ZERO)).insert_resource(Wind::default());
     let surface = BodySurface { drag: 0.0, ..default() };
     let cloth = Cloth::new(1.0, 1.0).with_particles(17, 17).with_pins(ClothPins::None);
     let sheet = app
@@ -26,21 +25,11 @@ fn hit(mass: f32) -> (App, Entity, Entity) {
         let particles = app.world().get::<Particles>(sheet).expect("it is built");
         particles.positions().sum::<Vec3>() / particles.len() as f32
     };
-    let inertia = AngularInertia::new(Vec3::splat(mass * SIDE * SIDE / 6.0));
-    let shot = app
-        .world_mut()
-        .spawn((
-            (
-                RigidBody::Dynamic,
-                Collider::cuboid(SIDE, SIDE, SIDE),
-                Friction::new(0.5),
-                Restitution::new(0.0),
-            ),
-            (Mass(mass), inertia, NoAutoMass, NoAutoAngularInertia),
-            (LinearVelocity(Vec3::Z * 6.0), AngularVelocity(Vec3::new(1.0, 2.0, -1.0))),
-            Transform::from_translation(middle + Vec3::new(0.15, 0.0, -0.4)),
-        ))
-        .id();
+    let at = Transform::from_translation(middle + Vec3::new(0.15, 0.0, -0.4));
+    let motion = moving(Vec3::Z * 6.0, Vec3::new(1.0, 2.0, -1.0));
+    let collider = (cuboid(Vec3::splat(SIDE)), friction(0.5));
+    let mass = mass(kilograms, kilograms * SIDE * SIDE / 6.0);
+    let shot = app.world_mut().spawn((DYNAMIC, collider, mass, motion, at)).id();
     (app, sheet, shot)
 }
 
@@ -48,9 +37,7 @@ fn hit(mass: f32) -> (App, Entity, Entity) {
 fn motion(app: &App, sheet: Entity, shot: Entity, mass: f32) -> (Vec3, Vec3, f64) {
     let world = app.world();
     let particles = world.get::<Particles>(sheet).expect("it is built");
-    let velocity = world.get::<LinearVelocity>(shot).expect("it is a body").0;
-    let spin = world.get::<AngularVelocity>(shot).expect("it is a body").0;
-    let place = world.get::<Position>(shot).expect("it is a body").0;
+    let ([velocity, spin], place) = (velocities(app, shot), place(app, shot));
     let moment = mass * SIDE * SIDE / 6.0;
     let linear = measure::momentum(particles).as_vec3() + velocity * mass;
     let angular =
@@ -82,11 +69,11 @@ fn a_box_and_a_free_sheet_keep_momentum_and_gain_no_energy() {
 /// Places of all particles and bodies after a thousand steps of crates that fall into a net and onto sheets.
 fn bits_after_a_thousand_steps() -> Vec<u32> {
     let mut app = app();
-    app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y)));
+    ground(&mut app);
     let mut bodies = Vec::new();
     for i in 0..4 {
         let at = Transform::from_xyz(0.35 * (i % 2) as f32, 1.0 + 0.4 * i as f32, 0.1 * i as f32);
-        bodies.push(app.world_mut().spawn((RigidBody::Dynamic, Collider::cuboid(0.3, 0.3, 0.3), at)).id());
+        bodies.push(app.world_mut().spawn((DYNAMIC, cuboid(Vec3::splat(0.3)), at)).id());
     }
     let sheets = [0.3, 0.7].map(|height| sheet(&mut app, height));
     for _ in 0..1000 {
@@ -95,7 +82,7 @@ fn bits_after_a_thousand_steps() -> Vec<u32> {
     let world = app.world();
     let particles = sheets.map(|sheet| world.get::<Particles>(sheet).expect("it is built"));
     let places = particles.iter().flat_map(|particles| particles.positions());
-    let bodies = bodies.iter().map(|&body| world.get::<Position>(body).expect("it is a body").0);
+    let bodies = bodies.iter().map(|&body| place(&app, body));
     places.chain(bodies).flat_map(|place| place.to_array()).map(f32::to_bits).collect()
 }
 

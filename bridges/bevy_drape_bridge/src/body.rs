@@ -1,0 +1,82 @@
+//! Stands an obstacle in for each dynamic body: an entity of its own with the shapes of all its colliders, about its
+//! centre of mass.
+
+use bevy::prelude::*;
+use bevy_drape::drape_solver::parry3d::shape::SharedShape;
+use bevy_drape::drape_solver::{BuildError, Placement, Shape};
+use bevy_drape::environment::{DynamicObstacle, ObstacleShape};
+use bevy_drape::prelude::*;
+
+use crate::frame::InertialFrame;
+use crate::marks::{BodyObstacle, ObstacleOf};
+
+/// A collider of a dynamic body.
+#[derive(Clone)]
+pub struct Part {
+    /// Its entity.
+    pub entity: Entity,
+    /// Its shape, scaled.
+    pub shape: SharedShape,
+    /// Its place in the body.
+    pub place: Placement,
+}
+
+/// A dynamic body, as an engine has it.
+#[derive(Clone)]
+pub struct BodyParts {
+    /// Mass in kilograms.
+    pub mass: f32,
+    /// Its principal axes.
+    pub frame: InertialFrame,
+    /// Its place in the world.
+    pub place: Placement,
+    /// The colliders that cloth touches, at least one.
+    pub parts: Vec<Part>,
+    /// Friction and restitution. Cloth sees one surface and one set of layers for a body.
+    pub surface: Obstacle,
+    /// Layers.
+    pub layers: DrapeLayers,
+}
+
+/// The colliders in the obstacle of a body, each with its place in the body.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct Parts(pub Vec<(Entity, Placement)>);
+
+/// Gives a body an obstacle of these parts, or takes it away.
+pub fn update_body(
+    commands: &mut Commands,
+    body: Entity,
+    known: Option<&BodyObstacle>,
+    parts: Option<BodyParts>,
+) {
+    let Some(BodyParts { mass, frame, place, parts, surface, layers }) = parts else {
+        if let Some(known) = known {
+            commands.entity(known.entity()).try_despawn();
+        }
+        return;
+    };
+    let obstacle = (
+        Obstacle { shape: shape(&frame, &parts), ..surface },
+        layers,
+        DynamicObstacle::new(mass, frame.moments),
+        Parts(parts.iter().map(|part| (part.entity, part.place)).collect()),
+        frame,
+    );
+    match known {
+        Some(known) => _ = commands.entity(known.entity()).try_insert(obstacle),
+        None => {
+            let Placement { translation, rotation } = frame.of_body(place);
+            let there = Transform { translation, rotation, ..default() };
+            commands.spawn((obstacle, there, ObstacleOf(body)));
+        }
+    }
+}
+
+/// The shape of colliders together, in the body's inertial frame.
+fn shape(frame: &InertialFrame, parts: &[Part]) -> ObstacleShape {
+    let placed =
+        parts.iter().map(|part| Ok((Shape::from_parry(part.shape.clone())?, frame.placed(part.place))));
+    let shape = placed.collect::<Result<Vec<_>, BuildError>>().and_then(Shape::compound);
+    // An obstacle that cannot be is refused by the plugin, which names the entity.
+    shape.map_or_else(|_| ObstacleShape::Sphere { radius: f32::NAN }, ObstacleShape::from)
+}

@@ -1,0 +1,74 @@
+//! Bodies that cloth carries: how long they have been still, and when they wake.
+
+use bevy::prelude::*;
+use bevy_drape::environment::{DynamicObstacle, ObstacleReaction};
+use bevy_drape::prelude::*;
+
+use crate::marks::ObstacleOf;
+use crate::motion::EngineBody;
+
+/// Asks the engine to wake a body that sleeps: cloth pushes it otherwise than when it fell asleep, or has gone.
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct WakeRequest {
+    /// The body.
+    pub entity: Entity,
+}
+
+/// The support that a body has of cloth.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Mean acceleration by which cloth has lately held or pushed the body, in m/s^2.
+    pub acceleration: Vec3,
+}
+
+impl Load {
+    /// True if cloth carries a good part of the body.
+    pub fn is_carried(&self) -> bool {
+        self.acceleration.length() > WAKING_CHANGE
+    }
+}
+
+/// Takes the mean of the loads on bodies that are awake, and wakes those that cloth pushes otherwise than it did when
+/// they fell asleep.
+pub(crate) fn note_loads(
+    mut obstacles: Query<(&ObstacleOf, &DynamicObstacle, &ObstacleReaction, &mut EngineBody, &mut Load)>,
+    mut commands: Commands,
+    time: Res<Time>,
+) {
+    for (of, dynamic, reaction, mut body, mut load) in &mut obstacles {
+        if body.is_paused {
+            continue;
+        }
+        let push = reaction.impulse / dynamic.mass;
+        let acceleration = push / time.delta_secs();
+        if !body.is_asleep {
+            load.acceleration = load.acceleration.lerp(acceleration, LOAD_PART);
+        } else if reaction.is_near && acceleration.distance(load.acceleration) > WAKING_CHANGE {
+            commands.trigger(WakeRequest { entity: of.0 });
+            body.velocity += push;
+            body.is_pushed = true;
+            *load = Load::default();
+        }
+    }
+}
+
+/// Wakes bodies that slept on cloth which is gone.
+pub(crate) fn wake_carried(
+    _gone: On<Remove<Particles>>,
+    mut obstacles: Query<(&ObstacleOf, &EngineBody, &mut Load)>,
+    mut commands: Commands,
+) {
+    for (of, body, mut load) in &mut obstacles {
+        if load.is_carried() && body.is_asleep {
+            commands.trigger(WakeRequest { entity: of.0 });
+            *load = Load::default();
+        }
+    }
+}
+
+/// A sleeping body wakes if the acceleration by which cloth holds or pushes it changes by this much (m/s^2): half its
+/// weight on earth.
+const WAKING_CHANGE: f32 = 5.0;
+
+/// The part of each step in the mean of a load.
+const LOAD_PART: f32 = 0.1;

@@ -1,0 +1,66 @@
+//! Watches what makes a collider an obstacle come, go and change.
+
+use bevy::prelude::*;
+use bevy_drape::drape_solver::Placement;
+use bevy_drape::environment::DynamicObstacle;
+use bevy_drape_bridge::{InertialFrame, NoObstacle, ObstacleOf, Outdated, Parts, watch_component};
+use bevy_rapier3d::geometry::{
+    Collider, ColliderDisabled, ColliderScale, CollisionGroups, Friction, RapierColliderHandle, Restitution,
+    Sensor,
+};
+use bevy_rapier3d::prelude::{RapierRigidBodyHandle, RigidBody, RigidBodyDisabled};
+
+use crate::obstacles::{PartQuery, frame, parts_of};
+use crate::world::{RapierWorld, placement};
+
+pub(crate) fn watch(app: &mut App) {
+    watch_component::<Collider>(app);
+    watch_component::<ColliderDisabled>(app);
+    watch_component::<ColliderScale>(app);
+    watch_component::<CollisionGroups>(app);
+    watch_component::<Friction>(app);
+    watch_component::<NoObstacle>(app);
+    watch_component::<RapierColliderHandle>(app);
+    watch_component::<RapierRigidBodyHandle>(app);
+    watch_component::<Restitution>(app);
+    watch_component::<RigidBody>(app);
+    watch_component::<RigidBodyDisabled>(app);
+    watch_component::<Sensor>(app);
+}
+
+/// Lists the colliders and bodies that were changed in place, and all colliders of bodies that are listed.
+pub(crate) fn note_changes(
+    mut outdated: ResMut<Outdated>,
+    colliders: Query<
+        Entity,
+        Or<(
+            Changed<Collider>,
+            Changed<ColliderScale>,
+            Changed<CollisionGroups>,
+            Changed<Friction>,
+            Changed<Restitution>,
+        )>,
+    >,
+    bodies: Query<Entity, Changed<RigidBody>>,
+    obstacles: Query<(&ObstacleOf, &InertialFrame, &DynamicObstacle, &Parts)>,
+    world: RapierWorld,
+    may_be_part: PartQuery,
+) {
+    let Outdated { colliders: listed, bodies: listed_bodies } = &mut *outdated;
+    listed.extend(&colliders);
+    listed_bodies.extend(&bodies);
+    for &body in &*listed_bodies {
+        listed.extend(world.colliders_of(body).map(|(collider, _)| collider));
+    }
+    for (of, known, dynamic, parts) in &obstacles {
+        let place = |collider: Option<_>| collider.map_or_else(Placement::default, placement);
+        let now = parts_of(of.0, &world, &may_be_part);
+        let now = now.map(|(entity, collider)| (entity, place(collider.position_wrt_parent())));
+        let is_known =
+            world.body(of.0).is_some_and(|body| frame(body) == *known && body.mass() == dynamic.mass);
+        if !is_known || !now.eq(parts.0.iter().copied()) {
+            listed_bodies.push(of.0);
+            listed.extend(parts.0.iter().map(|(part, _)| part));
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Reads the motion of dynamic bodies, writes it back, and wakes them.
+
+use bevy::prelude::*;
+use bevy_drape_bridge::{EngineBody, ObstacleOf, WakeRequest};
+use bevy_rapier3d::plugin::RapierConfiguration;
+use bevy_rapier3d::plugin::context::{RapierContextEntityLink, RapierContextSimulation, RapierRigidBodySet};
+use bevy_rapier3d::prelude::RapierRigidBodyHandle;
+use bevy_rapier3d::rapier::math::Pose;
+
+use crate::world::{RapierWorld, placement};
+
+/// Reads all dynamic bodies: where Rapier's step begins, and where it ends.
+pub(crate) fn read(
+    mut obstacles: Query<(&ObstacleOf, &mut EngineBody)>,
+    world: RapierWorld,
+    links: Query<&RapierContextEntityLink>,
+    configurations: Query<&RapierConfiguration>,
+) {
+    for (of, mut body) in &mut obstacles {
+        let Some(rapier) = world.body(of.0) else { continue };
+        let configuration = links.get(of.0).and_then(|link| configurations.get(link.0));
+        let locked = rapier.locked_axes().bits();
+        let is_locked = |bit: u8| locked >> bit & 1 == 1;
+        *body = EngineBody {
+            place: placement(rapier.position()),
+            velocity: rapier.linvel(),
+            angular_velocity: rapier.angvel(),
+            locked_translation: [0, 1, 2].map(is_locked),
+            locked_rotation: [3, 4, 5].map(is_locked),
+            is_asleep: rapier.is_sleeping(),
+            is_paused: configuration.is_ok_and(|configuration| !configuration.physics_pipeline_active),
+            ..*body
+        };
+    }
+}
+
+/// Moves the bodies that cloth has pushed to where it left them.
+pub(crate) fn write(
+    obstacles: Query<(&ObstacleOf, &EngineBody)>,
+    bodies: Query<(&RapierRigidBodyHandle, &RapierContextEntityLink)>,
+    mut sets: Query<&mut RapierRigidBodySet>,
+) {
+    for (of, body) in obstacles.iter().filter(|(_, body)| body.is_pushed) {
+        let Ok((handle, link)) = bodies.get(of.0) else { continue };
+        let Ok(set) = sets.get_mut(link.0) else { continue };
+        if let Some(rapier) = set.into_inner().bodies.get_mut(handle.0) {
+            let pose = Pose::from_parts(body.place.translation, body.place.rotation);
+            rapier.set_position(pose, false);
+            rapier.set_linvel(body.velocity, false);
+            rapier.set_angvel(body.angular_velocity, false);
+        }
+    }
+}
+
+/// Wakes a body for cloth, and all that touches it.
+pub(crate) fn wake(
+    request: On<WakeRequest>,
+    bodies: Query<(&RapierRigidBodyHandle, &RapierContextEntityLink)>,
+    mut contexts: Query<(&mut RapierRigidBodySet, &mut RapierContextSimulation)>,
+) {
+    let Ok((handle, link)) = bodies.get(request.entity) else { return };
+    if let Ok((mut set, mut simulation)) = contexts.get_mut(link.0) {
+        simulation.islands.wake_up(&mut set.bodies, handle.0, true);
+    }
+}

@@ -1,0 +1,14 @@
+//! Colliders and bodies of Rapier among cloth. Most tests are shared with the other bridges.
+
+#[path = "../../../tests/bodies.rs"]
+mod bodies;
+#[path = "../../../tests/colliders.rs"]
+mod colliders;
+mod engine;
+#[path = "../../../tests/laws.rs"]
+mod laws;
+mod materials;
+#[path = "../../../tests/operations.rs"]
+mod operations;
+#[path = "../../../tests/scene.rs"]
+mod scene;

@@ -1,0 +1,75 @@
+//! Apps and sheets.
+
+use std::time::Duration;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_drape::prelude::*;
+
+use crate::engine::{STATIC, add_bridge, add_engine, half_space};
+
+/// Bevy's default fixed step.
+pub const TIMESTEP: Duration = Duration::from_micros(15_625);
+
+/// The engine and cloth.
+pub fn app() -> App {
+    let mut app = engine();
+    app.add_plugins(DrapePlugins::default());
+    add_bridge(&mut app);
+    started(app)
+}
+
+/// The engine alone.
+pub fn app_without_cloth() -> App {
+    started(engine())
+}
+
+fn engine() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(TIMESTEP));
+    add_engine(&mut app);
+    app
+}
+
+fn started(mut app: App) -> App {
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+pub fn run(app: &mut App, seconds: f32) {
+    for _ in 0..(seconds / TIMESTEP.as_secs_f32()).round() as usize {
+        app.update();
+    }
+}
+
+/// A square sheet that lies in the air `height` metres above the ground.
+pub fn sheet(app: &mut App, height: f32) -> Entity {
+    let lying = Transform::from_xyz(0.0, height, 0.0)
+        .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+    let cloth = Cloth::new(0.8, 0.8).with_particles(17, 17).with_pins(ClothPins::None);
+    app.world_mut().spawn((cloth, lying)).id()
+}
+
+pub fn heights(app: &App, body: Entity) -> impl Iterator<Item = f32> {
+    let particles = app.world().get::<Particles>(body).expect("the body is built");
+    particles.positions().map(|p| p.y).collect::<Vec<_>>().into_iter()
+}
+
+pub fn least(app: &App, body: Entity) -> f32 {
+    heights(app, body).fold(f32::INFINITY, f32::min)
+}
+
+pub fn greatest(app: &App, body: Entity) -> f32 {
+    heights(app, body).fold(f32::NEG_INFINITY, f32::max)
+}
+
+pub fn ground(app: &mut App) {
+    app.world_mut().spawn((STATIC, half_space()));
+}
+
+pub fn place(app: &App, body: Entity) -> Vec3 {
+    app.world().get::<Transform>(body).expect("it is there").translation
+}
