@@ -14,12 +14,19 @@ pub(crate) fn read(
         &LinearVelocity,
         &AngularVelocity,
         Option<&LockedAxes>,
+        Option<&SleepThreshold>,
+        Has<SleepingDisabled>,
         Has<Sleeping>,
     )>,
     time: Res<Time<Physics>>,
 ) {
     for (of, mut body) in &mut obstacles {
-        let Ok((position, rotation, velocity, spin, locked, is_asleep)) = bodies.get(of.0) else { continue };
+        let Ok((position, rotation, velocity, spin, locked, threshold, is_kept_awake, is_asleep)) =
+            bodies.get(of.0)
+        else {
+            continue;
+        };
+        let threshold = threshold.copied().unwrap_or_default();
         let locked = locked.copied().unwrap_or_default().to_bits();
         let is_locked = |bit: u8| locked >> bit & 1 == 1;
         *body = EngineBody {
@@ -29,6 +36,7 @@ pub(crate) fn read(
             locked_translation: [5, 4, 3].map(is_locked),
             locked_rotation: [2, 1, 0].map(is_locked),
             is_asleep,
+            sleep_speeds: if is_kept_awake { [-1.0; 2] } else { [threshold.linear, threshold.angular] },
             is_paused: time.is_paused(),
             ..*body
         };

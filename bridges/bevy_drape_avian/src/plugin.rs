@@ -6,12 +6,12 @@ use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
-use bevy_drape_bridge::{BridgePlugin, BridgeSystems, ObstacleOf};
+use bevy_drape_bridge::{BridgePlugin, BridgeSystems};
 
 use crate::changes::{note_bodies, note_colliders, watch};
 use crate::motion::{read, write};
 use crate::obstacles::{update_bodies, update_colliders};
-use crate::sleep::{StillFor, fall_asleep, note_still, wake};
+use crate::sleep::{fall_asleep, wake};
 
 /// Makes an obstacle of every collider of Avian, and lets cloth, ropes and balls push dynamic bodies. They take their step
 /// after the physics has, in the same fixed step:
@@ -45,7 +45,6 @@ impl Plugin for AvianDrapePlugin {
     fn build(&self, app: &mut App) {
         watch(app);
         app.add_plugins(BridgePlugin { schedule: self.schedule })
-            .register_required_components::<ObstacleOf, StillFor>()
             .add_observer(wake)
             .configure_sets(self.schedule, DrapeStep.after(PhysicsSystems::Last))
             .configure_sets(self.schedule, BridgeSystems::ReadStarts.after(PhysicsSystems::Prepare))
@@ -69,7 +68,7 @@ impl Plugin for AvianDrapePlugin {
                         .chain()
                         .in_set(BridgeSystems::ReadColliders),
                     read.in_set(BridgeSystems::ReadEnds),
-                    (write, note_still).chain().in_set(BridgeSystems::Write),
+                    write.in_set(BridgeSystems::Write),
                 ),
             );
     }

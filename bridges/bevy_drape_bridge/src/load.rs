@@ -19,6 +19,8 @@ pub struct WakeRequest {
 pub struct Load {
     /// Mean acceleration by which cloth has lately held or pushed the body, in m/s^2.
     pub acceleration: Vec3,
+    /// Seconds for which the body has been slow enough for sleep.
+    pub still_for: f32,
 }
 
 impl Load {
@@ -43,6 +45,9 @@ pub(crate) fn note_loads(
         let acceleration = push / time.delta_secs();
         if !body.is_asleep {
             load.acceleration = load.acceleration.lerp(acceleration, LOAD_PART);
+            let [speed, spin] = body.sleep_speeds;
+            let is_still = body.velocity.length() < speed && body.angular_velocity.length() < spin;
+            load.still_for = if is_still { load.still_for + time.delta_secs() } else { 0.0 };
         } else if reaction.is_near && acceleration.distance(load.acceleration) > WAKING_CHANGE {
             commands.trigger(WakeRequest { entity: of.0 });
             body.velocity += push;

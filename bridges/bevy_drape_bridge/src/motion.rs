@@ -21,6 +21,8 @@ pub struct EngineBody {
     pub locked_rotation: [bool; 3],
     /// True if it sleeps: it does not move, and holds what lies on it.
     pub is_asleep: bool,
+    /// Speeds in m/s and rad/s below which it may fall asleep; below 0 it never does.
+    pub sleep_speeds: [f32; 2],
     /// True if its engine is paused: the same.
     pub is_paused: bool,
     /// True after a step in which cloth has pushed it: place and velocities are those that cloth has left it with.

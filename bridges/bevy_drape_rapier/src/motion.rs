@@ -1,7 +1,7 @@
 //! Reads the motion of dynamic bodies, writes it back, and wakes them.
 
 use bevy::prelude::*;
-use bevy_drape_bridge::{EngineBody, ObstacleOf, WakeRequest};
+use bevy_drape_bridge::{EngineBody, Load, ObstacleOf, WakeRequest};
 use bevy_rapier3d::plugin::RapierConfiguration;
 use bevy_rapier3d::plugin::context::{RapierContextEntityLink, RapierContextSimulation, RapierRigidBodySet};
 use bevy_rapier3d::prelude::RapierRigidBodyHandle;
@@ -28,24 +28,33 @@ pub(crate) fn read(
             locked_translation: [0, 1, 2].map(is_locked),
             locked_rotation: [3, 4, 5].map(is_locked),
             is_asleep: rapier.is_sleeping(),
+            sleep_speeds: [
+                rapier.activation().normalized_linear_threshold,
+                rapier.activation().angular_threshold,
+            ],
             is_paused: configuration.is_ok_and(|configuration| !configuration.physics_pipeline_active),
             ..*body
         };
     }
 }
 
-/// Moves the bodies that cloth has pushed to where it left them.
+/// Moves the bodies that cloth has pushed to where it left them, and sends those to sleep that have been still for long
+/// enough: Rapier would not, since a body that is moved by hand, even by a hair, stays awake.
 pub(crate) fn write(
-    obstacles: Query<(&ObstacleOf, &EngineBody)>,
+    obstacles: Query<(&ObstacleOf, &EngineBody, &Load)>,
     bodies: Query<(&RapierRigidBodyHandle, &RapierContextEntityLink)>,
     mut sets: Query<&mut RapierRigidBodySet>,
 ) {
-    for (of, body) in obstacles.iter().filter(|(_, body)| body.is_pushed) {
+    for (of, body, load) in obstacles.iter().filter(|(_, body, _)| body.is_pushed) {
         let Ok((handle, link)) = bodies.get(of.0) else { continue };
         let Ok(set) = sets.get_mut(link.0) else { continue };
-        if let Some(rapier) = set.into_inner().bodies.get_mut(handle.0) {
-            let pose = Pose::from_parts(body.place.translation, body.place.rotation);
-            rapier.set_position(pose, false);
+        let Some(rapier) = set.into_inner().bodies.get_mut(handle.0) else { continue };
+        if load.still_for >= rapier.activation().time_until_sleep {
+            rapier.set_linvel(Vec3::ZERO, false);
+            rapier.set_angvel(Vec3::ZERO, false);
+            rapier.sleep();
+        } else {
+            rapier.set_position(Pose::from_parts(body.place.translation, body.place.rotation), false);
             rapier.set_linvel(body.velocity, false);
             rapier.set_angvel(body.angular_velocity, false);
         }

@@ -21,7 +21,7 @@ type ColliderQuery<'w, 's> = Query<
     (
         Option<&'static Collider>,
         Option<&'static ColliderScale>,
-        &'static GlobalTransform,
+        Option<&'static GlobalTransform>,
         Has<NoObstacle>,
         Has<DeformableCollider>,
         HasObstacle,
@@ -65,13 +65,13 @@ pub(crate) fn update_colliders(
 fn without_scale(
     collider: &Collider,
     scale: Option<&ColliderScale>,
-    transform: &GlobalTransform,
+    transform: Option<&GlobalTransform>,
 ) -> Collider {
     let mut collider = collider.clone();
     let scale = match scale {
         None => Vec3::ONE,
         Some(ColliderScale::Relative(scale)) => *scale,
-        Some(ColliderScale::Absolute(scale)) => *scale / transform.scale(),
+        Some(ColliderScale::Absolute(scale)) => *scale / transform.map_or(Vec3::ONE, GlobalTransform::scale),
     };
     collider.set_scale(scale, SUBDIVISIONS);
     collider

@@ -48,6 +48,7 @@ pub fn half_space() -> Collider {
 pub fn shapes() -> Vec<(&'static str, Collider, f32)> {
     let corners = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]].map(Vec3::from);
     let octahedron = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|p| p * 0.3);
+    let voxels = [[-1, 0, -1], [-1, 0, 0], [0, 0, -1], [0, 0, 0]].map(IVec3::from);
     let part = |x| (Vec3::X * x, Quat::IDENTITY, Collider::cuboid(0.3, 0.4, 0.6));
     vec![
         ("sphere", Collider::sphere(0.3), 0.3),
@@ -60,7 +61,7 @@ pub fn shapes() -> Vec<(&'static str, Collider, f32)> {
         ("trimesh", Collider::trimesh(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]), 0.0),
         ("hull", Collider::convex_hull(&octahedron).expect("it has a volume"), 0.3),
         ("height field", Collider::heightfield(vec![vec![0.0; 5]; 5], Vec3::new(2.0, 1.0, 2.0)), 0.0),
-        ("voxels", Collider::voxels(Vec3::splat(0.2), &[IVec3::ZERO, IVec3::X, IVec3::Z]), 0.2),
+        ("voxels", Collider::voxels(Vec3::splat(0.2), &voxels), 0.2),
     ]
 }
 

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_drape_rapier::RapierDrapePlugin;
 pub use bevy_drape_rapier::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
+use bevy_rapier3d::plugin::context::{RapierContextEntityLink, RapierRigidBodySet};
 use bevy_rapier3d::plugin::{RapierConfiguration, RapierPhysicsPlugin};
 use bevy_rapier3d::prelude::*;
 pub use bevy_rapier3d::prelude::{
@@ -53,6 +54,7 @@ pub fn half_space() -> Collider {
 pub fn shapes() -> Vec<(&'static str, Collider, f32)> {
     let corners = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]].map(Vec3::from);
     let octahedron = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|p| p * 0.3);
+    let voxels = [[-1, 0, -1], [-1, 0, 0], [0, 0, -1], [0, 0, 0]].map(IVec3::from);
     let part = |x| (Vec3::X * x, Quat::IDENTITY, cuboid(Vec3::new(0.3, 0.4, 0.6)));
     let trimesh = Collider::trimesh(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]);
     vec![
@@ -66,7 +68,7 @@ pub fn shapes() -> Vec<(&'static str, Collider, f32)> {
         ("trimesh", trimesh.expect("it has faces"), 0.0),
         ("hull", Collider::convex_hull(&octahedron).expect("it has a volume"), 0.3),
         ("height field", Collider::heightfield(vec![0.0; 25], 5, 5, Vec3::new(2.0, 1.0, 2.0)), 0.0),
-        ("voxels", Collider::voxels(Vec3::splat(0.2), &[IVec3::ZERO, IVec3::X, IVec3::Z]), 0.2),
+        ("voxels", Collider::voxels(Vec3::splat(0.2), &voxels), 0.2),
     ]
 }
 
@@ -115,12 +117,20 @@ pub fn layers(memberships: u32, filters: u32) -> impl Bundle {
     CollisionGroups::new(Group::from_bits_retain(memberships), Group::from_bits_retain(filters))
 }
 
-/// Velocity and angular velocity.
-pub fn velocities(app: &App, body: Entity) -> [Vec3; 2] {
-    let velocity = app.world().get::<Velocity>(body).expect("it is a body");
-    [velocity.linear, velocity.angular]
+fn body(app: &App, body: Entity) -> &bevy_rapier3d::rapier::dynamics::RigidBody {
+    let world = app.world();
+    let link = world.get::<RapierContextEntityLink>(body).expect("it is in a world");
+    let set = world.get::<RapierRigidBodySet>(link.0).expect("the world has bodies");
+    let handle = world.get::<RapierRigidBodyHandle>(body).expect("it is a body");
+    set.bodies.get(handle.0).expect("the body is there")
 }
 
-pub fn is_asleep(app: &App, body: Entity) -> bool {
-    app.world().get::<Sleeping>(body).expect("it is a body").sleeping
+/// Velocity and angular velocity.
+pub fn velocities(app: &App, entity: Entity) -> [Vec3; 2] {
+    let body = body(app, entity);
+    [body.linvel(), body.angvel()]
+}
+
+pub fn is_asleep(app: &App, entity: Entity) -> bool {
+    body(app, entity).is_sleeping()
 }
