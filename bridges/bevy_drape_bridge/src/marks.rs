@@ -3,9 +3,6 @@
 use bevy::prelude::*;
 use bevy_drape::environment::PlannedPlacement;
 
-use crate::load::Load;
-use crate::motion::EngineBody;
-
 /// Leaves a collider out: cloth passes through it.
 ///
 /// ```
@@ -31,7 +28,7 @@ pub struct ColliderObstacle;
 /// has the colliders of the body as one shape.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[relationship(relationship_target = BodyObstacle)]
-#[require(EngineBody, Load, PlannedPlacement)]
+#[require(PlannedPlacement)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 pub struct ObstacleOf(pub Entity);
 

@@ -6,9 +6,9 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::DrapeSchedule;
 
-use crate::load::{note_loads, wake_carried};
+use crate::load::{Load, note_loads, wake_carried};
 use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
-use crate::motion::{hand_back, plan, start};
+use crate::motion::{EngineBody, hand_back, plan, start};
 use crate::outdated::Outdated;
 
 /// The systems of a bridge, in the order of a step. An engine's own systems are those that read and write.
@@ -47,6 +47,8 @@ impl Plugin for BridgePlugin {
         use BridgeSystems::{HandBack, Plan, ReadColliders, ReadEnds, ReadStarts, Start, Write};
         app.init_resource::<Outdated>()
             .register_type::<(NoObstacle, ColliderObstacle, ObstacleOf, BodyObstacle)>()
+            .register_required_components::<ObstacleOf, EngineBody>()
+            .register_required_components::<ObstacleOf, Load>()
             .add_observer(wake_carried)
             .configure_sets(self.schedule, (ReadStarts, Start).chain())
             .add_systems(self.schedule, start.in_set(Start))
