@@ -4,6 +4,7 @@
 //!
 //! Design: `docs/design/interaction.md`.
 
+mod body_hit;
 pub mod diagnostics;
 pub mod gestures;
 #[cfg(feature = "gizmos")]
