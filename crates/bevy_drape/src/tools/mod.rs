@@ -1,4 +1,4 @@
-//! Tools for players and developers: picking, gestures, ray casts, gizmos, diagnostics.
+//! Tools for players and developers: picking, gestures, spatial queries, gizmos, diagnostics.
 //!
 //! Imports any floor below; nothing below knows of them.
 //!
@@ -11,4 +11,8 @@ pub mod gestures;
 pub mod gizmos;
 #[cfg(feature = "picking")]
 pub mod picking;
+mod point_projection;
+mod query_filter;
 pub mod ray_cast;
+pub mod spatial_query;
+mod sphere_cast;

@@ -1,4 +1,5 @@
 //! Ray casts against the faces of a body, or against the links of a body without faces.
+//! [`DrapeSpatialQuery`](crate::spatial_query::DrapeSpatialQuery) casts against all bodies at once.
 //!
 //! ```
 //! # use bevy::prelude::*;
