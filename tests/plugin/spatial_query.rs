@@ -4,8 +4,8 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_drape::body::Sticks;
 use bevy_drape::prelude::*;
-use bevy_drape::ray_cast::cast_ray;
-use bevy_drape::spatial_query::{BodyHit, DrapeQueryFilter, DrapeSpatialQuery};
+use bevy_drape::ray_cast::{BodyHit, cast_ray};
+use bevy_drape::spatial_query::{DrapeQueryFilter, DrapeSpatialQuery};
 
 use crate::common::*;
 use crate::operations::Dice;
@@ -211,6 +211,10 @@ fn the_nearest_point_is_that_of_a_square_or_of_a_capsule() {
         let on_capsule = if depth > 0.0 { near } else { near + hit.normal * depth };
         assert!(hit.position.distance(on_capsule) < 1e-4, "{near}: {hit:?}");
     }
+    let inside = Vec3::new(3.0 + 0.3 * THICKNESS, 0.33, -0.4 * THICKNESS);
+    let (_, hit) = ask(&mut app, move |bodies| bodies.project_point(inside, 5.0, &all())).expect("the rope");
+    assert_eq!((hit.distance, hit.position), (0.0, inside), "a point in a rope is its own nearest");
+    assert!(hit.normal.distance(Vec3::new(0.6, 0.0, -0.8)) < 1e-3, "{hit:?}");
     let [beyond, within] = ask(&mut app, |bodies| {
         [0.19, 0.21].map(|reach| bodies.project_point(Vec3::Z * 0.2, reach, &all()).is_some())
     });

@@ -5,8 +5,9 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::prelude::*;
+use bevy_drape::ray_cast::BodyHit;
 use bevy_drape::sleep::SceneManager;
-use bevy_drape::spatial_query::{BodyHit, DrapeQueryFilter, DrapeSpatialQuery};
+use bevy_drape::spatial_query::{DrapeQueryFilter, DrapeSpatialQuery};
 use drape_solver::ClothBuilder;
 
 use crate::common::*;
@@ -172,6 +173,7 @@ fn numbers_that_are_none_find_nothing_and_hide_nothing() {
         }
         for reach in [f32::NAN, f32::NEG_INFINITY, -1.0, -f32::MIN_POSITIVE] {
             assert_eq!(hits(good, 0.1, reach), [None; 5], "{reach}");
+            assert_eq!(hits(good.with_z(0.05), 0.1, reach), [None; 5], "{reach}, in touch");
         }
         for radius in [f32::NAN, f32::NEG_INFINITY, -0.1] {
             assert_eq!(bodies.cast_sphere(ray(good), radius, 3.0, &all), None, "{radius}");

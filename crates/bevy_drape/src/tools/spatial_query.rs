@@ -37,7 +37,7 @@ use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::layers::DrapeLayers;
 use crate::body::particles::{Particles, Sticks};
-pub use crate::tools::body_hit::BodyHit;
+use crate::tools::body_hit::BodyHit;
 use crate::tools::point_projection::project_point;
 pub use crate::tools::query_filter::DrapeQueryFilter;
 use crate::tools::ray_cast::{cast_ray, meets_box};
