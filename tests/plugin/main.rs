@@ -33,6 +33,8 @@ mod schedule;
 mod simulates;
 mod sleeping;
 mod soft;
+mod spatial_query;
+mod spatial_states;
 mod tearing;
 mod threads;
 mod waking;

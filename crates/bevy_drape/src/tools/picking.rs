@@ -34,8 +34,7 @@ use crate::attach::grab::{Grab, Hand, nearest_particle};
 use crate::ball::projectile::ProjectileState;
 use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
-use crate::tools::ray_cast::{BodyHit, cast_ray, meet_sphere};
-use drape_solver::world::bounds::Bounds;
+use crate::tools::ray_cast::{BodyHit, cast_ray, meet_link, meets_box};
 
 /// Least radius of links for pointers, in metres: ropes are thin.
 const LINK_RADIUS: f32 = 0.03;
@@ -125,8 +124,7 @@ fn find_hits(
         let mut picks = Vec::new();
         for (entity, particles, sticks, state) in &bodies {
             let radius = state.settings.thickness.max(LINK_RADIUS);
-            let Bounds { low, high } = state.extent.bounds;
-            if meets_box(ray, low - radius, high + radius)
+            if meets_box(ray, f32::INFINITY, state.extent.bounds.grown(radius))
                 && is_seen(entity)
                 && let Some(hit) = cast_ray(ray, f32::INFINITY, particles, sticks, radius)
             {
@@ -136,26 +134,17 @@ fn find_hits(
             }
         }
         for (entity, ball) in &balls {
-            if let Some((distance, normal)) = meet_sphere(ray, ball.position(), ball.material().radius)
+            if let Some(hit) = meet_link(ray, [ball.position(); 2], ball.material().radius)
                 && is_seen(entity)
             {
-                let position = ray.get_point(distance);
-                picks.push((entity, HitData::new(id.camera, distance, Some(position), Some(normal))));
+                let (position, normal) = (Some(hit.position), Some(hit.normal));
+                picks.push((entity, HitData::new(id.camera, hit.distance, position, normal)));
             }
         }
         if !picks.is_empty() {
             output.write(PointerHits::new(id.pointer, picks, camera.order as f32));
         }
     }
-}
-
-/// True if a ray may hit a box.
-fn meets_box(ray: Ray3d, low: Vec3, high: Vec3) -> bool {
-    let inverse = ray.direction.recip();
-    let (a, b) = ((low - ray.origin) * inverse, (high - ray.origin) * inverse);
-    // NaN, as for a ray in the plane of a side, counts as a hit.
-    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
-    !(enter > leave || leave < 0.0)
 }
 
 /// Puts a hand on the body when a drag begins.

@@ -21,7 +21,7 @@ pub mod mesh;
 pub(crate) mod nearest;
 pub(crate) mod nearest_lanes;
 pub(crate) mod nearest_segments;
-pub(crate) mod nearest_triangle;
+pub mod nearest_triangle;
 pub(crate) mod pose;
 pub mod shape;
 pub(crate) mod surface_lanes;

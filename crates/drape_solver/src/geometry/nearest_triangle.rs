@@ -7,7 +7,7 @@ use core::ops::{Add, Mul};
 use glam::Vec3;
 
 /// Weights of the point of segment `ends` that is nearest to `point`; the third is always zero.
-pub(crate) fn on_segment([a, b]: [Vec3; 2], point: Vec3) -> [f32; 3] {
+pub fn on_segment([a, b]: [Vec3; 2], point: Vec3) -> [f32; 3] {
     let along = b - a;
     let length_squared = along.length_squared();
     // A segment without length is its first end.
@@ -28,7 +28,7 @@ pub(crate) fn on_segment([a, b]: [Vec3; 2], point: Vec3) -> [f32; 3] {
 ///       | ab  |
 /// ```
 #[inline]
-pub(crate) fn on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
+pub fn on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
