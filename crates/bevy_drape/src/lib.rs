@@ -36,7 +36,7 @@ pub mod attach;
 pub mod ball;
 pub mod body;
 pub mod build;
-mod change_detection;
+pub mod change_detection;
 pub mod clock;
 pub mod contact;
 pub mod detail;
