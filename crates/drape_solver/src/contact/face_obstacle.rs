@@ -11,6 +11,8 @@
 //!              |     |  obstacle
 //! ```
 //!
+//! Sides of faces are contacts too where the obstacle has straight lines (`face_sides.rs`).
+//!
 //! At the start of a step parry finds the point of the face that is nearest to the shape. If the two overlap, a descent
 //! along the surface normal finds the deepest point (after Macklin et al. 2020, "Local optimization for robust signed
 //! distance field collision"). Substeps follow it by alternating projections onto face and shape. A face whose corners
@@ -24,6 +26,7 @@ use crate::constants::{DESCENT_ROUNDS, FACE_THICKNESS, INTRUSION, LOOKS_AGAIN, P
 use crate::contact::ball_cloth::FaceOrLink;
 use crate::contact::carried_point::{CarriedPoint, PoseCache, Poses, SurfaceBelow};
 use crate::contact::depenetration::PushOutRate;
+use crate::contact::face_sides::{FaceSide, FaceSides};
 use crate::contact::mover::{Mover, mover};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::nearest::{FaceOrEdge, Nearest};
@@ -42,15 +45,18 @@ use crate::state::topology::Topology;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaceContacts {
     contacts: Vec<FaceContact>,
+    /// Sides of the faces that may touch the obstacle that is searched.
+    sides: FaceSides,
     /// For each slot, the nearest surface of the obstacle that is searched, in the obstacle's coordinates.
     surfaces: Vec<Surface>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct FaceContact {
+    /// A face, a side of one, or a segment.
     element: FaceOrLink,
-    /// Index of the element among the body's faces, then segments.
-    place: usize,
+    /// Index of the face; none for a segment.
+    face: Option<usize>,
     /// The deepest point that the last search found.
     point: CarriedPoint<3>,
     /// The surface there, in the obstacle's coordinates, for shapes that are slow to query.
@@ -61,11 +67,12 @@ struct FaceContact {
     ahead: Option<Plane>,
 }
 
-/// A face or segment that an obstacle has pushed.
+/// A face, or a side of one, or a segment that an obstacle has pushed.
 pub(crate) struct PushedElement {
-    pub element: FaceOrLink,
-    /// Index of the element among the body's faces, then segments.
-    pub place: usize,
+    /// Slots of its corners; a side or a segment repeats its last one.
+    pub corners: [usize; 3],
+    /// Index of the face; none for a segment.
+    pub face: Option<usize>,
     pub obstacle: usize,
     /// Weights of the point that was pushed.
     pub weights: [f32; 3],
@@ -102,6 +109,13 @@ fn poke(shape: &Shape, side: f32) -> Option<f32> {
     }
 }
 
+/// True if a shape may have straight lines in its surface. Any point of a face that lies along one may be the deepest: held
+/// there alone, the face turns about it, another point is found in the next step, and the cloth trembles. So the sides of the face
+/// are held too, where they cross the line.
+fn has_lines(shape: &Shape) -> bool {
+    !matches!(shape, Shape::Sphere { .. })
+}
+
 impl FaceContacts {
     pub fn is_empty(&self) -> bool {
         self.contacts.is_empty()
@@ -115,9 +129,9 @@ impl FaceContacts {
     /// The elements that were pushed in the last substep.
     pub fn pushed(&self) -> impl Iterator<Item = PushedElement> + '_ {
         self.contacts.iter().filter(|contact| contact.point.depth > 0.0).map(|contact| {
-            let &FaceContact { element, place, point, .. } = contact;
-            let CarriedPoint { obstacle, weights, normal, depth, .. } = point;
-            PushedElement { element, place, obstacle, weights, normal, depth }
+            let &FaceContact { face, point, .. } = contact;
+            let CarriedPoint { carriers: corners, obstacle, weights, normal, depth, .. } = point;
+            PushedElement { corners, face, obstacle, weights, normal, depth }
         })
     }
 
@@ -164,13 +178,30 @@ impl FaceContacts {
         if nearest >= searched.reach + side || nearest < -INTRUSION * side {
             return;
         }
-        // Reserves for all elements at once, so that elements that come near one by one do not allocate one by one.
-        self.contacts.reserve(topology.faces.len() + topology.segments.len());
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
-        let faces = topology.faces.iter().map(|face| FaceOrLink::Face(face.map(slot)));
-        let segments = topology.segments.iter().map(|ends| FaceOrLink::Link(ends.map(slot)));
-        for (place, element) in faces.chain(segments).enumerate() {
-            self.add(element, place, particles, searched, side, most);
+        let faces = topology.faces.iter().map(|face| face.map(slot));
+        let has_sides = has_lines(searched.shape) && !searched.is_fast;
+        // Reserves for all elements at once, so that elements that come near one by one do not allocate one by one.
+        let most_sides = if has_sides { 3 * faces.len() } else { 0 };
+        self.contacts.reserve(faces.len() + most_sides + topology.segments.len());
+        let mut sides = core::mem::take(&mut self.sides);
+        sides.begin(most_sides);
+        let first = self.contacts.len();
+        for (place, face) in faces.enumerate() {
+            let is_near = self.add(FaceOrLink::Face(face), Some(place), particles, searched, side, most);
+            if is_near && has_sides {
+                sides.note(face, place);
+            }
+        }
+        let near_faces = self.contacts.len() - first;
+        for &FaceSide { ends, face } in sides.once() {
+            self.add(FaceOrLink::Link(ends), Some(face), particles, searched, side, most);
+        }
+        self.sides = sides;
+        // Sides come first, and leave nothing to a face that they hold at both ends of a line.
+        self.contacts[first..].rotate_left(near_faces);
+        for ends in &topology.segments {
+            self.add(FaceOrLink::Link(ends.map(slot)), None, particles, searched, side, most);
         }
     }
 
@@ -193,15 +224,16 @@ impl FaceContacts {
         nearest
     }
 
+    /// Adds an element if it may touch the obstacle between its corners. Returns true if so.
     fn add(
         &mut self,
         element: FaceOrLink,
-        place: usize,
+        face: Option<usize>,
         particles: &Particles,
         searched: SearchedObstacle,
         side: f32,
         most: f32,
-    ) {
+    ) -> bool {
         let corners = element.corners();
         let surfaces = corners.map(|slot| self.surfaces[slot]);
         let nearest = surfaces.map(|surface| surface.distance).into_iter().fold(f32::INFINITY, f32::min);
@@ -212,14 +244,14 @@ impl FaceContacts {
             || is_held
             || !searched.is_fast && !may_poke(surfaces.map(|s| s.normal), side, most)
         {
-            return;
+            return false;
         }
         let local = corners.map(|slot| searched.pose.to_local(particles.position.get(slot)));
         if searched.shape.is_convex() && least_distance(surfaces, local) >= searched.reach {
-            return;
+            return false;
         }
         let (weights, surface) = match searched.shape.nearest_on(element.piece(local), searched.reach) {
-            Nearest::Apart => return,
+            Nearest::Apart => return false,
             Nearest::At(_, point) => {
                 let weights = element.nearest(local, point);
                 (weights, searched.shape.surface(weighted(weights, local)))
@@ -229,17 +261,18 @@ impl FaceContacts {
             }
         };
         if surface.distance >= searched.reach {
-            return;
+            return false;
         }
         let plane = surface.plane_at(weighted(weights, local));
         self.contacts.push(FaceContact {
             element,
-            place,
+            face,
             point: CarriedPoint::new(corners, weights, searched.obstacle, searched.friction),
             plane: (!searched.shape.has_formula()).then_some(plane),
             is_fast: searched.is_fast,
             ahead: None,
         });
+        true
     }
 }
 

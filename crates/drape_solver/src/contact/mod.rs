@@ -17,6 +17,7 @@
 //! ```text
 //! island_contacts, body_contacts                 the kinds of an island, and of a body with obstacles
 //! carried_point                                  a contact of face_obstacle and embedded_obstacle
+//! face_sides                                     sides of the faces of face_obstacle
 //! ccd                                            what passes something within a substep
 //! mover, dynamic_obstacle, obstacle_push         obstacles that contacts push
 //! depenetration, effective_mass, restitution     formulas
@@ -60,6 +61,7 @@ pub(crate) mod effective_mass;
 pub(crate) mod embedded_obstacle;
 pub mod event;
 pub(crate) mod face_obstacle;
+pub(crate) mod face_sides;
 pub(crate) mod hit_substeps;
 pub(crate) mod impact_zone;
 pub(crate) mod island_contacts;

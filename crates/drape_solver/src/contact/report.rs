@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use crate::contact::ball_cloth::{BallCloth, FaceOrLink};
+use crate::contact::ball_cloth::BallCloth;
 use crate::contact::body_contacts::BodyContacts;
 use crate::contact::event::{Contact, Feature, Other, Party, Touch, pair_without};
 use crate::contact::face_obstacle::PushedElement;
@@ -218,21 +218,17 @@ fn gather_particles(
             };
             report.add(push, substep.start());
         }
-        for PushedElement { element, place, obstacle, weights, normal, depth } in contacts.faces.pushed() {
+        for PushedElement { corners, face, obstacle, weights, normal, depth } in contacts.faces.pushed() {
             if !(body.reports_contacts || substep.obstacles[obstacle].reports_contacts()) {
                 continue;
             }
-            let corners = element.corners();
             let point = weighted(weights, corners.map(|slot| particles.position.get(slot)));
             let inverse_mass =
                 corners.iter().zip(weights).map(|(&slot, b)| b * b * particles.inverse_mass[slot]);
-            let feature = match element {
-                FaceOrLink::Face(_) => Some(Feature::Face(place)),
-                FaceOrLink::Link(_) => {
-                    let nearest_end = if weights[0] >= weights[1] { corners[0] } else { corners[1] };
-                    particles.layout.index(nearest_end).map(Feature::Particle)
-                }
-            };
+            let feature = face.map(Feature::Face).or_else(|| {
+                let nearest_end = if weights[0] >= weights[1] { corners[0] } else { corners[1] };
+                particles.layout.index(nearest_end).map(Feature::Particle)
+            });
             let push = ReportedPush {
                 pair: (Party::Body(index), Other::Obstacle(obstacle)),
                 point: point - normal * body.settings.thickness + particles.origin,

@@ -43,6 +43,7 @@ mod reference;
 mod relaxation;
 mod reports;
 mod rest;
+mod rest_on_edges;
 mod rest_shape;
 mod restitution;
 mod rigid_tetrahedron;
