@@ -193,7 +193,16 @@ impl<'a> NearObstacle<'a> {
 
     fn searched(&self, reach: f32, is_fast: bool) -> SearchedObstacle<'a> {
         let &Self { index, obstacle, pose, friction, .. } = self;
-        SearchedObstacle { shape: obstacle.shape(), obstacle: index, friction, pose, reach, is_fast }
+        let is_dynamic = obstacle.rigid_body().is_some();
+        SearchedObstacle {
+            shape: obstacle.shape(),
+            obstacle: index,
+            friction,
+            pose,
+            reach,
+            is_fast,
+            is_dynamic,
+        }
     }
 
     fn group(&self) -> ObstacleGroup {

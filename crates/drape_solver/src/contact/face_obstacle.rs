@@ -94,6 +94,8 @@ pub(crate) struct SearchedObstacle<'a> {
     pub reach: f32,
     /// True if one may pass through the other within a substep.
     pub is_fast: bool,
+    /// True if contacts move it.
+    pub is_dynamic: bool,
 }
 
 /// The depth in metres to which a shape can reach between the corners of a face with sides of `side` metres, all of
@@ -180,7 +182,8 @@ impl FaceContacts {
         }
         let slot = |i: u32| particles.layout.slot(i as usize) as u32;
         let faces = topology.faces.iter().map(|face| face.map(slot));
-        let has_sides = has_lines(searched.shape) && !searched.is_fast;
+        // Cloth throws back what moves, if its faces and their sides push it at once.
+        let has_sides = has_lines(searched.shape) && !searched.is_fast && !searched.is_dynamic;
         // Reserves for all elements at once, so that elements that come near one by one do not allocate one by one.
         let most_sides = if has_sides { 3 * faces.len() } else { 0 };
         self.contacts.reserve(faces.len() + most_sides + topology.segments.len());
