@@ -48,7 +48,7 @@ fn ray(from: Vec3) -> Ray3d {
     Ray3d::new(from, Dir3::NEG_Z)
 }
 
-/// What a ray along -Z of ten metres hits.
+/// The hit of a ray along -Z of ten metres.
 fn seen(app: &mut App, from: Vec3) -> Option<(Entity, BodyHit)> {
     ask(app, move |bodies| bodies.cast_ray(ray(from), 10.0, &all()))
 }

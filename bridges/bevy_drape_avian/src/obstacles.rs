@@ -70,8 +70,9 @@ pub(crate) fn update_colliders(
         let collider = collider.filter(|_| !is_disabled && !is_left_out && !is_part);
         let obstacle = collider.map(|collider| {
             // Cloth scales the shape by the transform, as Avian does.
-            let obstacle = surfaces.of(entity).obstacle(obstacle_shape(collider.shape()));
-            (Obstacle { is_sensor, ..obstacle }, drape_layers(layers))
+            let shape = obstacle_shape(collider.shape());
+            let obstacle = Obstacle { shape, is_sensor, ..surfaces.of(entity).obstacle() };
+            (obstacle, drape_layers(layers))
         });
         update_collider(&mut commands, entity, has, obstacle);
     }
@@ -93,7 +94,7 @@ pub(crate) fn update_bodies(
         let is_dynamic = kind.is_dynamic() && !is_disabled && mass.is_finite();
         let colliders = colliders.into_iter().flatten().filter(|_| is_dynamic);
         let found: Vec<_> = colliders.filter_map(|collider| parts.get(collider).ok()).collect();
-        let body = found.first().map(|&(first, collider, _, layers)| {
+        let body = found.first().map(|&(first, .., layers)| {
             let (moments, axes) = inertia.principal_angular_inertia_with_local_frame();
             BodyParts {
                 mass: mass.value(),
@@ -103,7 +104,7 @@ pub(crate) fn update_bodies(
                     .iter()
                     .map(|&(entity, collider, place, _)| part(entity, collider, place))
                     .collect(),
-                surface: surfaces.of(first).obstacle(obstacle_shape(collider.shape())),
+                surface: surfaces.of(first).obstacle(),
                 layers: drape_layers(layers),
             }
         });

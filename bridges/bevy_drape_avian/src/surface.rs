@@ -3,7 +3,7 @@
 use avian3d::prelude::*;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use bevy_drape::environment::{CombineRule, ObstacleShape};
+use bevy_drape::environment::CombineRule;
 use bevy_drape::prelude::*;
 
 /// What a collider is like to touch.
@@ -14,15 +14,15 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    /// An obstacle of this shape with the surface.
-    pub fn obstacle(&self, shape: ObstacleShape) -> Obstacle {
+    /// An obstacle with the surface, of any shape.
+    pub fn obstacle(&self) -> Obstacle {
         Obstacle {
             friction: self.friction.dynamic_coefficient,
             static_friction: self.friction.static_coefficient,
             friction_rule: rule(self.friction.combine_rule),
             restitution: self.restitution.coefficient,
             restitution_rule: rule(self.restitution.combine_rule),
-            ..Obstacle::new(shape)
+            ..default()
         }
     }
 }

@@ -32,7 +32,7 @@ pub struct BodyParts {
     pub place: Placement,
     /// The colliders that cloth touches, at least one.
     pub parts: Vec<Part>,
-    /// Friction and restitution. Cloth sees one surface and one set of layers for a body.
+    /// An obstacle with its friction and restitution, of any shape. Cloth sees one surface and one set of layers for a body.
     pub surface: Obstacle,
     /// Layers.
     pub layers: DrapeLayers,

@@ -19,11 +19,11 @@ pub struct EngineBody {
     pub locked_translation: [bool; 3],
     /// World axes about which nothing turns it.
     pub locked_rotation: [bool; 3],
+    /// Speeds in m/s and rad/s below which it may fall asleep; if they are below 0 it never does.
+    pub sleep_speeds: [f32; 2],
     /// True if it sleeps: it does not move, and holds what lies on it.
     pub is_asleep: bool,
-    /// Speeds in m/s and rad/s below which it may fall asleep; below 0 it never does.
-    pub sleep_speeds: [f32; 2],
-    /// True if its engine is paused: the same.
+    /// True if its engine is paused, with the same effect on cloth. Nothing wakes it then.
     pub is_paused: bool,
     /// True after a step in which cloth has pushed it: place and velocities are those that cloth has left it with.
     pub is_pushed: bool,

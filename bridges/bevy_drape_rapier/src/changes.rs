@@ -1,7 +1,6 @@
 //! Watches what makes a collider an obstacle come, go and change.
 
 use bevy::prelude::*;
-use bevy_drape::drape_solver::Placement;
 use bevy_drape::environment::DynamicObstacle;
 use bevy_drape_bridge::{
     InertialFrame, NoObstacle, ObstacleOf, Outdated, Parts, watch_bodies, watch_colliders, watch_component,
@@ -13,7 +12,7 @@ use bevy_rapier3d::geometry::{
 use bevy_rapier3d::prelude::{RapierRigidBodyHandle, RigidBody, RigidBodyDisabled};
 
 use crate::obstacles::{PartQuery, frame, parts_of};
-use crate::world::{RapierWorld, placement};
+use crate::world::{RapierWorld, place_in_body};
 
 pub(crate) fn watch(app: &mut App) {
     watch_colliders::<Collider>(app);
@@ -43,9 +42,8 @@ pub(crate) fn note_bodies(
         listed.extend(world.colliders_of(body).map(|(collider, _)| collider));
     }
     for (of, known, dynamic, parts) in &obstacles {
-        let place = |collider: Option<_>| collider.map_or_else(Placement::default, placement);
         let now = parts_of(of.0, &world, &may_be_part);
-        let now = now.map(|(entity, collider)| (entity, place(collider.position_wrt_parent())));
+        let now = now.map(|(entity, collider)| (entity, place_in_body(collider)));
         let is_known =
             world.body(of.0).is_some_and(|body| frame(body) == *known && body.mass() == dynamic.mass);
         if !is_known || !now.eq(parts.0.iter().copied()) {

@@ -2,7 +2,6 @@
 
 use bevy::prelude::*;
 use bevy_drape_bridge::{EngineBody, Load, ObstacleOf, WakeRequest};
-use bevy_rapier3d::plugin::RapierConfiguration;
 use bevy_rapier3d::plugin::context::{RapierContextEntityLink, RapierContextSimulation, RapierRigidBodySet};
 use bevy_rapier3d::prelude::RapierRigidBodyHandle;
 use bevy_rapier3d::rapier::math::Pose;
@@ -10,16 +9,10 @@ use bevy_rapier3d::rapier::math::Pose;
 use crate::world::{RapierWorld, placement};
 
 /// Reads all dynamic bodies: where Rapier's step begins, and where it ends.
-pub(crate) fn read(
-    mut obstacles: Query<(&ObstacleOf, &mut EngineBody)>,
-    world: RapierWorld,
-    links: Query<&RapierContextEntityLink>,
-    configurations: Query<&RapierConfiguration>,
-) {
+pub(crate) fn read(mut obstacles: Query<(&ObstacleOf, &mut EngineBody)>, world: RapierWorld) {
     for (of, mut body) in &mut obstacles {
         let Some(rapier) = world.body(of.0) else { continue };
-        let configuration = links.get(of.0).and_then(|link| configurations.get(link.0));
-        let locked = rapier.locked_axes().bits();
+        let (locked, activation) = (rapier.locked_axes().bits(), rapier.activation());
         let is_locked = |bit: u8| locked >> bit & 1 == 1;
         *body = EngineBody {
             place: placement(rapier.position()),
@@ -28,11 +21,8 @@ pub(crate) fn read(
             locked_translation: [0, 1, 2].map(is_locked),
             locked_rotation: [3, 4, 5].map(is_locked),
             is_asleep: rapier.is_sleeping(),
-            sleep_speeds: [
-                rapier.activation().normalized_linear_threshold,
-                rapier.activation().angular_threshold,
-            ],
-            is_paused: configuration.is_ok_and(|configuration| !configuration.physics_pipeline_active),
+            sleep_speeds: [activation.normalized_linear_threshold, activation.angular_threshold],
+            is_paused: world.is_paused(of.0),
             ..*body
         };
     }

@@ -12,7 +12,7 @@ use bevy_rapier3d::geometry::{Collider, ColliderScale};
 use bevy_rapier3d::rapier;
 use bevy_rapier3d::rapier::prelude::CoefficientCombineRule;
 
-use crate::world::{RapierWorld, placement};
+use crate::world::{RapierWorld, place_in_body, placement};
 
 /// A collider, and what decides about its obstacle.
 type ColliderQuery<'w, 's> = Query<
@@ -120,8 +120,7 @@ pub(crate) fn parts_of<'a>(
 }
 
 fn part(entity: Entity, collider: &rapier::geometry::Collider) -> Part {
-    let place = collider.position_wrt_parent().map(placement).unwrap_or_default();
-    Part { entity, shape: collider.shared_shape().clone(), place }
+    Part { entity, shape: collider.shared_shape().clone(), place: place_in_body(collider) }
 }
 
 /// The principal axes of a body.

@@ -3,6 +3,7 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_drape::drape_solver::Placement;
+use bevy_rapier3d::plugin::RapierConfiguration;
 use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierContextEntityLink, RapierRigidBodySet};
 use bevy_rapier3d::prelude::{RapierColliderHandle, RapierRigidBodyHandle};
 use bevy_rapier3d::rapier;
@@ -12,6 +13,7 @@ use bevy_rapier3d::rapier::math::Pose;
 #[derive(SystemParam)]
 pub(crate) struct RapierWorld<'w, 's> {
     sets: Query<'w, 's, (&'static RapierRigidBodySet, &'static RapierContextColliders)>,
+    configurations: Query<'w, 's, &'static RapierConfiguration>,
     bodies: Query<'w, 's, (&'static RapierRigidBodyHandle, &'static RapierContextEntityLink)>,
     colliders: Query<'w, 's, (&'static RapierColliderHandle, &'static RapierContextEntityLink)>,
 }
@@ -23,6 +25,12 @@ impl RapierWorld<'_, '_> {
         let (set, _) = self.sets.get(link.0).ok()?;
         // Proxies of Rapier's soft bodies follow their particles.
         set.bodies.get(handle.0).filter(|body| !body.is_soft_frame())
+    }
+
+    /// True if the world of a body takes no steps.
+    pub fn is_paused(&self, body: Entity) -> bool {
+        let configuration = self.bodies.get(body).and_then(|(_, link)| self.configurations.get(link.0));
+        configuration.is_ok_and(|configuration| !configuration.physics_pipeline_active)
     }
 
     /// The collider of an entity.
@@ -52,4 +60,9 @@ impl RapierWorld<'_, '_> {
 /// A place in cloth's terms.
 pub(crate) fn placement(pose: &Pose) -> Placement {
     Placement { translation: pose.translation, rotation: pose.rotation }
+}
+
+/// The place of a collider in its body.
+pub(crate) fn place_in_body(collider: &rapier::geometry::Collider) -> Placement {
+    collider.position_wrt_parent().map(placement).unwrap_or_default()
 }

@@ -1,9 +1,9 @@
-//! Where a query meets a body.
+//! The meeting of a query and a body.
 
 use bevy::prelude::*;
 use drape_solver::{Particles, Topology};
 
-/// Where a ray, a sphere or a point meets a body.
+/// The place at which a ray or a sphere meets a body, or that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyHit {
     /// Distance in metres: along the ray, of the sphere's way, or from the point.
@@ -17,7 +17,7 @@ pub struct BodyHit {
     pub particle: usize,
 }
 
-/// Where a query meets a face or link.
+/// The same, of a face or link.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceHit {
     pub distance: f32,

@@ -191,9 +191,14 @@ impl<'a> NearObstacle<'a> {
         }
     }
 
+    /// True if contacts move the obstacle.
+    fn is_dynamic(&self) -> bool {
+        self.obstacle.rigid_body().is_some()
+    }
+
     fn searched(&self, reach: f32, is_fast: bool) -> SearchedObstacle<'a> {
         let &Self { index, obstacle, pose, friction, .. } = self;
-        let is_dynamic = obstacle.rigid_body().is_some();
+        let is_dynamic = self.is_dynamic();
         SearchedObstacle {
             shape: obstacle.shape(),
             obstacle: index,
@@ -210,7 +215,7 @@ impl<'a> NearObstacle<'a> {
             obstacle: self.index,
             friction: self.friction,
             is_moving: self.obstacle.is_moving(),
-            is_dynamic: self.obstacle.rigid_body().is_some(),
+            is_dynamic: self.is_dynamic(),
             is_asking: false,
             pose: self.pose,
         }

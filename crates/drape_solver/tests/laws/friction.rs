@@ -116,7 +116,7 @@ const COMBINED: [(CombineRule, f32); 6] = [
     (CombineRule::ClampedSum, 1.0),
 ];
 
-/// What lies on an obstacle slides above the angle of friction that its rule makes.
+/// A particle slides on an obstacle above the angle of friction that the obstacle's rule makes.
 #[test]
 fn a_rule_combines_the_friction_of_both_surfaces() {
     for (rule, friction) in COMBINED {

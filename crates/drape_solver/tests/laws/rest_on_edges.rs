@@ -1,4 +1,4 @@
-//! What lies over edges and bars comes to rest.
+//! Sheets that lie over edges and bars come to rest.
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{
