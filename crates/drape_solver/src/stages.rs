@@ -8,7 +8,7 @@ use crate::constants::{CONTACT_MARGIN_OF_SURFACES, OVER_RELAXATION, ROUNDS_OF_LA
 use crate::constraint::{angular_momentum, stick, volume};
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
-    ball_ball, ball_cloth, ball_obstacle, dynamic_obstacle, embedded_obstacle, face_obstacle, impact_zone,
+    ball_ball, ball_cloth, ball_obstacle, dynamic_obstacle, embedded_obstacle, face_obstacle, impact_zone, joint,
     particle_dynamic, reaction, report, surface,
 };
 use crate::island::{Island, IslandContext};
@@ -57,6 +57,13 @@ fn run_body_stage(
     match stage {
         BodyStage::MovePins => sweep::move_pins(body),
         BodyStage::NotePins => body.note_pin_travel(),
+        BodyStage::BeginJoints => joint::begin_substep(&mut contacts.joints, body, movers),
+        BodyStage::BalanceJoints => {
+            joint::balance(&mut contacts.joints, body, movers, substep.duration);
+        }
+        BodyStage::FollowJoints => joint::follow(&mut contacts.joints, body, movers),
+        BodyStage::ReleaseJoints => joint::release(&mut contacts.joints, body, movers),
+        BodyStage::PullJoints => joint::pull(&mut contacts.joints, body, movers, substep.duration),
         BodyStage::BeginContacts => {
             face_obstacle::begin_substep(&mut contacts.faces, body, substep, movers);
             embedded_obstacle::begin_substep(&mut contacts.embedded);

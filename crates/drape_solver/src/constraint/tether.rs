@@ -25,14 +25,14 @@ use crate::state::particles::Particles;
 use crate::state::tethers::TetherPlan;
 
 impl TetherPlan {
-    /// Writes the positions of the pins to `places`; call it whenever they have moved. A freed pin gets NaN for a
-    /// position, at which no tether acts.
+    /// Writes the positions of the pins to `places`; call it whenever they have moved. A freed pin, and one that is
+    /// joined to an obstacle which would not feel the pull, gets NaN for a position, at which no tether acts.
     pub fn note_anchors(&self, particles: &Particles, places: &mut Columns) {
         places.reset(self.anchors.len());
         for (cell, anchor) in places.cells.iter_mut().zip(&self.anchors) {
             for lane in 0..LANES {
                 let slot = anchor.slot(lane);
-                let is_pinned = particles.inverse_mass[slot] == 0.0;
+                let is_pinned = particles.inverse_mass[slot] == 0.0 && !particles.is_joined(slot);
                 cell.set(lane, if is_pinned { particles.position.get(slot) } else { Vec3::NAN });
             }
         }

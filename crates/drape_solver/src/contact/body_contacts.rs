@@ -1,4 +1,4 @@
-//! The contacts of one body with obstacles: by particles, by faces, and by the points of a collision mesh.
+//! The contacts of one body with obstacles: by particles, by faces, by the points of a collision mesh, and by joints.
 //!
 //! Design: `docs/design/obstacles.md`.
 
@@ -8,6 +8,7 @@ use crate::broad_phase::obstacle_search::{FreePath, Query, RelativePath, Search,
 use crate::constants::FACE_MARGIN;
 use crate::contact::embedded_obstacle::EmbeddedContacts;
 use crate::contact::face_obstacle::{FaceContacts, SearchedObstacle};
+use crate::contact::joint::{self, MovingJoint};
 use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup};
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Shape, container_walls};
@@ -26,12 +27,15 @@ pub(crate) struct BodyContacts {
     pub obstacles: ObstacleContacts,
     pub faces: FaceContacts,
     pub embedded: EmbeddedContacts,
+    pub joints: Vec<MovingJoint>,
 }
 
 impl BodyContacts {
-    /// Obstacles that the body may touch, by index; some more than once.
+    /// Obstacles that the body may touch or is joined to, by index; some more than once.
     pub fn obstacles(&self) -> impl Iterator<Item = usize> + '_ {
-        self.obstacles.obstacles().chain(self.faces.obstacles()).chain(self.embedded.obstacles())
+        let joints = self.joints.iter().map(|joint| joint.obstacle);
+        let faces = self.faces.obstacles().chain(self.embedded.obstacles());
+        self.obstacles.obstacles().chain(faces).chain(joints)
     }
 }
 
@@ -45,7 +49,8 @@ pub(crate) fn detect(
     workers: &Workers,
 ) {
     let search = BodySearch::new(body, search_step, isa, workers);
-    let BodyContacts { obstacles: contacts, faces, embedded } = all;
+    let BodyContacts { obstacles: contacts, faces, embedded, joints } = all;
+    joint::detect(joints, &body.particles, obstacles);
     faces.clear();
     embedded.clear();
     contacts.clear(&body.particles.layout);
@@ -54,7 +59,8 @@ pub(crate) fn detect(
     for place in 0..contacts.near.len() {
         let index = contacts.near[place] as usize;
         let obstacle = &obstacles[index];
-        if !obstacle.stops(body.layers) {
+        let passes = joint::is_held_inside(joints, index, obstacle.shape(), body.settings.thickness);
+        if passes || !obstacle.stops(body.layers) {
             continue;
         }
         let near = NearObstacle::new(&search, index, obstacle);

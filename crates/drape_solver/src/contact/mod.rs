@@ -20,6 +20,7 @@
 //! face_sides                                     sides of the faces of face_obstacle
 //! ccd                                            what passes something within a substep
 //! mover, dynamic_obstacle, obstacle_push         obstacles that contacts push
+//! joint                                          particles that are held at points of such obstacles
 //! depenetration, effective_mass, restitution     formulas
 //! hit_substeps                                   the substeps that fast or heavy things need
 //! event, report, reaction                        what contacts report
@@ -65,6 +66,7 @@ pub(crate) mod face_sides;
 pub(crate) mod hit_substeps;
 pub(crate) mod impact_zone;
 pub(crate) mod island_contacts;
+pub(crate) mod joint;
 pub(crate) mod limit_conflict;
 pub(crate) mod mover;
 pub(crate) mod obstacle_push;

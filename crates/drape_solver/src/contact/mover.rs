@@ -59,6 +59,11 @@ impl Mover {
         self.end.inverse_mass_at(self.to, point - self.to.translation, direction)
     }
 
+    /// The greatest inverse mass of the point in the world against a push in any direction, in 1/kg.
+    pub fn greatest_inverse_mass_at(&self, point: Vec3) -> f32 {
+        self.end.greatest_inverse_mass_at(self.to, point - self.to.translation)
+    }
+
     /// Friction between the mover and a point of inverse mass `inverse_mass` (1/kg) in the world, which has slipped by
     /// `slip` and sunk in by `depth`, its own share (metres). Returns the slip that friction takes from the point in
     /// metres, and the push on the point in kg m.

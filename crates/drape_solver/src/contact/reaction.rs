@@ -9,6 +9,7 @@
 use glam::DVec3;
 
 use crate::contact::island_contacts::IslandContacts;
+use crate::contact::joint;
 use crate::contact::mover::{Mover, mover};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::state::ball::Ball;
@@ -77,6 +78,7 @@ pub(crate) fn detect(reactions: &mut Reactions, contacts: &mut IslandContacts, o
         reactions.is_on |= contacts.obstacles.mark_asking(asks);
         reactions.is_on |= contacts.faces.obstacles().any(asks);
         reactions.is_on |= contacts.embedded.obstacles().any(asks);
+        reactions.is_on |= !contacts.joints.is_empty();
     }
     reactions.is_on |= contacts.ball_obstacle.obstacles().any(asks);
 }
@@ -106,6 +108,7 @@ pub(crate) fn gather(
         }
         contacts.faces.given(particles).for_each(&mut add);
         contacts.embedded.given(particles).for_each(&mut add);
+        joint::given(&contacts.joints).for_each(&mut add);
     }
     contacts.ball_obstacle.given(balls).for_each(add);
 }

@@ -27,6 +27,7 @@ pub(crate) mod friction;
 pub(crate) mod grid;
 pub mod hash;
 pub mod layers;
+pub(crate) mod joint;
 pub(crate) mod layout;
 pub mod measure;
 pub mod motion_limits;

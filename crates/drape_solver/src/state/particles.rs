@@ -8,6 +8,7 @@ use crate::constants::INITIAL_SUBSTEP;
 use crate::error::{BuildError, finite_vector};
 use crate::simd::columns::{Columns, LANES};
 use crate::state::frame_motion::FrameMotion;
+use crate::state::joint::Joint;
 use crate::state::layout::Layout;
 use crate::state::motion_limits::MotionLimits;
 use crate::state::particle_stats::{MassStats, ParticleStats};
@@ -37,6 +38,8 @@ pub struct Particles {
     pub(crate) force: Columns,
     /// Slots of pinned particles with their targets at the end of the next step (world, metres).
     pub(crate) pin_targets: Vec<(u32, Vec3)>,
+    /// Joints of pinned particles with obstacles in the next step, sorted by slot.
+    pub(crate) joints: Vec<Joint>,
     /// Limits on motion, around animated places.
     pub(crate) limits: MotionLimits,
     /// Motion of the frame of reference in the next step.
@@ -60,6 +63,7 @@ impl Default for Particles {
             inverse_mass: Vec::new(),
             force: Columns::default(),
             pin_targets: Vec::new(),
+            joints: Vec::new(),
             limits: MotionLimits::default(),
             frame: None,
             disturbed: false,
@@ -133,6 +137,11 @@ impl Particles {
         };
         self.pin_targets = old.pin_targets.iter().filter_map(slot_of).collect();
         self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
+        for joint in &mut self.joints {
+            let index = old.layout.index(joint.slot as usize);
+            joint.slot = index.map_or(joint.slot, |index| layout.slot(index) as u32);
+        }
+        self.joints.sort_unstable_by_key(|joint| joint.slot);
         self.limits = old.limits.arranged(&old.layout, layout);
         self.masses = MassStats::default();
     }
@@ -278,10 +287,11 @@ impl Particles {
         }
     }
 
-    /// Clears the forces, pin targets and motion of the frame that were set for the next step.
+    /// Clears the forces, pin targets, joints and motion of the frame that were set for the next step.
     pub fn clear_requests(&mut self) {
         self.force.clear();
         self.pin_targets.clear();
+        self.joints.clear();
         self.frame = None;
     }
 

@@ -152,6 +152,16 @@ impl RigidBody {
         self.mass.recip() * (1.0 - along_locked) + lever.dot(self.turn_by(placement, lever))
     }
 
+    /// Upper bound of the effective inverse mass of the point at `arm` over all directions: exact where no axis is locked.
+    pub(crate) fn greatest_inverse_mass_at(&self, placement: Placement, arm: Vec3) -> f32 {
+        let [x, y, z] = Vec3::AXES.map(|axis| self.turn_by(placement, arm.cross(axis)).cross(arm));
+        // The matrix with these columns has the eigenvalue 0 along the arm; the others follow from trace and norm.
+        let trace = x.x + y.y + z.z;
+        let norm_squared = x.length_squared() + y.length_squared() + z.length_squared();
+        let difference = (2.0 * norm_squared - trace * trace).max(0.0).sqrt();
+        self.mass.recip() * self.movable.max_element() + 0.5 * (trace + difference)
+    }
+
     /// Adapts the angular velocity to a turn from one placement to another, which keeps the angular momentum.
     pub(crate) fn turn_to(&mut self, from: Placement, to: Placement) {
         self.keep_angular_momentum(self.angular_momentum(from), to);

@@ -21,6 +21,11 @@
 pub(crate) enum BodyStage {
     /// Kinematic pins go one substep further.
     MovePins,
+    /// Particles joined to movers follow them, at the start and the end of the substep.
+    BeginJoints,
+    FollowJoints,
+    /// Movers get what rounding has kept of the pull of sticks.
+    BalanceJoints,
     /// Free flight.
     Integrate,
     /// The moving frame takes the particles along.
@@ -33,6 +38,9 @@ pub(crate) enum BodyStage {
     EmbeddedContacts,
     ObstacleContacts,
     DynamicContacts,
+    /// Particles joined to movers have their masses while sticks are relaxed, and then pull at them.
+    ReleaseJoints,
+    PullJoints,
     Sticks,
     Tethers,
     /// Rows, columns and ropes that are solved directly.
@@ -106,7 +114,7 @@ use IslandStage as Island;
 const INTEGRATE: &[Stages] = &[
     Stages::Island(Island::NoteStarts),
     Stages::Island(Island::BeginMovers),
-    Stages::Bodies(&[Body::MovePins, Body::Integrate, Body::Carry, Body::NotePins, Body::BeginContacts]),
+    Stages::Bodies(&[Body::MovePins, Body::Integrate, Body::Carry, Body::NotePins, Body::BeginJoints, Body::BeginContacts]),
     Stages::Island(Island::IntegrateBalls),
     Stages::Island(Island::BeginContacts),
 ];
@@ -127,7 +135,14 @@ const CONTACTS: &[Stages] = &[
 ];
 
 /// All constraints of a body on itself, once.
-const STICKS: &[Stages] = &[Stages::Bodies(&[Body::Sticks, Body::Tethers, Body::Lines, Body::Volume])];
+const STICKS: &[Stages] = &[Stages::Bodies(&[
+    Body::ReleaseJoints,
+    Body::Sticks,
+    Body::Tethers,
+    Body::Lines,
+    Body::Volume,
+    Body::PullJoints,
+])];
 
 const RELAXED: &[Stages] = &[Stages::Bodies(&[Body::AngularMomentum])];
 
@@ -136,6 +151,7 @@ const CLOTH: &[Stages] = &[Stages::Island(Island::ClothContacts)];
 /// Velocities follow positions; then come friction, restitution, impact zones and limits.
 const VELOCITIES: &[Stages] = &[
     Stages::Bodies(&[
+        Body::BalanceJoints,
         Body::Update,
         Body::Damping,
         Body::ObstacleFriction,
@@ -149,7 +165,7 @@ const VELOCITIES: &[Stages] = &[
     Stages::Island(Island::ImpactZones),
     Stages::Island(Island::TurnBalls),
     Stages::Island(Island::Account),
-    Stages::Bodies(&[Body::Limits, Body::Leave, Body::Watch]),
+    Stages::Bodies(&[Body::FollowJoints, Body::Limits, Body::Leave, Body::Watch]),
     Stages::Island(Island::KeepApart),
 ];
 

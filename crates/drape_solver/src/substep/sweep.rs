@@ -67,7 +67,8 @@ pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     let has_pressure = body.pressure > 0.0;
     let is_damped = body.context.damping.iter().any(|&damping| damping != 0.0);
-    let is_in_strips = contacts.faces.is_empty() && contacts.embedded.is_empty();
+    let is_in_strips =
+        contacts.faces.is_empty() && contacts.embedded.is_empty() && contacts.joints.is_empty();
     is_fixed && is_in_strips && !has_pressure && !is_damped
 }
 

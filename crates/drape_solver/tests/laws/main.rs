@@ -26,6 +26,7 @@ mod friction;
 mod galilean;
 mod impact_zone;
 mod intrusion;
+mod joints;
 mod layer_gaps;
 mod lines;
 mod mesh;
