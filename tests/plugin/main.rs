@@ -26,6 +26,7 @@ mod logging;
 mod observers;
 mod operations;
 mod pins;
+mod pulled_obstacles;
 mod reflection;
 mod ropes;
 mod scene_notation;

@@ -4,7 +4,7 @@
 use bevy::prelude::*;
 use bevy_drape::drape_solver::parry3d::shape::SharedShape;
 use bevy_drape::drape_solver::{BuildError, Placement, Shape};
-use bevy_drape::environment::{DynamicObstacle, ObstacleShape};
+use bevy_drape::environment::{DynamicObstacle, MovedByObstacle, ObstacleShape};
 use bevy_drape::prelude::*;
 
 use crate::frame::InertialFrame;
@@ -52,6 +52,7 @@ pub fn update_body(
     let Some(BodyParts { mass, frame, place, parts, surface, layers }) = parts else {
         if let Some(known) = known {
             commands.entity(known.entity()).try_despawn();
+            commands.entity(body).try_remove::<MovedByObstacle>();
         }
         return;
     };
@@ -62,14 +63,16 @@ pub fn update_body(
         Parts(parts.iter().map(|part| (part.entity, part.place)).collect()),
         frame,
     );
-    match known {
-        Some(known) => _ = commands.entity(known.entity()).try_insert(obstacle),
+    let obstacle = match known {
+        Some(known) => commands.entity(known.entity()).try_insert(obstacle).id(),
         None => {
             let Placement { translation, rotation } = frame.of_body(place);
             let there = Transform { translation, rotation, ..default() };
-            commands.spawn((obstacle, there, ObstacleOf(body)));
+            commands.spawn((obstacle, there, ObstacleOf(body))).id()
         }
-    }
+    };
+    let Placement { translation, rotation } = frame.placed(Placement::default());
+    commands.entity(body).try_insert(MovedByObstacle { obstacle, translation, rotation });
 }
 
 /// The shape of colliders together, in the body's inertial frame.

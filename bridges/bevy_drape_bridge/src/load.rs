@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::environment::{DynamicObstacle, ObstacleReaction};
 use bevy_drape::prelude::*;
 
-use crate::marks::ObstacleOf;
+use crate::marks::{BodyObstacle, ObstacleOf};
 use crate::motion::EngineBody;
 
 /// Asks the engine to wake a body that sleeps: cloth pushes it otherwise than when it fell asleep, or has gone.
@@ -21,6 +21,8 @@ pub struct Load {
     pub acceleration: Vec3,
     /// Seconds for which the body has been slow enough for sleep.
     pub still_for: f32,
+    /// The acceleration by which cloth pushed the sleeping body when it fell asleep. A rope does not hold a body that sleeps.
+    asleep: Option<Vec3>,
 }
 
 impl Load {
@@ -48,7 +50,10 @@ pub(crate) fn note_loads(
             let [speed, spin] = body.sleep_speeds;
             let is_still = body.velocity.length() < speed && body.angular_velocity.length() < spin;
             load.still_for = if is_still { load.still_for + time.delta_secs() } else { 0.0 };
-        } else if reaction.is_near && acceleration.distance(load.acceleration) > WAKING_CHANGE {
+            load.asleep = None;
+        } else if reaction.is_near
+            && acceleration.distance(*load.asleep.get_or_insert(acceleration)) > WAKING_CHANGE
+        {
             commands.trigger(WakeRequest { entity: of.0 });
             body.velocity += push;
             body.is_pushed = true;
@@ -66,6 +71,26 @@ pub(crate) fn wake_carried(
     for (of, body, mut load) in &mut obstacles {
         if load.is_carried() && body.is_asleep {
             commands.trigger(WakeRequest { entity: of.0 });
+            *load = Load::default();
+        }
+    }
+}
+
+/// Wakes bodies that slept on a rope which has let go.
+pub(crate) fn wake_released(
+    released: On<Remove<Attachment>>,
+    attachments: Query<&Attachment>,
+    bodies: Query<&BodyObstacle>,
+    mut obstacles: Query<(&EngineBody, &mut Load)>,
+    mut commands: Commands,
+) {
+    let Ok(attachment) = attachments.get(released.entity) else { return };
+    for tie in &attachment.ties {
+        let Ok(obstacle) = bodies.get(tie.entity) else { continue };
+        if let Ok((body, mut load)) = obstacles.get_mut(obstacle.entity())
+            && body.is_asleep
+        {
+            commands.trigger(WakeRequest { entity: tie.entity });
             *load = Load::default();
         }
     }

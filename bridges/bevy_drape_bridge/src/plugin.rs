@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::DrapeSchedule;
 
-use crate::load::{Load, note_loads, wake_carried};
+use crate::load::{Load, note_loads, wake_carried, wake_released};
 use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 use crate::motion::{EngineBody, hand_back, plan, start};
 use crate::outdated::Outdated;
@@ -27,6 +27,7 @@ impl Plugin for BridgePlugin {
             .register_required_components::<ObstacleOf, EngineBody>()
             .register_required_components::<ObstacleOf, Load>()
             .add_observer(wake_carried)
+            .add_observer(wake_released)
             .configure_sets(self.schedule, (ReadStarts, Start).chain())
             .add_systems(self.schedule, start.in_set(Start))
             .configure_sets(

@@ -10,5 +10,7 @@ mod laws;
 mod materials;
 #[path = "../../../tests/operations.rs"]
 mod operations;
+#[path = "../../../tests/ropes.rs"]
+mod ropes;
 #[path = "../../../tests/scene.rs"]
 mod scene;

@@ -11,6 +11,10 @@ use crate::attach::attachment_state::AttachmentState;
 /// each step it moves there evenly over the substeps and pulls the cloth along; nothing else moves it. The last tie of
 /// a particle counts. A tied pin no longer follows the body's own entity.
 ///
+/// A [`DynamicObstacle`](crate::environment::dynamic_obstacle::DynamicObstacle) is pulled in turn by what is tied to it, and so is a
+/// dynamic body of a bridged physics engine: a wrecking ball on a chain, a crate under a parachute. Tied to a point inside
+/// it, a body passes its surface. Children of such an entity pull at nothing.
+///
 /// Remove the component or the tie to release its particles. Despawning the entity releases them too, with a line in
 /// the log. Particles that were pinned before stay pinned. Change the component at any time: particles that stay tied
 /// to the same entity keep their places.

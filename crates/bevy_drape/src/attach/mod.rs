@@ -16,7 +16,7 @@
 //!
 //! Imports the bodies and obstacles below. The plugin runs these systems before waking and stepping.
 //!
-//! Design: `docs/design/characters.md`, `docs/design/interaction.md` and `docs/design/ropes.md`.
+//! Design: `docs/design/characters.md`, `docs/design/joints.md`, `docs/design/interaction.md` and `docs/design/ropes.md`.
 
 pub(crate) mod animated_pose;
 pub(crate) mod attachment;
@@ -28,6 +28,7 @@ pub(crate) mod grab;
 pub(crate) mod pins;
 pub(crate) mod plane_lock;
 pub(crate) mod plugin;
+pub(crate) mod pull_obstacles;
 pub(crate) mod teleport;
 pub(crate) mod winch;
 pub(crate) mod world_motion;

@@ -9,6 +9,7 @@ use crate::attach::follow_pose::move_posed;
 use crate::attach::grab::{Grab, Hand, pull_grabbed};
 use crate::attach::pins::move_pins;
 use crate::attach::plane_lock::{PlaneLock, lock_planes};
+use crate::attach::pull_obstacles::join_attached;
 use crate::attach::winch::{Winch, turn_winches};
 use crate::attach::world_motion::{TeleportCloth, WorldMotion, inherit_motion};
 use crate::refusal::forget_removed;
@@ -27,7 +28,7 @@ impl Plugin for AttachmentPlugin {
                 (
                     move_pins.in_set(ScenePhase::MovePins),
                     move_posed.in_set(ScenePhase::MovePosed),
-                    move_attached.in_set(ScenePhase::MoveAttached),
+                    (move_attached, join_attached).chain().in_set(ScenePhase::MoveAttached),
                 ),
             );
     }

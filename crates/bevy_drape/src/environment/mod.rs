@@ -24,6 +24,7 @@ pub(crate) mod dynamic_obstacle;
 pub(crate) mod fly_obstacles;
 pub(crate) mod gravity;
 pub(crate) mod known_obstacles;
+pub(crate) mod moved_by_obstacle;
 pub(crate) mod obstacle;
 pub(crate) mod obstacle_changes;
 pub(crate) mod obstacle_shape;
@@ -36,6 +37,7 @@ pub(crate) mod wind_zone;
 
 pub use dynamic_obstacle::{DynamicObstacle, ObstacleReaction, PlannedPlacement};
 pub use gravity::DrapeGravity;
+pub use moved_by_obstacle::MovedByObstacle;
 pub use obstacle::{CombineRule, Obstacle, TeleportObstacle};
 pub use obstacle_shape::{CustomShape, ObstacleShape, ShapeFromMesh};
 pub use wind::{Gusts, Wind};

@@ -8,6 +8,7 @@ use crate::body::layers::DrapeLayers;
 use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction, PlannedPlacement};
 use crate::environment::fly_obstacles::fly_dynamic_obstacles;
 use crate::environment::gravity::DrapeGravity;
+use crate::environment::moved_by_obstacle::MovedByObstacle;
 use crate::environment::obstacle::{Obstacle, TeleportObstacle};
 use crate::environment::obstacle_changes::{
     ObstacleChanges, note_disabled_obstacle, note_gone_obstacle, recheck_obstacle,
@@ -62,7 +63,7 @@ pub(crate) struct DynamicObstaclePlugin;
 
 impl Plugin for DynamicObstaclePlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<(DynamicObstacle, ObstacleReaction, PlannedPlacement)>()
+        app.register_type::<(DynamicObstacle, ObstacleReaction, PlannedPlacement, MovedByObstacle)>()
             .add_observer(recheck_obstacle::<Add<ObstacleReaction>>)
             .add_observer(recheck_obstacle::<Remove<ObstacleReaction>>)
             .add_observer(recheck_obstacle::<Remove<DynamicObstacle>>)

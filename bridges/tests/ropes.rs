@@ -1,0 +1,116 @@
+//! Ropes and cloth that are tied to dynamic bodies.
+
+use bevy::prelude::*;
+use bevy_drape::body::Activity;
+use bevy_drape::prelude::*;
+
+use crate::engine::*;
+use crate::scene::*;
+
+/// Half the side of a crate in metres.
+const HALF: f32 = 0.15;
+
+/// Gravity of both engines in m/s^2.
+const G: f32 = 9.81;
+
+/// A crate of so many kilograms.
+fn spawn_crate(app: &mut App, kilograms: f32, at: Vec3) -> Entity {
+    let side = 2.0 * HALF;
+    let body = (DYNAMIC, cuboid(Vec3::splat(side)), mass(kilograms, kilograms * side * side / 6.0));
+    app.world_mut().spawn((body, Transform::from_translation(at))).id()
+}
+
+/// A rope from a hook at `from` to a place on a crate.
+fn hang(app: &mut App, from: Vec3, crate_: Entity, to: Vec3) -> Entity {
+    let hook = app.world_mut().spawn(Transform::from_translation(from)).id();
+    let tied = Attachment::first(hook).and(Tie::last(crate_));
+    app.world_mut().spawn((Rope::new(from, to, 33), tied)).id()
+}
+
+/// A crate of 20 kg at the end of a rope of 0.1 kg falls asleep with it. Without the rope it wakes and falls.
+#[test]
+fn a_crate_hangs_on_a_rope_until_the_rope_lets_go() {
+    for lets_go in ["despawned", "untied"] {
+        let mut app = app();
+        ground(&mut app);
+        let crate_ = spawn_crate(&mut app, 20.0, Vec3::Y * (2.0 - HALF));
+        let rope = hang(&mut app, Vec3::Y * 3.0, crate_, Vec3::Y * 2.0);
+        run(&mut app, 6.0);
+        let at = place(&app, crate_);
+        assert!(at.distance(Vec3::Y * (2.0 - HALF)) < 0.02, "{lets_go}: it hangs at {at}");
+        assert!(is_asleep(&app, crate_), "{lets_go}: it is awake");
+        assert_eq!(app.world().get::<Activity>(rope), Some(&Activity::Resting), "{lets_go}");
+        run(&mut app, 2.0);
+        assert!(place(&app, crate_).distance(at) < 1e-4, "{lets_go}: it has moved in its sleep");
+        match lets_go {
+            "despawned" => _ = app.world_mut().despawn(rope),
+            _ => _ = app.world_mut().entity_mut(rope).remove::<Attachment>(),
+        }
+        run(&mut app, 2.0);
+        assert!(place(&app, crate_).y < HALF + 0.02, "{lets_go}: it hangs in the air, {}", place(&app, crate_));
+    }
+}
+
+/// A crate on a rope swings with the period of a double pendulum whose stick is light, tied to its top.
+#[test]
+fn a_crate_on_a_rope_swings_with_its_period() {
+    let mut app = app();
+    // Tied to the middle of the crate, which does not turn then: a mathematical pendulum.
+    let (length, angle) = (1.5_f32, 0.1_f32);
+    let at = Quat::from_rotation_z(angle) * Vec3::NEG_Y * length;
+    let crate_ = spawn_crate(&mut app, 5.0, at);
+    hang(&mut app, Vec3::ZERO, crate_, at);
+    let (mut crossings, mut last) = (Vec::new(), at.x);
+    for index in 0..600 {
+        app.update();
+        let now = place(&app, crate_).x;
+        if last * now < 0.0 {
+            crossings.push((index as f32 + last / (last - now)) * TIMESTEP.as_secs_f32());
+        }
+        last = now;
+    }
+    let period = crossings[2] - crossings[0];
+    // To second order in the amplitude.
+    let expected = core::f32::consts::TAU * (length / G).sqrt() * (1.0 + angle * angle / 16.0);
+    assert!((period / expected - 1.0).abs() < 5e-3, "{period} s, not {expected} s");
+}
+
+/// One crate tows another: momentum is kept, and nothing gains energy.
+#[test]
+fn a_crate_tows_another_and_keeps_momentum() {
+    for kilograms in [0.04, 0.4, 4.0, 40.0, 400.0] {
+        let mut app = app();
+        set_gravity(&mut app, Vec3::ZERO);
+        app.insert_resource(DrapeGravity(Vec3::ZERO));
+        let first = spawn_crate(&mut app, kilograms, Vec3::X * (1.0 + HALF));
+        let second = spawn_crate(&mut app, 4.0, Vec3::NEG_X * HALF);
+        let tied = Attachment::last(first).and(Tie::first(second));
+        let still = SolverSettings { drag: 0.0, ..default() };
+        let rope = Rope::new(Vec3::ZERO, Vec3::X, 33);
+        let rope = app.world_mut().spawn((rope, still, tied)).id();
+        run(&mut app, 0.1);
+        app.world_mut().entity_mut(first).insert(moving(Vec3::new(2.0, 0.7, 0.0), Vec3::ZERO));
+        let momentum = |app: &App| {
+            let particles = app.world().get::<Particles>(rope).expect("it is built");
+            let free = (0..particles.len()).filter(|&i| !particles.is_pinned(i));
+            let of_rope = free.map(|i| particles.velocity(i) / particles.inverse_mass(i)).sum::<Vec3>();
+            of_rope + velocities(app, first)[0] * kilograms + velocities(app, second)[0] * 4.0
+        };
+        let energy = |app: &App| {
+            let of = |body: Entity, mass: f32| {
+                let [velocity, spin] = velocities(app, body);
+                0.5 * mass * (velocity.length_squared() + spin.length_squared() * HALF * HALF * 2.0 / 3.0)
+            };
+            of(first, kilograms) + of(second, 4.0)
+        };
+        let (before, at_start) = (momentum(&app), energy(&app));
+        for _ in 0..200 {
+            app.update();
+            let lost = (momentum(&app) - before).length() / before.length();
+            assert!(lost < 1e-4, "{kilograms} kg: {lost} of the momentum");
+            assert!(energy(&app) < 1.001 * at_start, "{kilograms} kg: {} J of {at_start}", energy(&app));
+        }
+        let towed = velocities(&app, second)[0].x;
+        assert!(towed > 0.02 * kilograms.min(4.0), "{kilograms} kg: the other goes at {towed} m/s");
+    }
+}
