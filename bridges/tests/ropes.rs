@@ -85,11 +85,13 @@ fn a_crate_tows_another_and_keeps_momentum() {
         let first = spawn_crate(&mut app, kilograms, Vec3::X * (1.0 + HALF));
         let second = spawn_crate(&mut app, 4.0, Vec3::NEG_X * HALF);
         let tied = Attachment::last(first).and(Tie::first(second));
-        let still = SolverSettings { drag: 0.0, ..default() };
+        let still = BodySurface { drag: 0.0, ..default() };
         let rope = Rope::new(Vec3::ZERO, Vec3::X, 33);
         let rope = app.world_mut().spawn((rope, still, tied)).id();
         run(&mut app, 0.1);
-        app.world_mut().entity_mut(first).insert(moving(Vec3::new(2.0, 0.7, 0.0), Vec3::ZERO));
+        let velocity = Vec3::new(2.0, 0.7, 0.0);
+        app.world_mut().entity_mut(first).insert(moving(velocity, Vec3::ZERO));
+        app.world_mut().entity_mut(second).insert(sleepless());
         let momentum = |app: &App| {
             let particles = app.world().get::<Particles>(rope).expect("it is built");
             let free = (0..particles.len()).filter(|&i| !particles.is_pinned(i));
@@ -103,14 +105,31 @@ fn a_crate_tows_another_and_keeps_momentum() {
             };
             of(first, kilograms) + of(second, 4.0)
         };
-        let (before, at_start) = (momentum(&app), energy(&app));
+        let (before, at_start) = (velocity * kilograms, 0.5 * kilograms * velocity.length_squared());
         for _ in 0..200 {
             app.update();
-            let lost = (momentum(&app) - before).length() / before.length();
-            assert!(lost < 1e-4, "{kilograms} kg: {lost} of the momentum");
+            // Places in single precision carry a velocity of 1e-5 m/s from engine to cloth and back.
+            let lost = (momentum(&app) - before).length() / (kilograms + 4.1);
+            assert!(lost < 1e-4, "{kilograms} kg: all together are {lost} m/s faster or slower");
             assert!(energy(&app) < 1.001 * at_start, "{kilograms} kg: {} J of {at_start}", energy(&app));
         }
         let towed = velocities(&app, second)[0].x;
         assert!(towed > 0.02 * kilograms.min(4.0), "{kilograms} kg: the other goes at {towed} m/s");
     }
+}
+
+/// A crate that sleeps on its rope wakes if a ball hits the rope.
+#[test]
+fn a_crate_that_sleeps_on_its_rope_wakes_with_the_rope() {
+    let mut app = app();
+    let crate_ = spawn_crate(&mut app, 1.0, Vec3::Y * (2.0 - HALF));
+    let rope = hang(&mut app, Vec3::Y * 3.0, crate_, Vec3::Y * 2.0);
+    run(&mut app, 6.0);
+    assert!(is_asleep(&app, crate_), "it sleeps");
+    let ball = Projectile { velocity: Vec3::X * 10.0, mass: 2.0, ..Projectile::default() };
+    app.world_mut().spawn((ball, Transform::from_xyz(-1.0, 2.5, 0.0)));
+    run(&mut app, 1.0);
+    assert!(!is_asleep(&app, crate_), "it is awake");
+    assert!(place(&app, crate_).distance(Vec3::Y * (2.0 - HALF)) > 0.05, "it swings");
+    assert_eq!(app.world().get::<Activity>(rope), Some(&Activity::Active));
 }

@@ -21,14 +21,44 @@ pub struct Load {
     pub acceleration: Vec3,
     /// Seconds for which the body has been slow enough for sleep.
     pub still_for: f32,
-    /// The acceleration by which cloth pushed the sleeping body when it fell asleep. A rope does not hold a body that sleeps.
-    asleep: Option<Vec3>,
+    /// The greatest speed in m/s in cloth that is tied to the body; none if there is no such cloth.
+    tied_speed: Option<f32>,
 }
 
 impl Load {
     /// True if cloth carries a good part of the body.
     pub fn is_carried(&self) -> bool {
         self.acceleration.length() > WAKING_CHANGE
+    }
+
+    /// True if a sleeping body wakes that cloth pushes with this acceleration.
+    fn wakes(&self, acceleration: Vec3) -> bool {
+        match self.tied_speed {
+            // A body that sleeps holds what is tied to it: it does not feel the pull.
+            Some(speed) => speed > WAKING_SPEED || acceleration.length() > WAKING_CHANGE,
+            None => acceleration.distance(self.acceleration) > WAKING_CHANGE,
+        }
+    }
+}
+
+/// Notes how fast cloth moves that is tied to sleeping bodies.
+pub(crate) fn note_ties(
+    cloths: Query<(&Attachment, &Particles)>,
+    bodies: Query<&BodyObstacle>,
+    mut obstacles: Query<(&EngineBody, &mut Load)>,
+) {
+    for (_, mut load) in &mut obstacles {
+        load.bypass_change_detection().tied_speed = None;
+    }
+    for (attachment, particles) in &cloths {
+        for tie in &attachment.ties {
+            let Ok(obstacle) = bodies.get(tie.entity) else { continue };
+            let Ok((body, mut load)) = obstacles.get_mut(obstacle.entity()) else { continue };
+            if body.is_asleep {
+                let speeds = particles.velocities().map(Vec3::length);
+                load.tied_speed = Some(speeds.fold(load.tied_speed.unwrap_or_default(), f32::max));
+            }
+        }
     }
 }
 
@@ -50,10 +80,7 @@ pub(crate) fn note_loads(
             let [speed, spin] = body.sleep_speeds;
             let is_still = body.velocity.length() < speed && body.angular_velocity.length() < spin;
             load.still_for = if is_still { load.still_for + time.delta_secs() } else { 0.0 };
-            load.asleep = None;
-        } else if reaction.is_near
-            && acceleration.distance(*load.asleep.get_or_insert(acceleration)) > WAKING_CHANGE
-        {
+        } else if reaction.is_near && load.wakes(acceleration) {
             commands.trigger(WakeRequest { entity: of.0 });
             body.velocity += push;
             body.is_pushed = true;
@@ -99,6 +126,9 @@ pub(crate) fn wake_released(
 /// A sleeping body wakes if the acceleration by which cloth holds or pushes it changes by this much (m/s^2): half its
 /// weight on earth.
 const WAKING_CHANGE: f32 = 5.0;
+
+/// It wakes, too, if cloth that is tied to it moves this fast (m/s).
+const WAKING_SPEED: f32 = 0.25;
 
 /// The part of each step in the mean of a load.
 const LOAD_PART: f32 = 0.1;

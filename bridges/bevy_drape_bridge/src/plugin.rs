@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::DrapeSchedule;
 
-use crate::load::{Load, note_loads, wake_carried, wake_released};
+use crate::load::{Load, note_loads, note_ties, wake_carried, wake_released};
 use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 use crate::motion::{EngineBody, hand_back, plan, start};
 use crate::outdated::Outdated;
@@ -39,7 +39,7 @@ impl Plugin for BridgePlugin {
             )
             .add_systems(
                 DrapeSchedule,
-                (plan.in_set(Plan), (hand_back, note_loads).chain().in_set(HandBack)),
+                (plan.in_set(Plan), (hand_back, note_ties, note_loads).chain().in_set(HandBack)),
             );
     }
 }

@@ -83,13 +83,9 @@ pub(crate) const GREATEST_INVERSE_MASS: f32 = 1e30;
 /// In a line solve, a stick whose ends have less inverse mass than this together counts as pinned at both, in 1/kg.
 pub(crate) const LEAST_WEIGHT: f32 = 1e-30;
 
-/// A particle that is joined to an obstacle counts as held fast if its inverse mass is below this part of the mean of its
+/// A particle that is joined to an obstacle is an ordinary pin if its inverse mass is below this part of the mean of its
 /// body's free particles: the way by which sticks move it would be lost in rounding.
 pub(crate) const LEAST_JOINT_WEIGHT: f32 = 1e-6;
-
-/// Inverse mass of such a particle, in parts of that mean: the pull on the obstacle is found from the way by which sticks
-/// move the particle, whether or not the obstacle can follow.
-pub(crate) const LOCKED_JOINT_WEIGHT: f32 = 1e-3;
 
 /// Tethers kept for each particle: the nearest pins. More buy nothing that can be seen.
 pub const MAX_TETHERS: usize = 4;

@@ -114,3 +114,8 @@ pub fn velocities(app: &App, body: Entity) -> [Vec3; 2] {
 pub fn is_asleep(app: &App, body: Entity) -> bool {
     app.world().entity(body).contains::<Sleeping>()
 }
+
+/// A body that never falls asleep.
+pub fn sleepless() -> impl Bundle {
+    SleepingDisabled
+}

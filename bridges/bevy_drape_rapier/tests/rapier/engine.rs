@@ -134,3 +134,8 @@ pub fn velocities(app: &App, entity: Entity) -> [Vec3; 2] {
 pub fn is_asleep(app: &App, entity: Entity) -> bool {
     body(app, entity).is_sleeping()
 }
+
+/// A body that never falls asleep.
+pub fn sleepless() -> impl Bundle {
+    Sleeping::disabled()
+}

@@ -14,7 +14,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::constants::{LEAST_JOINT_WEIGHT, LOCKED_JOINT_WEIGHT};
+use crate::constants::LEAST_JOINT_WEIGHT;
 use crate::contact::mover::{Mover, mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::shape::Shape;
@@ -107,8 +107,8 @@ pub(crate) fn release(joints: &mut [MovingJoint], body: &mut Body, movers: &[Mov
         } else {
             mover.inverse_mass_at(point, joint.pull)
         };
-        let can_move = inverse_mass > mean * LEAST_JOINT_WEIGHT;
-        joint.inverse_mass = if can_move { joint.count * inverse_mass } else { mean * LOCKED_JOINT_WEIGHT };
+        let is_held = inverse_mass <= mean * LEAST_JOINT_WEIGHT;
+        joint.inverse_mass = if is_held { 0.0 } else { joint.count * inverse_mass };
         particles.inverse_mass[joint.slot] = joint.inverse_mass;
     }
 }
@@ -120,10 +120,10 @@ pub(crate) fn pull(joints: &mut [MovingJoint], body: &mut Body, movers: &mut [Mo
         particles.inverse_mass[joint.slot] = 0.0;
         let Some(mover) = mover_mut(movers, joint.obstacle) else { continue };
         let moved = particles.position.get(joint.slot) - body.context.integrated.get(joint.slot);
-        let push = moved / joint.inverse_mass;
-        if push == Vec3::ZERO {
+        if moved == Vec3::ZERO {
             continue;
         }
+        let push = moved / joint.inverse_mass;
         joint.pull = moved.normalize_or_zero();
         joint.given += push;
         // Sticks push the mover where they push the particle: the mover gets the opposite of its push on the cloth.
@@ -136,7 +136,11 @@ pub(crate) fn pull(joints: &mut [MovingJoint], body: &mut Body, movers: &mut [Mo
 /// both together keep their momentum, if joints are the only pins.
 pub(crate) fn balance(joints: &mut [MovingJoint], body: &Body, movers: &mut [Mover], substep: f32) {
     let Body { particles, context, .. } = body;
-    if joints.is_empty() || particles.masses.free_count + joints.len() < particles.len() {
+    let is_free = |joint: &MovingJoint| joint.inverse_mass > 0.0;
+    if joints.is_empty()
+        || !joints.iter().all(is_free)
+        || particles.masses.free_count + joints.len() < particles.len()
+    {
         return;
     }
     let pulled = |slot: usize| {
