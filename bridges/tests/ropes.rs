@@ -47,7 +47,11 @@ fn a_crate_hangs_on_a_rope_until_the_rope_lets_go() {
             _ => _ = app.world_mut().entity_mut(rope).remove::<Attachment>(),
         }
         run(&mut app, 2.0);
-        assert!(place(&app, crate_).y < HALF + 0.02, "{lets_go}: it hangs in the air, {}", place(&app, crate_));
+        assert!(
+            place(&app, crate_).y < HALF + 0.02,
+            "{lets_go}: it hangs in the air, {}",
+            place(&app, crate_)
+        );
     }
 }
 

@@ -8,8 +8,8 @@ use crate::constants::{CONTACT_MARGIN_OF_SURFACES, OVER_RELAXATION, ROUNDS_OF_LA
 use crate::constraint::{angular_momentum, stick, volume};
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
-    ball_ball, ball_cloth, ball_obstacle, dynamic_obstacle, embedded_obstacle, face_obstacle, impact_zone, joint,
-    particle_dynamic, reaction, report, surface,
+    ball_ball, ball_cloth, ball_obstacle, dynamic_obstacle, embedded_obstacle, face_obstacle, impact_zone,
+    joint, particle_dynamic, reaction, report, surface,
 };
 use crate::island::{Island, IslandContext};
 use crate::motion::environment::Environment;

@@ -50,7 +50,7 @@ pub(crate) fn detect(
 ) {
     let search = BodySearch::new(body, search_step, isa, workers);
     let BodyContacts { obstacles: contacts, faces, embedded, joints } = all;
-    joint::detect(joints, &body.particles, obstacles);
+    joint::detect(joints, body, obstacles);
     faces.clear();
     embedded.clear();
     contacts.clear(&body.particles.layout);

@@ -14,14 +14,13 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::constants::LEAST_JOINT_WEIGHT;
+use crate::constants::{LEAST_JOINT_WEIGHT, TETHER_SPEED};
 use crate::contact::mover::{Mover, mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::shape::Shape;
 use crate::state::body::Body;
 use crate::state::obstacles::Obstacles;
 use crate::state::particle_stats::MassStats;
-use crate::state::particles::Particles;
 
 /// A joint on its way through a step.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +29,8 @@ pub(crate) struct MovingJoint {
     pub obstacle: usize,
     /// In the mover's frame.
     anchor: Vec3,
+    /// Greatest distance to the next joint in metres: the length of the rope between them.
+    reach: f32,
     /// The number of joints of the body at this mover.
     count: f32,
     /// Inverse mass of the particle while sticks are relaxed, in 1/kg.
@@ -41,8 +42,18 @@ pub(crate) struct MovingJoint {
     begun: DVec3,
 }
 
+impl MovingJoint {
+    /// Passes a push on the particle (kg m) on to the mover.
+    fn push(&mut self, mover: &mut Mover, push: Vec3, substep: f32) {
+        self.given += push;
+        // A mover receives the opposite of what it gives.
+        mover.receive(ObstaclePush::at(self.begun, self.obstacle, -push), substep);
+    }
+}
+
 /// Lists the joints of a body to obstacles with rigid bodies.
-pub(crate) fn detect(joints: &mut Vec<MovingJoint>, particles: &Particles, obstacles: &Obstacles) {
+pub(crate) fn detect(joints: &mut Vec<MovingJoint>, body: &Body, obstacles: &Obstacles) {
+    let Body { particles, topology, settings, .. } = body;
     joints.clear();
     for joint in &particles.joints {
         let obstacle = joint.obstacle as usize;
@@ -54,6 +65,7 @@ pub(crate) fn detect(joints: &mut Vec<MovingJoint>, particles: &Particles, obsta
                 slot,
                 obstacle,
                 anchor: joint.anchor,
+                reach: f32::INFINITY,
                 count: count as f32,
                 inverse_mass: 0.0,
                 pull: Vec3::ZERO,
@@ -62,15 +74,16 @@ pub(crate) fn detect(joints: &mut Vec<MovingJoint>, particles: &Particles, obsta
             });
         }
     }
+    for i in 1..if settings.tethers { joints.len() } else { 0 } {
+        let [Some(from), Some(to)] = [i - 1, i].map(|i| particles.layout.index(joints[i].slot)) else {
+            continue;
+        };
+        joints[i - 1].reach = topology.rope_length([from, to]).unwrap_or(f32::INFINITY);
+    }
 }
 
 /// True if a joint holds the body by a point deep inside the obstacle, which the body cannot touch then.
-pub(crate) fn is_held_inside(
-    joints: &[MovingJoint],
-    obstacle: usize,
-    shape: &Shape,
-    thickness: f32,
-) -> bool {
+pub(crate) fn is_held_inside(joints: &[MovingJoint], obstacle: usize, shape: &Shape, thickness: f32) -> bool {
     let mut held = joints.iter().filter(|joint| joint.obstacle == obstacle);
     held.any(|joint| shape.surface(joint.anchor).distance < -thickness)
 }
@@ -123,13 +136,36 @@ pub(crate) fn pull(joints: &mut [MovingJoint], body: &mut Body, movers: &mut [Mo
         if moved == Vec3::ZERO {
             continue;
         }
-        let push = moved / joint.inverse_mass;
         joint.pull = moved.normalize_or_zero();
-        joint.given += push;
-        // Sticks push the mover where they push the particle: the mover gets the opposite of its push on the cloth.
-        mover.receive(ObstaclePush::at(joint.begun, joint.obstacle, -push), substep);
+        joint.push(mover, moved / joint.inverse_mass, substep);
+    }
+    for next in 1..joints.len() {
+        tauten(&mut joints[next - 1..=next], movers, substep);
     }
     follow(joints, body, movers);
+}
+
+/// Pulls two movers together that are farther from each other than the rope between them is long: a tether with two ends that
+/// move. Links alone would carry the pull from one to the other only slowly.
+fn tauten(joints: &mut [MovingJoint], movers: &mut [Mover], substep: f32) {
+    let [from, to] = joints else { return };
+    let reach = f64::from(from.reach);
+    let (Some(a), Some(b)) = (mover(movers, from.obstacle), mover(movers, to.obstacle)) else { return };
+    let [start, end] = [a.point(from.anchor), b.point(to.anchor)];
+    let (way, distance) = (end - start, end.distance(start));
+    if !(distance > reach && from.obstacle != to.obstacle) {
+        return;
+    }
+    let along = (way / distance).as_vec3();
+    let both = a.inverse_mass_at(start.as_vec3(), along) + b.inverse_mass_at(end.as_vec3(), along);
+    let excess = ((distance - reach) as f32).min(TETHER_SPEED * substep);
+    if both > 0.0 {
+        for (joint, push) in [(from, along), (to, -along)] {
+            if let Some(mover) = mover_mut(movers, joint.obstacle) {
+                joint.push(mover, push * (excess / both), substep);
+            }
+        }
+    }
 }
 
 /// Hands to the movers what rounding has kept of the pull of sticks. Sticks pull at particles and movers alike, so that
@@ -153,10 +189,8 @@ pub(crate) fn balance(joints: &mut [MovingJoint], body: &Body, movers: &mut [Mov
     let mass = joints.iter().map(|joint| joint.inverse_mass.recip()).sum::<f32>();
     let left = -(on_particles + on_movers).as_vec3() / mass;
     for joint in joints {
-        let push = left / joint.inverse_mass;
-        joint.given += push;
         if let Some(mover) = mover_mut(movers, joint.obstacle) {
-            mover.receive(ObstaclePush::at(joint.begun, joint.obstacle, -push), substep);
+            joint.push(mover, left / joint.inverse_mass, substep);
         }
     }
 }

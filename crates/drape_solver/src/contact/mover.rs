@@ -54,6 +54,11 @@ impl Mover {
         self.to.translation.as_dvec3()
     }
 
+    /// Where a point of its frame is in the world at the end of the substep.
+    pub fn point(&self, local: Vec3) -> DVec3 {
+        self.centre() + (self.to.rotation * local).as_dvec3()
+    }
+
     /// Inverse mass of the point in the world against a push along a unit vector, in 1/kg.
     pub fn inverse_mass_at(&self, point: Vec3, direction: Vec3) -> f32 {
         self.end.inverse_mass_at(self.to, point - self.to.translation, direction)

@@ -8,7 +8,7 @@ use glam::{DMat3, Vec3};
 
 use crate::error::{BuildError, in_range};
 use crate::state::grid::{GridBatch, GridRuns};
-use crate::state::layout::Layout;
+use crate::state::layout::{Grid, Layout};
 use crate::state::stick_list::{ListedBatch, ListedSticks};
 use crate::state::surface::Surface;
 use crate::state::tethers::TetherPlan;
@@ -278,6 +278,18 @@ impl Topology {
     /// The tethers, each as (particle, pin, length in metres).
     pub fn tethers(&self) -> Vec<(u32, u32, f32)> {
         self.tethers.list(&self.layout)
+    }
+
+    /// Greatest length in metres of a rope between two of its particles: none if the body is no rope, or may stretch.
+    pub(crate) fn rope_length(&self, [from, to]: [usize; 2]) -> Option<f32> {
+        let Layout::Grid(Grid { rows: 1, .. } | Grid { columns: 1, .. }) = self.layout else { return None };
+        let link = self.batches.iter().find(|batch| batch.material.kind == StickKind::Structural)?;
+        match link.sticks {
+            BatchSticks::Grid { rest_length, .. } if link.material.stiffness >= 1.0 => {
+                Some(rest_length * from.abs_diff(to) as f32)
+            }
+            _ => None,
+        }
     }
 
     /// Memory of rest positions, sticks and tethers on the heap, in bytes.

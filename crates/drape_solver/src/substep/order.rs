@@ -114,7 +114,14 @@ use IslandStage as Island;
 const INTEGRATE: &[Stages] = &[
     Stages::Island(Island::NoteStarts),
     Stages::Island(Island::BeginMovers),
-    Stages::Bodies(&[Body::MovePins, Body::Integrate, Body::Carry, Body::NotePins, Body::BeginJoints, Body::BeginContacts]),
+    Stages::Bodies(&[
+        Body::MovePins,
+        Body::Integrate,
+        Body::Carry,
+        Body::NotePins,
+        Body::BeginJoints,
+        Body::BeginContacts,
+    ]),
     Stages::Island(Island::IntegrateBalls),
     Stages::Island(Island::BeginContacts),
 ];

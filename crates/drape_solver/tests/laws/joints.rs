@@ -2,8 +2,8 @@
 
 use drape_solver::glam::{BVec3, DVec3, Quat, Vec3};
 use drape_solver::{
-    Body, BodySettings, ClothBuilder, Environment, Island, Placement, RigidBody, RopeBuilder,
-    Shape, StructuralSolve, step,
+    Body, BodySettings, ClothBuilder, Environment, Island, Placement, RigidBody, RopeBuilder, Shape,
+    StructuralSolve, step,
 };
 
 use crate::common::*;
@@ -173,7 +173,8 @@ fn a_box_on_a_stick_swings_with_the_period_of_a_double_pendulum() {
         let settings = BodySettings { substeps: 16, iterations: 2, ..bare() };
         let body = joined(&[Vec3::ZERO, joint], &[0.0, 0.0], &[[0, 1]], settings);
         let at = joint + tilt * (Vec3::NEG_Y * HALF);
-        let mut scene = Scene::new(body, gravity(FRAME)).with_box(at, cube(mass)).with_joint(1, 0, Vec3::Y * HALF);
+        let mut scene =
+            Scene::new(body, gravity(FRAME)).with_box(at, cube(mass)).with_joint(1, 0, Vec3::Y * HALF);
         scene.environment.obstacles[0].teleport(Placement { translation: at, rotation: tilt });
         let (mut crossings, mut last) = (Vec::new(), f64::from(at.x));
         for index in 0..600 {
@@ -206,9 +207,10 @@ fn two_boxes_on_a_rope_keep_momentum_and_gain_no_energy() {
                 .with_box(Vec3::X * (1.0 + HALF), body)
                 .with_joint(0, 0, Vec3::X * HALF)
                 .with_joint(39, 1, Vec3::new(-HALF, 0.0, 0.0));
+            let mut longest = 0.0_f32;
             let (linear, angular, energy) =
                 (scene.momentum(), scene.angular_momentum(), scene.kinetic_energy());
-            for index in 0..300 {
+            for index in 0..60 {
                 scene.step();
                 let lost = (scene.momentum() - linear).length() / linear.length();
                 assert!(lost < 1e-5, "{what}: {lost} of the momentum at step {index}");
@@ -217,7 +219,10 @@ fn two_boxes_on_a_rope_keep_momentum_and_gain_no_energy() {
                 let gained = scene.kinetic_energy() / energy;
                 assert!(gained < 1.001, "{what}: {gained} of the energy at step {index}");
                 assert!(scene.gap() < 1e-5, "{what}: the joint gapes by {} m", scene.gap());
+                let ends = [0, 39].map(|i| scene.island.bodies[0].particles.position(i));
+                longest = longest.max(ends[0].distance(ends[1]));
             }
+            assert!(longest < 1.0001, "{what}: the rope of 1 m is {longest} m long");
             let pulled = scene.body(0).velocity.length();
             assert!(pulled > 0.01 * mass.min(4.0), "{what}: the other box goes at {pulled} m/s");
         }
@@ -276,15 +281,14 @@ fn a_locked_box_holds_its_rope_like_a_pin() {
     let rope = |settings| RopeBuilder::new(Vec3::ZERO, Vec3::X, 20).linear_density(2.0).build(settings);
     let rope = || pinned(rope(BodySettings::default()).expect("valid"), 0);
     let locked = cube(1.0).with_locked_axes(BVec3::TRUE, BVec3::TRUE);
-    let at = Vec3::NEG_X * HALF;
-    let scene = Scene::new(rope(), gravity(FRAME)).with_box(at, locked).with_joint(0, 0, -at);
+    let scene = Scene::new(rope(), gravity(FRAME)).with_box(Vec3::ZERO, locked).with_joint(0, 0, Vec3::ZERO);
     let mut joined = Scene { gravity_scale: 0.0, ..scene };
     let mut island = Island::of_body(rope());
     for _ in 0..60 {
         joined.step();
         step(&mut island, &gravity(FRAME)).expect("a good step");
     }
-    assert_eq!(joined.place(0).translation, at);
+    assert_eq!(joined.place(0).translation, Vec3::ZERO);
     let pair = joined.island.bodies[0].particles.positions().zip(island.bodies[0].particles.positions());
     pair.for_each(|(joined, pinned)| assert!(joined.distance(pinned) < 1e-4, "{joined}, not {pinned}"));
 }
