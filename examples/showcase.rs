@@ -59,6 +59,7 @@ features! {
     tear: "tear.rs",
     trampoline: "trampoline.rs",
     winch: "winch.rs",
+    wrecking_ball: "wrecking_ball.rs",
 }
 
 /// Runs it.
