@@ -9,6 +9,9 @@ use crate::scene::*;
 
 const SIDE: f32 = 0.3;
 
+/// Gravity of both engines in m/s^2.
+const G: f32 = 9.81;
+
 /// A sheet of 200 g that flies free, and a spinning box that flies at it off its middle. Nothing has weight.
 fn hit(kilograms: f32) -> (App, Entity, Entity) {
     let mut app = app();
@@ -63,6 +66,70 @@ fn a_box_and_a_free_sheet_keep_momentum_and_gain_no_energy() {
         }
         let (.., end) = motion(&app, sheet, shot, mass);
         assert!(end < 0.999 * start, "{mass} kg: it has hit the sheet");
+    }
+}
+
+/// After a central hit of a ball on a box at rest they separate by Newton's law of restitution, and keep momentum.
+#[test]
+fn a_ball_rebounds_from_bodies_by_newtons_law_of_restitution() {
+    const SPEED: f32 = 4.0;
+    for (kilograms, coefficient) in [0.1, 1.0, 10.0].into_iter().flat_map(|m| [(m, 0.0), (m, 0.6)]) {
+        let what = format!("{kilograms} kg, {coefficient}");
+        let mut app = app();
+        set_gravity(&mut app, Vec3::ZERO);
+        app.insert_resource(DrapeGravity(Vec3::ZERO));
+        let surface = (cuboid(Vec3::splat(SIDE)), restitution(coefficient), friction(0.0));
+        let body = (DYNAMIC, surface, mass(kilograms, kilograms * SIDE * SIDE / 6.0), sleepless());
+        let shot = app.world_mut().spawn((body, Transform::from_xyz(0.0, 0.0, 1.0))).id();
+        let projectile = Projectile {
+            velocity: Vec3::Z * SPEED,
+            mass: 1.0,
+            radius: 0.1,
+            drag: 0.0,
+            restitution: coefficient,
+            ..default()
+        };
+        let ball = app.world_mut().spawn((projectile, Transform::default())).id();
+        run(&mut app, 0.4);
+        let before = place(&app, ball).z;
+        app.update();
+        let after = (place(&app, ball).z - before) / TIMESTEP.as_secs_f32();
+        let pushed = velocities(&app, shot)[0].z;
+        let apart = (pushed - after) / SPEED;
+        assert!((apart - coefficient).abs() < 0.01, "{what}: they separate by {apart}");
+        let momentum = after + kilograms * pushed;
+        assert!((momentum / SPEED - 1.0).abs() < 1e-4, "{what}: {momentum} kg m/s");
+    }
+}
+
+/// A sheet on a slope of 20 degrees lies still above a friction of tan 20, and slides below it with `g (sin - f cos)`.
+#[test]
+fn a_sheet_on_a_slope_obeys_coulombs_law() {
+    let angle = 20.0_f32.to_radians();
+    let lying = |height| {
+        let slope = Quat::from_rotation_z(-angle);
+        let flat = slope * Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
+        Transform::from_translation(slope * (Vec3::Y * height)).with_rotation(flat)
+    };
+    for part in [0.8, 1.1] {
+        let coefficient = part * angle.tan();
+        let mut app = app();
+        let slope = (STATIC, half_space(), friction(coefficient));
+        app.world_mut().spawn((slope, Transform::from_rotation(Quat::from_rotation_z(-angle))));
+        let cloth = Cloth::new(0.8, 0.8).with_particles(17, 17).with_pins(ClothPins::None);
+        let surface = BodySurface { friction: coefficient, drag: 0.0, ..default() };
+        let sheet = app.world_mut().spawn((cloth, surface, lying(0.006))).id();
+        run(&mut app, 0.5);
+        let along = Vec3::new(angle.cos(), -angle.sin(), 0.0);
+        let speed = |app: &App| {
+            let particles = app.world().get::<Particles>(sheet).expect("it is built");
+            particles.velocities().sum::<Vec3>().dot(along) / particles.len() as f32
+        };
+        let before = speed(&app);
+        run(&mut app, 0.5);
+        let acceleration = (speed(&app) - before) / 0.5;
+        let expected = (G * (angle.sin() - coefficient * angle.cos())).max(0.0);
+        assert!((acceleration - expected).abs() < 0.03, "{part}: {acceleration} m/s^2, not {expected}");
     }
 }
 

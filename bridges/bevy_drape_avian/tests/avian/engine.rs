@@ -88,6 +88,11 @@ pub fn friction(coefficient: f32) -> impl Bundle {
     Friction::new(coefficient)
 }
 
+/// A coefficient of which the mean with that of the other counts.
+pub fn restitution(coefficient: f32) -> impl Bundle {
+    Restitution::new(coefficient)
+}
+
 pub fn friction_by_greater(coefficient: f32) -> impl Bundle {
     Friction::new(coefficient).with_combine_rule(CoefficientCombine::Max)
 }

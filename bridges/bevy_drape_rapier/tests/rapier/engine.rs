@@ -101,6 +101,11 @@ fn friction_by(coefficient: f32, combine_rule: CoefficientCombineRule) -> impl B
     Friction { coefficient, combine_rule }
 }
 
+/// A coefficient of which the mean with that of the other counts.
+pub fn restitution(coefficient: f32) -> impl Bundle {
+    Restitution::coefficient(coefficient)
+}
+
 pub fn friction_by_greater(coefficient: f32) -> impl Bundle {
     friction_by(coefficient, CoefficientCombineRule::Max)
 }
