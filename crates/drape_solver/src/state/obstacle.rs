@@ -380,19 +380,18 @@ impl Obstacle {
         if !half.is_finite() {
             return EVERYWHERE;
         }
-        let mut bounds = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
-        let ends: &[f32] = if self.is_moving() { &[0.0, 1.0] } else { &[1.0] };
-        for &fraction in ends {
-            let pose = self.pose_at(fraction, Vec3::ZERO);
-            let centre = pose.point_to_world(middle);
-            let axis = |unit: Vec3, half: f32| (pose.direction_to_world(unit) * half).abs();
-            let reach = axis(Vec3::X, half.x) + axis(Vec3::Y, half.y) + axis(Vec3::Z, half.z);
-            bounds.0 = bounds.0.min(centre - reach);
-            bounds.1 = bounds.1.max(centre + reach);
+        let end = Pose::at(&self.placement);
+        let (low, high) = end.bounds_of(middle, half);
+        if !self.is_moving() {
+            return (low, high);
         }
+        let is_turning = self.before.rotation != self.placement.rotation;
+        let start =
+            if is_turning { Pose::at(&self.before) } else { end.moved_to(self.before.translation) };
+        let (low_before, high_before) = start.bounds_of(middle, half);
         // A turning box bulges out between the two ends by less than its travel.
-        let slack = if self.before.rotation == self.placement.rotation { 0.0 } else { self.travel() };
-        (bounds.0 - slack, bounds.1 + slack)
+        let slack = if is_turning { self.travel() } else { 0.0 };
+        (low.min(low_before) - slack, high.max(high_before) + slack)
     }
 }
 
