@@ -23,7 +23,10 @@ fn main() {
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|word| word == name);
     let far = [(0, 0), (1_000, 0), (10_000, 0), (0, 100), (0, 1_000), (1_000, 100)];
     println!("microseconds, medians (least) of {STEPS} steps: the step of the cloth, and all of a frame");
-    println!("{:32} {:>39}  {:>28}", "colliders", "step: without, with, more by", "frame: without, with, more");
+    println!(
+        "{:32} {:>39}  {:>28}",
+        "colliders", "step: without, with, more by", "frame: without, with, more"
+    );
     for (statics, dynamics) in far {
         if is_wanted("far") || is_wanted(&format!("{statics}+{dynamics}")) {
             print_costs(Scene { statics, dynamics, is_around: false });
@@ -76,7 +79,7 @@ fn app(Scene { statics, dynamics, is_around }: Scene, is_bridged: bool) -> App {
     app.add_plugins((MinimalPlugins, TransformPlugin, PhysicsPlugins::default()))
         .add_plugins(DrapePlugins::default())
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(15_625)))
-        // It never rests.
+        // Gusts keep the curtain awake.
         .insert_resource(Wind { gusts: Gusts { speed: 1.0, ..default() }, ..Wind::new(Vec3::Z) })
         .init_resource::<Times>();
     if is_bridged {

@@ -386,8 +386,7 @@ impl Obstacle {
             return (low, high);
         }
         let is_turning = self.before.rotation != self.placement.rotation;
-        let start =
-            if is_turning { Pose::at(&self.before) } else { end.moved_to(self.before.translation) };
+        let start = if is_turning { Pose::at(&self.before) } else { end.moved_to(self.before.translation) };
         let (low_before, high_before) = start.bounds_of(middle, half);
         // A turning box bulges out between the two ends by less than its travel.
         let slack = if is_turning { self.travel() } else { 0.0 };
@@ -429,6 +428,23 @@ mod tests {
                 assert!(p.cmpge(low - 1e-5).all() && p.cmple(high + 1e-5).all());
             }
         }
+    }
+
+    #[test]
+    fn swept_bounds_follow_every_change_of_place() {
+        let at = |x: f32| Placement::at(Vec3::X * x);
+        let body = RigidBody::new(1.0, Vec3::ONE).expect("valid");
+        let ball = Obstacle::new(Shape::Sphere { radius: 0.5 }, at(0.0), 0.5).expect("valid");
+        let mut ball = ball.with_rigid_body(body);
+        let bounds = |ball: &Obstacle| [ball.swept_bounds().0.x, ball.swept_bounds().1.x];
+        ball.teleport(at(5.0));
+        assert_eq!(bounds(&ball), [4.5, 5.5]);
+        ball.fly_to(at(6.0), 0.1);
+        assert_eq!(bounds(&ball), [4.5, 6.5]);
+        ball.land(&MovedObstacle { obstacle: 0, placement: at(8.0), body });
+        assert_eq!(bounds(&ball), [4.5, 8.5]);
+        ball.move_to(at(8.0), 0.1);
+        assert_eq!(bounds(&ball), [7.5, 8.5]);
     }
 
     #[test]

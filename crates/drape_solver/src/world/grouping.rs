@@ -183,4 +183,11 @@ mod tests {
         }
         assert!(islands(&[(Kind::Obstacle, 0.0), (Kind::Obstacle, 0.0)]).is_empty());
     }
+    #[test]
+    fn neither_what_is_far_away_nor_what_is_nowhere_keeps_an_obstacle_from_joining_others() {
+        let [near, far] = [0.7, 1e3].map(|x| (Kind::Obstacle, x));
+        let nowhere = (CLOTH, f32::NAN);
+        assert_eq!(islands(&[nowhere, (CLOTH, 0.0), (CLOTH, 1.4), far, near]), [vec![0], vec![1, 2]]);
+        assert_eq!(islands(&[far, (CLOTH, 0.0), near, (CLOTH, 1.4), nowhere]), [vec![1, 3], vec![4]]);
+    }
 }
