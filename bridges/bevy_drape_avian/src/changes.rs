@@ -11,11 +11,12 @@ use crate::motion::place_in_body;
 
 pub(crate) fn watch(app: &mut App) {
     watch_colliders::<Collider>(app);
-    watch_colliders::<CollisionLayers>(app);
     watch_colliders::<Friction>(app);
     watch_colliders::<Restitution>(app);
     watch_component::<ColliderDisabled>(app);
     watch_component::<ColliderOf>(app);
+    // Nothing changes these in place.
+    watch_component::<CollisionLayers>(app);
     watch_component::<NoObstacle>(app);
     watch_component::<RigidBody>(app);
     watch_component::<RigidBodyDisabled>(app);

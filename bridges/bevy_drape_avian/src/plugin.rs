@@ -9,7 +9,7 @@ use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
 use bevy_drape_bridge::{BridgePlugin, BridgeSystems};
 
 use crate::changes::{note_bodies, note_colliders, watch};
-use crate::motion::{read, write};
+use crate::motion::{is_any_pushed, read, write};
 use crate::obstacles::{update_bodies, update_colliders};
 use crate::sleep::{fall_asleep, wake};
 
@@ -54,7 +54,7 @@ impl Plugin for AvianDrapePlugin {
                 (
                     read.in_set(BridgeSystems::ReadStarts),
                     // Avian's own system once more, for the bodies that cloth has pushed.
-                    position_to_transform.after(DrapeStep),
+                    position_to_transform.after(DrapeStep).run_if(is_any_pushed),
                 ),
             )
             .add_systems(

@@ -15,6 +15,12 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
+    /// The pose of something at `placement`.
+    pub fn at(placement: &Placement) -> Self {
+        let rotation = rotation_matrix(placement.rotation.to_array());
+        Self { rotation, translation: placement.translation }
+    }
+
     /// The pose between `from` and `to` at `fraction` of the way, relative to `origin`.
     pub fn between(from: &Placement, to: &Placement, fraction: f32, origin: Vec3) -> Self {
         let blend = |a: f32, b: f32| a + (b - a) * fraction;
@@ -34,6 +40,19 @@ impl Pose {
     /// The axes of the rotation, and the translation.
     pub fn parts(&self) -> ([Vec3; 3], Vec3) {
         ([self.rotation.x_axis, self.rotation.y_axis, self.rotation.z_axis], self.translation)
+    }
+
+    /// The pose with the same rotation, elsewhere.
+    pub fn moved_to(self, translation: Vec3) -> Self {
+        Self { translation, ..self }
+    }
+
+    /// Least and greatest corner, in the world, of a local box.
+    pub fn bounds_of(self, middle: Vec3, half_extents: Vec3) -> (Vec3, Vec3) {
+        let (r, half) = (&self.rotation, half_extents);
+        let reach = (r.x_axis * half.x).abs() + (r.y_axis * half.y).abs() + (r.z_axis * half.z).abs();
+        let centre = self.point_to_world(middle);
+        (centre - reach, centre + reach)
     }
 
     pub fn to_local(self, point: Vec3) -> Vec3 {

@@ -21,6 +21,8 @@ pub struct Obstacle {
     placement: Placement,
     /// Placement one step ago; the difference is the velocity that contact and friction use.
     before: Placement,
+    /// Box of all places on the way between the two: the broad phase asks for it several times a step.
+    swept_bounds: (Vec3, Vec3),
     friction: Friction,
     friction_rule: CombineRule,
     restitution: f32,
@@ -62,7 +64,8 @@ impl Obstacle {
             return Err(BuildError::BadShape { reason: "its placement is not finite" });
         }
         let friction = Friction::new(friction, friction);
-        Ok(Self { shape, placement, before: placement, friction, ..Self::ground() })
+        let obstacle = Self { shape, placement, before: placement, friction, ..Self::ground() };
+        Ok(Self { swept_bounds: obstacle.bounds_on_its_way(), ..obstacle })
     }
 
     /// The horizontal ground at height 0, with friction 0.5.
@@ -71,6 +74,7 @@ impl Obstacle {
             shape: Shape::HalfSpace { normal: Vec3::Y },
             placement: Placement::default(),
             before: Placement::default(),
+            swept_bounds: EVERYWHERE,
             friction: Friction::new(0.5, 0.5),
             friction_rule: CombineRule::default(),
             restitution: 0.0,
@@ -198,14 +202,16 @@ impl Obstacle {
     pub fn land(&mut self, moved: &MovedObstacle) {
         let Some(flight) = &mut self.flight else { return };
         let (free, place) = flight.free;
+        let mut landed = moved.placement;
         if flight.end == free {
             flight.end = moved.body;
-            self.placement = moved.placement;
         } else {
             flight.end.velocity += moved.body.velocity - free.velocity;
             flight.end.angular_velocity += moved.body.angular_velocity - free.angular_velocity;
-            self.placement.translation += moved.placement.translation - place.translation;
+            landed = self.placement;
+            landed.translation += moved.placement.translation - place.translation;
         }
+        self.set_way(self.before, landed);
     }
 
     /// True if [`Island::reactions`](crate::Island::reactions) reports the impulses on it.
@@ -323,20 +329,21 @@ impl Obstacle {
         if !placement.is_valid() {
             return;
         }
-        self.before = self.placement;
-        self.placement = placement;
-        let moved = self.placement.translation.distance(self.before.translation);
-        if moved > TELEPORT_SPEED * dt {
-            self.before = placement;
-        }
+        let moved = placement.translation.distance(self.placement.translation);
+        let is_teleport = moved > TELEPORT_SPEED * dt;
+        self.set_way(if is_teleport { placement } else { self.placement }, placement);
     }
 
     /// Puts the obstacle at `placement` without any velocity. An invalid placement is ignored.
     pub fn teleport(&mut self, placement: Placement) {
         if placement.is_valid() {
-            self.placement = placement;
-            self.before = placement;
+            self.set_way(placement, placement);
         }
+    }
+
+    fn set_way(&mut self, from: Placement, to: Placement) {
+        (self.before, self.placement) = (from, to);
+        self.swept_bounds = self.bounds_on_its_way();
     }
 
     /// The pose at `fraction` of the step, relative to `origin`.
@@ -364,25 +371,31 @@ impl Obstacle {
 
     /// A box around the obstacle through the whole step, as (least, greatest) corner in the world.
     pub fn swept_bounds(&self) -> (Vec3, Vec3) {
+        self.swept_bounds
+    }
+
+    fn bounds_on_its_way(&self) -> (Vec3, Vec3) {
         let (low, high) = self.shape.local_bounds();
         let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
         if !half.is_finite() {
-            return (Vec3::splat(f32::NEG_INFINITY), Vec3::splat(f32::INFINITY));
+            return EVERYWHERE;
         }
-        let mut bounds = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
-        for fraction in [0.0, 1.0] {
-            let pose = self.pose_at(fraction, Vec3::ZERO);
-            let centre = pose.point_to_world(middle);
-            let axis = |unit: Vec3, half: f32| (pose.direction_to_world(unit) * half).abs();
-            let reach = axis(Vec3::X, half.x) + axis(Vec3::Y, half.y) + axis(Vec3::Z, half.z);
-            bounds.0 = bounds.0.min(centre - reach);
-            bounds.1 = bounds.1.max(centre + reach);
+        let end = Pose::at(&self.placement);
+        let (low, high) = end.bounds_of(middle, half);
+        if !self.is_moving() {
+            return (low, high);
         }
+        let is_turning = self.before.rotation != self.placement.rotation;
+        let start = if is_turning { Pose::at(&self.before) } else { end.moved_to(self.before.translation) };
+        let (low_before, high_before) = start.bounds_of(middle, half);
         // A turning box bulges out between the two ends by less than its travel.
-        let slack = if self.before.rotation == self.placement.rotation { 0.0 } else { self.travel() };
-        (bounds.0 - slack, bounds.1 + slack)
+        let slack = if is_turning { self.travel() } else { 0.0 };
+        (low.min(low_before) - slack, high.max(high_before) + slack)
     }
 }
+
+/// The bounds of a shape without bounds.
+const EVERYWHERE: (Vec3, Vec3) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
 
 #[cfg(test)]
 mod tests {
@@ -415,6 +428,23 @@ mod tests {
                 assert!(p.cmpge(low - 1e-5).all() && p.cmple(high + 1e-5).all());
             }
         }
+    }
+
+    #[test]
+    fn swept_bounds_follow_every_change_of_place() {
+        let at = |x: f32| Placement::at(Vec3::X * x);
+        let body = RigidBody::new(1.0, Vec3::ONE).expect("valid");
+        let ball = Obstacle::new(Shape::Sphere { radius: 0.5 }, at(0.0), 0.5).expect("valid");
+        let mut ball = ball.with_rigid_body(body);
+        let bounds = |ball: &Obstacle| [ball.swept_bounds().0.x, ball.swept_bounds().1.x];
+        ball.teleport(at(5.0));
+        assert_eq!(bounds(&ball), [4.5, 5.5]);
+        ball.fly_to(at(6.0), 0.1);
+        assert_eq!(bounds(&ball), [4.5, 6.5]);
+        ball.land(&MovedObstacle { obstacle: 0, placement: at(8.0), body });
+        assert_eq!(bounds(&ball), [4.5, 8.5]);
+        ball.move_to(at(8.0), 0.1);
+        assert_eq!(bounds(&ball), [7.5, 8.5]);
     }
 
     #[test]

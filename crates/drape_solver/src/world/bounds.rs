@@ -12,6 +12,9 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// The box that meets nothing.
+    pub const EMPTY: Self = Self::new(Vec3::INFINITY, Vec3::NEG_INFINITY);
+
     /// The box between two corners.
     pub const fn new(low: Vec3, high: Vec3) -> Self {
         Self { low, high }
@@ -31,6 +34,12 @@ impl Bounds {
     #[must_use]
     pub fn grown(self, by: f32) -> Self {
         Self::new(self.low - by, self.high + by)
+    }
+
+    /// The least box that contains both.
+    #[must_use]
+    pub fn joined(self, other: Self) -> Self {
+        Self::new(self.low.min(other.low), self.high.max(other.high))
     }
 
     /// Distance from `point` to the nearest point of the box, in metres.

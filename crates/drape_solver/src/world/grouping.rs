@@ -64,6 +64,7 @@ impl<K> Grouping<K> {
     /// Groups the members and returns the number of islands. Calls `place` with the island's number for each body and ball,
     /// in order of creation; an island's number is new if it equals the number of islands so far.
     pub fn form(&mut self, mut place: impl FnMut(usize, &Member<K>)) -> usize {
+        self.drop_far_obstacles();
         self.members.sort_unstable_by_key(|member| member.order);
         self.groups.reset(self.members.len());
         self.join_neighbours();
@@ -82,6 +83,15 @@ impl<K> Grouping<K> {
             place(*island as usize, member);
         }
         count as usize
+    }
+
+    /// Takes out the obstacles that are far from all bodies and balls.
+    fn drop_far_obstacles(&mut self) {
+        let is_obstacle = |member: &Member<K>| member.kind == Kind::Obstacle;
+        let others = self.members.iter().filter(|member| !is_obstacle(member)).map(|member| member.bounds);
+        // A box that is not a number does not even meet itself.
+        let all = others.filter(|bounds| bounds.overlaps(*bounds)).fold(Bounds::EMPTY, Bounds::joined);
+        self.members.retain(|member| !is_obstacle(member) || member.bounds.overlaps(all));
     }
 
     /// Joins the members that may touch each other, by a sweep along the axis on which they lie farthest apart: each box is
@@ -172,5 +182,12 @@ mod tests {
             assert!(!found[0].contains(&obstacle) && found[0].len() == 2);
         }
         assert!(islands(&[(Kind::Obstacle, 0.0), (Kind::Obstacle, 0.0)]).is_empty());
+    }
+    #[test]
+    fn neither_what_is_far_away_nor_what_is_nowhere_keeps_an_obstacle_from_joining_others() {
+        let [near, far] = [0.7, 1e3].map(|x| (Kind::Obstacle, x));
+        let nowhere = (CLOTH, f32::NAN);
+        assert_eq!(islands(&[nowhere, (CLOTH, 0.0), (CLOTH, 1.4), far, near]), [vec![0], vec![1, 2]]);
+        assert_eq!(islands(&[far, (CLOTH, 0.0), near, (CLOTH, 1.4), nowhere]), [vec![1, 3], vec![4]]);
     }
 }

@@ -85,6 +85,11 @@ impl<K: Key> RestingTree<K> {
         Some(bounds)
     }
 
+    /// True if nothing is at rest.
+    pub fn is_empty(&self) -> bool {
+        self.free.len() == self.leaves.len()
+    }
+
     /// Appends to `found` what may rest within `bounds`.
     pub fn find(&self, bounds: Bounds, found: &mut Vec<K>) {
         let within = Aabb::new(bounds.low, bounds.high);

@@ -101,6 +101,9 @@ impl<K: Key> Waking<K> {
     /// at rest; `None` if it is gone.
     pub fn wake(&mut self, sleeper: impl Fn(K) -> Option<Proxy>, woken: &mut Vec<K>) {
         let Self { disturbances, bodies, balls, found } = self;
+        if balls.is_empty() && bodies.is_empty() {
+            disturbances.clear();
+        }
         let mut next = 0;
         while let Some(&disturbance) = disturbances.get(next) {
             next += 1;
