@@ -88,6 +88,7 @@ pub(crate) fn release_attached(
 ) {
     if let Ok((mut state, mut particles)) = bodies.get_mut(removed.entity) {
         state.release(&mut particles, |_| true);
+        particles.clear_joints();
         *state = AttachmentState::default();
     }
 }

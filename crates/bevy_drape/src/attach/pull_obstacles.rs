@@ -21,6 +21,8 @@ pub(crate) fn join_attached(
     solver: Res<SolverEnvironment>,
 ) {
     for (attachment, state, mut particles) in &mut bodies {
+        // A body that slept since has kept those of its last request.
+        particles.bypass_change_detection().clear_joints();
         for (place, tie) in attachment.ties.iter().enumerate() {
             let (obstacle, frame, transform) = match (obstacles.get(tie.entity), riders.get(tie.entity)) {
                 (Ok(transform), _) => (tie.entity, Placement::default(), transform),

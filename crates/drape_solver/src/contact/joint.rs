@@ -60,13 +60,16 @@ pub(crate) fn detect(joints: &mut Vec<MovingJoint>, body: &Body, obstacles: &Obs
         let slot = joint.slot as usize;
         let is_mover = obstacles.get(obstacle).is_some_and(|obstacle| obstacle.rigid_body().is_some());
         if is_mover && particles.inverse_mass[slot] == 0.0 {
-            let count = particles.joints.iter().filter(|other| other.obstacle == joint.obstacle).count();
+            let same =
+                || particles.joints.iter().filter(|other| other.obstacle == joint.obstacle).count() as f32;
+            let count =
+                joints.last().filter(|last| last.obstacle == obstacle).map_or_else(same, |last| last.count);
             joints.push(MovingJoint {
                 slot,
                 obstacle,
                 anchor: joint.anchor,
                 reach: f32::INFINITY,
-                count: count as f32,
+                count,
                 inverse_mass: 0.0,
                 pull: Vec3::ZERO,
                 given: Vec3::ZERO,

@@ -58,6 +58,11 @@ impl Particles {
         }
     }
 
+    /// Forgets all joints for the coming step. A step does so, too.
+    pub fn clear_joints(&mut self) {
+        self.joints.clear();
+    }
+
     /// True if the particle in `slot` is held by an obstacle in the coming step.
     pub(crate) fn is_joined(&self, slot: usize) -> bool {
         self.joints.binary_search_by_key(&slot, |joint| joint.slot as usize).is_ok()

@@ -280,12 +280,17 @@ impl Topology {
         self.tethers.list(&self.layout)
     }
 
-    /// Greatest length in metres of a rope between two of its particles: none if the body is no rope, or may stretch.
+    /// Greatest length in metres of a rope between two of its particles: none if the body is no rope, is torn, or may
+    /// stretch.
     pub(crate) fn rope_length(&self, [from, to]: [usize; 2]) -> Option<f32> {
         let Layout::Grid(Grid { rows: 1, .. } | Grid { columns: 1, .. }) = self.layout else { return None };
         let link = self.batches.iter().find(|batch| batch.material.kind == StickKind::Structural)?;
+        let is_severed = self
+            .batches
+            .iter()
+            .any(|batch| matches!(&batch.sticks, BatchSticks::Grid { severed, .. } if !severed.is_empty()));
         match link.sticks {
-            BatchSticks::Grid { rest_length, .. } if link.material.stiffness >= 1.0 => {
+            BatchSticks::Grid { rest_length, .. } if link.material.stiffness >= 1.0 && !is_severed => {
                 Some(rest_length * from.abs_diff(to) as f32)
             }
             _ => None,

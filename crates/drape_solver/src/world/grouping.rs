@@ -183,6 +183,7 @@ mod tests {
         }
         assert!(islands(&[(Kind::Obstacle, 0.0), (Kind::Obstacle, 0.0)]).is_empty());
     }
+
     #[test]
     fn neither_what_is_far_away_nor_what_is_nowhere_keeps_an_obstacle_from_joining_others() {
         let [near, far] = [0.7, 1e3].map(|x| (Kind::Obstacle, x));
