@@ -37,11 +37,11 @@ fn setup(mut commands: Commands) {
     }
 
     // A ball of 80 kg on a rope of 200 g, drawn aside. Each pulls at the other.
-    let hook = commands.spawn(Transform::from_xyz(-0.4, BEAM - 0.06, 0.0)).id();
     let from = Vec3::new(-0.4, BEAM - 0.06, 0.0);
+    let hook = commands.spawn(Transform::from_translation(from)).id();
     let to = from + 1.7 * Vec3::new(-0.9, -0.45, 0.0).normalize();
     let ball = (Obstacle::sphere(0.24), DynamicObstacle::sphere(80.0, 0.24), Transform::from_translation(to));
-    let ball = commands.spawn((ball, steel.clone())).id();
+    let ball = commands.spawn((ball, steel)).id();
     let tied = Attachment::first(hook).and(Tie::last(ball));
     commands.spawn((Rope::new(from, to, 40), tied, RopeMesh::new(0.015), Paint::rgb(0.70, 0.55, 0.30)));
 
