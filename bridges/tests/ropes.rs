@@ -55,11 +55,10 @@ fn a_crate_hangs_on_a_rope_until_the_rope_lets_go() {
     }
 }
 
-/// A crate on a rope swings with the period of a double pendulum whose stick is light, tied to its top.
+/// A crate that is tied to a rope by its middle does not turn: it swings as a mathematical pendulum.
 #[test]
 fn a_crate_on_a_rope_swings_with_its_period() {
     let mut app = app();
-    // Tied to the middle of the crate, which does not turn then: a mathematical pendulum.
     let (length, angle) = (1.5_f32, 0.1_f32);
     let at = Quat::from_rotation_z(angle) * Vec3::NEG_Y * length;
     let crate_ = spawn_crate(&mut app, 5.0, at);
@@ -79,7 +78,7 @@ fn a_crate_on_a_rope_swings_with_its_period() {
     assert!((period / expected - 1.0).abs() < 5e-3, "{period} s, not {expected} s");
 }
 
-/// One crate tows another: momentum is kept, and nothing gains energy.
+/// One crate tows another, of a hundredth to a hundred times its mass: momentum is kept, and nothing gains energy.
 #[test]
 fn a_crate_tows_another_and_keeps_momentum() {
     for kilograms in [0.04, 0.4, 4.0, 40.0, 400.0] {
