@@ -4,7 +4,6 @@
 //! meshes` at least, and `--picture FILE` draws a picture with `--features render`.
 
 use bevy::prelude::*;
-use bevy_drape::body::StructuralSolve;
 use bevy_drape::prelude::*;
 use drape_examples::feature::{Feature, Paint};
 
@@ -37,8 +36,7 @@ fn setup(mut commands: Commands) {
         commands.spawn((Obstacle::capsule(0.05, BEAM), Transform::from_xyz(x, 0.5 * BEAM, 0.0)));
     }
 
-    // A ball of 80 kg on a rope of 200 g, drawn aside: each pulls at the other. Lines keep such a rope straight.
-    let taut = SolverSettings { structural: StructuralSolve::Lines, ..default() };
+    // A ball of 80 kg on a rope of 200 g, drawn aside: each pulls at the other.
     let hemp = Paint::rgb(0.70, 0.55, 0.30);
     let from = Vec3::new(-0.4, BEAM - 0.06, 0.0);
     let hook = commands.spawn(Transform::from_translation(from)).id();
@@ -46,7 +44,7 @@ fn setup(mut commands: Commands) {
     let ball = (Obstacle::sphere(0.24), DynamicObstacle::sphere(80.0, 0.24), Transform::from_translation(to));
     let ball = commands.spawn((ball, steel)).id();
     let tied = Attachment::first(hook).and(Tie::last(ball));
-    commands.spawn((Rope::new(from, to, 40), taut, tied, RopeMesh::new(0.015), hemp));
+    commands.spawn((Rope::new(from, to, 40), tied, RopeMesh::new(0.015), hemp));
 
     // A crate of 2 kg hangs below it.
     let crate_at = to + Vec3::NEG_Y * 0.75;
@@ -55,7 +53,7 @@ fn setup(mut commands: Commands) {
     let place = Transform::from_translation(crate_at);
     let crate_ = commands.spawn((crate_, place, Paint::rgb(0.55, 0.38, 0.20))).id();
     let tied = Attachment::first(ball).and(Tie::last(crate_));
-    commands.spawn((Rope::new(to, crate_at, 40), taut, tied, RopeMesh::new(0.012), hemp));
+    commands.spawn((Rope::new(to, crate_at, 40), tied, RopeMesh::new(0.012), hemp));
 
     let curtain = Cloth::new(1.6, 1.9).with_particles(49, 57);
     let turned = Quat::from_rotation_y(core::f32::consts::FRAC_PI_2);

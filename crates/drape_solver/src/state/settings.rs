@@ -28,7 +28,8 @@ pub enum StickProjection {
 #[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StructuralSolve {
-    /// Sweeps: one stick after another, like all other sticks. A pull travels only a few sticks in a substep.
+    /// Sweeps: one stick after another, like all other sticks. A pull travels only a few sticks in a substep. A rope
+    /// without self-contact that is [joined](crate::Particles::join) to an obstacle is solved as a line all the same.
     #[default]
     Sweeps,
     /// Lines: each row and each column of a cloth, and a rope, is solved directly as a chain, which carries a pull from

@@ -280,11 +280,16 @@ impl Topology {
         self.tethers.list(&self.layout)
     }
 
+    /// True if the particles are in one line.
+    pub(crate) fn is_rope(&self) -> bool {
+        matches!(self.layout, Layout::Grid(Grid { rows: 1, .. } | Grid { columns: 1, .. }))
+    }
+
     /// Greatest length in metres of a rope between two of its particles: none if the body is no rope, is torn, or may
     /// stretch.
     pub(crate) fn rope_length(&self, [from, to]: [usize; 2]) -> Option<f32> {
-        let Layout::Grid(Grid { rows: 1, .. } | Grid { columns: 1, .. }) = self.layout else { return None };
-        let link = self.batches.iter().find(|batch| batch.material.kind == StickKind::Structural)?;
+        let mut batches = self.batches.iter().filter(|_| self.is_rope());
+        let link = batches.find(|batch| batch.material.kind == StickKind::Structural)?;
         let is_severed = self
             .batches
             .iter()

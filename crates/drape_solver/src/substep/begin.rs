@@ -45,13 +45,18 @@ pub(crate) fn begin_step(
         context.integrated.reset(particles.layout.cells());
     }
     context.rows.reset(topology.window(), particles.layout.cells());
+    let mut settings = *settings;
+    if !particles.joints.is_empty() && topology.is_rope() && !settings.has_self_contact() {
+        // Sweeps leave a rope under a heavy body so slack that it swings through sideways.
+        settings.structural = StructuralSolve::Lines;
+    }
     if settings.structural == StructuralSolve::Lines {
         plan.lines.reserve(&topology.layout);
     }
     let frame = particles.frame.as_ref();
     context.frame = frame.map(|motion| SubstepMotion::new(motion, substeps, particles.origin));
     let extras = Extras { has_frame: context.frame.is_some(), has_limits: !particles.limits.is_empty() };
-    plan.plan.make(order, topology, settings, &context.stiffness, projections, extras);
+    plan.plan.make(order, topology, &settings, &context.stiffness, projections, extras);
     context.pin_shifts.clear();
     for &(i, target) in &particles.pin_targets {
         let way = target - particles.origin - particles.position.get(i as usize);
