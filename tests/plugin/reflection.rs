@@ -10,7 +10,7 @@ use bevy_drape::cannon::Cannon;
 use bevy_drape::clock::DrapeClock;
 use bevy_drape::contact::{DrapeContactCounts, DrapeContactSettings};
 use bevy_drape::detail::{CurrentDetail, LevelOfDetail};
-use bevy_drape::environment::{ObstacleReaction, TeleportObstacle};
+use bevy_drape::environment::{MovedByObstacle, ObstacleReaction, TeleportObstacle};
 use bevy_drape::prelude::*;
 use bevy_drape::render::DrivenMesh;
 use bevy_drape::rig::{InRig, Particle, Rig, Stick};
@@ -122,10 +122,12 @@ fn components_that_describe_something_have_defaults_or_templates() {
     fn assert_template<C: Component + FromTemplate>() {}
     assert_template::<DrivenMesh>();
     assert_template::<FollowParticle>();
+    assert_template::<MovedByObstacle>();
     let app = app();
     let registry = app.world().resource::<AppTypeRegistry>().read();
     // The plugin itself inserts these, or they have a template.
-    let others = ["DrivenMesh", "FollowParticle", "InRig", "ProjectileState", "ShapeFromMesh"];
+    let others =
+        ["DrivenMesh", "FollowParticle", "InRig", "MovedByObstacle", "ProjectileState", "ShapeFromMesh"];
     let mut count = 0;
     for registration in
         registry.iter().filter(|registration| registration.data::<ReflectComponent>().is_some())
