@@ -30,7 +30,8 @@ impl Particles {
     /// use drape_solver::{BodySettings, Environment, Island, Obstacle, Placement, RigidBody, RopeBuilder, Shape, step};
     ///
     /// // A ball of 20 kg on a rope, let go at the height of its hook.
-    /// let rope = RopeBuilder::new(Vec3::ZERO, Vec3::X, 17).pin(0).pin(16).build(BodySettings::default())?;
+    /// let mut rope = RopeBuilder::new(Vec3::ZERO, Vec3::X, 17).pin(0).build(BodySettings::default())?;
+    /// rope.particles.set_inverse_mass(16, 0.0);
     /// let ball = Obstacle::new(Shape::Sphere { radius: 0.2 }, Placement::at(Vec3::X * 1.2), 0.5)?;
     /// let ball = ball.with_rigid_body(RigidBody::new(20.0, Vec3::splat(0.32))?);
     /// let mut environment = Environment { obstacles: vec![ball].into(), ..Environment::default() };
