@@ -105,22 +105,22 @@ fn a_ball_rebounds_from_bodies_by_newtons_law_of_restitution() {
 /// A sheet on a slope of 20 degrees lies still above a friction of tan 20, and slides below it with `g (sin - f cos)`.
 #[test]
 fn a_sheet_on_a_slope_obeys_coulombs_law() {
-    let angle = 20.0_f32.to_radians();
+    let slope = Quat::from_rotation_z(-20.0_f32.to_radians());
+    let along = slope * Vec3::X;
+    let (sine, cosine) = (-along.y, along.x);
     let lying = |height| {
-        let slope = Quat::from_rotation_z(-angle);
         let flat = slope * Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
         Transform::from_translation(slope * (Vec3::Y * height)).with_rotation(flat)
     };
     for part in [0.8, 1.1] {
-        let coefficient = part * angle.tan();
+        let coefficient = part * sine / cosine;
         let mut app = app();
-        let slope = (STATIC, half_space(), friction(coefficient));
-        app.world_mut().spawn((slope, Transform::from_rotation(Quat::from_rotation_z(-angle))));
+        let below = (STATIC, half_space(), friction(coefficient));
+        app.world_mut().spawn((below, Transform::from_rotation(slope)));
         let cloth = Cloth::new(0.8, 0.8).with_particles(17, 17).with_pins(ClothPins::None);
         let surface = BodySurface { friction: coefficient, drag: 0.0, ..default() };
         let sheet = app.world_mut().spawn((cloth, surface, lying(0.006))).id();
         run(&mut app, 0.5);
-        let along = Vec3::new(angle.cos(), -angle.sin(), 0.0);
         let speed = |app: &App| {
             let particles = app.world().get::<Particles>(sheet).expect("it is built");
             particles.velocities().sum::<Vec3>().dot(along) / particles.len() as f32
@@ -128,7 +128,7 @@ fn a_sheet_on_a_slope_obeys_coulombs_law() {
         let before = speed(&app);
         run(&mut app, 0.5);
         let acceleration = (speed(&app) - before) / 0.5;
-        let expected = (G * (angle.sin() - coefficient * angle.cos())).max(0.0);
+        let expected = (G * (sine - coefficient * cosine)).max(0.0);
         assert!((acceleration - expected).abs() < 0.03, "{part}: {acceleration} m/s^2, not {expected}");
     }
 }
