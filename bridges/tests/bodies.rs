@@ -17,11 +17,6 @@ fn assert_asleep(app: &App, body: Entity, cloth: Entity) {
     assert_eq!(activity, Some(&Activity::Resting), "the cloth is awake, at {fastest} m/s");
 }
 
-/// A crate of so many kilograms and sides of `side` metres.
-fn box_of(side: f32, kilograms: f32) -> impl Bundle {
-    (DYNAMIC, cuboid(Vec3::splat(side)), mass(kilograms, kilograms * side * side / 6.0))
-}
-
 /// A sheet of 1 m that hangs flat in the air, pinned along its border.
 fn net(app: &mut App, height: f32) -> Entity {
     let lying = Transform::from_xyz(0.0, height, 0.0)

@@ -9,9 +9,6 @@ use crate::scene::*;
 
 const SIDE: f32 = 0.3;
 
-/// Gravity of both engines in m/s^2.
-const G: f32 = 9.81;
-
 /// A sheet of 200 g that flies free, and a spinning box that flies at it off its middle. Nothing has weight.
 fn hit(kilograms: f32) -> (App, Entity, Entity) {
     let mut app = app();
@@ -30,9 +27,7 @@ fn hit(kilograms: f32) -> (App, Entity, Entity) {
     };
     let at = Transform::from_translation(middle + Vec3::new(0.15, 0.0, -0.4));
     let motion = moving(Vec3::Z * 6.0, Vec3::new(1.0, 2.0, -1.0));
-    let collider = (cuboid(Vec3::splat(SIDE)), friction(0.5));
-    let mass = mass(kilograms, kilograms * SIDE * SIDE / 6.0);
-    let shot = app.world_mut().spawn((DYNAMIC, collider, mass, motion, at)).id();
+    let shot = app.world_mut().spawn((box_of(SIDE, kilograms), friction(0.5), motion, at)).id();
     (app, sheet, shot)
 }
 
@@ -78,8 +73,8 @@ fn a_ball_rebounds_from_bodies_by_newtons_law_of_restitution() {
         let mut app = app();
         set_gravity(&mut app, Vec3::ZERO);
         app.insert_resource(DrapeGravity(Vec3::ZERO));
-        let surface = (cuboid(Vec3::splat(SIDE)), restitution(coefficient), friction(0.0));
-        let body = (DYNAMIC, surface, mass(kilograms, kilograms * SIDE * SIDE / 6.0), sleepless());
+        let surface = (restitution(coefficient), friction(0.0));
+        let body = (box_of(SIDE, kilograms), surface, sleepless());
         let shot = app.world_mut().spawn((body, Transform::from_xyz(0.0, 0.0, 1.0))).id();
         let projectile = Projectile {
             velocity: Vec3::Z * SPEED,

@@ -10,14 +10,9 @@ use crate::scene::*;
 /// Half the side of a crate in metres.
 const HALF: f32 = 0.15;
 
-/// Gravity of both engines in m/s^2.
-const G: f32 = 9.81;
-
 /// A crate of so many kilograms.
 fn spawn_crate(app: &mut App, kilograms: f32, at: Vec3) -> Entity {
-    let side = 2.0 * HALF;
-    let body = (DYNAMIC, cuboid(Vec3::splat(side)), mass(kilograms, kilograms * side * side / 6.0));
-    app.world_mut().spawn((body, Transform::from_translation(at))).id()
+    app.world_mut().spawn((box_of(2.0 * HALF, kilograms), Transform::from_translation(at))).id()
 }
 
 /// A rope from a hook at `from` to a place on a crate.

@@ -6,10 +6,13 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
 
-use crate::engine::{STATIC, add_bridge, add_engine, half_space};
+use crate::engine::{DYNAMIC, STATIC, add_bridge, add_engine, cuboid, half_space, mass};
 
 /// Bevy's default fixed step.
 pub const TIMESTEP: Duration = Duration::from_micros(15_625);
+
+/// Gravity of both engines in m/s^2.
+pub const G: f32 = 9.81;
 
 /// The engine and cloth.
 pub fn app() -> App {
@@ -51,6 +54,11 @@ pub fn sheet(app: &mut App, height: f32) -> Entity {
         .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
     let cloth = Cloth::new(0.8, 0.8).with_particles(17, 17).with_pins(ClothPins::None);
     app.world_mut().spawn((cloth, lying)).id()
+}
+
+/// A crate of so many kilograms and sides of `side` metres.
+pub fn box_of(side: f32, kilograms: f32) -> impl Bundle {
+    (DYNAMIC, cuboid(Vec3::splat(side)), mass(kilograms, kilograms * side * side / 6.0))
 }
 
 pub fn heights(app: &App, body: Entity) -> impl Iterator<Item = f32> {

@@ -31,6 +31,12 @@ impl Load {
         self.acceleration.length() > WAKING_CHANGE
     }
 
+    /// Wakes the body that sleeps with this load.
+    fn wake(&mut self, body: Entity, commands: &mut Commands) {
+        commands.trigger(WakeRequest { entity: body });
+        *self = Self::default();
+    }
+
     /// True if a sleeping body wakes that cloth pushes with this acceleration.
     fn wakes(&self, acceleration: Vec3) -> bool {
         match self.tied_speed {
@@ -81,10 +87,9 @@ pub(crate) fn note_loads(
             let is_still = body.velocity.length() < speed && body.angular_velocity.length() < spin;
             load.still_for = if is_still { load.still_for + time.delta_secs() } else { 0.0 };
         } else if reaction.is_near && load.wakes(acceleration) {
-            commands.trigger(WakeRequest { entity: of.0 });
+            load.wake(of.0, &mut commands);
             body.velocity += push;
             body.is_pushed = true;
-            *load = Load::default();
         }
     }
 }
@@ -97,8 +102,7 @@ pub(crate) fn wake_carried(
 ) {
     for (of, body, mut load) in &mut obstacles {
         if load.is_carried() && body.is_asleep {
-            commands.trigger(WakeRequest { entity: of.0 });
-            *load = Load::default();
+            load.wake(of.0, &mut commands);
         }
     }
 }
@@ -117,8 +121,7 @@ pub(crate) fn wake_released(
         if let Ok((body, mut load)) = obstacles.get_mut(obstacle.entity())
             && body.is_asleep
         {
-            commands.trigger(WakeRequest { entity: tie.entity });
-            *load = Load::default();
+            load.wake(tie.entity, &mut commands);
         }
     }
 }

@@ -121,7 +121,7 @@ impl RagdollBuilder {
         if !self.placement.is_valid() {
             return Err(BuildError::BadShape { reason: "its placement is not finite" });
         }
-        let pose = Pose::between(&self.placement, &self.placement, 1.0, Vec3::ZERO);
+        let pose = Pose::at(&self.placement, Vec3::ZERO);
         let scale = self.height / TABLE_HEIGHT;
         let sum: f32 = JOINTS.iter().map(|joint| joint.weight).sum();
         let particle =

@@ -124,7 +124,7 @@ impl RigidTetrahedronBuilder {
         finite_vector("velocity", self.velocity)?;
         finite_vector("angular velocity", self.angular_velocity)?;
         let origin = self.placement.translation;
-        let pose = Pose::between(&self.placement, &self.placement, 1.0, Vec3::ZERO);
+        let pose = Pose::at(&self.placement, Vec3::ZERO);
         let positions = local.map(|place| pose.point_to_world(place));
         let mut particles = Particles::new(origin, &positions, &[4.0 / self.mass; 4])?;
         for (i, place) in local.into_iter().enumerate() {

@@ -77,7 +77,10 @@ pub(crate) fn detect(joints: &mut Vec<MovingJoint>, body: &Body, obstacles: &Obs
             });
         }
     }
-    for i in 1..if settings.tethers { joints.len() } else { 0 } {
+    if !settings.tethers {
+        return;
+    }
+    for i in 1..joints.len() {
         let [Some(from), Some(to)] = [i - 1, i].map(|i| particles.layout.index(joints[i].slot)) else {
             continue;
         };

@@ -46,7 +46,7 @@ impl Mover {
 
     /// Its poses at the start and the end of the substep, relative to `origin`.
     pub fn poses(&self, origin: Vec3) -> [Pose; 2] {
-        [self.from, self.to].map(|placement| Pose::between(&placement, &placement, 1.0, origin))
+        [self.from, self.to].map(|placement| Pose::at(&placement, origin))
     }
 
     /// Its centre at the end of the substep.

@@ -43,7 +43,7 @@ impl CompoundShape {
         let (mut low, mut high) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
         let mut placed = Vec::with_capacity(parts.len());
         for (shape, placement) in parts {
-            let pose = Pose::between(&placement, &placement, 1.0, Vec3::ZERO);
+            let pose = Pose::at(&placement, Vec3::ZERO);
             let (own_low, own_high) = shape.local_bounds();
             if !(own_low.is_finite() && own_high.is_finite()) {
                 return Err(BuildError::BadShape { reason: "a part of it has no end" });

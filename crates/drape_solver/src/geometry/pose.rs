@@ -15,10 +15,9 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// The pose of something at `placement`.
-    pub fn at(placement: &Placement) -> Self {
-        let rotation = rotation_matrix(placement.rotation.to_array());
-        Self { rotation, translation: placement.translation }
+    /// The pose of something at `placement`, relative to `origin`.
+    pub fn at(placement: &Placement, origin: Vec3) -> Self {
+        Self::between(placement, placement, 1.0, origin)
     }
 
     /// The pose between `from` and `to` at `fraction` of the way, relative to `origin`.
@@ -167,7 +166,7 @@ mod tests {
     fn pose_agrees_with_the_quaternion_and_inverts() {
         let rotation = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
         let placement = Placement { translation: Vec3::new(1.0, 2.0, 3.0), rotation: rotation * 3.0 };
-        let pose = Pose::between(&placement, &placement, 1.0, Vec3::ZERO);
+        let pose = Pose::at(&placement, Vec3::ZERO);
         let local = Vec3::new(-0.5, 0.25, 4.0);
         let world = pose.point_to_world(local);
         assert!((world - (rotation * local + placement.translation)).length() < 1e-5);

@@ -208,7 +208,7 @@ impl WindZone {
 
     /// The velocity of the air in m/s that it adds at a place in the world.
     pub fn velocity_at(&self, place: Vec3) -> Vec3 {
-        let pose = Pose::between(&self.placement, &self.placement, 1.0, Vec3::ZERO);
+        let pose = Pose::at(&self.placement, Vec3::ZERO);
         let local = pose.to_local(place);
         // From 0 in the middle to 1 at the rim.
         let outwards = match self.region {

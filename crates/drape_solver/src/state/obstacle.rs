@@ -351,7 +351,7 @@ impl Obstacle {
         if self.is_moving() {
             Pose::between(&self.before, &self.placement, fraction, origin)
         } else {
-            Pose::between(&self.placement, &self.placement, 1.0, origin)
+            Pose::at(&self.placement, origin)
         }
     }
 
@@ -380,13 +380,17 @@ impl Obstacle {
         if !half.is_finite() {
             return EVERYWHERE;
         }
-        let end = Pose::at(&self.placement);
+        let end = Pose::at(&self.placement, Vec3::ZERO);
         let (low, high) = end.bounds_of(middle, half);
         if !self.is_moving() {
             return (low, high);
         }
         let is_turning = self.before.rotation != self.placement.rotation;
-        let start = if is_turning { Pose::at(&self.before) } else { end.moved_to(self.before.translation) };
+        let start = if is_turning {
+            Pose::at(&self.before, Vec3::ZERO)
+        } else {
+            end.moved_to(self.before.translation)
+        };
         let (low_before, high_before) = start.bounds_of(middle, half);
         // A turning box bulges out between the two ends by less than its travel.
         let slack = if is_turning { self.travel() } else { 0.0 };

@@ -193,7 +193,7 @@ impl RigidBody {
 
     /// A world vector, scaled along the principal axes.
     fn scaled(&self, placement: Placement, vector: Vec3, by: Vec3) -> Vec3 {
-        let pose = Pose::between(&placement, &placement, 1.0, placement.translation);
+        let pose = Pose::at(&placement, placement.translation);
         pose.direction_to_world(pose.to_local(vector) * by)
     }
 }

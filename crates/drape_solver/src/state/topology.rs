@@ -288,14 +288,13 @@ impl Topology {
     /// Greatest length in metres of a rope between two of its particles: none if the body is no rope, is torn, or may
     /// stretch.
     pub(crate) fn rope_length(&self, [from, to]: [usize; 2]) -> Option<f32> {
-        let mut batches = self.batches.iter().filter(|_| self.is_rope());
-        let link = batches.find(|batch| batch.material.kind == StickKind::Structural)?;
-        let is_severed = self
-            .batches
-            .iter()
-            .any(|batch| matches!(&batch.sticks, BatchSticks::Grid { severed, .. } if !severed.is_empty()));
+        let is_severed = |batch: &StickBatch| matches!(&batch.sticks, BatchSticks::Grid { severed, .. } if !severed.is_empty());
+        if !self.is_rope() || self.batches.iter().any(is_severed) {
+            return None;
+        }
+        let link = self.batches.iter().find(|batch| batch.material.kind == StickKind::Structural)?;
         match link.sticks {
-            BatchSticks::Grid { rest_length, .. } if link.material.stiffness >= 1.0 && !is_severed => {
+            BatchSticks::Grid { rest_length, .. } if link.material.stiffness >= 1.0 => {
                 Some(rest_length * from.abs_diff(to) as f32)
             }
             _ => None,

@@ -21,32 +21,32 @@
 pub(crate) enum BodyStage {
     /// Kinematic pins go one substep further.
     MovePins,
-    /// Particles joined to movers follow them, at the start and the end of the substep.
-    BeginJoints,
-    FollowJoints,
-    /// Movers get what rounding has kept of the pull of sticks.
-    BalanceJoints,
     /// Free flight.
     Integrate,
     /// The moving frame takes the particles along.
     Carry,
     /// Pins get the displacement of their move.
     NotePins,
+    /// Particles that are joined to movers go where these fly.
+    BeginJoints,
     /// Contacts of faces follow their deepest points; all of them forget the last substep.
     BeginContacts,
     FaceContacts,
     EmbeddedContacts,
     ObstacleContacts,
     DynamicContacts,
-    /// Particles joined to movers have their masses while sticks are relaxed, and then pull at them.
+    /// Particles that are joined to movers have the masses of these while sticks are relaxed.
     ReleaseJoints,
-    PullJoints,
     Sticks,
     Tethers,
     /// Rows, columns and ropes that are solved directly.
     Lines,
     Volume,
+    /// They pull at the movers, and go where these are.
+    PullJoints,
     AngularMomentum,
+    /// Movers get what rounding has kept of the pull of sticks.
+    BalanceJoints,
     /// Displacements follow positions.
     Update,
     Damping,
@@ -54,6 +54,8 @@ pub(crate) enum BodyStage {
     FaceFriction,
     EmbeddedFriction,
     DynamicFriction,
+    /// Joined particles go where friction and balls have left the movers.
+    FollowJoints,
     /// Limits on motion come last.
     Limits,
     /// The motion of the frame is subtracted from the displacements.

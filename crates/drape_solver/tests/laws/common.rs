@@ -6,8 +6,8 @@ use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
     Ball, BallMaterial, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle,
-    Particles, Placement, SelfContact, Shape, StickKind, StickMaterial, StickProjection, StructuralSolve,
-    TopologyBuilder, step,
+    Particles, Placement, RigidBody, SelfContact, Shape, StickKind, StickMaterial, StickProjection,
+    StructuralSolve, TopologyBuilder, step,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -154,6 +154,33 @@ pub fn angular_momentum(island: &Island) -> DVec3 {
 pub fn kinetic_energy(island: &Island) -> f64 {
     let bodies: f64 = island.bodies.iter().map(|body| measure::kinetic_energy(&body.particles)).sum();
     bodies + island.balls.iter().map(|b| f64::from(b.kinetic_energy())).sum::<f64>()
+}
+
+/// Half the side of a box in metres.
+pub const HALF: f32 = 0.15;
+
+/// The motion of a solid box that is at rest.
+pub fn cube(mass: f32) -> RigidBody {
+    let side = 2.0 * HALF;
+    RigidBody::new(mass, Vec3::splat(mass * side * side / 6.0)).expect("a valid body")
+}
+
+/// The same in flight at `velocity` (m/s), without spin.
+pub fn flying_cube(mass: f32, velocity: Vec3) -> RigidBody {
+    let mut body = cube(mass);
+    body.velocity = velocity;
+    body
+}
+
+/// Momentum of a rigid body in kg m/s.
+pub fn momentum_of(body: RigidBody) -> DVec3 {
+    body.velocity.as_dvec3() * f64::from(body.mass())
+}
+
+/// Angular momentum of a rigid body about the world's origin in kg m^2/s.
+pub fn angular_momentum_of(body: RigidBody, placement: Placement) -> DVec3 {
+    let orbit = placement.translation.as_dvec3().cross(momentum_of(body));
+    orbit + body.angular_momentum(placement).as_dvec3()
 }
 
 /// Asserts that `found` differs from `expected` by at most the part `part` of it.

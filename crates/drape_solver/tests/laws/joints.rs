@@ -8,24 +8,16 @@ use drape_solver::{
 
 use crate::common::*;
 
-/// A particle of a body that is joined to an obstacle: body, particle, obstacle, and the place in the obstacle's frame.
-type Joint = (usize, usize, usize, Vec3);
+/// A particle that is joined to an obstacle: particle, obstacle, and the place in the obstacle's frame.
+type Joint = (usize, usize, Vec3);
 
-/// An island among boxes that it is joined to.
+/// A body among boxes that it is joined to.
 struct Scene {
     island: Island,
     environment: Environment,
     joints: Vec<Joint>,
     /// The boxes' part of gravity.
     gravity_scale: f32,
-}
-
-/// Half the side of a box in metres.
-const HALF: f32 = 0.15;
-
-fn cube(mass: f32) -> RigidBody {
-    let side = 2.0 * HALF;
-    RigidBody::new(mass, Vec3::splat(mass * side * side / 6.0)).expect("a valid body")
 }
 
 /// A body with a particle pinned, so that it can be joined.
@@ -46,7 +38,7 @@ impl Scene {
     }
 
     fn with_joint(mut self, particle: usize, obstacle: usize, anchor: Vec3) -> Self {
-        self.joints.push((0, particle, obstacle, anchor));
+        self.joints.push((particle, obstacle, anchor));
         self
     }
 
@@ -62,8 +54,8 @@ impl Scene {
         for index in 0..environment.obstacles.len() {
             environment.obstacles[index].fly(gravity, dt);
         }
-        for &(body, particle, obstacle, anchor) in &*joints {
-            island.bodies[body].particles.join(particle, obstacle, anchor);
+        for &(particle, obstacle, anchor) in &*joints {
+            island.bodies[0].particles.join(particle, obstacle, anchor);
         }
     }
 
@@ -88,31 +80,45 @@ impl Scene {
 
     /// The greatest distance in metres between a particle and the point that it is joined to.
     fn gap(&self) -> f32 {
-        let gap = |&(body, particle, obstacle, anchor): &Joint| {
+        let gap = |&(particle, obstacle, anchor): &Joint| {
             let place = self.place(obstacle);
             let joint = place.translation + place.rotation * anchor;
-            self.island.bodies[body].particles.position(particle).distance(joint)
+            particles(&self.island).position(particle).distance(joint)
         };
         self.joints.iter().map(gap).fold(0.0, f32::max)
     }
 
-    fn momentum(&self) -> DVec3 {
-        let of_box = |body: RigidBody| body.velocity.as_dvec3() * f64::from(body.mass());
-        momentum(&self.island) + self.boxes().map(|(_, body)| of_box(body)).sum::<DVec3>()
+    fn motion(&self) -> Motion {
+        let boxes = || self.boxes();
+        Motion {
+            linear: momentum(&self.island) + boxes().map(|(_, body)| momentum_of(body)).sum::<DVec3>(),
+            angular: angular_momentum(&self.island)
+                + boxes().map(|(place, body)| angular_momentum_of(body, place)).sum::<DVec3>(),
+            energy: kinetic_energy(&self.island)
+                + boxes().map(|(place, body)| f64::from(body.kinetic_energy(place))).sum::<f64>(),
+        }
     }
 
-    fn angular_momentum(&self) -> DVec3 {
-        let of_box = |(place, body): (Placement, RigidBody)| {
-            let orbit = place.translation.as_dvec3().cross(body.velocity.as_dvec3());
-            orbit * f64::from(body.mass()) + body.angular_momentum(place).as_dvec3()
-        };
-        angular_momentum(&self.island) + self.boxes().map(of_box).sum::<DVec3>()
+    /// Takes a step, and asserts that momentum is kept, no energy gained since `start`, and no joint gapes.
+    #[track_caller]
+    fn step_and_compare(&mut self, start: &Motion, what: &str) {
+        self.step();
+        let Motion { linear, angular, energy } = self.motion();
+        let lost = (linear - start.linear).length() / start.linear.length();
+        assert!(lost < 1e-5, "{what}: {lost} of the momentum");
+        let lost = (angular - start.angular).length() / start.linear.length();
+        assert!(lost < 0.01, "{what}: {lost} m of angular momentum");
+        let gained = energy / start.energy;
+        assert!(gained < 1.001, "{what}: {gained} of the energy");
+        assert!(self.gap() < 1e-5, "{what}: the joint gapes by {} m", self.gap());
     }
+}
 
-    fn kinetic_energy(&self) -> f64 {
-        let boxes = self.boxes().map(|(place, body)| f64::from(body.kinetic_energy(place)));
-        kinetic_energy(&self.island) + boxes.sum::<f64>()
-    }
+/// The motion of everything in a scene.
+struct Motion {
+    linear: DVec3,
+    angular: DVec3,
+    energy: f64,
 }
 
 /// A rope of one metre and 0.1 kg that hangs from a pin, and whose end may be joined.
@@ -154,14 +160,11 @@ fn a_box_hangs_at_the_end_of_a_rope() {
 fn a_rope_under_a_heavy_box_swings_straight() {
     let along = Quat::from_rotation_z(1.0) * Vec3::NEG_Y;
     let rope = RopeBuilder::new(Vec3::ZERO, along, 40).pin(0).build(BodySettings::default()).expect("valid");
-    let mut scene = Scene::new(pinned(rope, 39), gravity(FRAME)).with_box(along, cube(50.0)).with_joint(
-        39,
-        0,
-        Vec3::ZERO,
-    );
+    let scene = Scene::new(pinned(rope, 39), gravity(FRAME)).with_box(along, cube(50.0));
+    let mut scene = scene.with_joint(39, 0, Vec3::ZERO);
     for index in 0..120 {
         scene.step();
-        let particles = &scene.island.bodies[0].particles;
+        let particles = particles(&scene.island);
         let end = particles.position(39);
         let off = |i| particles.position(i).reject_from(end).length();
         let most = (0..40).map(off).fold(0.0, f32::max);
@@ -229,18 +232,10 @@ fn two_boxes_on_a_rope_keep_momentum_and_gain_no_energy() {
                 .with_joint(0, 0, Vec3::X * HALF)
                 .with_joint(39, 1, Vec3::new(-HALF, 0.0, 0.0));
             let mut longest = 0.0_f32;
-            let (linear, angular, energy) =
-                (scene.momentum(), scene.angular_momentum(), scene.kinetic_energy());
+            let start = scene.motion();
             for index in 0..60 {
-                scene.step();
-                let lost = (scene.momentum() - linear).length() / linear.length();
-                assert!(lost < 1e-5, "{what}: {lost} of the momentum at step {index}");
-                let lost = (scene.angular_momentum() - angular).length() / linear.length();
-                assert!(lost < 0.01, "{what}: {lost} m of angular momentum at step {index}");
-                let gained = scene.kinetic_energy() / energy;
-                assert!(gained < 1.001, "{what}: {gained} of the energy at step {index}");
-                assert!(scene.gap() < 1e-5, "{what}: the joint gapes by {} m", scene.gap());
-                let ends = [0, 39].map(|i| scene.island.bodies[0].particles.position(i));
+                scene.step_and_compare(&start, &format!("{what}, step {index}"));
+                let ends = [0, 39].map(|i| particles(&scene.island).position(i));
                 longest = longest.max(ends[0].distance(ends[1]));
             }
             assert!(longest < 1.0001, "{what}: the rope of 1 m is {longest} m long");
@@ -266,19 +261,12 @@ fn a_cloth_joined_to_a_bar_along_its_edge_keeps_momentum_and_gains_no_energy() {
         let centre = Vec3::new(0.5, 0.2, 0.0);
         let mut scene = Scene::new(cloth, weightless(FRAME)).with_box(centre, bar);
         for i in edge {
-            let anchor = scene.island.bodies[0].particles.position(i) - centre;
+            let anchor = particles(&scene.island).position(i) - centre;
             scene = scene.with_joint(i, 0, anchor);
         }
-        let (linear, angular, energy) = (scene.momentum(), scene.angular_momentum(), scene.kinetic_energy());
+        let start = scene.motion();
         for index in 0..200 {
-            scene.step();
-            let lost = (scene.momentum() - linear).length() / linear.length();
-            assert!(lost < 1e-5, "{what}: {lost} of the momentum at step {index}");
-            let lost = (scene.angular_momentum() - angular).length() / linear.length();
-            assert!(lost < 0.01, "{what}: {lost} m of angular momentum at step {index}");
-            let gained = scene.kinetic_energy() / energy;
-            assert!(gained < 1.001, "{what}: {gained} of the energy at step {index}");
-            assert!(scene.gap() < 1e-5, "{what}: the joint gapes by {} m", scene.gap());
+            scene.step_and_compare(&start, &format!("{what}, step {index}"));
         }
     }
 }

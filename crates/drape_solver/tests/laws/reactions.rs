@@ -13,18 +13,12 @@ struct Scene {
     body: RigidBody,
 }
 
-/// Half the side of the box in metres.
-const HALF: f32 = 0.15;
-
 impl Scene {
     fn new(island: Island, gravity: Vec3, at: Vec3, mass: f32, velocity: Vec3) -> Self {
         let mut environment = Environment { gravity, ..weightless(FRAME) };
         let shape = Shape::Cuboid { half_extents: Vec3::splat(HALF) };
         environment.obstacles.push(obstacle(shape, at, 0.5).reporting_reaction());
-        let side = 2.0 * HALF;
-        let mut body = RigidBody::new(mass, Vec3::splat(mass * side * side / 6.0)).expect("a valid body");
-        body.velocity = velocity;
-        Self { island, environment, body }
+        Self { island, environment, body: flying_cube(mass, velocity) }
     }
 
     fn step(&mut self) {
@@ -39,15 +33,12 @@ impl Scene {
     }
 
     fn momentum(&self) -> DVec3 {
-        momentum(&self.island) + self.body.velocity.as_dvec3() * f64::from(self.body.mass())
+        momentum(&self.island) + momentum_of(self.body)
     }
 
     fn angular_momentum(&self) -> DVec3 {
         let placement = self.environment.obstacles[0].placement();
-        let orbit = placement.translation.as_dvec3().cross(self.body.velocity.as_dvec3());
-        angular_momentum(&self.island)
-            + orbit * f64::from(self.body.mass())
-            + self.body.angular_momentum(placement).as_dvec3()
+        angular_momentum(&self.island) + angular_momentum_of(self.body, placement)
     }
 
     fn kinetic_energy(&self) -> f64 {
