@@ -75,4 +75,5 @@ pub(crate) mod particle_obstacle;
 pub mod reaction;
 pub(crate) mod report;
 pub(crate) mod restitution;
+pub(crate) mod support;
 pub(crate) mod surface;

@@ -21,8 +21,7 @@ pub(crate) struct Mover {
     /// Placement at the end of the substep, with the contacts so far.
     pub to: Placement,
     pub end: RigidBody,
-    /// Accelerations by another engine, if one moves it.
-    drive: Option<Drive>,
+    drive: Drive,
     /// Impulse on it in this substep, in newton seconds.
     impulse: DVec3,
     /// Angular impulse about its centre, in newton metre seconds.
@@ -30,7 +29,7 @@ pub(crate) struct Mover {
 }
 
 impl Mover {
-    pub fn new(obstacle: usize, of: &Obstacle, body: RigidBody, drive: Option<Drive>) -> Self {
+    pub fn new(obstacle: usize, of: &Obstacle, body: RigidBody, drive: Drive) -> Self {
         let from = of.start();
         Self {
             obstacle,
@@ -81,11 +80,28 @@ impl Mover {
         depth: f32,
         point: Vec3,
     ) -> (Vec3, Vec3) {
-        let along = (slip - normal * slip.dot(normal)).normalize_or_zero();
-        // The mover gives way too, so the same push takes a longer slip.
-        let both = inverse_mass + self.inverse_mass_at(point, along);
-        let push = friction.scaled(both / inverse_mass).slip_taken(slip, normal, depth) / both;
+        let push = self.friction_push(friction, [inverse_mass; 2], slip, normal, depth, point);
         (push * inverse_mass, -push)
+    }
+
+    /// The push of friction on the mover in kg m, if the point of inverse mass `inverse_mass` (1/kg) gives way as if its own were
+    /// `yields`: 0 if something holds it fast.
+    pub fn friction_push(
+        &self,
+        friction: Friction,
+        [inverse_mass, yields]: [f32; 2],
+        slip: Vec3,
+        normal: Vec3,
+        depth: f32,
+        point: Vec3,
+    ) -> Vec3 {
+        let along = (slip - normal * slip.dot(normal)).normalize_or_zero();
+        // Both give way, so the same push takes a longer slip than from the point alone.
+        let both = yields + self.inverse_mass_at(point, along);
+        if both == 0.0 {
+            return Vec3::ZERO;
+        }
+        friction.scaled(both / inverse_mass).slip_taken(slip, normal, depth) / both
     }
 
     /// Receives the opposite of a push that it has given in this substep of so many seconds.
@@ -105,7 +121,7 @@ impl Mover {
         self.to.translation = free.translation + (pushed.velocity - body.velocity) * substep;
         let turn = (pushed.angular_velocity - body.angular_velocity) * substep;
         // A turn by nothing rounds: a body at rest would leave the place where its engine has put it.
-        if turn != Vec3::ZERO || self.drive.is_none() {
+        if turn != Vec3::ZERO || matches!(self.drive, Drive::Gravity(_)) {
             self.to.rotation = turned(free.rotation, turn);
         }
         self.end = body;
@@ -116,10 +132,7 @@ impl Mover {
     pub fn begin_substep(&mut self, substep: f32) {
         self.from = self.to;
         (self.impulse, self.angular_impulse) = (DVec3::ZERO, DVec3::ZERO);
-        self.to = match self.drive {
-            Some(drive) => self.end.advance_driven(self.from, drive, substep),
-            None => self.end.advance(self.from, substep),
-        };
+        self.to = self.end.advance_under(self.drive, self.from, substep);
         self.free = (self.to, self.end);
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! Design: `docs/design/dynamic_obstacles.md`.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::contact::depenetration::{Correction, InitialOverlap, PushOutRate};
 use crate::contact::mover::{Mover, mover_mut};
@@ -15,6 +15,7 @@ use crate::contact::obstacle_push::ObstaclePush;
 use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup, Pushes};
 use crate::simd::columns::{Cell, LANES};
 use crate::state::body::Body;
+use crate::state::particles::Particles;
 use crate::state::substep::Substep;
 
 /// The mover that a group's obstacle is, if it is one.
@@ -36,14 +37,17 @@ pub(crate) fn project(
     let Body { particles, context, settings, .. } = body;
     let (origin, thickness) = (particles.origin, settings.thickness);
     let rate = PushOutRate::of(substep);
-    let ObstacleContacts { groups, candidates, pushes, given, planes, .. } = contacts;
-    for ((candidate, pushes), given) in candidates.iter_mut().zip(pushes).zip(given) {
-        let group = &groups[usize::from(candidate.group)];
+    let ObstacleContacts {
+        groups, candidates, pushes: all_pushes, given: all_given, planes, supports, ..
+    } = contacts;
+    for index in 0..candidates.len() {
+        let group = &groups[usize::from(candidates[index].group)];
         let Some(mover) = mover_of(group, movers) else { continue };
         if is_first {
-            candidate.is_touching = false;
-            *given = Cell::default();
+            candidates[index].is_touching = false;
+            all_given[index] = Cell::default();
         }
+        let candidate = candidates[index];
         let shape = substep.obstacles[group.obstacle].shape();
         let mut poses = mover.poses(origin);
         for lane in candidate.each_lane() {
@@ -55,13 +59,14 @@ pub(crate) fn project(
             let local = now.to_local(position);
             let surface = surface_at(local);
             let depth = thickness - surface.distance;
-            let pushed = if candidate.is_touching { pushes.depth[lane] } else { 0.0 };
+            let pushes = &mut all_pushes[index];
+            let pushed = if candidates[index].is_touching { pushes.depth[lane] } else { 0.0 };
             if depth <= 0.0 && pushed == 0.0 {
                 continue;
             }
-            if !candidate.is_touching {
+            if !candidates[index].is_touching {
                 *pushes = Pushes::NONE;
-                candidate.is_touching = true;
+                candidates[index].is_touching = true;
             }
             let normal = now.direction_to_world(surface.normal);
             let travel = particles.displacement.get(slot) + (position - context.integrated.get(slot));
@@ -78,20 +83,34 @@ pub(crate) fn project(
             };
             let inverse_mass = particles.inverse_mass[slot];
             let place = origin + position;
-            let share = inverse_mass / (inverse_mass + mover.inverse_mass_at(place, normal));
+            let support = supports.of(slot, normal, candidates, all_pushes);
+            let yields = inverse_mass * support.map_or(1.0, |held| 1.0 - held.cosine * held.cosine);
+            let share = inverse_mass / (yields + mover.inverse_mass_at(place, normal));
             // Other particles may have pushed the obstacle away since: the excess of earlier pushes is taken back.
             let distance = (push.with_velocity * share).max(-pushed);
-            let moved = normal * distance;
+            let pushes = &mut all_pushes[index];
             pushes.depth[lane] += distance;
             pushes.normal.set(lane, normal);
-            given.set(lane, given.get(lane) + moved);
+            let push_of_mover = normal * distance;
+            all_given[index].add(lane, push_of_mover);
+            let mut moved = push_of_mover;
+            if let Some(held) = support {
+                let borne = held.normal * (held.cosine * distance);
+                moved += borne;
+                let depth = &mut all_pushes[held.place].depth[lane];
+                *depth = (*depth + held.cosine * distance).max(0.0);
+                all_given[held.place].add(lane, borne);
+            }
             particles.displacement.add(slot, moved);
-            let out = normal * (distance + push.position_only);
+            let out = moved + normal * push.position_only;
             particles.position.add(slot, out);
             context.integrated.add(slot, out);
             // A push changes the displacement of the whole substep, so it acts where the displacement began.
             let begun = (place - travel).as_dvec3();
-            mover.receive(ObstaclePush::at(begun, group.obstacle, moved / inverse_mass), substep.duration);
+            mover.receive(
+                ObstaclePush::at(begun, group.obstacle, push_of_mover / inverse_mass),
+                substep.duration,
+            );
             poses = mover.poses(origin);
         }
     }
@@ -108,27 +127,59 @@ pub(crate) fn apply_friction(
         return;
     }
     let particles = &mut body.particles;
-    let origin = particles.origin;
-    let ObstacleContacts { groups, candidates, pushes, given, .. } = contacts;
-    let touching =
-        candidates.iter().zip(pushes).zip(given).filter(|((candidate, _), _)| candidate.is_touching);
-    for ((candidate, pushes), given) in touching {
+    let ObstacleContacts { groups, candidates, pushes, given, supports, .. } = contacts;
+    for (index, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.is_touching) {
         let group = &groups[usize::from(candidate.group)];
         let Some(mover) = mover_of(group, movers) else { continue };
-        for lane in (0..LANES).filter(|&lane| pushes.depth[lane] > 0.0) {
+        for lane in (0..LANES).filter(|&lane| pushes[index].depth[lane] > 0.0) {
             let slot = candidate.slot(lane);
-            let [before, now] = mover.poses(origin);
-            let (position, displacement) = (particles.position.get(slot), particles.displacement.get(slot));
-            let slip = displacement - (position - before.point_to_world(now.to_local(position)));
-            let (normal, depth) = (pushes.normal.get(lane), pushes.depth[lane]);
+            let (normal, depth) = (pushes[index].normal.get(lane), pushes[index].depth[lane]);
             let inverse_mass = particles.inverse_mass[slot];
-            let place = origin + position;
-            let (taken, push) = mover.slip_taken(group.friction, inverse_mass, slip, normal, depth, place);
-            given.set(lane, given.get(lane) - taken);
+            let mut friction = group.friction;
+            // What holds the particle up holds it fast, too, as far as its own friction allows.
+            if let Some(held) = supports.of(slot, normal, candidates, pushes) {
+                let slip = Slip::of(slot, particles, mover);
+                let push =
+                    mover.friction_push(friction, [inverse_mass, 0.0], slip.slip, normal, depth, slip.place);
+                let support = &groups[usize::from(candidates[held.place].group)];
+                let borne =
+                    support.friction.share_of(push.length(), pushes[held.place].depth[lane] / inverse_mass);
+                let push = push * borne;
+                given[index].add(lane, -push * inverse_mass);
+                given[held.place].add(lane, push * inverse_mass);
+                mover.receive(ObstaclePush::at(slip.begun, group.obstacle, -push), substep.duration);
+                friction = friction.scaled(1.0 - borne);
+            }
+            let slip = Slip::of(slot, particles, mover);
+            let (taken, push) =
+                mover.slip_taken(friction, inverse_mass, slip.slip, normal, depth, slip.place);
+            given[index].add(lane, -taken);
             particles.position.add(slot, -taken);
             particles.displacement.add(slot, -taken);
-            let begun = (place - displacement).as_dvec3();
-            mover.receive(ObstaclePush::at(begun, group.obstacle, push), substep.duration);
+            mover.receive(ObstaclePush::at(slip.begun, group.obstacle, push), substep.duration);
+        }
+    }
+}
+
+/// The slip of a particle on a mover in this substep.
+struct Slip {
+    /// In metres.
+    slip: Vec3,
+    /// The particle's place in the world at the end of the substep.
+    place: Vec3,
+    /// Its place at the start.
+    begun: DVec3,
+}
+
+impl Slip {
+    fn of(slot: usize, particles: &Particles, mover: &Mover) -> Self {
+        let [before, now] = mover.poses(particles.origin);
+        let (position, displacement) = (particles.position.get(slot), particles.displacement.get(slot));
+        let place = particles.origin + position;
+        Self {
+            slip: displacement - (position - before.point_to_world(now.to_local(position))),
+            place,
+            begun: (place - displacement).as_dvec3(),
         }
     }
 }

@@ -23,6 +23,7 @@ use crate::broad_phase::obstacle_search::{Candidate, CandidateLists};
 use crate::constants::LEAST_OVERLAP;
 use crate::contact::depenetration::PushOutRate;
 use crate::contact::obstacle_push::add_to;
+use crate::contact::support::Supports;
 use crate::geometry::pose::Pose;
 use crate::geometry::surface_lanes::{LanePlanes, LanePose, Solid};
 use crate::motion::body_columns::{BodyColumns, MovingColumns};
@@ -49,6 +50,7 @@ pub(crate) struct ObstacleContacts {
     /// it.
     pub given: Vec<Cell>,
     pub planes: Vec<LanePlanes>,
+    pub supports: Supports,
     /// Index of each strip's first candidate; one more at the end.
     pub first_of_strip: Vec<u32>,
 }
@@ -156,7 +158,7 @@ impl ObstacleContacts {
 
     /// Sorts the candidates into the order in which a sweep takes them, and records the first one of each strip.
     pub fn sort(&mut self) {
-        let Self { layout, candidates, first_of_strip, pushes, .. } = self;
+        let Self { layout, groups, candidates, first_of_strip, pushes, supports, .. } = self;
         first_of_strip.clear();
         let (cells_of_strip, strips) = layout.strips();
         if !candidates.is_empty() {
@@ -176,6 +178,7 @@ impl ObstacleContacts {
             }
         }
         pushes.resize(candidates.len(), Pushes::NONE);
+        supports.sort(groups, candidates, pushes.capacity());
     }
 
     /// The contacts of all strips.

@@ -26,6 +26,10 @@ impl Cell {
         (self.x[lane], self.y[lane], self.z[lane]) = (v.x, v.y, v.z);
     }
 
+    pub fn add(&mut self, lane: usize, v: Vec3) {
+        self.set(lane, self.get(lane) + v);
+    }
+
     pub fn minus(&self, other: &Self) -> Self {
         let axes =
             |own: &[f32; LANES], other: &[f32; LANES]| core::array::from_fn(|lane| own[lane] - other[lane]);

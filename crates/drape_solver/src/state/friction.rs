@@ -48,6 +48,12 @@ impl Friction {
         Self { kinetic: self.kinetic * factor, sticking: self.sticking * factor }
     }
 
+    /// The share of a tangential push that the contact passes on if it is pressed by `normal_push`, in the same unit: all of it, or
+    /// as much as kinetic friction bears.
+    pub fn share_of(self, push: f32, normal_push: f32) -> f32 {
+        if push <= self.sticking * normal_push { 1.0 } else { self.kinetic * normal_push / push }
+    }
+
     /// The part of the relative displacement `slip` that friction removes, for a contact of summed `depth` (metres)
     /// along `normal`.
     pub fn slip_taken(self, slip: Vec3, normal: Vec3, depth: f32) -> Vec3 {

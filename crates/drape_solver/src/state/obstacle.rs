@@ -42,13 +42,13 @@ struct Flight {
     end: RigidBody,
     /// Motion and placement at the end of the step if nothing touches it.
     free: (RigidBody, Placement),
-    /// The accelerations on the way there, if another engine moves it.
-    drive: Option<Drive>,
+    /// What accelerates it on the way there.
+    drive: Drive,
 }
 
 impl Flight {
     fn at_rest_in(placement: Placement, body: RigidBody) -> Self {
-        Self { start: body, end: body, free: (body, placement), drive: None }
+        Self { start: body, end: body, free: (body, placement), drive: Drive::Gravity(Vec3::ZERO) }
     }
 }
 
@@ -162,20 +162,19 @@ impl Obstacle {
         self.flight = body.map(|body| Flight::at_rest_in(self.placement, body));
     }
 
-    /// The motion at the start of the coming step, and the accelerations in it if another engine moves the obstacle.
-    pub(crate) fn starts_with(&self) -> Option<(RigidBody, Option<Drive>)> {
+    /// The motion at the start of the coming step, and what accelerates the obstacle in it.
+    pub(crate) fn starts_with(&self) -> Option<(RigidBody, Drive)> {
         self.flight.map(|flight| (flight.start, flight.drive))
     }
 
     /// Begins a step of `dt` seconds of an obstacle with a [rigid body](Self::with_rigid_body) under `acceleration`
     /// (m/s^2): moves it as if nothing touched it. Does nothing without a body.
     pub fn fly(&mut self, acceleration: Vec3, dt: f32) {
-        let Some(Flight { end: mut start, .. }) = self.flight else { return };
-        start.accelerate(acceleration, dt);
-        let mut end = start;
-        let to = end.advance(self.placement, dt);
+        let Some(Flight { end: start, .. }) = self.flight else { return };
+        let (mut end, drive) = (start, Drive::Gravity(acceleration));
+        let to = end.advance_under(drive, self.placement, dt);
         self.move_to(to, dt);
-        self.flight = Some(Flight { start, end, free: (end, self.placement), drive: None });
+        self.flight = Some(Flight { start, end, free: (end, self.placement), drive });
     }
 
     /// Begins a step of `dt` seconds of an obstacle with a [rigid body](Self::with_rigid_body) that another physics engine
@@ -193,7 +192,7 @@ impl Obstacle {
         } else {
             start.lead(self.placement, self.placement, dt)
         };
-        self.flight = Some(Flight { start, end, free: (end, self.placement), drive: Some(drive) });
+        self.flight = Some(Flight { start, end, free: (end, self.placement), drive });
     }
 
     /// Ends a step in which something was near: sets the resulting motion and placement. If two islands touched the

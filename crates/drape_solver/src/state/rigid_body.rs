@@ -108,7 +108,7 @@ impl RigidBody {
     pub(crate) fn lead(&mut self, from: Placement, to: Placement, dt: f32) -> Drive {
         let way = (to.translation - from.translation) / dt;
         let turn = turn_between(from.rotation, to.rotation) / dt;
-        let drive = Drive {
+        let drive = Drive::Engine {
             linear: (self.velocity - way) * (2.0 / dt),
             angular: (self.angular_velocity - turn) * (2.0 / dt),
         };
@@ -117,11 +117,24 @@ impl RigidBody {
         drive
     }
 
-    /// Moves the body for `dt` seconds under accelerations that contain all that acts on it, and returns its placement.
-    pub(crate) fn advance_driven(&mut self, from: Placement, drive: Drive, dt: f32) -> Placement {
+    /// Moves the body for `dt` seconds under a drive, and returns its placement. What touches nothing arrives at the same place,
+    /// whatever the number of parts that a step is taken in.
+    pub(crate) fn advance_under(&mut self, drive: Drive, from: Placement, dt: f32) -> Placement {
+        match drive {
+            Drive::Gravity(acceleration) => {
+                self.accelerate(acceleration, 0.5 * dt);
+                let to = self.advance(from, dt);
+                self.accelerate(acceleration, 0.5 * dt);
+                to
+            }
+            Drive::Engine { linear, angular } => self.advance_driven(linear, angular, from, dt),
+        }
+    }
+
+    fn advance_driven(&mut self, linear: Vec3, angular: Vec3, from: Placement, dt: f32) -> Placement {
         let before = *self;
-        self.velocity += drive.linear * dt;
-        self.angular_velocity += drive.angular * dt;
+        self.velocity += linear * dt;
+        self.angular_velocity += angular * dt;
         let turn = (before.angular_velocity + self.angular_velocity) * (0.5 * dt);
         let mut to = from;
         to.translation += (before.velocity + self.velocity) * (0.5 * dt);
@@ -198,13 +211,18 @@ impl RigidBody {
     }
 }
 
-/// Accelerations that another engine gives a body, with all that acts on it but contacts of cloth, ropes and balls.
+/// What accelerates a body on its way through a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Drive {
-    /// In m/s^2.
-    linear: Vec3,
-    /// In rad/s^2, in world axes.
-    angular: Vec3,
+pub(crate) enum Drive {
+    /// Gravity, in m/s^2.
+    Gravity(Vec3),
+    /// Another engine, with all that acts on the body but contacts of cloth, ropes and balls.
+    Engine {
+        /// In m/s^2.
+        linear: Vec3,
+        /// In rad/s^2, in world axes.
+        angular: Vec3,
+    },
 }
 
 /// The number of small turns in a step.

@@ -4,7 +4,8 @@
 use drape_solver::glam::{BVec3, DVec3, Quat, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    BallMaterial, BodySettings, ClothBuilder, Environment, Island, Obstacle, RigidBody, Shape, step,
+    BallMaterial, BodySettings, ClothBuilder, Environment, Island, Obstacle, Placement, RigidBody, Shape,
+    step,
 };
 
 use crate::common::*;
@@ -266,7 +267,7 @@ fn an_obstacle_that_an_engine_moves_arrives_as_planned_if_nothing_touches_it() {
     body.angular_velocity = Vec3::new(0.3, -0.2, 0.5);
     let mut scene = Scene::new(Island::of_body(cloth), at, body, 0.0);
     // It has bounced off something on its way: place and velocity do not fit.
-    let there = drape_solver::Placement {
+    let there = Placement {
         translation: at + Vec3::new(0.004, -0.003, 0.002),
         rotation: Quat::from_rotation_y(0.07) * Quat::from_rotation_x(0.2),
     };
@@ -309,6 +310,61 @@ fn a_trampoline_carries_the_weight_of_a_box() {
         assert!((given / weight - 1.0).abs() < 0.03, "{what}: {given} N s carried, not {weight}");
         let speed = scene.body().velocity.length();
         assert!(mass > 1.0 || speed < 0.1, "{what}: {speed} m/s at rest");
+    }
+}
+
+/// A box above a square metre of cloth, 10 mm thick, that lies on the ground.
+fn box_over_a_sheet_on_the_ground(mass: f32, gap: f32, pilot: Pilot) -> Scene {
+    let sheet = ClothBuilder::new(1.0, 1.0, 17, 17).placed(Vec3::new(-0.5, 0.01, -0.5), Vec3::X, Vec3::Z);
+    let settings = BodySettings { thickness: 0.01, friction: 0.5, ..BodySettings::default() };
+    let island = Island::of_body(sheet.build(settings).expect("valid"));
+    let mut scene = Scene::new(island, Vec3::Y * (0.02 + HALF + gap), cube(mass), 0.0).piloted_by(pilot);
+    let ground = Obstacle::new(Shape::HalfSpace { normal: Vec3::Y }, Placement::default(), 0.5);
+    scene.environment.obstacles.push(ground.expect("valid"));
+    scene.environment.gravity = Vec3::NEG_Y * 9.81;
+    scene
+}
+
+/// Cloth between a box and the ground carries the box, however heavy that is: it lies on the cloth, at rest. It sank into the ground,
+/// and a heavy one fell through, as each particle took its share of every push and the ground gave it back to the particle alone.
+#[test]
+fn cloth_on_the_ground_carries_a_box() {
+    for (mass, pilot) in [0.05, 0.5, 5.0, 500.0].into_iter().flat_map(|m| PILOTS.map(|pilot| (m, pilot))) {
+        let mut scene = box_over_a_sheet_on_the_ground(mass, 0.1, pilot);
+        let what = format!("{mass} kg, {pilot:?}");
+        let mut before = Placement::default();
+        for index in 0..120 {
+            scene.step();
+            let place = scene.obstacle().placement();
+            let sunk = 0.02 - (place.translation.y - HALF);
+            assert!(sunk < 5e-4, "{what}: sunk by {sunk} m in step {index}");
+            if index == 60 {
+                before = place;
+            }
+        }
+        let place = scene.obstacle().placement();
+        let (moved, turned) =
+            (place.translation - before.translation, place.rotation.angle_between(before.rotation));
+        assert!(place.translation.y - HALF < 0.0205, "{what}: floats at {}", place.translation.y);
+        assert!(moved.length() < 1e-4 && turned < 1e-3, "{what}: moved by {moved} m, turned by {turned}");
+    }
+}
+
+/// A box slides on cloth on the ground as on the ground: the one pushes on what the other holds fast.
+#[test]
+fn cloth_on_the_ground_stops_a_box_by_coulombs_law() {
+    for (mass, pilot) in [0.05, 5.0].into_iter().flat_map(|m| PILOTS.map(|pilot| (m, pilot))) {
+        let mut scene = box_over_a_sheet_on_the_ground(mass, 0.0, pilot);
+        let mut start = cube(mass);
+        start.velocity = Vec3::X * 0.8;
+        scene.environment.obstacles[0].set_rigid_body(Some(start));
+        (0..60).for_each(|_| scene.step());
+        let way = scene.obstacle().placement().translation.x;
+        let expected = 0.8 * 0.8 / (2.0 * 0.5 * 9.81);
+        assert!(
+            (way / expected - 1.0).abs() < 0.1,
+            "{mass} kg, {pilot:?}: stopped after {way} m, not {expected}"
+        );
     }
 }
 
