@@ -6,31 +6,32 @@
 use avian3d::dynamics::solver::islands::{BodyIslandNode, SleepBody, WakeBody};
 use avian3d::prelude::*;
 use bevy::prelude::*;
-use bevy_drape_bridge::{BodyObstacle, Load, ObstacleOf, WakeRequest};
+use bevy_drape_bridge::{BodyObstacle, EngineBody, Load, ObstacleOf, WakeRequest};
 
 /// Sends islands of bodies to sleep that lie on cloth and have been still for long enough. Runs in Avian's step: what cloth
 /// has handed back after it would wake a body that sleeps.
 pub(crate) fn fall_asleep(
-    obstacles: Query<(&ObstacleOf, &Load)>,
+    obstacles: Query<(&ObstacleOf, &Load, &EngineBody)>,
     bodies: Query<(&BodyIslandNode, &SleepTimer, Option<&BodyObstacle>), Without<Sleeping>>,
-    mut velocities: Query<(&mut LinearVelocity, &mut AngularVelocity)>,
+    mut motions: Query<(&mut Position, &mut Rotation, &mut LinearVelocity, &mut AngularVelocity)>,
     mut commands: Commands,
     time_to_sleep: Res<TimeToSleep>,
 ) {
-    for (of, load) in &obstacles {
+    for (of, load, body) in &obstacles {
         if !load.is_carried() || load.still_for < time_to_sleep.0 {
             continue;
         }
         let Ok((island, ..)) = bodies.get(of.0) else { continue };
         let is_still = |timer: &SleepTimer, obstacle: Option<&BodyObstacle>| {
             let load = obstacle.and_then(|obstacle| obstacles.get(obstacle.entity()).ok());
-            timer.0.max(load.map_or(0.0, |(_, load)| load.still_for)) >= time_to_sleep.0
+            timer.0.max(load.map_or(0.0, |(_, load, _)| load.still_for)) >= time_to_sleep.0
         };
         let mut others = bodies.iter().filter(|(other, ..)| other.island_id() == island.island_id());
         if others.all(|(_, timer, obstacle)| is_still(timer, obstacle)) {
             commands.queue(SleepBody(of.0));
-            if let Ok((mut velocity, mut spin)) = velocities.get_mut(of.0) {
+            if let Ok((mut position, mut rotation, mut velocity, mut spin)) = motions.get_mut(of.0) {
                 // It has begun to fall in this step.
+                (position.0, rotation.0) = (body.left.translation, body.left.rotation);
                 (velocity.0, spin.0) = (Vec3::ZERO, Vec3::ZERO);
             }
         }

@@ -21,6 +21,9 @@ pub struct Load {
     pub acceleration: Vec3,
     /// Seconds for which the body has been slow enough for sleep.
     pub still_for: f32,
+    /// The acceleration in the first step that the body slept through: cloth that is squeezed between the body and the ground bears
+    /// less once the body holds itself.
+    asleep: Option<Vec3>,
     /// The greatest speed in m/s in cloth that is tied to the body; none if there is no such cloth.
     tied_speed: Option<f32>,
 }
@@ -38,11 +41,15 @@ impl Load {
     }
 
     /// True if a sleeping body wakes that cloth pushes with this acceleration.
-    fn wakes(&self, acceleration: Vec3) -> bool {
+    fn wakes(&mut self, acceleration: Vec3) -> bool {
         match self.tied_speed {
             // A body that sleeps holds what is tied to it: it does not feel the pull.
             Some(speed) => speed > WAKING_SPEED || acceleration.length() > WAKING_CHANGE,
-            None => acceleration.distance(self.acceleration) > WAKING_CHANGE,
+            None => {
+                let has_lost_support = self.is_carried() && acceleration == Vec3::ZERO;
+                let before = *self.asleep.get_or_insert(acceleration);
+                has_lost_support || acceleration.distance(before) > WAKING_CHANGE
+            }
         }
     }
 }
@@ -83,6 +90,7 @@ pub(crate) fn note_loads(
         let acceleration = push / time.delta_secs();
         if !body.is_asleep {
             load.acceleration = load.acceleration.lerp(acceleration, LOAD_PART);
+            load.asleep = None;
             let [speed, spin] = body.sleep_speeds;
             let is_still = body.velocity.length() < speed && body.angular_velocity.length() < spin;
             load.still_for = if is_still { load.still_for + time.delta_secs() } else { 0.0 };

@@ -170,6 +170,9 @@ pub const PUSH_OUT_SPEED: f32 = 3.0;
 /// The same for overlaps of faces and obstacles.
 pub const GENTLE_PUSH_OUT_SPEED: f32 = 0.05;
 
+/// Cosine of the angle between two opposite pushes up to which friction keeps a particle from slipping out between them: 26 degrees.
+pub const HELD_FAST: f32 = 0.9;
+
 /// Contacts slower than this, in metres per second, do not bounce: else bodies at rest would tremble.
 pub const RESTITUTION_SPEED: f32 = 0.2;
 

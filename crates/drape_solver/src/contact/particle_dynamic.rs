@@ -83,9 +83,12 @@ pub(crate) fn project(
             };
             let inverse_mass = particles.inverse_mass[slot];
             let place = origin + position;
-            let support = supports.of(slot, normal, candidates, all_pushes);
-            let yields = inverse_mass * support.map_or(1.0, |held| 1.0 - held.cosine * held.cosine);
-            let share = inverse_mass / (yields + mover.inverse_mass_at(place, normal));
+            let inverse_mass_of_mover = mover.inverse_mass_at(place, normal);
+            // If neither can give way, the particle does.
+            let support =
+                supports.of(slot, normal, candidates, all_pushes).filter(|_| inverse_mass_of_mover > 0.0);
+            let yields = inverse_mass * support.map_or(1.0, |held| held.left);
+            let share = inverse_mass / (yields + inverse_mass_of_mover);
             // Other particles may have pushed the obstacle away since: the excess of earlier pushes is taken back.
             let distance = (push.with_velocity * share).max(-pushed);
             let pushes = &mut all_pushes[index];
@@ -93,16 +96,16 @@ pub(crate) fn project(
             pushes.normal.set(lane, normal);
             let push_of_mover = normal * distance;
             all_given[index].add(lane, push_of_mover);
-            let mut moved = push_of_mover;
+            let (mut moved, mut out) = (push_of_mover, normal * (distance + push.position_only));
             if let Some(held) = support {
-                let borne = held.normal * (held.cosine * distance);
-                moved += borne;
+                let back = held.back * distance;
+                moved += back;
+                out += back;
                 let depth = &mut all_pushes[held.place].depth[lane];
-                *depth = (*depth + held.cosine * distance).max(0.0);
-                all_given[held.place].add(lane, borne);
+                *depth = (*depth + held.back.length() * distance).max(0.0);
+                all_given[held.place].add(lane, back);
             }
             particles.displacement.add(slot, moved);
-            let out = moved + normal * push.position_only;
             particles.position.add(slot, out);
             context.integrated.add(slot, out);
             // A push changes the displacement of the whole substep, so it acts where the displacement began.

@@ -1,18 +1,21 @@
 //! Particles between a mover and an obstacle that holds them up: cloth under a crate on the floor.
 //!
 //! ```text
-//!    mover   | n         The floor takes back what the mover's push moves the particle along m. So a push of the
-//!   =========v====       size p moves the particle by p w (n + c m), with c = -n . m, and along n by p w (1 - c^2):
-//!            o           under a level box it does not give way at all, and the box is held up.
+//!    mover   | n         The floor takes back what a push of the mover along n moves the particle along m. So the particle
+//!   =========v====       gives way to the push as if its inverse mass were w (1 - c^2), with c = -n . m: under a level box
+//!            o           not at all, and the box is held up.
 //!   =========^====
 //!    floor   | m
 //! ```
+//!
+//! Where n and m are almost opposite, friction keeps the particle from slipping out sideways like a pip.
 //!
 //! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::Vec3;
 
 use crate::broad_phase::obstacle_search::Candidate;
+use crate::constants::HELD_FAST;
 use crate::contact::particle_obstacle::{ObstacleGroup, Pushes};
 use crate::simd::columns::LANES;
 
@@ -28,10 +31,10 @@ pub(crate) struct Supports {
 pub(crate) struct Support {
     /// The place of its contact in the list of candidates.
     pub place: usize,
-    /// The unit normal along which it pushes.
-    pub normal: Vec3,
-    /// The cosine between the push and the ground that takes it: 1 if they are opposite.
-    pub cosine: f32,
+    /// The displacement that it gives the particle for each metre that the push would move it.
+    pub back: Vec3,
+    /// The part of the particle's inverse mass that is left against the push.
+    pub left: f32,
 }
 
 impl Supports {
@@ -48,7 +51,8 @@ impl Supports {
         }
     }
 
-    /// What holds up the particle in a slot against a push along the unit vector `normal`, if anything has pushed it in this substep.
+    /// What holds up the particle in a slot against a push along the unit vector `normal`, if anything has pushed it in this
+    /// substep.
     pub fn of(
         &self,
         slot: usize,
@@ -59,16 +63,22 @@ impl Supports {
         let (cell, lane) = ((slot / LANES) as u32, slot % LANES);
         let first = self.of_cell.partition_point(|&(other, _)| other < cell);
         let of_cell = self.of_cell[first..].iter().take_while(|&&(other, _)| other == cell);
-        let mut best: Option<Support> = None;
-        for place in of_cell.map(|&(_, place)| place as usize) {
-            if candidates[place].is_touching && pushes[place].depth[lane] > 0.0 {
-                let support = pushes[place].normal.get(lane);
-                let cosine = -normal.dot(support);
-                if cosine > best.map_or(0.0, |best| best.cosine) {
-                    best = Some(Support { place, normal: support, cosine: cosine.min(1.0) });
-                }
+        let pushing = of_cell
+            .map(|&(_, place)| place as usize)
+            .filter(|&place| candidates[place].is_touching && pushes[place].depth[lane] > 0.0);
+        let (mut most, mut best) = (0.0, None);
+        for place in pushing {
+            let cosine = -normal.dot(pushes[place].normal.get(lane));
+            if cosine > most {
+                (most, best) = (cosine, Some(place));
             }
         }
-        best
+        best.map(|place| {
+            if most > HELD_FAST {
+                Support { place, back: -normal, left: 0.0 }
+            } else {
+                Support { place, back: pushes[place].normal.get(lane) * most, left: 1.0 - most * most }
+            }
+        })
     }
 }

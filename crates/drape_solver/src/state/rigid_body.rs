@@ -161,8 +161,10 @@ impl RigidBody {
     /// vector `direction`.
     pub(crate) fn inverse_mass_at(&self, placement: Placement, arm: Vec3, direction: Vec3) -> f32 {
         let lever = arm.cross(direction);
-        let along_locked = (direction * (Vec3::ONE - self.movable)).length_squared();
-        self.mass.recip() * (1.0 - along_locked) + lever.dot(self.turn_by(placement, lever))
+        // Exactly 0 if all axes are locked, and 1 if none is.
+        let along_free =
+            if self.movable == Vec3::ONE { 1.0 } else { (direction * self.movable).length_squared() };
+        self.mass.recip() * along_free + lever.dot(self.turn_by(placement, lever))
     }
 
     /// Upper bound of the effective inverse mass of the point at `arm` over all directions: exact where no axis is locked.
