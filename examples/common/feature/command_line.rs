@@ -12,8 +12,8 @@ struct FeatureArguments {
     /// Run without a window, and print the result.
     #[arg(long)]
     headless: bool,
-    /// Simulated time of a run without a window; as long as until the picture, if not given.
-    #[arg(long, value_name = "SECONDS")]
+    /// Simulated time of a run without a window, or until the picture.
+    #[arg(long, visible_alias = "at", value_name = "SECONDS")]
     seconds: Option<f32>,
     /// Draw a picture into this PNG file instead (needs `--features render`).
     #[arg(long, value_name = "FILE")]
@@ -34,9 +34,10 @@ impl Feature {
     }
 
     fn obey(&self, arguments: &FeatureArguments) -> Result<(), Box<dyn core::error::Error>> {
+        let seconds = arguments.seconds.unwrap_or(self.picture_time);
         if let Some(file) = &arguments.picture {
             #[cfg(feature = "render")]
-            return crate::feature::picture::draw(self, file).map_err(Into::into);
+            return crate::feature::picture::draw(self, seconds, file).map_err(Into::into);
             #[cfg(not(feature = "render"))]
             return Err(format!("{} needs `--features render`", file.display()).into());
         }
@@ -47,11 +48,14 @@ impl Feature {
         if !arguments.headless {
             println!("No window without `--features window`: running without one.");
         }
-        let report = self.run_headless(arguments.seconds.unwrap_or(self.picture_time))?;
+        let report = self.run_headless(seconds)?;
         println!(
             "{}\n{} steps, {} bodies of {} particles, {} balls; greatest speed {:.1} m/s",
             self.title, report.steps, report.bodies, report.particles, report.balls, report.greatest_speed
         );
+        if let Some(finding) = report.finding {
+            println!("{finding}");
+        }
         Ok(())
     }
 }

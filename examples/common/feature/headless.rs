@@ -10,7 +10,7 @@ use crate::feature::example::{Feature, steps_in};
 use crate::view::gltf_files::{FileError, wait_for_files};
 
 /// The result of a run without a window.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FeatureReport {
     /// Steps taken.
     pub steps: u64,
@@ -22,7 +22,13 @@ pub struct FeatureReport {
     pub balls: usize,
     /// Greatest speed of a particle or ball at any step, in m/s.
     pub greatest_speed: f32,
+    /// What the example's [`Verdict`] found.
+    pub finding: Option<String>,
 }
+
+/// Judges the scene at the end of a run without a window: what happened, or what went wrong.
+#[derive(Resource, Clone, Copy, Debug)]
+pub struct Verdict(pub fn(&mut World) -> Result<String, String>);
 
 /// The errors of a run without a window.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -36,6 +42,9 @@ pub enum FeatureError {
     /// A position or velocity is not finite.
     #[error("{0} has a particle that is nowhere, at step {1}")]
     NotFinite(Entity, u64),
+    /// The example's [`Verdict`].
+    #[error("{0}")]
+    Verdict(String),
     /// A file is missing.
     #[cfg(feature = "gltf")]
     #[error(transparent)]
@@ -46,11 +55,13 @@ impl Feature {
     /// Runs for this long (simulated seconds), as fast as it goes, without a renderer.
     ///
     /// # Errors
-    /// [`FeatureError`] if a body or obstacle is refused, a file is missing, nothing is simulated, or a position is not finite.
+    /// [`FeatureError`] if a body or obstacle is refused, a file is missing, nothing is simulated, a position is not finite, or the
+    /// example's [`Verdict`] says so.
     pub fn run_headless(&self, seconds: f32) -> Result<FeatureReport, FeatureError> {
         let mut app = self.headless_app();
         let steps = steps_in(&app, seconds);
-        let mut report = FeatureReport { steps, bodies: 0, particles: 0, balls: 0, greatest_speed: 0.0 };
+        let mut report =
+            FeatureReport { steps, bodies: 0, particles: 0, balls: 0, greatest_speed: 0.0, finding: None };
         // The first update takes no step.
         for step in 0..=steps {
             app.update();
@@ -62,6 +73,9 @@ impl Feature {
         }
         if report.bodies + report.balls == 0 {
             return Err(FeatureError::Empty);
+        }
+        if let Some(&Verdict(judge)) = app.world().get_resource() {
+            report.finding = Some(judge(app.world_mut()).map_err(FeatureError::Verdict)?);
         }
         Ok(report)
     }

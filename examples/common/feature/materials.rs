@@ -5,8 +5,8 @@ use bevy_drape::build::RigidTetrahedron;
 use bevy_drape::prelude::*;
 use bevy_drape::render::DrivenMesh;
 use bevy_drape_script::recording::Form;
-use drape_solver::Shape;
 use drape_solver::parry3d::shape::{SharedShape, TypedShape};
+use drape_solver::{Placement, Shape};
 
 use crate::view::lighting::LightingPlugin;
 use crate::view::paint::Paint;
@@ -115,20 +115,30 @@ fn add_obstacle_meshes(
         if obstacle.is_sensor {
             continue;
         }
-        let Ok(Some(shape)) = obstacle.shape.solid(None) else { continue };
-        let usual = if matches!(shape, Shape::HalfSpace { .. }) { EARTH } else { SOLID };
-        let colour = paint.map_or(usual, Paint::color);
-        let form = Form::of(&shape);
-        let (looks, form) = match round(&shape) {
-            Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),
-            None => (mesh_of(form), form),
-        };
-        let looks: Option<Placed> = looks;
-        if let Some((mesh, place)) = looks {
-            let material = materials.add(material_of(form, colour));
-            parent.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material), place));
+        let Ok(Some(whole)) = obstacle.shape.solid(None) else { continue };
+        for (shape, at) in parts(&whole) {
+            let usual = if matches!(shape, Shape::HalfSpace { .. }) { EARTH } else { SOLID };
+            let colour = paint.map_or(usual, Paint::color);
+            let form = Form::of(shape);
+            let (looks, form) = match round(shape) {
+                Some(mesh) => (Some((mesh, Transform::IDENTITY)), Form::Sphere { radius: 1.0 }),
+                None => (mesh_of(form), form),
+            };
+            let looks: Option<Placed> = looks;
+            if let Some((mesh, place)) = looks {
+                let material = materials.add(material_of(form, colour));
+                parent.with_child((Mesh3d(meshes.add(mesh)), MeshMaterial3d(material), at * place));
+            }
         }
     }
+}
+
+/// The shapes that a shape is made of, with their places.
+fn parts(shape: &Shape) -> Vec<(&Shape, Transform)> {
+    let Shape::Compound(compound) = shape else { return vec![(shape, Transform::IDENTITY)] };
+    let place =
+        |place: Placement| Transform::from_translation(place.translation).with_rotation(place.rotation);
+    compound.parts().map(|(part, at)| (part, place(at))).collect()
 }
 
 /// The mesh of a cylinder, cone or convex hull; none for other shapes.

@@ -14,4 +14,4 @@ mod window;
 
 pub use crate::view::paint::Paint;
 pub use example::{Feature, bare_app, steps_in};
-pub use headless::{FeatureError, FeatureReport};
+pub use headless::{FeatureError, FeatureReport, Verdict};

@@ -18,11 +18,11 @@ const DRAWN: UVec2 = UVec2::new(960, 540);
 /// Vertical angle of view in radians.
 pub const FIELD_OF_VIEW: f32 = 0.7;
 
-/// Runs `feature` until the time of its picture and draws it into a PNG file.
+/// Runs `feature` for this long (simulated seconds) and draws it into a PNG file.
 ///
 /// # Errors
 /// [`PictureError`].
-pub fn draw(feature: &Feature, path: &Path) -> Result<(), PictureError> {
+pub fn draw(feature: &Feature, seconds: f32, path: &Path) -> Result<(), PictureError> {
     let build = feature.build;
     let (mut app, offscreen) =
         offscreen::app((DrapePlugins::default(), FeatureMaterialsPlugin, build), DRAWN)?;
@@ -33,7 +33,7 @@ pub fn draw(feature: &Feature, path: &Path) -> Result<(), PictureError> {
         view.apply(&mut transform, &mut projection);
     }
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    let steps = steps_in(&app, feature.picture_time);
+    let steps = steps_in(&app, seconds);
     app.update();
     wait_for_files(&mut app)?;
     for _ in 0..steps {

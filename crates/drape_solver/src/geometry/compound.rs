@@ -67,6 +67,11 @@ impl CompoundShape {
         Self::of_parts(parts.collect::<Result<_, BuildError>>()?)
     }
 
+    /// The shapes, each with its place.
+    pub fn parts(&self) -> impl ExactSizeIterator<Item = (&Shape, Placement)> {
+        self.parts.iter().map(|part| (&part.shape, part.placement))
+    }
+
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         (self.low, self.high)
     }

@@ -1,0 +1,180 @@
+//! What the playgrounds of all engines share: the places and colours of their scene, its camera, and what is judged at its end.
+#![cfg(feature = "examples")]
+
+use core::f32::consts::FRAC_PI_3;
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape_bridge::ObstacleOf;
+use drape_examples::feature::{Feature, Paint, Verdict};
+
+/// Colour of posts, beams and the wrecking ball.
+pub const STEEL: Paint = Paint::rgb(0.33, 0.35, 0.38);
+/// Colour of crates.
+pub const WOOD: Paint = Paint::rgb(0.62, 0.42, 0.22);
+/// Colour of the curtain.
+pub const VELVET: Paint = Paint::rgb(0.60, 0.13, 0.16);
+/// Colour of the net.
+pub const CANVAS: Paint = Paint::rgb(0.16, 0.42, 0.46);
+/// Colour of the rope.
+pub const HEMP: Paint = Paint::rgb(0.72, 0.58, 0.34);
+/// Colour of the character.
+pub const COAT: Paint = Paint::rgb(0.92, 0.72, 0.22);
+
+/// Places and sizes in metres of all that stands fast.
+pub const FIXTURES: [(Vec3, Vec3); 13] = [
+    // The frame of the net.
+    (Vec3::new(-3.24, 0.55, -0.84), Vec3::new(0.08, 1.1, 0.08)),
+    (Vec3::new(-1.56, 0.55, -0.84), Vec3::new(0.08, 1.1, 0.08)),
+    (Vec3::new(-3.24, 0.55, 0.84), Vec3::new(0.08, 1.1, 0.08)),
+    (Vec3::new(-1.56, 0.55, 0.84), Vec3::new(0.08, 1.1, 0.08)),
+    (Vec3::new(-2.4, 1.08, -0.84), Vec3::new(1.6, 0.05, 0.06)),
+    (Vec3::new(-2.4, 1.08, 0.84), Vec3::new(1.6, 0.05, 0.06)),
+    (Vec3::new(-3.24, 1.08, 0.0), Vec3::new(0.06, 0.05, 1.6)),
+    (Vec3::new(-1.56, 1.08, 0.0), Vec3::new(0.06, 0.05, 1.6)),
+    // The frame of the curtain.
+    (Vec3::new(-0.94, 1.1, 0.0), Vec3::new(0.08, 2.2, 0.08)),
+    (Vec3::new(0.94, 1.1, 0.0), Vec3::new(0.08, 2.2, 0.08)),
+    (Vec3::new(0.0, 2.24, 0.0), Vec3::new(1.96, 0.08, 0.08)),
+    // The crane.
+    (Vec3::new(2.6, 1.4, -1.2), Vec3::new(0.14, 2.8, 0.14)),
+    (Vec3::new(2.6, 2.74, -0.53), Vec3::new(0.12, 0.12, 1.2)),
+];
+
+/// The middle of the net.
+pub const NET: Vec3 = Vec3::new(-2.4, 1.08, 0.0);
+/// Side of the net in metres.
+pub const NET_SIDE: f32 = 1.6;
+/// A cargo net of webbing.
+pub const WEBBING: Fabric = Fabric { areal_density: 1.0, ..Fabric::NET };
+/// Side of a crate in metres.
+pub const CRATE: f32 = 0.3;
+/// Density of crates in kg/m^3.
+pub const WOOD_DENSITY: f32 = 150.0;
+/// Height of the upper edge of the curtain in metres.
+pub const RAIL: f32 = 2.18;
+/// Size of each of the two halves of the curtain in metres.
+pub const HALF_CURTAIN: Vec2 = Vec2::new(0.88, 2.1);
+/// Radius of the character in metres.
+pub const CHARACTER_RADIUS: f32 = 0.25;
+/// Length of the character between the middles of its round ends, in metres.
+pub const CHARACTER_LENGTH: f32 = 1.1;
+/// Where the character starts; it walks along Z.
+pub const CHARACTER: Vec3 = Vec3::new(0.0, 0.81, -0.9);
+/// Speed of the character in m/s.
+pub const WALK: f32 = 1.0;
+/// Where the rope hangs.
+pub const HOOK: Vec3 = Vec3::new(2.6, 2.66, 0.0);
+/// Length of the rope to the middle of the ball, in metres.
+pub const ROPE: f32 = 2.0;
+/// Radius of the ball in metres.
+pub const BALL_RADIUS: f32 = 0.22;
+/// Density of the ball in kg/m^3.
+pub const BALL_DENSITY: f32 = 900.0;
+
+/// All particles along the border of a cloth.
+pub fn border(cloth: &Cloth) -> ClothPins {
+    let UVec2 { x: columns, y: rows } = cloth.particles;
+    let ends = |index: u32, count: u32| index == 0 || index == count - 1;
+    let is_border = |i: &u32| ends(i % columns, columns) || ends(i / columns, rows);
+    ClothPins::Indices((0..columns * rows).filter(is_border).collect())
+}
+
+/// Crates above the net.
+pub fn falling_crates() -> impl Iterator<Item = Transform> {
+    (0..4).map(|index| {
+        let angle = 2.0 * index as f32;
+        let aside = Vec3::new(angle.cos(), 0.0, angle.sin()) * 0.3;
+        let turn = Quat::from_euler(EulerRot::XYZ, 0.3 * angle, angle, 0.2);
+        Transform::from_translation(NET + aside + Vec3::Y * (0.25 + 0.35 * index as f32)).with_rotation(turn)
+    })
+}
+
+/// A wall of crates in the way of the ball.
+pub fn stacked_crates() -> impl Iterator<Item = Transform> {
+    let rows = (0..3).flat_map(|row| (0..3 - row).map(move |column| (row, column)));
+    rows.map(|(row, column)| {
+        let aside = column as f32 - 0.5 * (2 - row) as f32;
+        Transform::from_xyz(HOOK.x - 0.65, CRATE * (0.5 + row as f32), 1.04 * CRATE * aside)
+    })
+}
+
+/// The ball at the end of its rope, drawn aside.
+pub fn ball_place() -> Vec3 {
+    HOOK + Quat::from_rotation_z(FRAC_PI_3) * Vec3::NEG_Y * ROPE
+}
+
+/// A crate that the net catches.
+#[derive(Component)]
+pub struct Caught;
+
+/// A crate that the ball hits, and where it stood.
+#[derive(Component)]
+pub struct Stacked(pub Vec3);
+
+/// The wrecking ball.
+#[derive(Component)]
+pub struct WreckingBall;
+
+/// The playground of an engine, of which `build` adds everything.
+pub const fn playground(title: &'static str, build: fn(&mut App)) -> Feature {
+    Feature {
+        title,
+        controls: "",
+        eye: Vec3::new(0.9, 2.75, 5.75),
+        target: Vec3::new(-0.12, 1.15, 0.0),
+        picture_time: 1.1,
+        build,
+    }
+}
+
+/// Draws the scene by its obstacles, and judges it at its end.
+pub struct PlaygroundPlugin;
+
+impl Plugin for PlaygroundPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(Verdict(judge)).add_observer(paint_obstacle);
+    }
+}
+
+/// Obstacles are drawn, and that of a dynamic body is an entity of its own.
+fn paint_obstacle(
+    added: On<Add<ObstacleOf>>,
+    obstacles: Query<&ObstacleOf>,
+    paints: Query<&Paint>,
+    mut commands: Commands,
+) {
+    if let Ok(&paint) = obstacles.get(added.entity).and_then(|of| paints.get(of.0)) {
+        commands.entity(added.entity).insert(paint);
+    }
+}
+
+fn judge(world: &mut World) -> Result<String, String> {
+    let mut caught = world.query_filtered::<&Transform, With<Caught>>();
+    let mut lowest = f32::INFINITY;
+    for at in caught.iter(world).map(|place| place.translation) {
+        let aside = (at - NET).abs();
+        // Not NaN either.
+        if !(aside.x.max(aside.z) < 0.5 * NET_SIDE && at.y > CRATE && at.y < NET.y + CRATE) {
+            return Err(format!("a crate is not in the net, but at {at}"));
+        }
+        lowest = lowest.min(at.y);
+    }
+    let mut scattered = 0;
+    for (Stacked(from), place) in world.query::<(&Stacked, &Transform)>().iter(world) {
+        let at = place.translation;
+        if !(at.is_finite() && at.y > 0.4 * CRATE) {
+            return Err(format!("a crate of the stack fell through the floor, to {at}"));
+        }
+        scattered += usize::from(at.distance(*from) > 0.5 * CRATE);
+    }
+    let mut balls = world.query_filtered::<&Transform, With<WreckingBall>>();
+    let ball = balls.single(world).map_err(|error| error.to_string())?;
+    let rope = ball.translation.distance(HOOK);
+    if !(rope < 1.01 * ROPE) {
+        return Err(format!("the ball is {rope} m from its hook, on a rope of {ROPE} m"));
+    }
+    Ok(format!(
+        "the net holds its crates {lowest:.2} m above the floor; the ball scattered {scattered} crates; its rope is {rope:.3} m long"
+    ))
+}

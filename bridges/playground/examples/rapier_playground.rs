@@ -1,0 +1,98 @@
+//! A playground in Rapier: a character walks through a curtain, a net catches crates, and a wrecking ball hits a stack of them.
+//!
+//! `cargo run --release --manifest-path bridges/Cargo.toml -p drape_playground --example rapier_playground --features
+//! rapier,window`; `--headless` runs without a window, and `--picture FILE` draws a picture with `--features rapier,render`.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape_rapier::RapierDrapePlugin;
+use bevy_rapier3d::prelude::*;
+use drape_examples::feature::Feature;
+use drape_playground::*;
+
+const FEATURE: Feature = playground("Cloth, ropes and the bodies of Rapier", |app| {
+    app.add_plugins((
+        RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
+        RapierDrapePlugin::default(),
+        PlaygroundPlugin,
+    ))
+    .add_systems(Startup, (spawn_fixtures, hang_curtain, stretch_net, hang_ball))
+    .add_systems(FixedUpdate, turn_round);
+});
+
+fn main() -> std::process::ExitCode {
+    FEATURE.run()
+}
+
+#[derive(Component)]
+struct Character;
+
+fn spawn_fixtures(mut commands: Commands) {
+    commands.spawn((RigidBody::Fixed, Collider::halfspace(Vec3::Y).expect("a direction")));
+    for (place, size) in FIXTURES {
+        let collider = Collider::cuboid(0.5 * size.x, 0.5 * size.y, 0.5 * size.z);
+        commands.spawn((RigidBody::Fixed, collider, Transform::from_translation(place), STEEL));
+    }
+}
+
+/// Two halves that meet in the middle, and a character that walks between them.
+fn hang_curtain(mut commands: Commands) {
+    for side in [-0.5, 0.5] {
+        let half = Cloth { size: HALF_CURTAIN, ..default() }.with_spacing(0.04);
+        let place = Transform::from_xyz(side * 1.02 * HALF_CURTAIN.x, RAIL - 0.5 * HALF_CURTAIN.y, 0.0);
+        commands.spawn((half, Fabric::COTTON, place, VELVET));
+    }
+    commands.spawn((
+        Character,
+        RigidBody::KinematicVelocityBased,
+        Collider::capsule_y(0.5 * CHARACTER_LENGTH, CHARACTER_RADIUS),
+        Velocity::linear(Vec3::Z * WALK),
+        Transform::from_translation(CHARACTER),
+        COAT,
+    ));
+}
+
+fn turn_round(mut characters: Query<(&Transform, &mut Velocity), With<Character>>) {
+    for (place, mut velocity) in &mut characters {
+        if place.translation.z.abs() > CHARACTER.z.abs() {
+            velocity.linear.z = -place.translation.z.signum() * WALK;
+        }
+    }
+}
+
+/// A net in a frame, and crates that fall into it.
+fn stretch_net(mut commands: Commands) {
+    let lying = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
+    let net = Cloth::new(NET_SIDE, NET_SIDE);
+    let net = net.clone().with_pins(border(&net));
+    commands.spawn((net, WEBBING, Transform::from_translation(NET).with_rotation(lying), CANVAS));
+    for place in falling_crates() {
+        commands.spawn((Caught, crate_at(place)));
+    }
+}
+
+/// A ball that hangs on a rope, and a stack of crates in its way.
+fn hang_ball(mut commands: Commands) {
+    let place = ball_place();
+    let ball = (
+        WreckingBall,
+        RigidBody::Dynamic,
+        Collider::ball(BALL_RADIUS),
+        ColliderMassProperties::Density(BALL_DENSITY),
+        Transform::from_translation(place),
+        STEEL,
+    );
+    let ball = commands.spawn(ball).id();
+    let hook = commands.spawn(Transform::from_translation(HOOK)).id();
+    // Each end follows what it is tied to, and pulls at it.
+    let tied = Attachment::first(hook).and(Tie::last(ball));
+    commands.spawn((Rope::new(HOOK, place, 40), tied, RopeMesh::new(0.018), HEMP));
+    for place in stacked_crates() {
+        commands.spawn((Stacked(place.translation), crate_at(place)));
+    }
+}
+
+fn crate_at(place: Transform) -> impl Bundle {
+    let collider = Collider::cuboid(0.5 * CRATE, 0.5 * CRATE, 0.5 * CRATE);
+    (RigidBody::Dynamic, collider, ColliderMassProperties::Density(WOOD_DENSITY), place, WOOD)
+}
