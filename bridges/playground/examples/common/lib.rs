@@ -84,7 +84,7 @@ pub fn border(cloth: &Cloth) -> ClothPins {
 pub fn falling_crates() -> impl Iterator<Item = Transform> {
     (0..4).map(|index| {
         let angle = 2.0 * index as f32;
-        let aside = Vec3::new(angle.cos(), 0.0, angle.sin()) * 0.3;
+        let aside = Quat::from_rotation_y(-angle) * Vec3::X * 0.3;
         let turn = Quat::from_euler(EulerRot::XYZ, 0.3 * angle, angle, 0.2);
         Transform::from_translation(NET + aside + Vec3::Y * (0.25 + 0.35 * index as f32)).with_rotation(turn)
     })
@@ -154,8 +154,7 @@ fn judge(world: &mut World) -> Result<String, String> {
     let mut lowest = f32::INFINITY;
     for at in caught.iter(world).map(|place| place.translation) {
         let aside = (at - NET).abs();
-        // Not NaN either.
-        if !(aside.x.max(aside.z) < 0.5 * NET_SIDE && at.y > CRATE && at.y.is_finite()) {
+        if !(at.is_finite() && aside.x.max(aside.z) < 0.5 * NET_SIDE && at.y > CRATE) {
             return Err(format!("a crate is not in the net, but at {at}"));
         }
         lowest = lowest.min(at.y);
@@ -164,14 +163,14 @@ fn judge(world: &mut World) -> Result<String, String> {
     for (Stacked(from), place) in world.query::<(&Stacked, &Transform)>().iter(world) {
         let at = place.translation;
         if !(at.is_finite() && at.y > 0.4 * CRATE) {
-            return Err(format!("a crate of the stack fell through the floor, to {at}"));
+            return Err(format!("a crate of the stack is below the floor, at {at}"));
         }
         scattered += usize::from(at.distance(*from) > 0.5 * CRATE);
     }
     let mut balls = world.query_filtered::<&Transform, With<WreckingBall>>();
     let ball = balls.single(world).map_err(|error| error.to_string())?;
     let rope = ball.translation.distance(HOOK);
-    if !(rope < 1.01 * ROPE) {
+    if rope.is_nan() || rope > 1.01 * ROPE {
         return Err(format!("the ball is {rope} m from its hook, on a rope of {ROPE} m"));
     }
     Ok(format!(

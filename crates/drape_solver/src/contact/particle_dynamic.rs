@@ -5,6 +5,8 @@
 //! inverse mass at the contact point. The next particle sees the obstacle in its new pose. If many particles push, the
 //! first push too much; later projections take that back, down to no push at all (projected Gauss-Seidel).
 //!
+//! A particle that another obstacle holds up gives way by less, or not at all: see [`support`](crate::contact::support).
+//!
 //! Design: `docs/design/dynamic_obstacles.md`.
 
 use glam::{DVec3, Vec3};
