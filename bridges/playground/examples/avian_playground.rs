@@ -12,7 +12,7 @@ use drape_playground::*;
 
 const FEATURE: Feature = playground("Cloth, ropes and the bodies of Avian", |app| {
     app.add_plugins((PhysicsPlugins::default(), AvianDrapePlugin::default(), PlaygroundPlugin))
-        .add_systems(Startup, (spawn_fixtures, hang_curtain, stretch_net, hang_ball))
+        .add_systems(Startup, (spawn_fixtures, spawn_character, drop_crates, hang_ball))
         .add_systems(FixedUpdate, turn_round);
 });
 
@@ -31,13 +31,8 @@ fn spawn_fixtures(mut commands: Commands) {
     }
 }
 
-/// Two halves that meet in the middle, and a character that walks between them.
-fn hang_curtain(mut commands: Commands) {
-    for side in [-0.5, 0.5] {
-        let half = Cloth { size: HALF_CURTAIN, ..default() }.with_spacing(0.04);
-        let place = Transform::from_xyz(side * 1.02 * HALF_CURTAIN.x, RAIL - 0.5 * HALF_CURTAIN.y, 0.0);
-        commands.spawn((half, Fabric::COTTON, place, VELVET));
-    }
+/// A character that walks through the curtain.
+fn spawn_character(mut commands: Commands) {
     commands.spawn((
         Character,
         RigidBody::Kinematic,
@@ -56,12 +51,8 @@ fn turn_round(mut characters: Query<(&Transform, &mut LinearVelocity), With<Char
     }
 }
 
-/// A net in a frame, and crates that fall into it.
-fn stretch_net(mut commands: Commands) {
-    let lying = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
-    let net = Cloth::new(NET_SIDE, NET_SIDE);
-    let net = net.clone().with_pins(border(&net));
-    commands.spawn((net, WEBBING, Transform::from_translation(NET).with_rotation(lying), CANVAS));
+/// Crates that fall into the net.
+fn drop_crates(mut commands: Commands) {
     for place in falling_crates() {
         commands.spawn((Caught, crate_at(place)));
     }

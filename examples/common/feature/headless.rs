@@ -22,7 +22,7 @@ pub struct FeatureReport {
     pub balls: usize,
     /// Greatest speed of a particle or ball at any step, in m/s.
     pub greatest_speed: f32,
-    /// What the example's [`Verdict`] found.
+    /// The finding of the example's [`Verdict`].
     pub finding: Option<String>,
 }
 

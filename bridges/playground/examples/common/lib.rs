@@ -1,7 +1,8 @@
-//! What the playgrounds of all engines share: the places and colours of their scene, its camera, and what is judged at its end.
+//! The playgrounds of all engines share the places and colours of their scene, its curtain and net, its camera, and the verdict at
+//! its end.
 #![cfg(feature = "examples")]
 
-use core::f32::consts::FRAC_PI_3;
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_3};
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -13,9 +14,9 @@ pub const STEEL: Paint = Paint::rgb(0.33, 0.35, 0.38);
 /// Colour of crates.
 pub const WOOD: Paint = Paint::rgb(0.62, 0.42, 0.22);
 /// Colour of the curtain.
-pub const VELVET: Paint = Paint::rgb(0.60, 0.13, 0.16);
+const VELVET: Paint = Paint::rgb(0.60, 0.13, 0.16);
 /// Colour of the net.
-pub const CANVAS: Paint = Paint::rgb(0.16, 0.42, 0.46);
+const CANVAS: Paint = Paint::rgb(0.16, 0.42, 0.46);
 /// Colour of the rope.
 pub const HEMP: Paint = Paint::rgb(0.72, 0.58, 0.34);
 /// Colour of the character.
@@ -44,26 +45,26 @@ pub const FIXTURES: [(Vec3, Vec3); 13] = [
 /// The middle of the net.
 pub const NET: Vec3 = Vec3::new(-2.4, 1.08, 0.0);
 /// Side of the net in metres.
-pub const NET_SIDE: f32 = 1.6;
+const NET_SIDE: f32 = 1.6;
 /// A cargo net of webbing.
-pub const WEBBING: Fabric = Fabric { areal_density: 1.0, ..Fabric::NET };
+const WEBBING: Fabric = Fabric { areal_density: 1.0, ..Fabric::NET };
 /// Side of a crate in metres.
 pub const CRATE: f32 = 0.3;
 /// Density of crates in kg/m^3.
 pub const WOOD_DENSITY: f32 = 150.0;
 /// Height of the upper edge of the curtain in metres.
-pub const RAIL: f32 = 2.18;
+const RAIL: f32 = 2.18;
 /// Size of each of the two halves of the curtain in metres.
-pub const HALF_CURTAIN: Vec2 = Vec2::new(0.88, 2.1);
+const HALF_CURTAIN: Vec2 = Vec2::new(0.88, 2.1);
 /// Radius of the character in metres.
 pub const CHARACTER_RADIUS: f32 = 0.25;
 /// Length of the character between the middles of its round ends, in metres.
 pub const CHARACTER_LENGTH: f32 = 1.1;
-/// Where the character starts; it walks along Z.
+/// Start of the character, which walks along Z.
 pub const CHARACTER: Vec3 = Vec3::new(0.0, 0.81, -0.9);
 /// Speed of the character in m/s.
 pub const WALK: f32 = 1.0;
-/// Where the rope hangs.
+/// The point that the rope hangs on.
 pub const HOOK: Vec3 = Vec3::new(2.6, 2.66, 0.0);
 /// Length of the rope to the middle of the ball, in metres.
 pub const ROPE: f32 = 2.0;
@@ -73,11 +74,28 @@ pub const BALL_RADIUS: f32 = 0.22;
 pub const BALL_DENSITY: f32 = 900.0;
 
 /// All particles along the border of a cloth.
-pub fn border(cloth: &Cloth) -> ClothPins {
+fn border(cloth: &Cloth) -> ClothPins {
     let UVec2 { x: columns, y: rows } = cloth.particles;
     let ends = |index: u32, count: u32| index == 0 || index == count - 1;
     let is_border = |i: &u32| ends(i % columns, columns) || ends(i / columns, rows);
     ClothPins::Indices((0..columns * rows).filter(is_border).collect())
+}
+
+/// Hangs two halves of a curtain that meet in the middle.
+fn hang_curtain(mut commands: Commands) {
+    for side in [-0.5, 0.5] {
+        let half = Cloth { size: HALF_CURTAIN, ..default() }.with_spacing(0.04);
+        let place = Transform::from_xyz(side * 1.02 * HALF_CURTAIN.x, RAIL - 0.5 * HALF_CURTAIN.y, 0.0);
+        commands.spawn((half, Fabric::COTTON, place, VELVET));
+    }
+}
+
+/// Stretches a net in its frame.
+fn stretch_net(mut commands: Commands) {
+    let lying = Quat::from_rotation_x(-FRAC_PI_2);
+    let net = Cloth::new(NET_SIDE, NET_SIDE);
+    let net = net.clone().with_pins(border(&net));
+    commands.spawn((net, WEBBING, Transform::from_translation(NET).with_rotation(lying), CANVAS));
 }
 
 /// Crates above the net.
@@ -128,12 +146,14 @@ pub const fn playground(title: &'static str, build: fn(&mut App)) -> Feature {
     }
 }
 
-/// Draws the scene by its obstacles, and judges it at its end.
+/// Spawns the cloth, draws the scene by its obstacles, and judges it at its end.
 pub struct PlaygroundPlugin;
 
 impl Plugin for PlaygroundPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Verdict(judge)).add_observer(paint_obstacle);
+        app.insert_resource(Verdict(judge))
+            .add_observer(paint_obstacle)
+            .add_systems(Startup, (hang_curtain, stretch_net));
     }
 }
 

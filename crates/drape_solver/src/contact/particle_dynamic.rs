@@ -141,7 +141,7 @@ pub(crate) fn apply_friction(
             let (normal, depth) = (pushes[index].normal.get(lane), pushes[index].depth[lane]);
             let inverse_mass = particles.inverse_mass[slot];
             let mut friction = group.friction;
-            // What holds the particle up holds it fast, too, as far as its own friction allows.
+            // The support holds the particle fast, too, as far as its own friction allows.
             if let Some(held) = supports.of(slot, normal, candidates, pushes) {
                 let slip = Slip::of(slot, particles, mover);
                 let push =

@@ -8,7 +8,7 @@
 //!    floor   | m
 //! ```
 //!
-//! Where n and m are almost opposite, friction keeps the particle from slipping out sideways like a pip.
+//! If n and m are almost opposite, friction keeps the particle from slipping out sideways like a pip.
 //!
 //! Design: `docs/design/dynamic_obstacles.md`.
 
@@ -26,7 +26,7 @@ pub(crate) struct Supports {
     of_cell: Vec<(u32, u32)>,
 }
 
-/// What holds up a particle against a push.
+/// A contact that holds up a particle against a push.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Support {
     /// The place of its contact in the list of candidates.
@@ -51,7 +51,7 @@ impl Supports {
         }
     }
 
-    /// What holds up the particle in a slot against a push along the unit vector `normal`, if anything has pushed it in this
+    /// The contact that holds up the particle in a slot against a push along the unit vector `normal`, if one has pushed it in this
     /// substep.
     pub fn of(
         &self,

@@ -42,7 +42,7 @@ struct Flight {
     end: RigidBody,
     /// Motion and placement at the end of the step if nothing touches it.
     free: (RigidBody, Placement),
-    /// What accelerates it on the way there.
+    /// Accelerates it on the way there.
     drive: Drive,
 }
 

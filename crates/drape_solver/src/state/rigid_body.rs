@@ -213,7 +213,7 @@ impl RigidBody {
     }
 }
 
-/// What accelerates a body on its way through a step.
+/// The source of a body's acceleration on its way through a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Drive {
     /// Gravity, in m/s^2.
