@@ -85,6 +85,8 @@ fn a_crate_on_a_sheet_on_the_floor_comes_to_rest() {
         run(&mut app, 6.0);
         let at = place(&app, crate_);
         assert!((at.y - 0.16).abs() < 2e-3, "{kilograms} kg: it lies at {at}");
+        // A tilted one or one that falls far rolls or jumps aside.
+        assert!(kilograms != 2.0 || at.with_y(0.0).length() < 0.02, "{kilograms} kg: it has slid, to {at}");
         assert!(greatest(&app, sheet) < 0.05, "{kilograms} kg: the sheet is thrown up");
         assert_asleep(&app, crate_, sheet);
     }
