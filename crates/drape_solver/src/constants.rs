@@ -94,6 +94,12 @@ pub const MAX_TETHERS: usize = 4;
 /// by millimetres; one that was dragged a metre away must not come back as a bullet.
 pub const TETHER_SPEED: f32 = 50.0;
 
+/// Rounds in which the tethers of all that a rigid body presses pull at it, one after another.
+pub(crate) const TETHER_PULL_ROUNDS: usize = 4;
+
+/// Seconds in which the stretch of cloth that has stopped a rigid body goes down to `1 / e`. Quicker, it would throw the body back.
+pub(crate) const TETHER_RECOVERY: f32 = 1.0;
+
 /// Tethers leave particles within this many radii of a ball alone.
 pub const TETHERLESS_REACH: f32 = 1.5;
 

@@ -9,7 +9,7 @@ use crate::constraint::{angular_momentum, stick, volume};
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
     ball_ball, ball_cloth, ball_obstacle, dynamic_obstacle, embedded_obstacle, face_obstacle, impact_zone,
-    joint, particle_dynamic, reaction, report, surface,
+    joint, particle_dynamic, reaction, report, surface, tether_pull,
 };
 use crate::island::{Island, IslandContext};
 use crate::motion::environment::Environment;
@@ -77,7 +77,9 @@ fn run_body_stage(
         }
         BodyStage::Tethers => {
             ball_cloth::note_touched(ball_cloth, balls, index, &body.particles);
+            tether_pull::note(contacts, body, movers);
             sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, plan.plan.span(place));
+            tether_pull::pull(contacts, body, substep, movers);
             ball_cloth::put_back(ball_cloth, &mut body.particles);
         }
         BodyStage::Lines => sweep::solve_lines(body, plan, substep, projection),

@@ -10,6 +10,7 @@ use crate::contact::embedded_obstacle::EmbeddedContacts;
 use crate::contact::face_obstacle::{FaceContacts, SearchedObstacle};
 use crate::contact::joint::{self, MovingJoint};
 use crate::contact::particle_obstacle::{ObstacleContacts, ObstacleGroup};
+use crate::contact::tether_pull::PressedPoint;
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Shape, container_walls};
 use crate::geometry::surface_lanes::{LanePlanes, Solid};
@@ -28,6 +29,8 @@ pub(crate) struct BodyContacts {
     pub faces: FaceContacts,
     pub embedded: EmbeddedContacts,
     pub joints: Vec<MovingJoint>,
+    /// What movers press, while tethers are projected.
+    pub pressed: Vec<PressedPoint>,
 }
 
 impl BodyContacts {
@@ -49,7 +52,7 @@ pub(crate) fn detect(
     workers: &Workers,
 ) {
     let search = BodySearch::new(body, search_step, isa, workers);
-    let BodyContacts { obstacles: contacts, faces, embedded, joints } = all;
+    let BodyContacts { obstacles: contacts, faces, embedded, joints, .. } = all;
     joint::detect(joints, body, obstacles);
     faces.clear();
     embedded.clear();

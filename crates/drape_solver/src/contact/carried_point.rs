@@ -182,6 +182,12 @@ impl<const N: usize> CarriedPoint<N> {
         }
     }
 
+    /// Adds a push (kg m) to the account.
+    pub fn add_push(&mut self, push: Vec3, particles: &Particles) {
+        self.depth += push.length() * self.inverse_mass(particles);
+        self.given += push;
+    }
+
     /// Friction against the slip of the point in this substep, for a summed penetration `depth` in metres.
     pub fn apply_friction(
         &mut self,

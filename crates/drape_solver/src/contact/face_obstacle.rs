@@ -128,6 +128,16 @@ impl FaceContacts {
         self.contacts.iter().map(|contact| contact.point.obstacle)
     }
 
+    /// The points of all contacts.
+    pub fn points(&self) -> impl ExactSizeIterator<Item = &CarriedPoint<3>> {
+        self.contacts.iter().map(|contact| &contact.point)
+    }
+
+    /// Adds a push (kg m) to the account of a contact.
+    pub fn add_push(&mut self, index: usize, push: Vec3, particles: &Particles) {
+        self.contacts[index].point.add_push(push, particles);
+    }
+
     /// The elements that were pushed in the last substep.
     pub fn pushed(&self) -> impl Iterator<Item = PushedElement> + '_ {
         self.contacts.iter().filter(|contact| contact.point.depth > 0.0).map(|contact| {

@@ -77,3 +77,4 @@ pub(crate) mod report;
 pub(crate) mod restitution;
 pub(crate) mod support;
 pub(crate) mod surface;
+pub(crate) mod tether_pull;

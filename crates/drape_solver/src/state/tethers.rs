@@ -14,6 +14,7 @@ use glam::Vec3;
 use crate::constants::MAX_TETHERS;
 use crate::simd::columns::LANES;
 use crate::state::layout::Layout;
+use crate::state::particles::Particles;
 
 /// The tethers of a body: up to [`MAX_TETHERS`] for each particle, nearest pin first.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -212,6 +213,15 @@ impl TetherPlan {
 
     pub fn is_empty(&self) -> bool {
         self.ties.is_empty()
+    }
+
+    /// The way of the nearest pin of the particle in `slot` in this substep, in metres; zero if it has none.
+    pub fn anchor_travel(&self, slot: usize, particles: &Particles) -> Vec3 {
+        let (cell, lane) = (slot / LANES, slot % LANES);
+        let ties = &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize];
+        let nearest = ties.iter().find(|tie| tie.length[lane].is_finite());
+        let anchor = nearest.map(|tie| self.anchors[tie.anchor as usize].slot(lane));
+        anchor.map_or(Vec3::ZERO, |pin| particles.displacement.get(pin))
     }
 
     /// Each tether as (particle, pin, length in metres).
