@@ -72,6 +72,34 @@ fn a_net_catches_a_crate_and_lets_it_fall_when_it_goes() {
     assert!(place(&app, crate_).y < 0.16, "it has fallen, to {}", place(&app, crate_));
 }
 
+/// A light net holds crates that weigh up to 400 times as much, level or tilted, with its border or its corners pinned. Crates of 4 kg went through.
+#[test]
+fn a_light_net_holds_crates_of_any_weight() {
+    let border = |i: &u32| [0, 32].contains(&(i % 33)) || [0, 32].contains(&(i / 33));
+    let corners = |i: &u32| [0, 32].contains(&(i % 33)) && [0, 32].contains(&(i / 33));
+    for (name, is_pin) in [("border", &border as &dyn Fn(&u32) -> bool), ("corners", &corners)] {
+        for (kilograms, fall, tilt) in [(0.25, 0.3, 0.3), (4.0, 1.0, 0.0), (4.0, 0.5, 0.7), (100.0, 0.5, 0.0)]
+        {
+            let mut app = app();
+            let lying = Transform::from_xyz(0.0, 2.0, 0.0)
+                .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+            let pins = ClothPins::Indices((0..33 * 33).filter(is_pin).collect());
+            let net = Cloth::new(1.6, 1.6).with_particles(33, 33).with_pins(pins);
+            let net = app.world_mut().spawn((net, Fabric::NET, lying)).id();
+            let at = Transform::from_xyz(0.03, 2.2 + fall, 0.02).with_rotation(Quat::from_rotation_z(tilt));
+            let crate_ = app.world_mut().spawn((box_of(0.3, kilograms), at)).id();
+            let what = format!("{kilograms} kg, tilted by {tilt}, pinned at the {name}");
+            for _ in 0..20 {
+                run(&mut app, 0.2);
+                let (at, lowest) = (place(&app, crate_), least(&app, net));
+                assert!(at.y > lowest, "{what}: it is at {at}, below the net at {lowest}");
+                assert!(lowest > 1.84, "{what}: the net stretches down to {lowest}");
+            }
+            assert!(is_asleep(&app, crate_), "{what}: it is awake, at {:?}", velocities(&app, crate_));
+        }
+    }
+}
+
 /// The sheet keeps a crate of any weight off the floor, twice its thickness of 5 mm high. It let the crate through to the floor, and trembled.
 #[test]
 fn a_crate_on_a_sheet_on_the_floor_comes_to_rest() {

@@ -46,8 +46,6 @@ pub const FIXTURES: [(Vec3, Vec3); 13] = [
 pub const NET: Vec3 = Vec3::new(-2.4, 1.08, 0.0);
 /// Side of the net in metres.
 const NET_SIDE: f32 = 1.6;
-/// A cargo net of webbing.
-const WEBBING: Fabric = Fabric { areal_density: 1.0, ..Fabric::NET };
 /// Side of a crate in metres.
 pub const CRATE: f32 = 0.3;
 /// Density of crates in kg/m^3.
@@ -95,7 +93,7 @@ fn stretch_net(mut commands: Commands) {
     let lying = Quat::from_rotation_x(-FRAC_PI_2);
     let net = Cloth::new(NET_SIDE, NET_SIDE);
     let net = net.clone().with_pins(border(&net));
-    commands.spawn((net, WEBBING, Transform::from_translation(NET).with_rotation(lying), CANVAS));
+    commands.spawn((net, Fabric::NET, Transform::from_translation(NET).with_rotation(lying), CANVAS));
 }
 
 /// Crates above the net.
