@@ -100,6 +100,28 @@ fn a_light_net_holds_crates_of_any_weight() {
     }
 }
 
+/// Crates that lie side by side in a net fall asleep together, and stay where they are. In Rapier they sank by a centimetre a second: each was sent
+/// to sleep alone, fell in Rapier's step, and was woken by its neighbour.
+#[test]
+fn crates_beside_each_other_in_a_net_do_not_sink() {
+    let mut app = app();
+    let net = net(&mut app, 2.0);
+    app.world_mut().entity_mut(net).insert(Fabric::NET);
+    let spawn = |app: &mut App, place: [f32; 3]| {
+        let at = Transform::from_translation(place.into()).with_rotation(Quat::from_rotation_y(place[1]));
+        app.world_mut().spawn((box_of(0.2, 4.0), at)).id()
+    };
+    let crates = [[-0.12, 2.3, 0.0], [0.12, 2.35, 0.05], [0.0, 2.6, 0.2]].map(|place| spawn(&mut app, place));
+    run(&mut app, 3.0);
+    let before = crates.map(|body| place(&app, body));
+    run(&mut app, 4.0);
+    for (body, before) in crates.into_iter().zip(before) {
+        let at = place(&app, body);
+        assert!(at.distance(before) < 0.02, "it has moved from {before} to {at}");
+        assert!(is_asleep(&app, body), "it is awake, at {:?}", velocities(&app, body));
+    }
+}
+
 /// The sheet keeps a crate of any weight off the floor, twice its thickness of 5 mm high. It let the crate through to the floor, and trembled.
 #[test]
 fn a_crate_on_a_sheet_on_the_floor_comes_to_rest() {
