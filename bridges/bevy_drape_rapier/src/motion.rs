@@ -1,12 +1,14 @@
 //! Reads the motion of dynamic bodies, writes it back, and wakes them.
 
+use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 use bevy_drape_bridge::{EngineBody, Load, ObstacleOf, WakeRequest};
 use bevy_rapier3d::plugin::context::{
-    RapierContextColliders, RapierContextEntityLink, RapierContextSimulation, RapierRigidBodySet,
+    RapierContextColliders, RapierContextEntityLink, RapierContextJoints, RapierContextSimulation,
+    RapierRigidBodySet,
 };
 use bevy_rapier3d::prelude::RapierRigidBodyHandle;
-use bevy_rapier3d::rapier::dynamics::RigidBodyHandle;
+use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle};
 use bevy_rapier3d::rapier::geometry::Collider;
 use bevy_rapier3d::rapier::math::Pose;
 
@@ -19,14 +21,14 @@ pub(crate) fn read(mut obstacles: Query<(&ObstacleOf, &mut EngineBody)>, world: 
         let (locked, activation) = (rapier.locked_axes().bits(), rapier.activation());
         let is_locked = |bit: u8| locked >> bit & 1 == 1;
         let place = placement(rapier.position());
-        let has_moved = place != body.place;
+        let has_moved = place != body.place && !body.is_added();
         *body = EngineBody {
             place,
             velocity: rapier.linvel(),
             angular_velocity: rapier.angvel(),
             locked_translation: [0, 1, 2].map(is_locked),
             locked_rotation: [3, 4, 5].map(is_locked),
-            // Rapier goes on moving a body that was sent to sleep if something else wakes what it touches.
+            // Rapier keeps moving a body that was sent to sleep while its island is awake.
             is_asleep: rapier.is_sleeping() && !has_moved,
             sleep_speeds: [activation.normalized_linear_threshold, activation.angular_threshold],
             is_paused: world.is_paused(of.0),
@@ -40,26 +42,28 @@ pub(crate) fn read(mut obstacles: Query<(&ObstacleOf, &mut EngineBody)>, world: 
 pub(crate) fn write(
     mut obstacles: Query<(&ObstacleOf, &EngineBody, &mut Load)>,
     bodies: Query<(&RapierRigidBodyHandle, &RapierContextEntityLink)>,
-    mut contexts: Query<(&mut RapierRigidBodySet, &RapierContextColliders, &RapierContextSimulation)>,
-    mut sleepers: Local<Vec<(Entity, RigidBodyHandle)>>,
+    mut contexts: Query<Context>,
+    mut still: Local<Vec<(Entity, RigidBodyHandle)>>,
+    mut group: Local<Vec<RigidBodyHandle>>,
 ) {
-    sleepers.clear();
+    still.clear();
     for (of, _, load) in obstacles.iter().filter(|(_, body, _)| body.is_pushed) {
         let Ok((handle, link)) = bodies.get(of.0) else { continue };
-        let rapier = contexts.get(link.0).ok().and_then(|(set, ..)| set.bodies.get(handle.0));
+        let rapier = contexts.get(link.0).ok().and_then(|context| context.set.bodies.get(handle.0));
         if rapier.is_some_and(|rapier| load.still_for >= rapier.activation().time_until_sleep) {
-            sleepers.push((link.0, handle.0));
+            still.push((link.0, handle.0));
         }
     }
-    keep_still_groups(&mut sleepers, &contexts);
     for (of, body, mut load) in obstacles.iter_mut().filter(|(_, body, _)| body.is_pushed) {
-        let Ok((handle, link)) = bodies.get(of.0) else { continue };
-        let Ok((set, ..)) = contexts.get_mut(link.0) else { continue };
-        let Some(rapier) = set.into_inner().bodies.get_mut(handle.0) else { continue };
+        let Ok((&RapierRigidBodyHandle(handle), link)) = bodies.get(of.0) else { continue };
+        let Ok(mut context) = contexts.get_mut(link.0) else { continue };
+        let is_still = |other| still.contains(&(link.0, other));
+        let falls_asleep = is_still(handle) && context.is_group_still(handle, is_still, &mut group);
+        let Some(rapier) = context.set.bodies.get_mut(handle) else { continue };
         if rapier.is_sleeping() {
             rapier.wake_up(true);
             load.still_for = 0.0;
-        } else if sleepers.contains(&(link.0, handle.0)) {
+        } else if falls_asleep {
             rapier.sleep();
             continue;
         }
@@ -69,31 +73,51 @@ pub(crate) fn write(
     }
 }
 
-/// Keeps only those bodies that can sleep together: Rapier wakes a body next to one that is moved by hand, and goes on moving one that
-/// touches a body which is awake.
-fn keep_still_groups(
-    sleepers: &mut Vec<(Entity, RigidBodyHandle)>,
-    contexts: &Query<(&mut RapierRigidBodySet, &RapierContextColliders, &RapierContextSimulation)>,
-) {
-    let is_next_to_restless = |sleepers: &[(Entity, RigidBodyHandle)], (context, handle)| {
-        let Ok((set, colliders, simulation)) = contexts.get(context) else { return true };
-        let parent = |collider| colliders.colliders.get(collider).and_then(Collider::parent);
-        let is_restless = |other: RigidBodyHandle| {
-            set.bodies.get(other).is_some_and(|body| {
+/// One of Rapier's worlds.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Context {
+    set: &'static mut RapierRigidBodySet,
+    colliders: &'static RapierContextColliders,
+    joints: &'static RapierContextJoints,
+    simulation: &'static RapierContextSimulation,
+}
+
+impl ContextItem<'_, '_> {
+    /// True if the body and all that it is next to or joined to, and so on, can fall asleep together. Rapier wakes a body next to one that
+    /// is moved by hand, and keeps moving a body that is sent to sleep while one that it touches is awake. `group` is memory for the bodies.
+    fn is_group_still(
+        &self,
+        handle: RigidBodyHandle,
+        is_still: impl Fn(RigidBodyHandle) -> bool,
+        group: &mut Vec<RigidBodyHandle>,
+    ) -> bool {
+        let bodies = &self.set.bodies;
+        group.clear();
+        group.push(handle);
+        let mut next = 0;
+        while let Some(&handle) = group.get(next) {
+            next += 1;
+            let own = bodies.get(handle).into_iter().flat_map(|body| body.colliders());
+            let pairs = own.flat_map(|&own| self.simulation.narrow_phase.contact_pairs_with(own));
+            let parent = |collider| self.colliders.colliders.get(collider).and_then(Collider::parent);
+            let beside = pairs.flat_map(|pair| [pair.collider1, pair.collider2]).filter_map(parent);
+            let joints = self.joints.impulse_joints.attached_joints(handle);
+            let joined = joints.flat_map(|(one, other, ..)| [one, other]);
+            for other in beside.chain(joined) {
+                let is_asleep = |body: &RigidBody| body.is_fixed() || body.is_sleeping();
+                let Some(body) = bodies.get(other).filter(|&body| !is_asleep(body)) else { continue };
+                if group.contains(&other) {
+                    continue;
+                }
                 let activation = body.activation();
-                body.is_dynamic()
-                    && !body.is_sleeping()
-                    && activation.time_since_can_sleep < activation.time_until_sleep
-                    && !sleepers.contains(&(context, other))
-            })
-        };
-        let own = set.bodies.get(handle).into_iter().flat_map(|body| body.colliders());
-        let pairs = own.flat_map(|&own| simulation.narrow_phase.contact_pairs_with(own));
-        let others = pairs.flat_map(|pair| [pair.collider1, pair.collider2]).filter_map(parent);
-        others.into_iter().any(is_restless)
-    };
-    while let Some(place) = sleepers.iter().position(|&sleeper| is_next_to_restless(sleepers, sleeper)) {
-        sleepers.remove(place);
+                if !is_still(other) && activation.time_since_can_sleep < activation.time_until_sleep {
+                    return false;
+                }
+                group.push(other);
+            }
+        }
+        true
     }
 }
 

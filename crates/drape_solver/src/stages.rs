@@ -79,8 +79,8 @@ fn run_body_stage(
             ball_cloth::note_touched(ball_cloth, balls, index, &body.particles);
             tether_pull::note(contacts, body, movers);
             sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, plan.plan.span(place));
-            tether_pull::pull(contacts, body, substep, movers);
             ball_cloth::put_back(ball_cloth, &mut body.particles);
+            tether_pull::pull(contacts, body, substep, movers);
         }
         BodyStage::Lines => sweep::solve_lines(body, plan, substep, projection),
         BodyStage::Volume => volume::project(body),

@@ -32,8 +32,8 @@ impl TetherPlan {
         for (cell, anchor) in places.cells.iter_mut().zip(&self.anchors) {
             for lane in 0..LANES {
                 let slot = anchor.slot(lane);
-                let is_pinned = particles.inverse_mass[slot] == 0.0 && !particles.is_joined(slot);
-                cell.set(lane, if is_pinned { particles.position.get(slot) } else { Vec3::NAN });
+                let is_anchor = particles.is_anchor(slot);
+                cell.set(lane, if is_anchor { particles.position.get(slot) } else { Vec3::NAN });
             }
         }
     }

@@ -182,9 +182,9 @@ impl<const N: usize> CarriedPoint<N> {
         }
     }
 
-    /// Adds a push (kg m) to the account.
-    pub fn add_push(&mut self, push: Vec3, particles: &Particles) {
-        self.depth += push.length() * self.inverse_mass(particles);
+    /// Adds a push (kg m) to the account, and its part along the normal to the depth.
+    pub fn add_push(&mut self, push: Vec3, normal_push: f32, particles: &Particles) {
+        self.depth += normal_push * self.inverse_mass(particles);
         self.given += push;
     }
 

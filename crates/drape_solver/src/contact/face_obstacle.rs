@@ -133,9 +133,9 @@ impl FaceContacts {
         self.contacts.iter().map(|contact| &contact.point)
     }
 
-    /// Adds a push (kg m) to the account of a contact.
-    pub fn add_push(&mut self, index: usize, push: Vec3, particles: &Particles) {
-        self.contacts[index].point.add_push(push, particles);
+    /// Adds a push (kg m) to the account of a contact, and its part along the normal to the depth.
+    pub fn add_push(&mut self, index: usize, push: Vec3, normal_push: f32, particles: &Particles) {
+        self.contacts[index].point.add_push(push, normal_push, particles);
     }
 
     /// The elements that were pushed in the last substep.

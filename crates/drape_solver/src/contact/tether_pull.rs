@@ -42,8 +42,8 @@ pub(crate) struct PressedPoint {
     begun: DVec3,
     /// Metres by which tethers have moved it into the mover.
     depth: f32,
-    across: Pull,
-    along: Pull,
+    normal_pull: Pull,
+    tangential_pull: Pull,
 }
 
 /// The place of a contact in its list.
@@ -87,8 +87,8 @@ pub(crate) fn note(contacts: &mut BodyContacts, body: &Body, movers: &[Mover]) {
             local: Vec3::ZERO,
             begun: (body.particles.origin + place - travel).as_dvec3(),
             depth: 0.0,
-            across: Pull::default(),
-            along: Pull::default(),
+            normal_pull: Pull::default(),
+            tangential_pull: Pull::default(),
         });
     };
     for (index, candidate) in obstacles.candidates.iter().enumerate() {
@@ -127,18 +127,21 @@ pub(crate) fn pull(contacts: &mut BodyContacts, body: &mut Body, substep: Subste
         }
     }
     for point in pressed {
-        let push = -(point.across.direction * point.across.push + point.along.direction * point.along.push);
+        let push = -(point.normal_pull.direction * point.normal_pull.push
+            + point.tangential_pull.direction * point.tangential_pull.push);
         match point.contact {
             PressingContact::Particle { candidate, lane } => {
                 let Some(mover) = mover(movers, point.obstacle) else { continue };
                 let slot = point.carriers[0];
-                let given = (point.on(mover, origin) - point.place).dot(point.across.direction);
-                body.particles.position.add(slot, point.normal * (point.depth - given));
+                let given = (point.on(mover, origin) - point.place).dot(point.normal_pull.direction);
+                body.particles.position.add(slot, point.normal * (point.depth - given).max(0.0));
                 let inverse_mass = body.particles.inverse_mass[slot];
-                obstacles.pushes[candidate].depth[lane] += point.across.push * inverse_mass;
+                obstacles.pushes[candidate].depth[lane] += point.normal_pull.push * inverse_mass;
                 obstacles.given[candidate].add(lane, push * inverse_mass);
             }
-            PressingContact::Face(index) => faces.add_push(index, push, &body.particles),
+            PressingContact::Face(index) => {
+                faces.add_push(index, push, point.normal_pull.push, &body.particles)
+            }
         }
     }
 }
@@ -150,7 +153,7 @@ impl PressedPoint {
         let mean = |of: &dyn Fn(usize) -> Vec3| weighted(self.weights, self.carriers.map(of));
         let moved = mean(&|slot| particles.position.get(slot)) - self.place;
         self.depth = -moved.dot(self.normal);
-        if self.depth <= 0.0 {
+        if self.depth.is_nan() || self.depth <= 0.0 {
             return false;
         }
         let [before, now] = mover.poses(particles.origin);
@@ -160,10 +163,10 @@ impl PressedPoint {
             - mean(&|slot| topology.tethers.anchor_travel(slot, particles));
         let recovered = self.depth * (substep / TETHER_RECOVERY);
         let wanted = self.depth.min(way.dot(self.normal) + recovered);
-        self.across = Pull { direction: -self.normal, wanted, push: 0.0 };
+        self.normal_pull = Pull { direction: -self.normal, wanted, push: 0.0 };
         let tangential = moved + self.normal * self.depth;
         let direction = tangential.normalize_or_zero();
-        self.along = Pull { direction, wanted: -way.dot(direction), push: 0.0 };
+        self.tangential_pull = Pull { direction, wanted: -way.dot(direction), push: 0.0 };
         true
     }
 
@@ -175,9 +178,9 @@ impl PressedPoint {
 
     /// One round of pulls at the mover.
     fn pull(&mut self, mover: &mut Mover, origin: Vec3, substep: f32) {
-        self.across.push = self.apply(self.across, [0.0, f32::INFINITY], mover, origin, substep);
-        let most = self.friction * self.across.push;
-        self.along.push = self.apply(self.along, [-most, most], mover, origin, substep);
+        self.normal_pull.push = self.apply(self.normal_pull, [0.0, f32::INFINITY], mover, origin, substep);
+        let most = self.friction * self.normal_pull.push;
+        self.tangential_pull.push = self.apply(self.tangential_pull, [-most, most], mover, origin, substep);
     }
 
     /// Makes the mover give way in one direction. Returns the push so far, from `least` to `most`.

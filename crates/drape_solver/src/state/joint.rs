@@ -64,6 +64,11 @@ impl Particles {
         self.joints.clear();
     }
 
+    /// True if tethers to the particle in `slot` act: it is pinned, and not by an obstacle which would not feel the pull.
+    pub(crate) fn is_anchor(&self, slot: usize) -> bool {
+        self.inverse_mass[slot] == 0.0 && !self.is_joined(slot)
+    }
+
     /// True if the particle in `slot` is held by an obstacle in the coming step.
     pub(crate) fn is_joined(&self, slot: usize) -> bool {
         self.joints.binary_search_by_key(&slot, |joint| joint.slot as usize).is_ok()

@@ -215,13 +215,16 @@ impl TetherPlan {
         self.ties.is_empty()
     }
 
-    /// The way of the nearest pin of the particle in `slot` in this substep, in metres; zero if it has none.
+    /// The way in this substep of the nearest pin that a tether holds the particle in `slot` to, in metres; zero if there is none.
     pub fn anchor_travel(&self, slot: usize, particles: &Particles) -> Vec3 {
         let (cell, lane) = (slot / LANES, slot % LANES);
         let ties = &self.ties[self.first[cell] as usize..self.first[cell + 1] as usize];
-        let nearest = ties.iter().find(|tie| tie.length[lane].is_finite());
-        let anchor = nearest.map(|tie| self.anchors[tie.anchor as usize].slot(lane));
-        anchor.map_or(Vec3::ZERO, |pin| particles.displacement.get(pin))
+        let pins = ties.iter().filter(|tie| tie.length[lane].is_finite()).filter_map(|tie| {
+            let pin = self.anchors[tie.anchor as usize].slot(lane);
+            particles.is_anchor(pin).then_some((tie.length[lane], pin))
+        });
+        let nearest = pins.min_by(|(a, _), (b, _)| a.total_cmp(b));
+        nearest.map_or(Vec3::ZERO, |(_, pin)| particles.displacement.get(pin))
     }
 
     /// Each tether as (particle, pin, length in metres).
