@@ -98,7 +98,7 @@ impl ContextItem<'_, '_> {
         let mut next = 0;
         while let Some(&handle) = group.get(next) {
             next += 1;
-            let own = bodies.get(handle).into_iter().flat_map(|body| body.colliders());
+            let own = bodies.get(handle).into_iter().flat_map(RigidBody::colliders);
             let pairs = own.flat_map(|&own| self.simulation.narrow_phase.contact_pairs_with(own));
             let parent = |collider| self.colliders.colliders.get(collider).and_then(Collider::parent);
             let beside = pairs.flat_map(|pair| [pair.collider1, pair.collider2]).filter_map(parent);

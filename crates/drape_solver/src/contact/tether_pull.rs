@@ -140,7 +140,7 @@ pub(crate) fn pull(contacts: &mut BodyContacts, body: &mut Body, substep: Subste
                 obstacles.given[candidate].add(lane, push * inverse_mass);
             }
             PressingContact::Face(index) => {
-                faces.add_push(index, push, point.normal_pull.push, &body.particles)
+                faces.add_push(index, push, point.normal_pull.push, &body.particles);
             }
         }
     }
