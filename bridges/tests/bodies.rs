@@ -100,7 +100,7 @@ fn a_light_net_holds_crates_of_any_weight() {
     }
 }
 
-/// Crates that lie side by side in a net fall asleep together, and stay where they are. In Rapier they sank by a centimetre a second: each was sent
+/// Crates that lie side by side in a net fall asleep together, and stay where they are. In Rapier they sank by up to 0.1 m/s: each was sent
 /// to sleep alone, fell in Rapier's step, and was woken by its neighbour.
 #[test]
 fn crates_beside_each_other_in_a_net_do_not_sink() {
