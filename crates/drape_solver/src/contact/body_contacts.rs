@@ -29,7 +29,7 @@ pub(crate) struct BodyContacts {
     pub faces: FaceContacts,
     pub embedded: EmbeddedContacts,
     pub joints: Vec<MovingJoint>,
-    /// What movers press, while tethers are projected.
+    /// Points that movers press, while tethers are projected.
     pub pressed: Vec<PressedPoint>,
 }
 

@@ -19,6 +19,7 @@ use crate::contact::body_contacts::BodyContacts;
 use crate::contact::mover::{Mover, mover, mover_mut};
 use crate::contact::obstacle_push::ObstaclePush;
 use crate::geometry::nearest_triangle::weighted;
+use crate::geometry::pose::Pose;
 use crate::simd::columns::LANES;
 use crate::state::body::Body;
 use crate::state::substep::Substep;
@@ -34,11 +35,11 @@ pub(crate) struct PressedPoint {
     normal: Vec3,
     /// Coefficient of static friction.
     friction: f32,
-    /// Where it was before the tethers, relative to the body's origin.
+    /// Its place before the tethers, relative to the body's origin.
     place: Vec3,
     /// The same in the mover's coordinates.
     local: Vec3,
-    /// Where its displacement of this substep began, in the world.
+    /// The start of its displacement in this substep, in the world.
     begun: DVec3,
     /// Metres by which tethers have moved it into the mover.
     depth: f32,
@@ -53,7 +54,7 @@ enum PressingContact {
     Face(usize),
 }
 
-/// What tethers want of a mover in one direction.
+/// The demand of tethers on a mover in one direction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pull {
     /// A unit vector, or zero if they want nothing.
@@ -170,10 +171,9 @@ impl PressedPoint {
         true
     }
 
-    /// Where the point is with the mover, relative to the body's origin.
+    /// The place to which the mover has brought the point, relative to the body's origin.
     fn on(&self, mover: &Mover, origin: Vec3) -> Vec3 {
-        let [_, now] = mover.poses(origin);
-        now.point_to_world(self.local)
+        Pose::at(&mover.to, origin).point_to_world(self.local)
     }
 
     /// One round of pulls at the mover.
