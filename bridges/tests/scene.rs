@@ -56,6 +56,16 @@ pub fn sheet(app: &mut App, height: f32) -> Entity {
     app.world_mut().spawn((cloth, lying)).id()
 }
 
+/// A sheet of 1 m that hangs flat in the air, pinned along its border.
+pub fn net(app: &mut App, height: f32) -> Entity {
+    let lying = Transform::from_xyz(0.0, height, 0.0)
+        .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
+    let is_border = |i: &u32| [0, 16].contains(&(i % 17)) || [0, 16].contains(&(i / 17));
+    let border = ClothPins::Indices((0..17 * 17).filter(is_border).collect());
+    let cloth = Cloth::new(1.0, 1.0).with_particles(17, 17).with_pins(border);
+    app.world_mut().spawn((cloth, lying)).id()
+}
+
 /// A crate of so many kilograms and sides of `side` metres.
 pub fn box_of(side: f32, kilograms: f32) -> impl Bundle {
     (DYNAMIC, cuboid(Vec3::splat(side)), mass(kilograms, kilograms * side * side / 6.0))

@@ -1,6 +1,7 @@
 //! Watches what makes a collider an obstacle come, go and change.
 
 use avian3d::prelude::*;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_drape::change_detection::collect_changed;
 use bevy_drape_bridge::{
@@ -51,7 +52,7 @@ pub(crate) fn note_bodies(
     places: Query<(Entity, Ref<ColliderTransform>)>,
     colliders: Query<(&ColliderTransform, &ColliderOf)>,
     obstacles: Query<&BodyObstacle>,
-    parts: Query<&Parts>,
+    parts: Query<&Parts, Allow<Disabled>>,
     mut moved: Local<Vec<Entity>>,
 ) {
     moved.clear();

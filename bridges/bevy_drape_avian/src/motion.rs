@@ -3,9 +3,23 @@
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::drape_solver::Placement;
-use bevy_drape_bridge::{EngineBody, ObstacleOf};
+use bevy_drape_bridge::{BodyObstacle, BodyReach, EngineBody, ObstacleOf, Surroundings};
 
-/// Reads all dynamic bodies: where Avian's step begins, and where it ends.
+/// Looks which dynamic bodies are near cloth.
+pub(crate) fn find_near(
+    mut bodies: Query<(&Position, &Rotation, &LinearVelocity, &BodyObstacle, &mut BodyReach)>,
+    mut surroundings: ResMut<Surroundings>,
+    physics: Res<Time<Physics>>,
+    time: Res<Time>,
+) {
+    let seconds = if physics.is_paused() { 0.0 } else { time.delta_secs() };
+    for (position, rotation, velocity, obstacle, mut reach) in &mut bodies {
+        let place = placement(position, rotation);
+        surroundings.look_at(obstacle, &mut reach, place, velocity.0, seconds);
+    }
+}
+
+/// Reads all dynamic bodies near cloth: where Avian's step begins, and where it ends.
 pub(crate) fn read(
     mut obstacles: Query<(&ObstacleOf, &mut EngineBody)>,
     bodies: Query<(

@@ -4,7 +4,7 @@ use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape_bridge::{
-    BodyObstacle, BodyParts, HasObstacle, InertialFrame, NoObstacle, Outdated, Part, obstacle_shape,
+    BodyObstacle, BodyParts, BodyReach, HasObstacle, InertialFrame, NoObstacle, Outdated, Part, obstacle_shape,
     update_body, update_collider,
 };
 
@@ -37,7 +37,7 @@ type BodyQuery<'w, 's> = Query<
         &'static ComputedAngularInertia,
         &'static ComputedCenterOfMass,
         (&'static Position, &'static Rotation),
-        Option<&'static BodyObstacle>,
+        Option<(&'static BodyObstacle, &'static BodyReach)>,
         Has<RigidBodyDisabled>,
     ),
 >;

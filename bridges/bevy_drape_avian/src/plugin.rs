@@ -9,7 +9,7 @@ use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
 use bevy_drape_bridge::{BridgePlugin, BridgeSystems};
 
 use crate::changes::{note_bodies, note_colliders, watch};
-use crate::motion::{is_any_pushed, read, write};
+use crate::motion::{find_near, is_any_pushed, read, write};
 use crate::obstacles::{update_bodies, update_colliders};
 use crate::sleep::{fall_asleep, wake};
 
@@ -67,6 +67,7 @@ impl Plugin for AvianDrapePlugin {
                     (note_colliders, note_bodies, update_colliders, update_bodies)
                         .chain()
                         .in_set(BridgeSystems::ReadColliders),
+                    find_near.in_set(BridgeSystems::FindNear),
                     read.in_set(BridgeSystems::ReadEnds),
                     write.in_set(BridgeSystems::Write),
                 ),

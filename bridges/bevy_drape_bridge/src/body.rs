@@ -21,6 +21,14 @@ pub struct Part {
     pub place: Placement,
 }
 
+impl Part {
+    /// Distance in metres from the body's origin to the farthest point of the collider, or somewhat more.
+    fn reach(&self) -> f32 {
+        let sphere = self.shape.compute_local_bounding_sphere();
+        (self.place.translation + self.place.rotation * sphere.center).length() + sphere.radius
+    }
+}
+
 /// A dynamic body, as an engine has it.
 #[derive(Clone)]
 pub struct BodyParts {
@@ -38,6 +46,17 @@ pub struct BodyParts {
     pub layers: DrapeLayers,
 }
 
+/// On a dynamic body with an obstacle: how far its colliders reach, and if anything that could touch them is near.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct BodyReach {
+    /// Radius in metres of a sphere about the body's origin that contains all colliders.
+    pub(crate) radius: f32,
+    /// True while the obstacle is enabled.
+    pub(crate) is_near: bool,
+    /// True until the first step of the obstacle.
+    pub(crate) is_new: bool,
+}
+
 /// The colliders in the obstacle of a body, each with its place in the body.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct Parts(pub Vec<(Entity, Placement)>);
@@ -46,16 +65,17 @@ pub struct Parts(pub Vec<(Entity, Placement)>);
 pub fn update_body(
     commands: &mut Commands,
     body: Entity,
-    known: Option<&BodyObstacle>,
+    known: Option<(&BodyObstacle, &BodyReach)>,
     parts: Option<BodyParts>,
 ) {
     let Some(BodyParts { mass, frame, place, parts, surface, layers }) = parts else {
-        if let Some(known) = known {
+        if let Some((known, _)) = known {
             commands.entity(known.entity()).try_despawn();
-            commands.entity(body).try_remove::<MovedByObstacle>();
+            commands.entity(body).try_remove::<(MovedByObstacle, BodyReach)>();
         }
         return;
     };
+    let radius = parts.iter().map(Part::reach).fold(0.0, f32::max);
     let obstacle = (
         Obstacle { shape: shape(&frame, &parts), ..surface },
         layers,
@@ -64,7 +84,7 @@ pub fn update_body(
         frame,
     );
     let obstacle = match known {
-        Some(known) => commands.entity(known.entity()).try_insert(obstacle).id(),
+        Some((known, _)) => commands.entity(known.entity()).try_insert(obstacle).id(),
         None => {
             let Placement { translation, rotation } = frame.of_body(place);
             let there = Transform { translation, rotation, ..default() };
@@ -72,7 +92,9 @@ pub fn update_body(
         }
     };
     let Placement { translation, rotation } = frame.placed(Placement::default());
-    commands.entity(body).try_insert(MovedByObstacle { obstacle, translation, rotation });
+    let new = BodyReach { radius, is_near: true, is_new: true };
+    let reach = known.map_or(new, |(_, &known)| BodyReach { radius, ..known });
+    commands.entity(body).try_insert((MovedByObstacle { obstacle, translation, rotation }, reach));
 }
 
 /// The shape of colliders together, in the body's inertial frame.

@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! plugin      the plugin
+//! near        leaves out bodies that nothing of cloth is near
 //! load        bodies that cloth carries: when they are still, and when they wake
 //! motion      takes the motion of dynamic bodies over, and hands it back
 //! collider    makes obstacles of the colliders of static and kinematic bodies, and takes them away again
@@ -22,16 +23,18 @@ mod frame;
 mod load;
 mod marks;
 mod motion;
+mod near;
 mod outdated;
 mod plugin;
 mod systems;
 
-pub use body::{BodyParts, Part, Parts, update_body};
+pub use body::{BodyParts, BodyReach, Part, Parts, update_body};
 pub use collider::{HasObstacle, obstacle_shape, update_collider};
 pub use frame::InertialFrame;
 pub use load::{Load, WakeRequest};
 pub use marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 pub use motion::EngineBody;
+pub use near::Surroundings;
 pub use outdated::{Outdated, watch_bodies, watch_colliders, watch_component};
 pub use plugin::BridgePlugin;
 pub use systems::BridgeSystems;

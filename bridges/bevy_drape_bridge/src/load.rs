@@ -40,6 +40,13 @@ impl Load {
         *self = Self::default();
     }
 
+    /// Wakes a body that slept on cloth which has gone.
+    pub(crate) fn wake_if_carried(&mut self, of: Entity, body: &EngineBody, commands: &mut Commands) {
+        if self.is_carried() && body.is_asleep {
+            self.wake(of, commands);
+        }
+    }
+
     /// True if a sleeping body wakes that cloth pushes with this acceleration.
     fn wakes(&mut self, acceleration: Vec3) -> bool {
         match self.tied_speed {
@@ -109,9 +116,7 @@ pub(crate) fn wake_carried(
     mut commands: Commands,
 ) {
     for (of, body, mut load) in &mut obstacles {
-        if load.is_carried() && body.is_asleep {
-            load.wake(of.0, &mut commands);
-        }
+        load.wake_if_carried(of.0, body, &mut commands);
     }
 }
 

@@ -9,6 +9,7 @@ use bevy_drape::schedule::DrapeSchedule;
 use crate::load::{Load, note_loads, note_ties, wake_carried, wake_released};
 use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 use crate::motion::{EngineBody, hand_back, plan, start};
+use crate::near::{Surroundings, look_around, note_disabled, note_enabled, switch_obstacles};
 use crate::outdated::Outdated;
 use crate::systems::BridgeSystems;
 
@@ -21,11 +22,16 @@ pub struct BridgePlugin {
 
 impl Plugin for BridgePlugin {
     fn build(&self, app: &mut App) {
-        use BridgeSystems::{HandBack, NoteChanges, Plan, ReadColliders, ReadEnds, ReadStarts, Start, Write};
+        use BridgeSystems::{
+            FindNear, HandBack, NoteChanges, Plan, ReadColliders, ReadEnds, ReadStarts, Start, Write,
+        };
         app.init_resource::<Outdated>()
+            .init_resource::<Surroundings>()
             .register_type::<(NoObstacle, ColliderObstacle, ObstacleOf, BodyObstacle)>()
             .register_required_components::<ObstacleOf, EngineBody>()
             .register_required_components::<ObstacleOf, Load>()
+            .add_observer(note_disabled)
+            .add_observer(note_enabled)
             .add_observer(wake_carried)
             .add_observer(wake_released)
             .configure_sets(self.schedule, (ReadStarts, Start).chain())
@@ -33,13 +39,19 @@ impl Plugin for BridgePlugin {
             .configure_sets(
                 DrapeSchedule,
                 (
-                    (NoteChanges, ReadColliders, ReadEnds, Plan).chain().before(DrapeSystems::ManageScene),
+                    (NoteChanges, ReadColliders).chain().before(DrapeSystems::ManageScene),
+                    (FindNear, ReadEnds, Plan).chain().in_set(DrapeSystems::PlaceObstacles),
                     (HandBack, Write).chain().after(DrapeSystems::Finish),
                 ),
             )
             .add_systems(
                 DrapeSchedule,
-                (plan.in_set(Plan), (hand_back, note_ties, note_loads).chain().in_set(HandBack)),
+                (
+                    look_around.in_set(DrapeSystems::PlaceObstacles).before(FindNear),
+                    switch_obstacles.after(FindNear).before(ReadEnds),
+                    plan.in_set(Plan),
+                    (hand_back, note_ties, note_loads).chain().in_set(HandBack),
+                ),
             );
     }
 }

@@ -6,7 +6,8 @@ use bevy::prelude::*;
 ///
 /// ```text
 /// engine's schedule   ReadStarts -> Start -> (the engine takes its step)
-/// DrapeSchedule       NoteChanges -> ReadColliders -> ReadEnds -> Plan -> (cloth takes its step) -> HandBack -> Write
+/// DrapeSchedule       NoteChanges -> ReadColliders -> (new cloth is built) -> FindNear -> ReadEnds -> Plan
+///                     -> (cloth takes its step) -> HandBack -> Write
 /// ```
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BridgeSystems {
@@ -18,6 +19,8 @@ pub enum BridgeSystems {
     NoteChanges,
     /// Obstacles of colliders and of bodies are brought up to date.
     ReadColliders,
+    /// The engine looks which of its bodies are near cloth: see [`Surroundings`](crate::Surroundings).
+    FindNear,
     /// The engine's bodies are read again, after its step.
     ReadEnds,
     /// Obstacles learn where the engine has brought their bodies.

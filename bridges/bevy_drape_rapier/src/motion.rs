@@ -2,7 +2,7 @@
 
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
-use bevy_drape_bridge::{EngineBody, Load, ObstacleOf, WakeRequest};
+use bevy_drape_bridge::{BodyObstacle, BodyReach, EngineBody, Load, ObstacleOf, Surroundings, WakeRequest};
 use bevy_rapier3d::plugin::context::{
     RapierContextColliders, RapierContextEntityLink, RapierContextJoints, RapierContextSimulation,
     RapierRigidBodySet,
@@ -14,7 +14,21 @@ use bevy_rapier3d::rapier::math::Pose;
 
 use crate::world::{RapierWorld, placement};
 
-/// Reads all dynamic bodies: where Rapier's step begins, and where it ends.
+/// Looks which dynamic bodies are near cloth.
+pub(crate) fn find_near(
+    mut bodies: Query<(Entity, &BodyObstacle, &mut BodyReach)>,
+    mut surroundings: ResMut<Surroundings>,
+    world: RapierWorld,
+    time: Res<Time>,
+) {
+    for (entity, obstacle, mut reach) in &mut bodies {
+        let Some(body) = world.body(entity) else { continue };
+        let seconds = if world.is_paused(entity) { 0.0 } else { time.delta_secs() };
+        surroundings.look_at(obstacle, &mut reach, placement(body.position()), body.linvel(), seconds);
+    }
+}
+
+/// Reads all dynamic bodies near cloth: where Rapier's step begins, and where it ends.
 pub(crate) fn read(mut obstacles: Query<(&ObstacleOf, &mut EngineBody)>, world: RapierWorld) {
     for (of, mut body) in &mut obstacles {
         let Some(rapier) = world.body(of.0) else { continue };

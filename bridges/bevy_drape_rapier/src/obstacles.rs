@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_drape::environment::CombineRule;
 use bevy_drape::prelude::*;
 use bevy_drape_bridge::{
-    BodyObstacle, BodyParts, HasObstacle, InertialFrame, NoObstacle, Outdated, Part, obstacle_shape,
+    BodyObstacle, BodyParts, BodyReach, HasObstacle, InertialFrame, NoObstacle, Outdated, Part, obstacle_shape,
     update_body, update_collider,
 };
 use bevy_rapier3d::dynamics::DeformableCollider;
@@ -84,7 +84,7 @@ const SUBDIVISIONS: u32 = 10;
 pub(crate) fn update_bodies(
     mut outdated: ResMut<Outdated>,
     mut commands: Commands,
-    known: Query<&BodyObstacle>,
+    known: Query<(&BodyObstacle, &BodyReach)>,
     parts: PartQuery,
     world: RapierWorld,
 ) {

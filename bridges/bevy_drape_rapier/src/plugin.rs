@@ -9,7 +9,7 @@ use bevy_rapier3d::plugin::PhysicsSet;
 use bevy_rapier3d::plugin::systems::writeback_rigid_bodies;
 
 use crate::changes::{note_bodies, watch};
-use crate::motion::{read, wake, write};
+use crate::motion::{find_near, read, wake, write};
 use crate::obstacles::{update_bodies, update_colliders};
 
 /// Makes an obstacle of every collider of Rapier, and lets cloth, ropes and balls push dynamic bodies. They take their step
@@ -55,6 +55,7 @@ impl Plugin for RapierDrapePlugin {
                     (note_bodies, update_colliders, update_bodies)
                         .chain()
                         .in_set(BridgeSystems::ReadColliders),
+                    find_near.in_set(BridgeSystems::FindNear),
                     read.in_set(BridgeSystems::ReadEnds),
                     // Rapier's own system once more, for the bodies that cloth has pushed.
                     (write, writeback_rigid_bodies).chain().in_set(BridgeSystems::Write),

@@ -1,7 +1,7 @@
 //! The schedule of a step: labels, sets and their order.
 //!
 //! ```text
-//! DrapeSchedule   ManageScene        obstacles, pins, new bodies, cuts; wake, cull
+//! DrapeSchedule   ManageScene        new bodies, cuts; obstacles, pins; wake, cull
 //!                 AccumulateForces   gravity, wind; your forces go here
 //!                 FormIslands        what can touch is grouped; forces become accelerations
 //!                 DetectCollisions   what could touch what in this step
@@ -72,6 +72,9 @@ pub struct DrapeStep;
 pub enum DrapeSystems {
     /// Builds new bodies, cuts, fires cannons, moves obstacles and pins with their transforms, wakes and culls bodies.
     ManageScene,
+    /// A part of [`ManageScene`](Self::ManageScene), after new bodies are built and before obstacles are read: for systems that place
+    /// obstacles by the bodies of the step.
+    PlaceObstacles,
     /// Reads gravity and wind. Systems that add forces to [`Particles`](crate::body::particles::Particles) belong here.
     AccumulateForces,
     /// Groups bodies and balls that could touch into islands, and turns forces into accelerations.
@@ -186,6 +189,7 @@ fn configure_scene_phases(schedule: &mut Schedule) {
                 Phase::InheritMotion,
             )
                 .chain(),
+            DrapeSystems::PlaceObstacles,
             (
                 Phase::SyncObstacles,
                 Phase::FlyDynamicObstacles,

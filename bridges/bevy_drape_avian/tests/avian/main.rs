@@ -8,6 +8,8 @@ mod engine;
 #[path = "../../../tests/laws.rs"]
 mod laws;
 mod materials;
+#[path = "../../../tests/near.rs"]
+mod near;
 #[path = "../../../tests/operations.rs"]
 mod operations;
 #[path = "../../../tests/ropes.rs"]

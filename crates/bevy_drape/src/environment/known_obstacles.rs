@@ -13,6 +13,8 @@ pub(crate) struct KnownObstacles {
     orders: Vec<u64>,
     last_order: u64,
     slots: EntityHashMap<usize>,
+    /// Obstacles that are disabled and not in the solver, with the numbers that they have again once they are enabled.
+    disabled: Vec<(u64, Entity)>,
 }
 
 impl KnownObstacles {
@@ -40,21 +42,28 @@ impl KnownObstacles {
         self.scales[slot]
     }
 
+    /// Numbers and entities of the obstacles that are disabled.
+    pub fn disabled(&self) -> &[(u64, Entity)] {
+        &self.disabled
+    }
+
     /// Continues with the number after `last`.
     pub fn go_on_from(&mut self, last: u64) {
         self.last_order = last;
     }
 
-    /// Replaces all obstacles, each with its number and scale.
-    pub fn replace(&mut self, obstacles: Vec<(u64, Entity, Vec3)>) {
-        *self = Self { last_order: self.last_order, ..Self::default() };
+    /// Replaces all obstacles, each with its number and scale, and those that are disabled.
+    pub fn replace(&mut self, obstacles: Vec<(u64, Entity, Vec3)>, disabled: Vec<(u64, Entity)>) {
+        *self = Self { last_order: self.last_order, disabled, ..Self::default() };
         for (order, entity, scale) in obstacles {
             self.push_with(order, entity, scale);
         }
     }
 
+    /// Adds an obstacle, with the number that it had if it was disabled.
     pub fn push(&mut self, entity: Entity, scale: Vec3) {
-        self.push_with(self.last_order + 1, entity, scale);
+        let order = self.forget_disabled(entity).unwrap_or(self.last_order + 1);
+        self.push_with(order, entity, scale);
     }
 
     fn push_with(&mut self, order: u64, entity: Entity, scale: Vec3) {
@@ -63,6 +72,18 @@ impl KnownObstacles {
         self.entities.push(entity);
         self.scales.push(scale);
         self.orders.push(order);
+    }
+
+    /// Removes one that was disabled, and keeps its number. The last one takes its slot.
+    pub fn disable(&mut self, slot: usize) {
+        self.disabled.push((self.orders[slot], self.entities[slot]));
+        self.swap_remove(slot);
+    }
+
+    /// Forgets an obstacle that was disabled; gives its number.
+    pub fn forget_disabled(&mut self, entity: Entity) -> Option<u64> {
+        let place = self.disabled.iter().position(|&(_, disabled)| disabled == entity)?;
+        Some(self.disabled.swap_remove(place).0)
     }
 
     /// Removes one; the last one takes its slot.

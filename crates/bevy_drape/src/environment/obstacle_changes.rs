@@ -19,9 +19,11 @@ pub(crate) struct ObstacleChanges {
 }
 
 impl ObstacleChanges {
-    /// Sets the obstacles that moved in the last step.
-    pub fn set_moving(&mut self, moving: Vec<Entity>) {
+    /// Sets the obstacles that moved in the last step, and those that were disabled or enabled since.
+    pub fn restore(&mut self, moving: Vec<Entity>, changed: Vec<Entity>) {
         self.moving = moving;
+        self.gone.extend(&changed);
+        self.recheck.extend(changed);
     }
 }
 

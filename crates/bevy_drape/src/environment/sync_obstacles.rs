@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use bevy::ecs::change_detection::ContiguousRef;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::{BuildError, Layers, Obstacles, Placement};
 
@@ -36,9 +37,10 @@ type ObstacleQuery<'w, 's> = Query<
     ),
 >;
 
-/// Brings new, changed and moved obstacles into the solver, and removes despawned ones. Skips unchanged obstacles.
+/// Brings new, changed and moved obstacles into the solver, and removes despawned and disabled ones. Skips unchanged obstacles.
 pub(crate) fn sync_obstacles(
     obstacles: ObstacleQuery,
+    disabled: Query<(), (With<Obstacle>, With<Disabled>)>,
     mut commands: Commands,
     clock: Res<DrapeClock>,
     mut solver: ResMut<SolverEnvironment>,
@@ -56,7 +58,7 @@ pub(crate) fn sync_obstacles(
         dt: clock.delta(),
     };
     for entity in changes.gone.drain(..).filter(|&entity| !obstacles.contains(entity)) {
-        sync.remove(entity);
+        sync.remove(entity, disabled.contains(entity));
     }
     collect_outdated(&obstacles, &mut changes);
     let ObstacleChanges { moving, outdated, .. } = &mut *changes;
@@ -164,9 +166,17 @@ struct ObstacleSync<'a> {
 
 impl ObstacleSync<'_> {
     /// Removes an obstacle, and wakes bodies that rest on it.
-    fn remove(&mut self, entity: Entity) {
-        if let Some(slot) = self.known.slot(entity) {
-            self.wake_regions.push(&self.built.swap_remove(slot));
+    fn remove(&mut self, entity: Entity, is_disabled: bool) {
+        let Some(slot) = self.known.slot(entity) else {
+            if !is_disabled {
+                self.known.forget_disabled(entity);
+            }
+            return;
+        };
+        self.wake_regions.push(&self.built.swap_remove(slot));
+        if is_disabled {
+            self.known.disable(slot);
+        } else {
             self.known.swap_remove(slot);
         }
     }

@@ -1,5 +1,6 @@
 //! The state of obstacles.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::{BuildError, Placement};
 
@@ -12,7 +13,27 @@ use crate::environment::solver_environment::SolverEnvironment;
 use crate::snapshot::key::{Key, Keys, SnapshotError, entity, out_of_order};
 use crate::snapshot::world::{Placed, put_component};
 
-/// The state of one obstacle. A snapshot keeps the order of the solver's list, by which contacts are sorted.
+/// The state of all obstacles.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct ObstacleSnapshots {
+    /// Those in the solver, in the order of its list, by which contacts are sorted.
+    known: Vec<ObstacleSnapshot>,
+    /// Numbers of those that were disabled in the last step, each with true if it still was.
+    disabled: Vec<(u64, bool)>,
+}
+
+impl ObstacleSnapshots {
+    /// Keys of all obstacles, sorted.
+    fn keys(&self) -> Vec<Key> {
+        let disabled = self.disabled.iter().map(|&(order, _)| Key::Obstacle(order));
+        let mut keys: Vec<Key> = self.known.iter().map(ObstacleSnapshot::key).chain(disabled).collect();
+        keys.sort_unstable();
+        keys
+    }
+}
+
+/// The state of one obstacle in the solver.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ObstacleSnapshot {
@@ -31,6 +52,8 @@ pub(super) struct ObstacleSnapshot {
     own_layers: Option<DrapeLayers>,
     dynamic: Option<DynamicObstacle>,
     reaction: Option<ObstacleReaction>,
+    /// True if it was disabled since the last step.
+    is_disabled: bool,
 }
 
 impl ObstacleSnapshot {
@@ -77,16 +100,19 @@ impl ObstacleSnapshot {
     }
 }
 
-pub(super) fn take(world: &World, keys: &Keys) -> Vec<ObstacleSnapshot> {
+pub(super) fn take(world: &World) -> ObstacleSnapshots {
     let solver = world.resource::<SolverEnvironment>();
-    let mut obstacles = Vec::with_capacity(keys.len());
+    let is_disabled = |entity| world.get::<Disabled>(entity).is_some();
+    let disabled = solver.obstacles.disabled().iter();
+    let disabled = disabled.map(|&(order, entity)| (order, is_disabled(entity))).collect();
+    let mut known = Vec::with_capacity(solver.environment.obstacles.len());
     for (slot, (order, entity)) in solver.obstacles.orders_and_entities().enumerate() {
         let Ok(entity) = world.get_entity(entity) else { continue };
         let Some(obstacle) = entity.get::<Obstacle>() else { continue };
         let built = &solver.environment.obstacles[slot];
         let [now, before] = [built.placement(), built.previous_placement()]
             .map(|Placement { translation, rotation }| (translation.to_array(), rotation.to_array()));
-        obstacles.push(ObstacleSnapshot {
+        known.push(ObstacleSnapshot {
             order,
             placed: Placed::take(entity),
             scale: solver.obstacles.scale(slot).to_array(),
@@ -101,16 +127,23 @@ pub(super) fn take(world: &World, keys: &Keys) -> Vec<ObstacleSnapshot> {
             own_layers: entity.get().copied(),
             dynamic: entity.get().copied(),
             reaction: entity.get().copied(),
+            is_disabled: entity.contains::<Disabled>(),
         });
     }
-    obstacles
+    ObstacleSnapshots { known, disabled }
 }
 
-pub(super) fn check(obstacles: &[ObstacleSnapshot], world: &World, keys: &Keys) -> Result<(), SnapshotError> {
-    let mut orders: Vec<Key> = obstacles.iter().map(ObstacleSnapshot::key).collect();
-    orders.sort_unstable();
-    out_of_order(orders.into_iter())?;
-    for obstacle in obstacles {
+pub(super) fn check(
+    obstacles: &ObstacleSnapshots,
+    world: &World,
+    keys: &Keys,
+) -> Result<(), SnapshotError> {
+    let wanted = obstacles.keys();
+    out_of_order(wanted.iter().copied())?;
+    if let Some(&missing) = wanted.iter().find(|&&key| entity(keys, key).is_none()) {
+        return Err(SnapshotError::Missing(missing));
+    }
+    for obstacle in &obstacles.known {
         let key = obstacle.key();
         let entity = entity(keys, key).and_then(|entity| world.get_entity(entity).ok());
         obstacle.built(entity.ok_or(SnapshotError::Missing(key))?)?;
@@ -120,21 +153,20 @@ pub(super) fn check(obstacles: &[ObstacleSnapshot], world: &World, keys: &Keys) 
 
 /// Restores obstacles that have been [checked](check).
 pub(super) fn restore(
-    obstacles: &[ObstacleSnapshot],
+    obstacles: &ObstacleSnapshots,
     world: &mut World,
     keys: &Keys,
 ) -> Result<(), SnapshotError> {
-    let mut known: Vec<Key> = obstacles.iter().map(ObstacleSnapshot::key).collect();
-    known.sort_unstable();
+    let wanted = obstacles.keys();
     for &(key, obstacle) in keys {
-        if matches!(key, Key::Obstacle(_)) && known.binary_search(&key).is_err() {
+        if matches!(key, Key::Obstacle(_)) && wanted.binary_search(&key).is_err() {
             world.despawn(obstacle);
         }
     }
     let mut solver_obstacles = drape_solver::Obstacles::new();
-    let mut places = Vec::with_capacity(obstacles.len());
-    let mut moving = Vec::new();
-    for snapshot in obstacles {
+    let mut places = Vec::with_capacity(obstacles.known.len());
+    let (mut moving, mut changed) = (Vec::new(), Vec::new());
+    for snapshot in &obstacles.known {
         let key = snapshot.key();
         let found = entity(keys, key).and_then(|entity| world.get_entity_mut(entity).ok());
         let mut entity = found.ok_or(SnapshotError::Missing(key))?;
@@ -153,10 +185,34 @@ pub(super) fn restore(
         put_component(&mut entity, snapshot.own_layers.as_ref());
         put_component(&mut entity, snapshot.dynamic.as_ref());
         put_component(&mut entity, snapshot.reaction.as_ref());
+        set_disabled(&mut entity, snapshot.is_disabled);
+        if snapshot.is_disabled {
+            changed.push(entity.id());
+        }
+    }
+    let mut disabled = Vec::with_capacity(obstacles.disabled.len());
+    for &(order, is_disabled) in &obstacles.disabled {
+        let key = Key::Obstacle(order);
+        let found = entity(keys, key).and_then(|entity| world.get_entity_mut(entity).ok());
+        let mut entity = found.ok_or(SnapshotError::Missing(key))?;
+        set_disabled(&mut entity, is_disabled);
+        if !is_disabled {
+            changed.push(entity.id());
+        }
+        disabled.push((order, entity.id()));
     }
     let mut solver = world.resource_mut::<SolverEnvironment>();
     solver.environment.obstacles = solver_obstacles;
-    solver.obstacles.replace(places);
-    world.resource_mut::<ObstacleChanges>().set_moving(moving);
+    solver.obstacles.replace(places, disabled);
+    world.resource_mut::<ObstacleChanges>().restore(moving, changed);
     Ok(())
+}
+
+/// Disables or enables an entity, if that makes a difference.
+fn set_disabled(entity: &mut EntityWorldMut, is_disabled: bool) {
+    match (entity.contains::<Disabled>(), is_disabled) {
+        (false, true) => _ = entity.insert(Disabled),
+        (true, false) => _ = entity.remove::<Disabled>(),
+        _ => {}
+    }
 }

@@ -16,7 +16,7 @@ pub struct Snapshot {
     world: world::WorldSnapshot,
     bodies: Vec<bodies::BodySnapshot>,
     balls: Vec<projectiles::ProjectileSnapshot>,
-    obstacles: Vec<obstacles::ObstacleSnapshot>,
+    obstacles: obstacles::ObstacleSnapshots,
     rig_particles: Vec<rigs::RigParticleSnapshot>,
     contacts: contacts::ContactSnapshot,
 }
@@ -46,7 +46,7 @@ impl Snapshot {
             world: world::take(world),
             bodies: bodies::take(world, &keys),
             balls: projectiles::take(world, &keys),
-            obstacles: obstacles::take(world, &keys),
+            obstacles: obstacles::take(world),
             rig_particles: rigs::take(world),
             contacts: contacts::take(world, &keys),
         }

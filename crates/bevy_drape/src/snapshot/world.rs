@@ -97,7 +97,8 @@ pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
     let balls = balls.iter(world).map(|(entity, record)| (Key::Ball(record.order), entity));
     let mut members: Vec<(Key, Entity)> = bodies.chain(balls).collect();
     if let Some(solver) = world.get_resource::<SolverEnvironment>() {
-        let obstacles = solver.obstacles.orders_and_entities();
+        let disabled = solver.obstacles.disabled().iter().copied();
+        let obstacles = solver.obstacles.orders_and_entities().chain(disabled);
         members.extend(obstacles.map(|(order, entity)| (Key::Obstacle(order), entity)));
     }
     members.sort_unstable_by_key(|&(key, _)| key);

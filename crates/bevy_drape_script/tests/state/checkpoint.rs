@@ -1,5 +1,6 @@
 //! Checkpoints: a world that was saved and restored goes on with the same bits.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_drape::clock::DrapeClock;
 use bevy_drape::contact::BallHit;
@@ -197,6 +198,65 @@ fn what_was_despawned_is_gone_again() {
     run(&mut other, 100);
     assert_eq!(hash(&mut other), hash(&mut app));
     assert_eq!(members(other.world_mut()).len(), members(app.world_mut()).len());
+}
+
+/// Obstacles that are disabled keep their numbers. One that was disabled after the checkpoint was taken was not found any more, and one that
+/// was enabled after it was despawned.
+#[test]
+fn disabled_obstacles_come_back_as_they_were() {
+    let crates = |app: &mut App| {
+        let spawn = |i: u16| {
+            let place = Vec3::new(-0.3 + 0.3 * f32::from(i), 0.15, 0.0);
+            (Obstacle::cuboid(0.32, 0.3, 0.9), Transform::from_translation(place))
+        };
+        let crates = [0, 1, 2].map(|i| app.world_mut().spawn(spawn(i)).id());
+        run(app, 2);
+        crates
+    };
+    let set_enabled = |app: &mut App, entity, is_enabled| {
+        let mut entity = app.world_mut().entity_mut(entity);
+        if is_enabled {
+            entity.remove::<Disabled>();
+        } else {
+            entity.insert(Disabled);
+        }
+    };
+    let enabled = |app: &App, crates: [Entity; 3]| crates.map(|entity| !app.world().entity(entity).contains::<Disabled>());
+
+    let mut app = world(false);
+    let [one, two, three] = crates(&mut app);
+    set_enabled(&mut app, one, false);
+    run(&mut app, 30);
+    for has_taken_a_step in [true, false] {
+        if !has_taken_a_step {
+            // These two changes are pending in the checkpoint.
+            set_enabled(&mut app, one, true);
+            set_enabled(&mut app, three, false);
+        }
+        let saved = reread(&Checkpoint::take(app.world_mut(), "all of it"));
+        let before = enabled(&app, [one, two, three]);
+        run(&mut app, 100);
+        let expected = hash(&mut app);
+        for (entity, is_enabled) in [(one, before[2]), (two, false), (three, before[0])] {
+            set_enabled(&mut app, entity, is_enabled);
+        }
+        run(&mut app, 10);
+        saved.restore(app.world_mut()).expect("the same world");
+        assert_eq!(enabled(&app, [one, two, three]), before);
+        run(&mut app, 100);
+        assert_eq!(hash(&mut app), expected);
+
+        let mut other = world(false);
+        let same = crates(&mut other);
+        saved.restore(other.world_mut()).expect("the same scene");
+        assert_eq!(enabled(&other, same), before);
+        run(&mut other, 100);
+        assert_eq!(hash(&mut other), expected);
+    }
+    let count = members(app.world_mut()).len();
+    app.world_mut().despawn(three);
+    run(&mut app, 1);
+    assert_eq!(members(app.world_mut()).len(), count - 1, "one that goes while it is disabled is forgotten");
 }
 
 #[test]
