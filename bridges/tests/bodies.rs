@@ -63,6 +63,26 @@ fn a_net_catches_a_crate_and_lets_it_fall_when_it_goes() {
     assert!(place(&app, crate_).y < 0.16, "it has fallen, to {}", place(&app, crate_));
 }
 
+/// The crate slept on while the pins went up, and the net slid through it.
+#[test]
+fn a_crate_that_sleeps_in_a_net_goes_with_its_pins() {
+    for fabric in [Fabric::default(), Fabric::NET] {
+        let mut app = app();
+        let net = net(&mut app, 2.0);
+        app.world_mut().entity_mut(net).insert(fabric);
+        let crate_ = app.world_mut().spawn((box_of(0.3, 4.0), Transform::from_xyz(0.0, 2.3, 0.0))).id();
+        run(&mut app, 6.0);
+        assert!(is_asleep(&app, crate_), "it sleeps in the net");
+        let before = place(&app, crate_).y;
+        for _ in 0..128 {
+            app.world_mut().get_mut::<Transform>(net).expect("it is there").translation.y += 0.05 / 64.0;
+            app.update();
+        }
+        let risen = place(&app, crate_).y - before;
+        assert!((risen - 0.1).abs() < 0.01, "it has gone up by {risen} m, its net by 0.1 m");
+    }
+}
+
 /// A light net holds crates that weigh up to 400 times as much, level or tilted, with its border or its corners pinned. Crates of 4 kg went through.
 #[test]
 fn a_light_net_holds_crates_of_any_weight() {

@@ -4,8 +4,8 @@ use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape_bridge::{
-    BodyObstacle, BodyParts, BodyReach, HasObstacle, InertialFrame, NoObstacle, Outdated, Part, obstacle_shape,
-    update_body, update_collider,
+    BodyObstacle, BodyParts, BodyReach, HasObstacle, InertialFrame, NoObstacle, Outdated, Part,
+    obstacle_shape, update_body, update_collider,
 };
 
 use crate::motion::{place_in_body, placement};

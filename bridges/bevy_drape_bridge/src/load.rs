@@ -1,9 +1,12 @@
 //! Bodies that cloth carries: how long they have been still, and when they wake.
 
 use bevy::prelude::*;
+use bevy_drape::body::Activity;
+use bevy_drape::drape_solver::world::bounds::Bounds;
 use bevy_drape::environment::{DynamicObstacle, ObstacleReaction};
 use bevy_drape::prelude::*;
 
+use crate::body::BodyReach;
 use crate::marks::{BodyObstacle, ObstacleOf};
 use crate::motion::EngineBody;
 
@@ -24,8 +27,10 @@ pub struct Load {
     /// The acceleration in the first step that the body slept through: cloth that is squeezed between the body and the ground bears
     /// less once the body holds itself.
     asleep: Option<Vec3>,
-    /// The greatest speed in m/s in cloth that is tied to the body; none if there is no such cloth.
-    tied_speed: Option<f32>,
+    /// True if cloth is tied to the body.
+    is_tied: bool,
+    /// True if cloth moves that is tied to the body, or the pins of cloth that carries it.
+    is_stirred: bool,
 }
 
 impl Load {
@@ -49,34 +54,64 @@ impl Load {
 
     /// True if a sleeping body wakes that cloth pushes with this acceleration.
     fn wakes(&mut self, acceleration: Vec3) -> bool {
-        match self.tied_speed {
+        let is_pushed = if self.is_tied {
             // A body that sleeps holds what is tied to it: it does not feel the pull.
-            Some(speed) => speed > WAKING_SPEED || acceleration.length() > WAKING_CHANGE,
-            None => {
-                let has_lost_support = self.is_carried() && acceleration == Vec3::ZERO;
-                let before = *self.asleep.get_or_insert(acceleration);
-                has_lost_support || acceleration.distance(before) > WAKING_CHANGE
-            }
-        }
+            acceleration.length() > WAKING_CHANGE
+        } else {
+            let has_lost_support = self.is_carried() && acceleration == Vec3::ZERO;
+            let before = *self.asleep.get_or_insert(acceleration);
+            has_lost_support || acceleration.distance(before) > WAKING_CHANGE
+        };
+        self.is_stirred || is_pushed
     }
 }
 
-/// Notes how fast cloth moves that is tied to sleeping bodies.
-pub(crate) fn note_ties(
-    cloths: Query<(&Attachment, &Particles)>,
-    bodies: Query<&BodyObstacle>,
-    mut obstacles: Query<(&EngineBody, &mut Load)>,
+/// Notes which sleeping bodies are tied to cloth that moves, or lie on cloth whose pins move.
+pub(crate) fn note_carriers(
+    cloths: Query<(&Particles, &Activity, Option<&Attachment>)>,
+    bodies: Query<(&BodyObstacle, &BodyReach)>,
+    mut obstacles: Query<(Entity, &ObstacleOf, &EngineBody, &mut Load)>,
+    mut carried: Local<Vec<(Entity, Vec3, f32)>>,
 ) {
-    for (_, mut load) in &mut obstacles {
-        load.bypass_change_detection().tied_speed = None;
+    carried.clear();
+    for (entity, of, body, mut load) in &mut obstacles {
+        let load = load.bypass_change_detection();
+        (load.is_tied, load.is_stirred) = (false, false);
+        if body.is_asleep
+            && load.is_carried()
+            && let Ok((_, reach)) = bodies.get(of.0)
+        {
+            carried.push((entity, body.place.translation, reach.radius));
+        }
     }
-    for (attachment, particles) in &cloths {
-        for tie in &attachment.ties {
-            let Ok(obstacle) = bodies.get(tie.entity) else { continue };
-            let Ok((body, mut load)) = obstacles.get_mut(obstacle.entity()) else { continue };
-            if body.is_asleep {
-                let speeds = particles.velocities().map(Vec3::length);
-                load.tied_speed = Some(speeds.fold(load.tied_speed.unwrap_or_default(), f32::max));
+    let mut stir = |entity, is_tied, is_stirred| {
+        let Ok((_, _, body, mut load)) = obstacles.get_mut(entity) else { return };
+        if body.is_asleep {
+            load.is_tied |= is_tied;
+            load.is_stirred |= is_stirred;
+        }
+    };
+    for (particles, activity, attachment) in &cloths {
+        let ties = attachment.map_or(&[][..], |attachment| &attachment.ties);
+        if ties.is_empty() && (carried.is_empty() || *activity != Activity::Active) {
+            continue;
+        }
+        let is_any =
+            |is_moving: fn(&Particles, usize) -> bool| (0..particles.len()).any(|i| is_moving(particles, i));
+        let are_pins_moving =
+            is_any(|particles, i| particles.is_pinned(i) && particles.velocity(i) != Vec3::ZERO);
+        let is_moving =
+            are_pins_moving || is_any(|particles, i| particles.velocity(i).length() > WAKING_SPEED);
+        for tie in ties {
+            if let Ok((obstacle, _)) = bodies.get(tie.entity) {
+                stir(obstacle.entity(), true, is_moving);
+            }
+        }
+        // Nothing else counts here: what lies between pins and body springs back once the body holds itself.
+        if are_pins_moving && !carried.is_empty() {
+            let bounds = Bounds::from(particles.bounds());
+            for &(entity, place, radius) in &carried {
+                stir(entity, false, bounds.distance_to(place) < radius);
             }
         }
     }

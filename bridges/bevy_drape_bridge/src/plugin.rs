@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::DrapeSchedule;
 
-use crate::load::{Load, note_loads, note_ties, wake_carried, wake_released};
+use crate::load::{Load, note_carriers, note_loads, wake_carried, wake_released};
 use crate::marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
 use crate::motion::{EngineBody, hand_back, plan, start};
 use crate::near::{Surroundings, look_around, note_disabled, note_enabled, switch_obstacles};
@@ -50,7 +50,7 @@ impl Plugin for BridgePlugin {
                     look_around.in_set(DrapeSystems::PlaceObstacles).before(FindNear),
                     switch_obstacles.after(FindNear).before(ReadEnds),
                     plan.in_set(Plan),
-                    (hand_back, note_ties, note_loads).chain().in_set(HandBack),
+                    (hand_back, note_carriers, note_loads).chain().in_set(HandBack),
                 ),
             );
     }

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_drape::environment::CombineRule;
 use bevy_drape::prelude::*;
 use bevy_drape_bridge::{
-    BodyObstacle, BodyParts, BodyReach, HasObstacle, InertialFrame, NoObstacle, Outdated, Part, obstacle_shape,
-    update_body, update_collider,
+    BodyObstacle, BodyParts, BodyReach, HasObstacle, InertialFrame, NoObstacle, Outdated, Part,
+    obstacle_shape, update_body, update_collider,
 };
 use bevy_rapier3d::dynamics::DeformableCollider;
 use bevy_rapier3d::geometry::{Collider, ColliderScale};

@@ -133,11 +133,7 @@ pub(super) fn take(world: &World) -> ObstacleSnapshots {
     ObstacleSnapshots { known, disabled }
 }
 
-pub(super) fn check(
-    obstacles: &ObstacleSnapshots,
-    world: &World,
-    keys: &Keys,
-) -> Result<(), SnapshotError> {
+pub(super) fn check(obstacles: &ObstacleSnapshots, world: &World, keys: &Keys) -> Result<(), SnapshotError> {
     let wanted = obstacles.keys();
     out_of_order(wanted.iter().copied())?;
     if let Some(&missing) = wanted.iter().find(|&&key| entity(keys, key).is_none()) {

@@ -81,7 +81,8 @@ impl DrapeReach<'_, '_> {
 
 /// The box around a box that is moved.
 fn moved(bounds: Bounds, motion: bevy::math::Affine3A) -> Bounds {
-    let corner = |i: u8| Vec3::select(BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), bounds.low, bounds.high);
+    let corner =
+        |i: u8| Vec3::select(BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), bounds.low, bounds.high);
     let corners = (0..8).map(|i| motion.transform_point3(corner(i)));
     corners.fold(Bounds::EMPTY, |all, corner| all.joined(Bounds::new(corner, corner)))
 }

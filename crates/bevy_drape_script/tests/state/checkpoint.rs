@@ -221,7 +221,9 @@ fn disabled_obstacles_come_back_as_they_were() {
             entity.insert(Disabled);
         }
     };
-    let enabled = |app: &App, crates: [Entity; 3]| crates.map(|entity| !app.world().entity(entity).contains::<Disabled>());
+    let enabled = |app: &App, crates: [Entity; 3]| {
+        crates.map(|entity| !app.world().entity(entity).contains::<Disabled>())
+    };
 
     let mut app = world(false);
     let [one, two, three] = crates(&mut app);
