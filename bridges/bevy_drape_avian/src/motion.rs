@@ -70,11 +70,6 @@ pub(crate) fn write(
     }
 }
 
-/// True if cloth has pushed a body in its last step.
-pub(crate) fn is_any_pushed(bodies: Query<&EngineBody>) -> bool {
-    bodies.iter().any(|body| body.is_pushed)
-}
-
 /// A place in cloth's terms.
 pub(crate) fn placement(position: &Position, rotation: &Rotation) -> Placement {
     Placement { translation: position.0, rotation: rotation.0 }

@@ -6,10 +6,10 @@ use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
-use bevy_drape_bridge::{BridgePlugin, BridgeSystems};
+use bevy_drape_bridge::{BridgePlugin, BridgeSystems, is_any_pushed};
 
 use crate::changes::{note_bodies, note_colliders, watch};
-use crate::motion::{find_near, is_any_pushed, read, write};
+use crate::motion::{find_near, read, write};
 use crate::obstacles::{update_bodies, update_colliders};
 use crate::sleep::{fall_asleep, wake};
 

@@ -33,7 +33,7 @@ pub use collider::{HasObstacle, obstacle_shape, update_collider};
 pub use frame::InertialFrame;
 pub use load::{Load, WakeRequest};
 pub use marks::{BodyObstacle, ColliderObstacle, NoObstacle, ObstacleOf};
-pub use motion::EngineBody;
+pub use motion::{EngineBody, is_any_pushed};
 pub use near::Surroundings;
 pub use outdated::{Outdated, watch_bodies, watch_colliders, watch_component};
 pub use plugin::BridgePlugin;

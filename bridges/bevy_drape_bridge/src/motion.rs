@@ -42,6 +42,11 @@ impl EngineBody {
     }
 }
 
+/// True if cloth has pushed a body in its last step.
+pub fn is_any_pushed(bodies: Query<&EngineBody>) -> bool {
+    bodies.iter().any(|body| body.is_pushed)
+}
+
 /// Puts obstacles where their bodies begin the engine's step, if anything has moved the bodies since the last one.
 pub(crate) fn start(mut obstacles: Query<(&InertialFrame, &EngineBody, &mut Transform)>) {
     for (frame, body, mut transform) in &mut obstacles {

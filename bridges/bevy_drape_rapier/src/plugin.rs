@@ -4,7 +4,7 @@ use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy_drape::schedule::{DrapeSchedule, DrapeStep};
-use bevy_drape_bridge::{BridgePlugin, BridgeSystems};
+use bevy_drape_bridge::{BridgePlugin, BridgeSystems, is_any_pushed};
 use bevy_rapier3d::plugin::PhysicsSet;
 use bevy_rapier3d::plugin::systems::writeback_rigid_bodies;
 
@@ -57,8 +57,11 @@ impl Plugin for RapierDrapePlugin {
                         .in_set(BridgeSystems::ReadColliders),
                     find_near.in_set(BridgeSystems::FindNear),
                     read.in_set(BridgeSystems::ReadEnds),
-                    // Rapier's own system once more, for the bodies that cloth has pushed.
-                    (write, writeback_rigid_bodies).chain().in_set(BridgeSystems::Write),
+                    // Rapier's own system once more, for the bodies that cloth has pushed. It looks at all.
+                    (write, writeback_rigid_bodies)
+                        .chain()
+                        .run_if(is_any_pushed)
+                        .in_set(BridgeSystems::Write),
                 ),
             );
     }

@@ -1,39 +1,49 @@
-//! Prints what the bridge costs: a curtain among Avian's colliders, in two apps side by side, with and without the bridge.
+//! Prints what a bridge costs: a curtain among the colliders of an engine, in two apps side by side, with and without the bridge.
 //!
-//! `cargo run --release --manifest-path bridges/Cargo.toml --example cost` (with `--ignore-rust-version` on an old Rust)
-//!
-//! Words of its command line choose scenes, and the numbers of colliders: `cost bridge`, `cost 0+1000`.
+//! Words of its command line choose scenes, and the numbers of static, kinematic and dynamic colliders: `avian_cost bridge`, `avian_cost 0+0+1000`.
 
 use std::time::{Duration, Instant};
 
-use avian3d::prelude::*;
-use avian3d::schedule::PhysicsSystems;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::environment::Gusts;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::DrapeStep;
-use bevy_drape_avian::AvianDrapePlugin;
+
+use crate::engine::*;
 
 const WARM_UP: usize = 60;
 const STEPS: usize = 300;
 
-fn main() {
+/// The system that begins to take the time of a step of cloth, which is to run after the engine's step.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct StartClock;
+
+/// Prints the costs. `order` orders [`StartClock`].
+pub fn print_all(order: fn(&mut App)) {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|word| word == name);
-    let far = [(0, 0), (1_000, 0), (10_000, 0), (0, 100), (0, 1_000), (1_000, 100)];
+    let far = [
+        (0, 0, 0),
+        (1_000, 0, 0),
+        (10_000, 0, 0),
+        (0, 0, 100),
+        (0, 0, 1_000),
+        (0, 1_000, 0),
+        (1_000, 0, 100),
+    ];
     println!("microseconds, medians (least) of {STEPS} steps: the step of the cloth, and all of a frame");
     println!(
-        "{:32} {:>39}  {:>28}",
+        "{:47} {:>39}  {:>28}",
         "colliders", "step: without, with, more by", "frame: without, with, more"
     );
-    for (statics, dynamics) in far {
-        if is_wanted("far") || is_wanted(&format!("{statics}+{dynamics}")) {
-            print_costs(Scene { statics, dynamics, is_around: false });
+    for (statics, kinematics, dynamics) in far {
+        if is_wanted("far") || is_wanted(&format!("{statics}+{kinematics}+{dynamics}")) {
+            print_costs(Scene { statics, kinematics, dynamics, is_around: false }, order);
         }
     }
     if is_wanted("bridge") {
-        print_costs(Scene { statics: 1_000, dynamics: 100, is_around: true });
+        print_costs(Scene { statics: 1_000, kinematics: 0, dynamics: 100, is_around: true }, order);
     }
 }
 
@@ -41,19 +51,20 @@ fn main() {
 #[derive(Clone, Copy)]
 struct Scene {
     statics: usize,
+    kinematics: usize,
     dynamics: usize,
     /// True if the curtain hangs among them; else they are far away.
     is_around: bool,
 }
 
-fn print_costs(scene: Scene) {
-    let [without, with] = time_steps(scene);
-    let Scene { statics, dynamics, is_around } = scene;
+fn print_costs(scene: Scene, order: fn(&mut App)) {
+    let [without, with] = time_steps(scene, order);
+    let Scene { statics, kinematics, dynamics, is_around } = scene;
     let place = if is_around { "around it" } else { "far away " };
     let [step, step_with] = [without.step, with.step].map(Span::of);
     let [frame, frame_with] = [without.frame, with.frame].map(Span::of);
     println!(
-        "{statics:>6} static {dynamics:>5} dynamic {place}  {step} {step_with} {:7.1} {:5.1} %  {frame} {frame_with} {:7.1}",
+        "{statics:>6} static {kinematics:>5} kinematic {dynamics:>5} dynamic {place}  {step} {step_with} {:7.1} {:5.1} %  {frame} {frame_with} {:7.1}",
         step_with.median - step.median,
         (step_with.median / step.median - 1.0) * 100.0,
         frame_with.median - frame.median,
@@ -61,8 +72,8 @@ fn print_costs(scene: Scene) {
 }
 
 /// Times without and with the bridge, of steps that the two apps take in turn.
-fn time_steps(scene: Scene) -> [Times; 2] {
-    let mut apps = [false, true].map(|is_bridged| app(scene, is_bridged));
+fn time_steps(scene: Scene, order: fn(&mut App)) -> [Times; 2] {
+    let mut apps = [false, true].map(|is_bridged| app(scene, is_bridged, order));
     for _ in 0..WARM_UP + STEPS {
         for app in &mut apps {
             let start = Instant::now();
@@ -74,38 +85,41 @@ fn time_steps(scene: Scene) -> [Times; 2] {
     apps.map(|mut app| std::mem::take(&mut *app.world_mut().resource_mut::<Times>()))
 }
 
-fn app(Scene { statics, dynamics, is_around }: Scene, is_bridged: bool) -> App {
+fn app(
+    Scene { statics, kinematics, dynamics, is_around }: Scene,
+    is_bridged: bool,
+    order: fn(&mut App),
+) -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin, PhysicsPlugins::default()))
-        .add_plugins(DrapePlugins::default())
+    app.add_plugins((MinimalPlugins, TransformPlugin, DrapePlugins::default()))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(15_625)))
         // Gusts keep the curtain awake.
         .insert_resource(Wind { gusts: Gusts { speed: 1.0, ..default() }, ..Wind::new(Vec3::Z) })
         .init_resource::<Times>();
+    add_engine(&mut app);
     if is_bridged {
-        app.add_plugins(AvianDrapePlugin::default());
+        add_bridge(&mut app);
     }
-    // Between Avian's step and the end of ours.
+    order(&mut app);
     let start = |mut times: ResMut<Times>| times.start = Some(Instant::now());
     let stop = |mut times: ResMut<Times>| {
         let took = times.start.map(|start| start.elapsed());
         times.step.extend(took);
     };
-    app.add_systems(
-        FixedPostUpdate,
-        (start.after(PhysicsSystems::Last).before(DrapeStep), stop.after(DrapeStep)),
-    );
+    app.add_systems(FixedPostUpdate, (start.in_set(StartClock).before(DrapeStep), stop.after(DrapeStep)));
     let world = app.world_mut();
     world.spawn((Cloth::new(2.0, 2.0).with_particles(48, 48), Transform::from_xyz(0.0, 2.0, 0.0)));
-    let cube = || Collider::cuboid(1.0, 1.0, 1.0);
+    let cube = || cuboid(Vec3::ONE);
     for place in places(statics, is_around) {
-        world.spawn((RigidBody::Static, cube(), Transform::from_translation(place + Vec3::Y * 0.5)));
+        world.spawn((STATIC, cube(), Transform::from_translation(place + Vec3::Y * 0.5)));
     }
-    for place in places(dynamics, is_around) {
-        // Adrift: nothing sleeps.
-        let adrift = (GravityScale(0.0), LinearVelocity(Vec3::Y), SleepingDisabled);
-        let up = Transform::from_translation(place + Vec3::Y * 2.0);
-        world.spawn((RigidBody::Dynamic, cube(), up, adrift));
+    for (body, count) in [(KINEMATIC, kinematics), (DYNAMIC, dynamics)] {
+        for place in places(count, is_around) {
+            // Adrift: nothing sleeps.
+            let adrift = (GravityScale(0.0), moving(Vec3::Y, Vec3::ZERO), sleepless());
+            let up = Transform::from_translation(place + Vec3::Y * 2.0);
+            world.spawn((body, cube(), up, adrift));
+        }
     }
     app.finish();
     app.cleanup();
