@@ -213,7 +213,7 @@ fn disabled_obstacles_come_back_as_they_were() {
         run(app, 2);
         crates
     };
-    let set_enabled = |app: &mut App, entity, is_enabled| {
+    let set_enabled = |app: &mut App, entity: Entity, is_enabled: bool| {
         let mut entity = app.world_mut().entity_mut(entity);
         if is_enabled {
             entity.remove::<Disabled>();

@@ -53,6 +53,35 @@ fn a_fold_falls_asleep() {
     assert_sleeps("the fold", vec![sheet], 6.0);
 }
 
+/// What has touched in an island is forgotten when other bodies are in it. A body without self-contact was judged by the places of
+/// the bodies before it, and one that is larger than they were panicked.
+#[test]
+fn a_body_comes_to_rest_alike_in_an_island_in_which_others_have_touched() {
+    let environment = Environment { obstacles: vec![Obstacle::ground()].into(), ..gravity(FRAME) };
+    for side in [9, 17, 33] {
+        let alone = || {
+            let sheet = ClothBuilder::new(0.5, 0.5, side, side).placed(Vec3::Y * 0.006, Vec3::X, Vec3::Z);
+            sheet.build(BodySettings::default()).expect("valid")
+        };
+        let mut used =
+            Island { bodies: vec![level(0.01, 0.0, 0.005), level(0.019, 0.3, 0.005)], ..Island::default() };
+        for _ in 0..10 {
+            step(&mut used, &environment).expect("valid");
+        }
+        assert!(used.self_contact_counts().pairs > 0, "they touch");
+        used.bodies = vec![alone()];
+        let mut fresh = Island::of_body(alone());
+        for index in 0..30 {
+            for island in [&mut used, &mut fresh] {
+                step(island, &environment).expect("valid");
+            }
+            let [one, other] = [&used, &fresh].map(|island| island.bodies[0].still_for());
+            assert_eq!(one, other, "{side}: at step {index}");
+        }
+        assert!(fresh.bodies[0].still_for() > 0.0, "it lies still");
+    }
+}
+
 #[test]
 fn a_stack_falls_asleep() {
     let sheets = (0..5).map(|k| level(0.05 + 0.03 * k as f32, 0.1 * k as f32, 0.005));
