@@ -22,7 +22,7 @@ const FEATURE: Feature = Feature {
     picture_time: 3.4,
     build: |app| {
         app.add_plugins((PhysicsPlugins::default(), AvianDrapePlugin::default()))
-            // Faces feel no air that stands quite still. A cup catches more of it than a plate.
+            // A breeze, as faces feel nothing of air that stands quite still. A cup catches more of it than a plate.
             .insert_resource(Wind { drag_coefficient: 1.6, ..Wind::new(Vec3::X) })
             .insert_resource(Verdict(judge))
             .init_resource::<Descent>()
@@ -87,8 +87,8 @@ fn parachute() -> (Mesh, Lines) {
         let from = on_canopy(seam, PIECES);
         let to = (from * Vec3::new(1.0, 0.0, 1.0) / from.x.abs().max(from.z.abs()) + Vec3::Y) * 0.505 * SIDE;
         let middle = (1..PIECES).map(|link| from.lerp(to, link as f32 / PIECES as f32));
-        let sides =
-            middle.flat_map(|place| [-0.015, 0.015].map(|side| place + around(seam) * Vec3::Z * side));
+        let aside = around(seam) * Vec3::Z * 0.015;
+        let sides = middle.flat_map(|place| [place - aside, place + aside]);
         let end = sew([from].into_iter().chain(sides).chain([to]).collect(), 2);
         lines.0.push((skirt, end, from.distance(to)));
     }
@@ -131,8 +131,8 @@ fn watch(
 fn judge(world: &mut World) -> Result<String, String> {
     let &Descent(speed, [short, long]) = world.resource();
     let mut loads = world.query_filtered::<(&Position, &LinearVelocity), With<Crate>>();
-    let (&Position(at), &LinearVelocity(velocity)) = loads.single(world).map_err(|e| e.to_string())?;
-    let particles = world.query::<&Particles>().single(world).map_err(|e| e.to_string())?;
+    let (&Position(at), &LinearVelocity(motion)) = loads.single(world).map_err(|error| error.to_string())?;
+    let particles = world.query::<&Particles>().single(world).map_err(|error| error.to_string())?;
     let range = |[low, high]: [f32; 2], place: Vec3| [low.min(place.y), high.max(place.y)];
     let [low, high] = particles.positions().fold([f32::MAX, 0.0], range);
     let free = (0..particles.len()).filter(|&i| !particles.is_pinned(i));
@@ -144,6 +144,6 @@ fn judge(world: &mut World) -> Result<String, String> {
          of their lengths; the crate lies at {at:.2}, the canopy from {low:.3} m to {high:.2} m above the ground"
     );
     let is_carried = (0.7..1.5).contains(&drag) && short > 0.99 && long < 1.01;
-    let is_down = (at.y - 0.5 * SIDE).abs() < 0.02 && velocity.length() < 0.1 && low > 0.0 && high < 2.0;
+    let is_down = (at.y - 0.5 * SIDE).abs() < 0.02 && motion.length() < 0.1 && low > 0.0 && high < 2.0;
     if is_carried && is_down { Ok(finding) } else { Err(finding) }
 }
