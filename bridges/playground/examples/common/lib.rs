@@ -156,7 +156,7 @@ impl Plugin for PlaygroundPlugin {
 }
 
 /// Obstacles are drawn, and that of a dynamic body is an entity of its own.
-fn paint_obstacle(
+pub fn paint_obstacle(
     added: On<Add<ObstacleOf>>,
     obstacles: Query<&ObstacleOf>,
     paints: Query<&Paint>,
