@@ -27,9 +27,14 @@ pub fn app_without_cloth() -> App {
     started(engine())
 }
 
+/// The environment variable with the number of threads in each of Bevy's pools; without it there are as many as Bevy likes.
+pub const THREADS: &str = "BRIDGE_TEST_THREADS";
+
 fn engine() -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin))
+    let threads = std::env::var(THREADS).ok().and_then(|threads| threads.parse().ok());
+    let task_pool_options = threads.map_or_else(TaskPoolOptions::default, TaskPoolOptions::with_num_threads);
+    app.add_plugins((MinimalPlugins.set(TaskPoolPlugin { task_pool_options }), TransformPlugin))
         .insert_resource(TimeUpdateStrategy::ManualDuration(TIMESTEP));
     add_engine(&mut app);
     app
