@@ -61,6 +61,15 @@ struct Made {
     cloths: Vec<Entity>,
 }
 
+/// Ties one end of a rope, or both.
+fn tied(bodies: &[Entity], dice: &mut Dice) -> Option<Attachment> {
+    if bodies.is_empty() {
+        return None;
+    }
+    let tied = Attachment::first(dice.of(bodies));
+    Some(if dice.below(2) == 0 { tied } else { tied.and(Tie::last(dice.of(bodies))) })
+}
+
 fn spawn(app: &mut App, made: &mut Made, dice: &mut Dice) {
     let world = app.world_mut();
     if made.bodies.len() < MOST && dice.below(2) == 0 {
@@ -71,7 +80,13 @@ fn spawn(app: &mut App, made: &mut Made, dice: &mut Dice) {
         let place = dice.place();
         let cloth = match dice.below(3) {
             0 => world.spawn((Cloth::new(0.6, 0.6).with_particles(9, 9).with_pins(ClothPins::None), place)),
-            1 => world.spawn((Rope::new(Vec3::ZERO, Vec3::X, 12), place)),
+            1 => {
+                let rope = world.spawn((Rope::new(Vec3::ZERO, Vec3::X, 12), place)).id();
+                if let Some(tied) = tied(&made.bodies, dice) {
+                    world.entity_mut(rope).insert(tied);
+                }
+                world.entity_mut(rope)
+            }
             _ => world.spawn((Projectile { velocity: dice.vector(10.0), ..default() }, place)),
         };
         made.cloths.push(cloth.id());
@@ -91,6 +106,16 @@ fn operate(app: &mut App, made: &mut Made, dice: &mut Dice) {
     if kind == 5 {
         pause(app);
         return;
+    }
+    if kind == 6
+        && !made.cloths.is_empty()
+        && let Ok(mut rope) = app.world_mut().get_entity_mut(dice.of(&made.cloths))
+        && rope.contains::<Rope>()
+    {
+        match tied(&made.bodies, dice).filter(|_| dice.below(3) > 0) {
+            Some(tied) => _ = rope.insert(tied),
+            None => _ = rope.remove::<Attachment>(),
+        }
     }
     let index = dice.below(made.bodies.len());
     let (body, other) = (made.bodies[index], dice.of(&made.bodies));
