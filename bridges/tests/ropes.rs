@@ -116,6 +116,49 @@ fn a_crate_tows_another_and_keeps_momentum() {
     }
 }
 
+/// Two crates hang on a rope over a smooth bar: Atwood's machine.
+#[test]
+fn two_crates_on_a_rope_over_a_bar_run_as_atwoods_machine() {
+    const RADIUS: f32 = 0.2;
+    const THICKNESS: f32 = 0.005;
+    const SIDE: f32 = 0.7;
+    const LINKS: u32 = 60;
+    let (light, heavy, density) = (1.0, 1.5, 0.05);
+    let mut app = app();
+    let lying = Transform::from_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2));
+    app.world_mut().spawn((STATIC, capsule(RADIUS, 1.0), friction(0.0), lying));
+    let radius = RADIUS + THICKNESS;
+    let arc = core::f32::consts::PI * radius;
+    let length = arc + 2.0 * SIDE;
+    let rope = Rope { linear_density: density, ..Rope::new(Vec3::ZERO, Vec3::X * length, LINKS + 1) };
+    let surface = BodySurface { thickness: THICKNESS, friction: 0.0, static_friction: 0.0, drag: 0.0, ..default() };
+    let settings = SolverSettings { substeps: 16, ..default() };
+    let rope = app.world_mut().spawn((rope, surface, settings)).id();
+    app.update();
+    let place_of = |i: u32| {
+        let along = length * i as f32 / LINKS as f32 - SIDE;
+        let angle = core::f32::consts::PI - (along / radius).clamp(0.0, core::f32::consts::PI);
+        let down = (-along).max(along - arc).max(0.0);
+        Vec3::new(radius * ops::cos(angle), radius * ops::sin(angle) - down, 0.0)
+    };
+    let mut particles = app.world_mut().get_mut::<Particles>(rope).expect("it is built");
+    for i in 0..=LINKS {
+        particles.set_motion(i as usize, place_of(i), place_of(i), TIMESTEP.as_secs_f32());
+    }
+    let ends = [(0, light), (LINKS, heavy)].map(|(end, kilograms)| {
+        spawn_crate(&mut app, kilograms, place_of(end) + Vec3::NEG_Y * (HALF + 0.01))
+    });
+    app.world_mut().entity_mut(rope).insert(Attachment::first(ends[0]).and(Tie::last(ends[1])));
+    let seconds = 0.5;
+    let before = ends.map(|body| place(&app, body).y);
+    run(&mut app, seconds);
+    let after = ends.map(|body| place(&app, body).y);
+    let way = 0.5 * (after[0] - before[0] + before[1] - after[1]);
+    let k = (2.0 * density * G / (light + heavy + density * length)).sqrt();
+    let expected = (heavy - light) / (2.0 * density) * ((k * seconds).cosh() - 1.0);
+    assert!((way / expected - 1.0).abs() < 0.03, "they have gone {way} m, not {expected} m");
+}
+
 /// A crate that sleeps on its rope wakes if a ball hits the rope.
 #[test]
 fn a_crate_that_sleeps_on_its_rope_wakes_with_the_rope() {

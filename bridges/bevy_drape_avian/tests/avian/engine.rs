@@ -39,6 +39,11 @@ pub fn sphere(radius: f32) -> Collider {
     Collider::sphere(radius)
 }
 
+/// A capsule along Y, with `length` metres between the middles of its round ends.
+pub fn capsule(radius: f32, length: f32) -> Collider {
+    Collider::capsule(radius, length)
+}
+
 /// Everything below the plane through the origin.
 pub fn half_space() -> Collider {
     Collider::half_space(Vec3::Y)

@@ -45,6 +45,11 @@ pub fn sphere(radius: f32) -> Collider {
     Collider::ball(radius)
 }
 
+/// A capsule along Y, with `length` metres between the middles of its round ends.
+pub fn capsule(radius: f32, length: f32) -> Collider {
+    Collider::capsule_y(0.5 * length, radius)
+}
+
 /// Everything below the plane through the origin.
 pub fn half_space() -> Collider {
     Collider::halfspace(Vec3::Y).expect("a direction")

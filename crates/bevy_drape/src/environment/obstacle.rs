@@ -159,7 +159,8 @@ pub(crate) fn built(
     layers: Layers,
     [reports_contacts, reports_reaction]: [bool; 2],
 ) -> Result<drape_solver::Obstacle, BuildError> {
-    let built = drape_solver::Obstacle::new(shape.scaled(scale)?, placement, obstacle.friction)?
+    let shape = shape.scaled(without_rounding(scale))?;
+    let built = drape_solver::Obstacle::new(shape, placement, obstacle.friction)?
         .with_static_friction(obstacle.static_friction)?
         .with_restitution(obstacle.restitution)?
         .with_combine_rules(obstacle.friction_rule, obstacle.restitution_rule)
@@ -168,3 +169,14 @@ pub(crate) fn built(
     let built = if reports_contacts { built.reporting_contacts() } else { built };
     Ok(if reports_reaction { built.reporting_reaction() } else { built })
 }
+
+/// The scale without the rounding of a rotation that has been in a matrix: an uneven scale would make a hull with corners of a round shape.
+fn without_rounding(scale: Vec3) -> Vec3 {
+    let is_near = |one: f32, other: f32| (one - other).abs() <= ROUNDED_SCALE * other.abs();
+    let scale = Vec3::from_array(scale.to_array().map(|part| if is_near(part, 1.0) { 1.0 } else { part }));
+    let is_even = is_near(scale.y, scale.x) && is_near(scale.z, scale.x);
+    if is_even { Vec3::splat(scale.x) } else { scale }
+}
+
+/// Part of a scale that may be rounding.
+const ROUNDED_SCALE: f32 = 1e-5;
