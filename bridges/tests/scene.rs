@@ -96,3 +96,18 @@ pub fn ground(app: &mut App) {
 pub fn place(app: &App, body: Entity) -> Vec3 {
     app.world().get::<Transform>(body).expect("it is there").translation
 }
+
+/// Half the side of a crate in metres.
+pub const HALF: f32 = 0.15;
+
+/// A crate of so many kilograms.
+pub fn spawn_crate(app: &mut App, kilograms: f32, at: Vec3) -> Entity {
+    app.world_mut().spawn((box_of(2.0 * HALF, kilograms), Transform::from_translation(at))).id()
+}
+
+/// A rope from a hook at `from` to a place on a crate.
+pub fn hang(app: &mut App, from: Vec3, crate_: Entity, to: Vec3) -> Entity {
+    let hook = app.world_mut().spawn(Transform::from_translation(from)).id();
+    let tied = Attachment::first(hook).and(Tie::last(crate_));
+    app.world_mut().spawn((Rope::new(from, to, 33), tied)).id()
+}

@@ -12,6 +12,8 @@ mod materials;
 mod near;
 #[path = "../../../tests/operations.rs"]
 mod operations;
+#[path = "../../../tests/rope_laws.rs"]
+mod rope_laws;
 #[path = "../../../tests/ropes.rs"]
 mod ropes;
 #[path = "../../../tests/scene.rs"]
