@@ -157,6 +157,48 @@ fn ropes_and_cloth_come_to_rest_on_every_shape_of_static_and_kinematic_bodies() 
 }
 
 #[test]
+fn solids_have_the_outlines_that_avian_has() {
+    for scale in [Vec2::ONE, Vec2::new(1.2, 0.7), Vec2::splat(2.0)] {
+        let mut app = app();
+        let place = Transform::from_scale(scale.extend(1.0));
+        let spawn =
+            |(name, collider)| (name, app.world_mut().spawn((RigidBody::Static, collider, place)).id());
+        let cases: Vec<_> = shapes().into_iter().map(spawn).collect();
+        run(&mut app, 0.1);
+        for (name, entity) in cases {
+            let mut collider = app.world().get::<Collider>(entity).expect("it has one").clone();
+            if name == "trimesh" {
+                // Parry's is hollow where a triangle is clockwise.
+                collider = Collider::rectangle(0.6 * scale.x, 0.4 * scale.y);
+            }
+            let obstacle = app.world().get::<Obstacle>(entity).expect("it is one");
+            let solid = obstacle.shape.solid(None).expect("valid").expect("made in code");
+            let solid = solid.scaled(scale.extend(1.0)).expect("valid");
+            for point in (0..1600).map(|i| Vec2::new((i % 40) as f32 - 19.7, (i / 40) as f32 - 19.3) * 0.04) {
+                let is_inside = collider.contains_point(Vec2::ZERO, 0.0, point);
+                let avian = collider.distance_to_point(Vec2::ZERO, 0.0, point, true);
+                let ours = solid.distance(point.extend(0.0));
+                if name == "height field" {
+                    // Avian's is a line.
+                    assert!(
+                        point.x.abs() > scale.x || ours.abs() < avian + 1e-3,
+                        "{name} at {point}: {ours}"
+                    );
+                } else if is_inside {
+                    assert!(ours < 1e-3, "{name} at {point}, scaled by {scale}: {ours} inside");
+                } else {
+                    let error = (ours - avian).abs();
+                    assert!(
+                        error < 2e-3 * scale.x,
+                        "{name} at {point}, scaled by {scale}: {ours}, not {avian}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn fast_bodies_push_a_rope_along_and_feel_nothing() {
     for body in [RigidBody::Kinematic, RigidBody::Dynamic] {
         for (collider, speed) in [(Collider::circle(0.2), 12.0), (Collider::rectangle(0.4, 0.4), 6.0)] {
