@@ -41,7 +41,7 @@ const WALK: f32 = 0.9;
 /// The walls around the heap, at this distance from its middle, and their height, in metres.
 const HEAP: f32 = 1.2;
 const HALF_WIDTH: f32 = 0.75;
-const WALL: f32 = 0.6;
+const WALL: f32 = 0.8;
 /// Depth in metres at which a particle counts as inside a collider.
 const INSIDE: f32 = 0.01;
 
@@ -51,27 +51,17 @@ struct Character;
 #[derive(Component)]
 struct Heaped;
 
-/// A body that is drawn flat: its prism is not, since it has a mesh, if an empty one; an obstacle that touches nothing is.
-fn flat(
-    kind: RigidBody,
-    collider: Collider,
-    looks: Obstacle,
-    turn: Quat,
-    at: Transform,
-    paint: Paint,
-) -> impl Bundle {
-    let looks = (looks, DrapeLayers::new(0, 0), paint, Transform::from_rotation(turn));
-    (kind, collider, at, Mesh3d::default(), Visibility::default(), children![looks])
+/// A body that is drawn flat. Its prism is not drawn, as it has a mesh, if an empty one; in its place is an obstacle that touches
+/// nothing.
+fn flat(body: RigidBody, collider: Collider, looks: Obstacle, at: Transform, paint: Paint) -> impl Bundle {
+    let is_cylinder = matches!(looks.shape, ObstacleShape::Cylinder { .. });
+    let turn = Transform::from_rotation(Quat::from_rotation_x(if is_cylinder { FRAC_PI_2 } else { 0.0 }));
+    let looks = (looks, DrapeLayers::new(0, 0), paint, turn);
+    (body, collider, at, Mesh3d::default(), Visibility::default(), children![looks])
 }
 
-fn crate_of(kind: RigidBody, size: Vec2, at: Transform, paint: Paint) -> impl Bundle {
-    let looks = Obstacle::cuboid(size.x, size.y, 0.2);
-    flat(kind, Collider::rectangle(size.x, size.y), looks, Quat::IDENTITY, at, paint)
-}
-
-fn disc_of(kind: RigidBody, radius: f32, at: Transform, paint: Paint) -> impl Bundle {
-    let along_z = Quat::from_rotation_x(FRAC_PI_2);
-    flat(kind, Collider::circle(radius), Obstacle::cylinder(radius, 0.2), along_z, at, paint)
+fn crate_of(body: RigidBody, size: Vec2, at: Transform, paint: Paint) -> impl Bundle {
+    flat(body, Collider::rectangle(size.x, size.y), Obstacle::cuboid(size.x, size.y, 0.2), at, paint)
 }
 
 fn spawn_fixtures(mut commands: Commands) {
@@ -87,7 +77,7 @@ fn spawn_fixtures(mut commands: Commands) {
 fn spawn_character(mut commands: Commands) {
     let looks = Obstacle::capsule(0.22, 0.6);
     let at = Transform::from_xyz(CURTAIN.x - WAY, 0.56, 0.0);
-    let body = flat(RigidBody::Kinematic, Collider::capsule(0.22, 0.6), looks, Quat::IDENTITY, at, COAT);
+    let body = flat(RigidBody::Kinematic, Collider::capsule(0.22, 0.6), looks, at, COAT);
     commands.spawn((Character, body, LinearVelocity(Vec2::X * WALK)));
 }
 
@@ -101,14 +91,15 @@ fn turn_round(mut characters: Query<(&Transform, &mut LinearVelocity), With<Char
 }
 
 fn drop_heap(mut commands: Commands) {
-    for index in 0..12 {
+    for index in 0..9 {
         let (column, row) = ((index % 3) as f32 - 1.0, (index / 3) as f32);
-        let at = Transform::from_xyz(HEAP + 0.42 * column + 0.03 * row, 0.3 + 0.45 * row, 0.0);
+        let at = Transform::from_xyz(HEAP + 0.4 * column, 0.3 + 0.45 * row, 0.0);
         if index % 2 == 0 {
             let at = at.with_rotation(Quat::from_rotation_z(0.4 * row));
             commands.spawn((Heaped, crate_of(RigidBody::Dynamic, Vec2::new(0.3, 0.26), at, WOOD)));
         } else {
-            commands.spawn((Heaped, disc_of(RigidBody::Dynamic, 0.16, at, STEEL)));
+            let looks = Obstacle::cylinder(0.16, 0.2);
+            commands.spawn((Heaped, flat(RigidBody::Dynamic, Collider::circle(0.16), looks, at, STEEL)));
         }
     }
 }
@@ -117,14 +108,8 @@ fn hang_cloth(mut commands: Commands) {
     let curtain = Cloth::new(CURTAIN_SIZE.x, CURTAIN_SIZE.y).with_spacing(0.05);
     // Nothing but the sticks to the left and up.
     let fabric = Fabric { shear_stiffness: 0.0, bend_stiffness: 0.0, ..default() };
-    let velvet = Paint::rgb(0.60, 0.13, 0.16);
-    commands.spawn((
-        curtain,
-        fabric,
-        PlaneLock::default(),
-        velvet,
-        Transform::from_translation(CURTAIN.extend(0.0)),
-    ));
+    let (velvet, place) = (Paint::rgb(0.60, 0.13, 0.16), Transform::from_translation(CURTAIN.extend(0.0)));
+    commands.spawn((curtain, fabric, PlaneLock::default(), velvet, place));
     let above = Vec3::new(HEAP, 2.3, 0.0);
     let rope = Rope::new(above - Vec3::X * 1.1, above + Vec3::X * 1.1, 80);
     let rope = (Rope { pin_start: false, ..rope }, RopeMesh::new(0.02), HEMP);
@@ -133,29 +118,26 @@ fn hang_cloth(mut commands: Commands) {
 
 fn judge(world: &mut World) -> Result<String, String> {
     let mut bodies = world.query::<(&Collider, &Position, &Rotation, Has<Heaped>)>();
-    let (mut deepest, mut highest) = (0.0_f32, 0.0_f32);
-    for particles in world.query::<&Particles>().iter(world) {
-        for at in particles.positions() {
-            if at.z.abs() > 1e-3 || at.y < -INSIDE {
-                return Err(format!("a particle has left the plane, or is below the ground, at {at}"));
-            }
-            for (collider, place, rotation, _) in bodies.iter(world) {
-                let (surface, is_inside) = collider.project_point(place.0, *rotation, at.truncate(), false);
-                deepest = deepest.max(if is_inside { surface.distance(at.truncate()) } else { 0.0 });
-            }
+    let mut deepest = 0.0_f32;
+    for at in world.query::<&Particles>().iter(world).flat_map(|body| body.positions()) {
+        if at.z.abs() > 1e-3 || at.y < -INSIDE {
+            return Err(format!("a particle is out of the plane or below the ground, at {at}"));
+        }
+        for (collider, place, rotation, _) in bodies.iter(world) {
+            let (surface, is_inside) = collider.project_point(place.0, *rotation, at.truncate(), false);
+            deepest = deepest.max(if is_inside { surface.distance(at.truncate()) } else { 0.0 });
         }
     }
     if deepest > INSIDE {
         return Err(format!("a particle is {deepest} m deep in a collider"));
     }
-    for (_, at, ..) in bodies.iter(world).filter(|(.., is_heaped)| *is_heaped) {
-        if (at.x - HEAP).abs() > HALF_WIDTH {
-            return Err(format!("a body has left the heap, to {}", at.0));
-        }
+    let is_away = |at: &Position| (at.x - HEAP).abs() > HALF_WIDTH;
+    if let Some((_, at, ..)) = bodies.iter(world).find(|(_, at, _, is_heaped)| *is_heaped && is_away(at)) {
+        return Err(format!("a body has left the heap, to {}", at.0));
     }
-    for rope in world.query_filtered::<&Particles, With<Rope>>().iter(world) {
-        highest = rope.positions().map(|at| at.y).fold(highest, f32::max);
-    }
+    let mut ropes = world.query_filtered::<&Particles, With<Rope>>();
+    let rope = ropes.single(world).map_err(|error| error.to_string())?;
+    let highest = rope.positions().map(|at| at.y).fold(0.0, f32::max);
     if !(WALL..1.5).contains(&highest) {
         return Err(format!("the rope does not lie on the heap: it reaches {highest} m"));
     }
