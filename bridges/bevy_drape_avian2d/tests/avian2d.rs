@@ -73,16 +73,16 @@ fn assert_in_plane(app: &App, body: Entity, about: &str) {
 /// True if a particle is inside the collider, as Avian sees it.
 fn is_any_inside(app: &App, collider: Entity, body: Entity) -> bool {
     let entity = app.world().entity(collider);
-    let collider = entity.get::<Collider>().expect("it is one");
-    let (position, rotation) = (entity.get::<Position>().unwrap(), entity.get::<Rotation>().unwrap());
+    let placed = entity.get_components::<(&Collider, &Position, &Rotation)>();
+    let (collider, position, rotation) = placed.expect("it is one, in its place");
     places(app, body).iter().any(|place| collider.contains_point(position.0, *rotation, place.truncate()))
 }
 
 /// Height of the collider within the length of a rope, as Avian sees it.
 fn top(app: &App, collider: Entity) -> f32 {
     let entity = app.world().entity(collider);
-    let collider = entity.get::<Collider>().expect("it is one");
-    let (position, rotation) = (entity.get::<Position>().unwrap(), entity.get::<Rotation>().unwrap());
+    let placed = entity.get_components::<(&Collider, &Position, &Rotation)>();
+    let (collider, position, rotation) = placed.expect("it is one, in its place");
     let columns = (-40..=40).map(|step| position.x + step as f32 * 0.01);
     let height = |x| {
         let above = Vec2::new(x, 2.0);
