@@ -1,5 +1,7 @@
 //! Bodies that cloth carries: how long they have been still, and when they wake.
 
+use core::cell::LazyCell;
+
 use bevy::prelude::*;
 use bevy_drape::body::Activity;
 use bevy_drape::drape_solver::world::bounds::Bounds;
@@ -31,6 +33,8 @@ pub struct Load {
     is_tied: bool,
     /// True if cloth moves that is tied to the body, or the pins of cloth that carries it.
     is_stirred: bool,
+    /// True if cloth that carries the body moves fast.
+    is_shaken: bool,
 }
 
 impl Load {
@@ -58,8 +62,10 @@ impl Load {
             // A body that sleeps holds what is tied to it: it does not feel the pull.
             acceleration.length() > WAKING_CHANGE
         } else {
-            let has_lost_support = self.is_carried() && acceleration == Vec3::ZERO;
             let before = *self.asleep.get_or_insert(acceleration);
+            // Cloth between the body and the ground may not push a body that holds itself, though it is still there.
+            let was_pushed = before != Vec3::ZERO || self.is_shaken;
+            let has_lost_support = self.is_carried() && was_pushed && acceleration == Vec3::ZERO;
             has_lost_support || acceleration.distance(before) > WAKING_CHANGE
         };
         self.is_stirred || is_pushed
@@ -76,7 +82,7 @@ pub(crate) fn note_carriers(
     carried.clear();
     for (entity, of, body, mut load) in &mut obstacles {
         let load = load.bypass_change_detection();
-        (load.is_tied, load.is_stirred) = (false, false);
+        (load.is_tied, load.is_stirred, load.is_shaken) = (false, false, false);
         if body.is_asleep
             && load.is_carried()
             && let Ok((_, reach)) = bodies.get(of.0)
@@ -84,35 +90,44 @@ pub(crate) fn note_carriers(
             carried.push((entity, body.place.translation, reach.radius));
         }
     }
-    let mut stir = |entity, is_tied, is_stirred| {
-        let Ok((_, _, body, mut load)) = obstacles.get_mut(entity) else { return };
-        if body.is_asleep {
-            load.is_tied |= is_tied;
-            load.is_stirred |= is_stirred;
-        }
-    };
     for (particles, activity, attachment) in &cloths {
-        let ties = attachment.map_or(&[][..], |attachment| &attachment.ties);
-        if ties.is_empty() && (carried.is_empty() || *activity != Activity::Active) {
+        // Looks at all particles, so only where it matters.
+        let motion = LazyCell::new(|| Motion::of(particles));
+        for tie in attachment.map_or(&[][..], |attachment| &attachment.ties) {
+            if let Ok((obstacle, _)) = bodies.get(tie.entity)
+                && let Ok((_, _, body, mut load)) = obstacles.get_mut(obstacle.entity())
+                && body.is_asleep
+            {
+                load.is_tied = true;
+                load.is_stirred |= motion.is_fast || motion.is_of_pins;
+            }
+        }
+        if carried.is_empty() || *activity != Activity::Active {
             continue;
         }
-        let is_any =
-            |is_moving: fn(&Particles, usize) -> bool| (0..particles.len()).any(|i| is_moving(particles, i));
-        let are_pins_moving =
-            is_any(|particles, i| particles.is_pinned(i) && particles.velocity(i) != Vec3::ZERO);
-        let is_moving =
-            are_pins_moving || is_any(|particles, i| particles.velocity(i).length() > WAKING_SPEED);
-        for tie in ties {
-            if let Ok((obstacle, _)) = bodies.get(tie.entity) {
-                stir(obstacle.entity(), true, is_moving);
+        let bounds = Bounds::from(particles.bounds());
+        for &(entity, ..) in carried.iter().filter(|(_, place, reach)| bounds.distance_to(*place) < *reach) {
+            if let Ok((.., mut load)) = obstacles.get_mut(entity) {
+                // The rest of a net springs back once the body holds itself, so only pins stir it.
+                load.is_stirred |= motion.is_of_pins;
+                load.is_shaken |= motion.is_fast;
             }
         }
-        // Nothing else counts here: what lies between pins and body springs back once the body holds itself.
-        if are_pins_moving && !carried.is_empty() {
-            let bounds = Bounds::from(particles.bounds());
-            for &(entity, place, radius) in &carried {
-                stir(entity, false, bounds.distance_to(place) < radius);
-            }
+    }
+}
+
+/// The motion of cloth, as far as it matters to what sleeps on it.
+struct Motion {
+    is_fast: bool,
+    is_of_pins: bool,
+}
+
+impl Motion {
+    fn of(particles: &Particles) -> Self {
+        let is_of_pin = |i| particles.is_pinned(i) && particles.velocity(i) != Vec3::ZERO;
+        Self {
+            is_fast: particles.velocities().any(|velocity| velocity.length() > WAKING_SPEED),
+            is_of_pins: (0..particles.len()).any(is_of_pin),
         }
     }
 }
