@@ -71,3 +71,29 @@ fn a_crate_that_sleeps_in_a_net_falls_when_the_net_is_elsewhere() {
     assert!(place(&app, crate_).y < -1.0, "it has fallen, to {}", place(&app, crate_));
     assert!(!is_enabled(&app, crate_), "nothing is near");
 }
+
+/// A body is found by its ties, too, however far they are from it.
+#[test]
+fn a_crate_that_hangs_far_below_its_rope_is_held() {
+    let mut app = app();
+    let crate_ = spawn_crate(&mut app, 1.0, Vec3::Y * 0.4);
+    hang(&mut app, Vec3::Y * 3.0, crate_, Vec3::Y * 2.0);
+    run(&mut app, 2.0);
+    assert!((place(&app, crate_).y - 0.4).abs() < 0.01, "it is at {}", place(&app, crate_));
+}
+
+#[test]
+fn a_collider_that_swings_out_of_a_body_far_away_is_found() {
+    let mut app = weightless();
+    app.world_mut().spawn(Cloth::new(0.8, 0.8).with_particles(9, 9));
+    let still = moving(Vec3::ZERO, Vec3::ZERO);
+    let crane = (box_of(0.5, 10.0), still, sleepless(), Transform::from_xyz(9.0, 0.0, 0.0));
+    let crane = app.world_mut().spawn(crane).id();
+    let jib = (cuboid(Vec3::splat(0.1)), density(1.0), Transform::default(), ChildOf(crane));
+    let jib = app.world_mut().spawn(jib).id();
+    run(&mut app, 0.1);
+    assert!(!is_enabled(&app, crane), "nothing is near");
+    app.world_mut().get_mut::<Transform>(jib).expect("it is there").translation.x = -9.0;
+    run(&mut app, 0.1);
+    assert!(is_enabled(&app, crane), "its jib is in the cloth");
+}

@@ -50,3 +50,19 @@ fn a_crate_that_sleeps_on_its_rope_wakes_with_the_rope() {
     assert!(place(&app, crate_).distance(Vec3::Y * (2.0 - HALF)) > 0.05, "it swings");
     assert_eq!(app.world().get::<Activity>(rope), Some(&Activity::Active));
 }
+
+/// Each of two crates that are tied together falls asleep, and neither wakes the other.
+#[test]
+fn two_crates_on_one_rope_fall_asleep() {
+    let mut app = app();
+    ground(&mut app);
+    let one = spawn_crate(&mut app, 1.0, Vec3::new(-0.6, 0.2, 0.0));
+    let other = spawn_crate(&mut app, 3.0, Vec3::new(0.6, HALF, 0.0));
+    let ends = [Vec3::new(-0.45, 0.2, 0.0), Vec3::new(0.45, HALF, 0.0)];
+    let tied = Attachment::first(one).and(Tie::last(other));
+    app.world_mut().spawn((Rope::new(ends[0], ends[1], 20), tied));
+    run(&mut app, 8.0);
+    for body in [one, other] {
+        assert!(is_asleep(&app, body), "it is awake, at {:?}", velocities(&app, body));
+    }
+}

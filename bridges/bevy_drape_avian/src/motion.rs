@@ -10,9 +10,8 @@ pub(crate) fn find_near(
     mut bodies: Query<(&Position, &Rotation, &LinearVelocity, &BodyObstacle, &mut BodyReach)>,
     mut surroundings: ResMut<Surroundings>,
     physics: Res<Time<Physics>>,
-    time: Res<Time>,
 ) {
-    let seconds = if physics.is_paused() { 0.0 } else { time.delta_secs() };
+    let seconds = if physics.is_paused() { 0.0 } else { physics.delta_secs() };
     for (position, rotation, velocity, obstacle, mut reach) in &mut bodies {
         let place = placement(position, rotation);
         surroundings.look_at(obstacle, &mut reach, place, velocity.0, seconds);

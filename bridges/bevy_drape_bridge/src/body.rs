@@ -21,12 +21,10 @@ pub struct Part {
     pub place: Placement,
 }
 
-impl Part {
-    /// Distance in metres from the body's origin to the farthest point of the collider, or somewhat more.
-    fn reach(&self) -> f32 {
-        let sphere = self.shape.compute_local_bounding_sphere();
-        (self.place.translation + self.place.rotation * sphere.center).length() + sphere.radius
-    }
+/// Distance in metres from the origin of a shape to its farthest point, or somewhat more.
+pub fn reach_of(shape: &SharedShape) -> f32 {
+    let sphere = shape.compute_local_bounding_sphere();
+    sphere.center.length() + sphere.radius
 }
 
 /// A dynamic body, as an engine has it.
@@ -57,6 +55,13 @@ pub struct BodyReach {
     pub(crate) is_new: bool,
 }
 
+impl BodyReach {
+    /// Lets it reach farther by so many metres, until its obstacle is brought up to date.
+    pub fn grow(&mut self, by: f32) {
+        self.radius += by;
+    }
+}
+
 /// The colliders in the obstacle of a body, each with its place in the body.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct Parts(pub Vec<(Entity, Placement)>);
@@ -75,7 +80,8 @@ pub fn update_body(
         }
         return;
     };
-    let radius = parts.iter().map(Part::reach).fold(0.0, f32::max);
+    let reaches = parts.iter().map(|part| part.place.translation.length() + reach_of(&part.shape));
+    let radius = reaches.fold(0.0, f32::max);
     let obstacle = (
         Obstacle { shape: shape(&frame, &parts), ..surface },
         layers,

@@ -28,7 +28,7 @@ mod outdated;
 mod plugin;
 mod systems;
 
-pub use body::{BodyParts, BodyReach, Part, Parts, update_body};
+pub use body::{BodyParts, BodyReach, Part, Parts, reach_of, update_body};
 pub use collider::{HasObstacle, obstacle_shape, update_collider};
 pub use frame::InertialFrame;
 pub use load::{Load, WakeRequest};

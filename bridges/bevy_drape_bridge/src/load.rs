@@ -33,7 +33,7 @@ pub struct Load {
     is_tied: bool,
     /// True if cloth moves that is tied to the body, or the pins of cloth that carries it.
     is_stirred: bool,
-    /// True if cloth that carries the body moves fast.
+    /// True if cloth that carries the body moves fast beside it.
     is_shaken: bool,
 }
 
@@ -91,45 +91,41 @@ pub(crate) fn note_carriers(
         }
     }
     for (particles, activity, attachment) in &cloths {
-        // Looks at all particles, so only where it matters.
-        let motion = LazyCell::new(|| Motion::of(particles));
+        // These look at all particles, so only where it matters.
+        let is_fast = LazyCell::new(|| is_any(particles, |_, speed| speed > WAKING_SPEED));
+        let is_led = LazyCell::new(|| {
+            is_any(particles, |i, speed| particles.is_pinned(i) && speed > WAKING_SPEED_OF_PINS)
+        });
         for tie in attachment.map_or(&[][..], |attachment| &attachment.ties) {
             if let Ok((obstacle, _)) = bodies.get(tie.entity)
                 && let Ok((_, _, body, mut load)) = obstacles.get_mut(obstacle.entity())
                 && body.is_asleep
             {
                 load.is_tied = true;
-                load.is_stirred |= motion.is_fast || motion.is_of_pins;
+                load.is_stirred |= *is_fast;
             }
         }
         if carried.is_empty() || *activity != Activity::Active {
             continue;
         }
         let bounds = Bounds::from(particles.bounds());
-        for &(entity, ..) in carried.iter().filter(|(_, place, reach)| bounds.distance_to(*place) < *reach) {
-            if let Ok((.., mut load)) = obstacles.get_mut(entity) {
+        for &(entity, place, reach) in &carried {
+            let is_beside = |i| particles.position(i).distance(place) < reach;
+            if bounds.distance_to(place) < reach
+                && is_any(particles, |i, _| is_beside(i))
+                && let Ok((.., mut load)) = obstacles.get_mut(entity)
+            {
                 // The rest of a net springs back once the body holds itself, so only pins stir it.
-                load.is_stirred |= motion.is_of_pins;
-                load.is_shaken |= motion.is_fast;
+                load.is_stirred |= *is_led;
+                load.is_shaken |= is_any(particles, |i, speed| speed > WAKING_SPEED && is_beside(i));
             }
         }
     }
 }
 
-/// The motion of cloth, as far as it matters to what sleeps on it.
-struct Motion {
-    is_fast: bool,
-    is_of_pins: bool,
-}
-
-impl Motion {
-    fn of(particles: &Particles) -> Self {
-        let is_of_pin = |i| particles.is_pinned(i) && particles.velocity(i) != Vec3::ZERO;
-        Self {
-            is_fast: particles.velocities().any(|velocity| velocity.length() > WAKING_SPEED),
-            is_of_pins: (0..particles.len()).any(is_of_pin),
-        }
-    }
+/// True if a particle is such, by its index and its speed in m/s.
+fn is_any(particles: &Particles, is_such: impl Fn(usize, f32) -> bool) -> bool {
+    (0..particles.len()).any(|i| is_such(i, particles.velocity(i).length()))
 }
 
 /// Takes the mean of the loads on bodies that are awake, and wakes those that cloth pushes otherwise than it did when
@@ -195,6 +191,9 @@ const WAKING_CHANGE: f32 = 5.0;
 
 /// It wakes, too, if cloth that is tied to it moves this fast (m/s).
 const WAKING_SPEED: f32 = 0.25;
+
+/// It wakes, too, if a pin of cloth that carries it moves this fast (m/s). Ends that are tied to other bodies are pins, and creep with them.
+const WAKING_SPEED_OF_PINS: f32 = 0.02;
 
 /// The part of each step in the mean of a load.
 const LOAD_PART: f32 = 0.1;

@@ -5,6 +5,8 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_drape::drape_solver::Placement;
 use bevy_drape::drape_solver::world::bounds::Bounds;
+use bevy_drape::environment::MovedByObstacle;
+use bevy_drape::prelude::Attachment;
 use bevy_drape::reach::DrapeReach;
 
 use crate::body::BodyReach;
@@ -17,6 +19,8 @@ use crate::motion::EngineBody;
 #[derive(Resource, Default, Debug)]
 pub struct Surroundings {
     boxes: Boxes,
+    /// Obstacles of bodies that something is tied to, however far it is, in their order.
+    tied: Vec<Entity>,
     changes: Vec<Change>,
 }
 
@@ -78,7 +82,8 @@ impl Surroundings {
         }
         let margin = if reach.is_near { LEAVING } else { COMING };
         let radius = reach.radius + margin + 2.0 * velocity.length() * seconds;
-        let is_near = self.boxes.is_any_within(radius, place.translation);
+        let is_near = self.boxes.is_any_within(radius, place.translation)
+            || self.tied.binary_search(&obstacle.entity()).is_ok();
         if is_near != reach.is_near {
             let translation = place.translation - velocity * seconds;
             let start = Placement { translation, ..place };
@@ -91,11 +96,18 @@ impl Surroundings {
 pub(crate) fn look_around(
     reach: DrapeReach,
     mut surroundings: ResMut<Surroundings>,
-    bodies: Query<(), With<BodyObstacle>>,
+    bodies: Query<&MovedByObstacle>,
+    attachments: Query<&Attachment>,
 ) {
-    if !bodies.is_empty() {
-        surroundings.boxes.replace(reach.boxes());
+    if bodies.is_empty() {
+        return;
     }
+    let Surroundings { boxes, tied, .. } = &mut *surroundings;
+    boxes.replace(reach.boxes());
+    tied.clear();
+    let ties = attachments.iter().flat_map(|attachment| &attachment.ties);
+    tied.extend(ties.filter_map(|tie| Some(bodies.get(tie.entity).ok()?.obstacle)));
+    tied.sort_unstable();
 }
 
 /// Enables the obstacles of bodies that have come near, where the engine's step began, and disables those of bodies that have

@@ -1,9 +1,11 @@
 //! Watches what makes a collider an obstacle come, go and change.
 
 use bevy::prelude::*;
+use bevy_drape::change_detection::collect_changed;
 use bevy_drape::environment::DynamicObstacle;
 use bevy_drape_bridge::{
-    InertialFrame, NoObstacle, ObstacleOf, Outdated, Parts, watch_bodies, watch_colliders, watch_component,
+    BodyReach, InertialFrame, NoObstacle, ObstacleOf, Outdated, Parts, reach_of, watch_bodies,
+    watch_colliders, watch_component,
 };
 use bevy_rapier3d::geometry::{
     Collider, ColliderDisabled, ColliderScale, CollisionGroups, Friction, RapierColliderHandle, Restitution,
@@ -34,10 +36,22 @@ pub(crate) fn watch(app: &mut App) {
 pub(crate) fn note_bodies(
     mut outdated: ResMut<Outdated>,
     obstacles: Query<(&ObstacleOf, &InertialFrame, &DynamicObstacle, &Parts)>,
+    places: Query<(Entity, Ref<Transform>), (With<RapierColliderHandle>, Without<RigidBody>)>,
+    mut reaches: Query<&mut BodyReach>,
     world: RapierWorld,
     may_be_part: PartQuery,
+    mut moved: Local<Vec<Entity>>,
 ) {
     let Outdated { colliders: listed, bodies: listed_bodies } = &mut *outdated;
+    // Colliders that move in their bodies, also where cloth is far and the obstacle disabled. Rapier learns of it in a later step.
+    moved.clear();
+    collect_changed(&places, &mut moved);
+    for &entity in &*moved {
+        let Some((body, collider)) = world.body_of(entity).zip(world.collider(entity)) else { continue };
+        if let (Ok((_, place)), Ok(mut reach)) = (places.get(entity), reaches.get_mut(body)) {
+            reach.grow(place.translation.length() + reach_of(collider.shared_shape()));
+        }
+    }
     for &body in &*listed_bodies {
         listed.extend(world.colliders_of(body).map(|(collider, _)| collider));
     }

@@ -6,7 +6,7 @@ use core::f32::consts::{FRAC_PI_2, FRAC_PI_3};
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape_bridge::ObstacleOf;
+use bevy_drape_bridge::{InertialFrame, ObstacleOf};
 use drape_examples::feature::{Feature, Paint, Verdict};
 
 /// Colour of posts, beams and the wrecking ball.
@@ -155,16 +155,20 @@ impl Plugin for PlaygroundPlugin {
     }
 }
 
-/// Obstacles are drawn, and that of a dynamic body is an entity of its own.
+/// Obstacles are drawn. That of a dynamic body is disabled while it is far from cloth, so another is drawn, which moves with the body and
+/// touches nothing.
 pub fn paint_obstacle(
     added: On<Add<ObstacleOf>>,
-    obstacles: Query<&ObstacleOf>,
+    obstacles: Query<(&ObstacleOf, &Obstacle, &InertialFrame)>,
     paints: Query<&Paint>,
     mut commands: Commands,
 ) {
-    if let Ok(&paint) = obstacles.get(added.entity).and_then(|of| paints.get(of.0)) {
-        commands.entity(added.entity).insert(paint);
-    }
+    let Ok((of, obstacle, frame)) = obstacles.get(added.entity) else { return };
+    let Ok(&paint) = paints.get(of.0) else { return };
+    let at = Transform { translation: frame.centre, rotation: frame.axes, ..default() };
+    let looks = (obstacle.clone(), DrapeLayers::new(0, 0), paint, at);
+    commands.entity(of.0).insert_if_new(Visibility::default()).with_child(looks);
+    commands.entity(added.entity).insert(Mesh3d::default());
 }
 
 fn judge(world: &mut World) -> Result<String, String> {

@@ -14,7 +14,7 @@ pub(crate) struct KnownObstacles {
     last_order: u64,
     slots: EntityHashMap<usize>,
     /// Obstacles that are disabled and not in the solver, with the numbers that they have again once they are enabled.
-    disabled: Vec<(u64, Entity)>,
+    disabled: EntityHashMap<u64>,
 }
 
 impl KnownObstacles {
@@ -42,9 +42,16 @@ impl KnownObstacles {
         self.scales[slot]
     }
 
-    /// Numbers and entities of the obstacles that are disabled.
-    pub fn disabled(&self) -> &[(u64, Entity)] {
-        &self.disabled
+    /// Numbers and entities of the obstacles that are disabled, in the order of the numbers.
+    pub fn disabled(&self) -> Vec<(u64, Entity)> {
+        let mut disabled: Vec<_> = self.disabled.iter().map(|(&entity, &order)| (order, entity)).collect();
+        disabled.sort_unstable();
+        disabled
+    }
+
+    /// The number of an obstacle that is disabled.
+    pub fn order_of_disabled(&self, entity: Entity) -> Option<u64> {
+        self.disabled.get(&entity).copied()
     }
 
     /// Continues with the number after `last`.
@@ -54,6 +61,7 @@ impl KnownObstacles {
 
     /// Replaces all obstacles, each with its number and scale, and those that are disabled.
     pub fn replace(&mut self, obstacles: Vec<(u64, Entity, Vec3)>, disabled: Vec<(u64, Entity)>) {
+        let disabled = disabled.into_iter().map(|(order, entity)| (entity, order)).collect();
         *self = Self { last_order: self.last_order, disabled, ..Self::default() };
         for (order, entity, scale) in obstacles {
             self.push_with(order, entity, scale);
@@ -76,14 +84,13 @@ impl KnownObstacles {
 
     /// Removes one that was disabled, and keeps its number. The last one takes its slot.
     pub fn disable(&mut self, slot: usize) {
-        self.disabled.push((self.orders[slot], self.entities[slot]));
+        self.disabled.insert(self.entities[slot], self.orders[slot]);
         self.swap_remove(slot);
     }
 
     /// Forgets an obstacle that was disabled; gives its number.
     pub fn forget_disabled(&mut self, entity: Entity) -> Option<u64> {
-        let place = self.disabled.iter().position(|&(_, disabled)| disabled == entity)?;
-        Some(self.disabled.swap_remove(place).0)
+        self.disabled.remove(&entity)
     }
 
     /// Removes one; the last one takes its slot.

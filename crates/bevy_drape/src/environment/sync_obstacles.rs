@@ -62,6 +62,8 @@ pub(crate) fn sync_obstacles(
     }
     collect_outdated(&obstacles, &mut changes);
     let ObstacleChanges { moving, outdated, .. } = &mut *changes;
+    // Those that are enabled come in the order of their numbers, wherever their entities are.
+    outdated.sort_by_key(|&entity| sync.known.order_of_disabled(entity).unwrap_or(u64::MAX));
     for &entity in &*outdated {
         let Ok((
             _,

@@ -19,14 +19,14 @@ use crate::snapshot::world::{Placed, put_component};
 pub(super) struct ObstacleSnapshots {
     /// Those in the solver, in the order of its list, by which contacts are sorted.
     known: Vec<ObstacleSnapshot>,
-    /// Numbers of those that were disabled in the last step, each with true if it still was.
-    disabled: Vec<(u64, bool)>,
+    /// Numbers of those that were disabled in the last step.
+    disabled: Vec<(u64, ObstacleComponents)>,
 }
 
 impl ObstacleSnapshots {
     /// Keys of all obstacles, sorted.
     fn keys(&self) -> Vec<Key> {
-        let disabled = self.disabled.iter().map(|&(order, _)| Key::Obstacle(order));
+        let disabled = self.disabled.iter().map(|(order, _)| Key::Obstacle(*order));
         let mut keys: Vec<Key> = self.known.iter().map(ObstacleSnapshot::key).chain(disabled).collect();
         keys.sort_unstable();
         keys
@@ -38,11 +38,18 @@ impl ObstacleSnapshots {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ObstacleSnapshot {
     order: u64,
-    placed: Placed,
     scale: [f32; 3],
     /// Placements in the solver, now and one step ago.
     now: ([f32; 3], [f32; 4]),
     before: ([f32; 3], [f32; 4]),
+    components: ObstacleComponents,
+}
+
+/// The components of an obstacle.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct ObstacleComponents {
+    placed: Placed,
     friction: f32,
     static_friction: f32,
     friction_rule: CombineRule,
@@ -52,7 +59,6 @@ pub(super) struct ObstacleSnapshot {
     own_layers: Option<DrapeLayers>,
     dynamic: Option<DynamicObstacle>,
     reaction: Option<ObstacleReaction>,
-    /// True if it was disabled since the last step.
     is_disabled: bool,
 }
 
@@ -65,13 +71,13 @@ impl ObstacleSnapshot {
     fn built(&self, entity: EntityRef) -> Result<drape_solver::Obstacle, SnapshotError> {
         let key = self.key();
         let obstacle = entity.get::<Obstacle>().ok_or(SnapshotError::Missing(key))?;
-        let obstacle = self.on(obstacle.clone());
+        let obstacle = self.components.on(obstacle.clone());
         let [now, before] = [self.now, self.before].map(|(translation, rotation)| Placement {
             translation: translation.into(),
             rotation: Quat::from_array(rotation),
         });
-        let layers = DrapeLayers::of(self.own_layers.as_ref());
-        let asks = [entity.contains::<ContactEvents>(), self.reaction.is_some()];
+        let layers = DrapeLayers::of(self.components.own_layers.as_ref());
+        let asks = [entity.contains::<ContactEvents>(), self.components.reaction.is_some()];
         let bad = |source| SnapshotError::BadState { key, source };
         let shape = obstacle.shape.solid(entity.get()).map_err(bad)?;
         let shape = shape.ok_or(bad(BuildError::BadShape { reason: "its mesh has not loaded" }))?;
@@ -81,6 +87,43 @@ impl ObstacleSnapshot {
             built.move_to(now, f32::INFINITY);
         }
         Ok(built)
+    }
+}
+
+impl ObstacleComponents {
+    /// Reads the components of an entity; none if it is no obstacle any more.
+    fn take(entity: EntityRef) -> Option<Self> {
+        let obstacle = entity.get::<Obstacle>()?;
+        Some(Self {
+            placed: Placed::take(entity),
+            friction: obstacle.friction,
+            static_friction: obstacle.static_friction,
+            friction_rule: obstacle.friction_rule,
+            restitution: obstacle.restitution,
+            restitution_rule: obstacle.restitution_rule,
+            is_sensor: obstacle.is_sensor,
+            own_layers: entity.get().copied(),
+            dynamic: entity.get().copied(),
+            reaction: entity.get().copied(),
+            is_disabled: entity.contains::<Disabled>(),
+        })
+    }
+
+    fn restore(&self, entity: &mut EntityWorldMut) {
+        if let Some(mut obstacle) = entity.get_mut::<Obstacle>() {
+            // A marked change would rebuild the obstacle, which the solver has already.
+            let obstacle = obstacle.bypass_change_detection();
+            *obstacle = self.on(obstacle.clone());
+        }
+        self.placed.restore(entity);
+        put_component(entity, self.own_layers.as_ref());
+        put_component(entity, self.dynamic.as_ref());
+        put_component(entity, self.reaction.as_ref());
+        match (entity.contains::<Disabled>(), self.is_disabled) {
+            (false, true) => _ = entity.insert(Disabled),
+            (true, false) => _ = entity.remove::<Disabled>(),
+            _ => {}
+        }
     }
 
     /// Returns an obstacle with the surface of the snapshot.
@@ -102,35 +145,18 @@ impl ObstacleSnapshot {
 
 pub(super) fn take(world: &World) -> ObstacleSnapshots {
     let solver = world.resource::<SolverEnvironment>();
-    let is_disabled = |entity| world.get::<Disabled>(entity).is_some();
-    let disabled = solver.obstacles.disabled().iter();
-    let disabled = disabled.map(|&(order, entity)| (order, is_disabled(entity))).collect();
-    let mut known = Vec::with_capacity(solver.environment.obstacles.len());
-    for (slot, (order, entity)) in solver.obstacles.orders_and_entities().enumerate() {
-        let Ok(entity) = world.get_entity(entity) else { continue };
-        let Some(obstacle) = entity.get::<Obstacle>() else { continue };
+    let components = |entity| ObstacleComponents::take(world.get_entity(entity).ok()?);
+    let disabled = solver.obstacles.disabled().into_iter();
+    let disabled = disabled.filter_map(|(order, entity)| Some((order, components(entity)?))).collect();
+    let known = solver.obstacles.orders_and_entities().enumerate();
+    let known = known.filter_map(|(slot, (order, entity))| {
         let built = &solver.environment.obstacles[slot];
         let [now, before] = [built.placement(), built.previous_placement()]
             .map(|Placement { translation, rotation }| (translation.to_array(), rotation.to_array()));
-        known.push(ObstacleSnapshot {
-            order,
-            placed: Placed::take(entity),
-            scale: solver.obstacles.scale(slot).to_array(),
-            now,
-            before,
-            friction: obstacle.friction,
-            static_friction: obstacle.static_friction,
-            friction_rule: obstacle.friction_rule,
-            restitution: obstacle.restitution,
-            restitution_rule: obstacle.restitution_rule,
-            is_sensor: obstacle.is_sensor,
-            own_layers: entity.get().copied(),
-            dynamic: entity.get().copied(),
-            reaction: entity.get().copied(),
-            is_disabled: entity.contains::<Disabled>(),
-        });
-    }
-    ObstacleSnapshots { known, disabled }
+        let scale = solver.obstacles.scale(slot).to_array();
+        Some(ObstacleSnapshot { order, scale, now, before, components: components(entity)? })
+    });
+    ObstacleSnapshots { known: known.collect(), disabled }
 }
 
 pub(super) fn check(obstacles: &ObstacleSnapshots, world: &World, keys: &Keys) -> Result<(), SnapshotError> {
@@ -172,43 +198,25 @@ pub(super) fn restore(
         }
         solver_obstacles.push(built);
         places.push((snapshot.order, entity.id(), snapshot.scale.into()));
-        if let Some(mut obstacle) = entity.get_mut::<Obstacle>() {
-            // A marked change would rebuild the obstacle, which the solver has already.
-            let obstacle = obstacle.bypass_change_detection();
-            *obstacle = snapshot.on(obstacle.clone());
-        }
-        snapshot.placed.restore(&mut entity);
-        put_component(&mut entity, snapshot.own_layers.as_ref());
-        put_component(&mut entity, snapshot.dynamic.as_ref());
-        put_component(&mut entity, snapshot.reaction.as_ref());
-        set_disabled(&mut entity, snapshot.is_disabled);
-        if snapshot.is_disabled {
+        snapshot.components.restore(&mut entity);
+        if snapshot.components.is_disabled {
             changed.push(entity.id());
         }
     }
     let mut disabled = Vec::with_capacity(obstacles.disabled.len());
-    for &(order, is_disabled) in &obstacles.disabled {
-        let key = Key::Obstacle(order);
+    for (order, components) in &obstacles.disabled {
+        let key = Key::Obstacle(*order);
         let found = entity(keys, key).and_then(|entity| world.get_entity_mut(entity).ok());
         let mut entity = found.ok_or(SnapshotError::Missing(key))?;
-        set_disabled(&mut entity, is_disabled);
-        if !is_disabled {
+        components.restore(&mut entity);
+        if !components.is_disabled {
             changed.push(entity.id());
         }
-        disabled.push((order, entity.id()));
+        disabled.push((*order, entity.id()));
     }
     let mut solver = world.resource_mut::<SolverEnvironment>();
     solver.environment.obstacles = solver_obstacles;
     solver.obstacles.replace(places, disabled);
     world.resource_mut::<ObstacleChanges>().restore(moving, changed);
     Ok(())
-}
-
-/// Disables or enables an entity, if that makes a difference.
-fn set_disabled(entity: &mut EntityWorldMut, is_disabled: bool) {
-    match (entity.contains::<Disabled>(), is_disabled) {
-        (false, true) => _ = entity.insert(Disabled),
-        (true, false) => _ = entity.remove::<Disabled>(),
-        _ => {}
-    }
 }

@@ -10,6 +10,7 @@ use crate::body::surface::DefaultBodySurface;
 use crate::clock::DrapeClock;
 use crate::contact::events::DrapeContactSettings;
 use crate::environment::gravity::DrapeGravity;
+use crate::environment::obstacle::Obstacle;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wind::Wind;
 use crate::sleep::candidates::Candidates;
@@ -97,7 +98,8 @@ pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
     let balls = balls.iter(world).map(|(entity, record)| (Key::Ball(record.order), entity));
     let mut members: Vec<(Key, Entity)> = bodies.chain(balls).collect();
     if let Some(solver) = world.get_resource::<SolverEnvironment>() {
-        let disabled = solver.obstacles.disabled().iter().copied();
+        let is_there = |&(_, entity): &(u64, Entity)| world.get::<Obstacle>(entity).is_some();
+        let disabled = solver.obstacles.disabled().into_iter().filter(is_there);
         let obstacles = solver.obstacles.orders_and_entities().chain(disabled);
         members.extend(obstacles.map(|(order, entity)| (Key::Obstacle(order), entity)));
     }

@@ -14,7 +14,8 @@ use crate::environment::solver_environment::SolverEnvironment;
 
 /// Tells where cloth, ropes, soft bodies and balls can be within the coming step, whatever their activity. Ask in
 /// [`DrapeSystems::PlaceObstacles`](crate::schedule::DrapeSystems::PlaceObstacles): an obstacle far from all boxes can be
-/// [disabled](bevy::ecs::entity_disabling::Disabled), and costs nothing then.
+/// [disabled](bevy::ecs::entity_disabling::Disabled), and costs nothing then. It must be an entity of its own, as nothing that
+/// is disabled is drawn or moved. If it is enabled elsewhere, write its [`GlobalTransform`] with its [`Transform`].
 ///
 /// ```
 /// # use bevy::ecs::entity_disabling::Disabled;
@@ -23,22 +24,25 @@ use crate::environment::solver_environment::SolverEnvironment;
 /// use bevy_drape::reach::DrapeReach;
 /// use bevy_drape::schedule::DrapeSchedule;
 ///
-/// /// A lift of 2 m that is an obstacle only while something is within a metre of it.
+/// /// A rock that is an obstacle only while something is within a metre of it. It is drawn by another entity.
 /// #[derive(Component)]
-/// struct Lift;
+/// struct Rock {
+///     radius: f32,
+/// }
 ///
-/// fn switch(reach: DrapeReach, lift: Single<(Entity, &Transform), (With<Lift>, Allow<Disabled>)>, mut commands: Commands) {
-///     let (entity, transform) = *lift;
-///     let is_near = reach.boxes().any(|bounds| bounds.distance_to(transform.translation) < 3.0);
-///     if is_near {
-///         commands.entity(entity).remove::<Disabled>();
-///     } else {
-///         commands.entity(entity).insert(Disabled);
+/// fn switch(reach: DrapeReach, rocks: Query<(Entity, &Rock, &Transform), Allow<Disabled>>, mut commands: Commands) {
+///     for (entity, rock, transform) in &rocks {
+///         let near = rock.radius + 1.0;
+///         if reach.boxes().any(|bounds| bounds.distance_to(transform.translation) < near) {
+///             commands.entity(entity).remove::<Disabled>();
+///         } else {
+///             commands.entity(entity).insert(Disabled);
+///         }
 ///     }
 /// }
 /// # let mut app = App::new();
 /// # app.add_plugins((MinimalPlugins, DrapePlugins::default()));
-/// # app.world_mut().spawn((Lift, Obstacle::cuboid(2.0, 2.0, 2.0)));
+/// # app.world_mut().spawn((Rock { radius: 2.0 }, Obstacle::sphere(2.0)));
 /// app.add_systems(DrapeSchedule, switch.in_set(DrapeSystems::PlaceObstacles));
 /// # app.update();
 /// ```
@@ -70,7 +74,9 @@ impl DrapeReach<'_, '_> {
             let bounds = extent.reach(&state.settings, dt, gravity);
             match transform.map(GlobalTransform::affine) {
                 Some(affine) if affine != state.anchor && !state.pins.is_empty() => {
-                    bounds.joined(moved(bounds, affine * state.anchor.inverse()))
+                    // Pins do not follow a transform that is not finite.
+                    let with_pins = bounds.joined(moved(bounds, affine * state.anchor.inverse()));
+                    if with_pins.is_finite() { with_pins } else { bounds }
                 }
                 _ => bounds,
             }

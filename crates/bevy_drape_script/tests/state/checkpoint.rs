@@ -241,6 +241,7 @@ fn disabled_obstacles_come_back_as_they_were() {
         let expected = hash(&mut app);
         for (entity, is_enabled) in [(one, before[2]), (two, false), (three, before[0])] {
             set_enabled(&mut app, entity, is_enabled);
+            app.world_mut().get_mut::<Transform>(entity).expect("it is there").translation.y += 0.1;
         }
         run(&mut app, 10);
         saved.restore(app.world_mut()).expect("the same world");
@@ -257,7 +258,9 @@ fn disabled_obstacles_come_back_as_they_were() {
     }
     let count = members(app.world_mut()).len();
     app.world_mut().despawn(three);
+    let saved = Checkpoint::take(app.world_mut(), "all of it");
     run(&mut app, 1);
+    saved.restore(app.world_mut()).expect("it has nothing that is gone");
     assert_eq!(members(app.world_mut()).len(), count - 1, "one that goes while it is disabled is forgotten");
 }
 
