@@ -6,6 +6,8 @@ use drape_solver::world::bounds::Bounds;
 use drape_solver::world::extent::Extent;
 use drape_solver::{BodyContext, BodyScratch};
 
+use crate::body::particles::{Particles, Sticks};
+
 /// State of bodies that the plugin keeps from step to step.
 #[derive(Component, Default)]
 pub(crate) struct BodyState {
@@ -37,6 +39,13 @@ impl BodyState {
     /// Box around the surface of the body.
     pub fn bounds(&self) -> Bounds {
         self.extent.surface(&self.settings)
+    }
+
+    /// Box and greatest speed of the particles as they are now: the kept ones are those of the last step, and a body without an order
+    /// has not taken part in any.
+    pub fn extent_now(&self, particles: &Particles, sticks: &Sticks) -> Extent {
+        let is_kept = !particles.is_disturbed() && self.order != 0;
+        if is_kept { self.extent } else { Extent::of(particles, sticks) }
     }
 
     /// Box that the surface does not leave within a step of `dt` seconds.

@@ -3,7 +3,6 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
-use drape_solver::world::extent::Extent;
 
 use crate::ball::projectile::ProjectileState;
 use crate::body::body_state::BodyState;
@@ -65,13 +64,7 @@ impl DrapeReach<'_, '_> {
         let dt = self.clock.delta();
         let gravity = self.gravity.or_last(self.solver.environment.gravity).length();
         let bodies = self.bodies.iter().map(move |(particles, sticks, state, transform)| {
-            // The kept extent is that of the last step.
-            let extent = if particles.is_disturbed() || state.order == 0 {
-                Extent::of(particles, sticks)
-            } else {
-                state.extent
-            };
-            let bounds = extent.reach(&state.settings, dt, gravity);
+            let bounds = state.extent_now(particles, sticks).reach(&state.settings, dt, gravity);
             match transform.map(GlobalTransform::affine) {
                 Some(affine) if affine != state.anchor && !state.pins.is_empty() => {
                     // Pins do not follow a transform that is not finite.

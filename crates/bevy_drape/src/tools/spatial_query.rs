@@ -31,7 +31,6 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use drape_solver::world::bounds::Bounds;
-use drape_solver::world::extent::Extent;
 
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
@@ -179,12 +178,7 @@ impl Candidate<'_> {
     /// Box around the surface of the body as it is now.
     fn bounds(&self) -> Bounds {
         let Self { particles, sticks, state, .. } = *self;
-        // The kept box is that of the last step. A body without an order has not taken part in any.
-        if particles.is_disturbed() || state.order == 0 {
-            Extent::of(particles, sticks).surface(&state.settings)
-        } else {
-            state.bounds()
-        }
+        state.extent_now(particles, sticks).surface(&state.settings)
     }
 
     fn cast_ray(&self, ray: Ray3d, max_distance: f32) -> Option<BodyHit> {
