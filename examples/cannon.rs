@@ -30,14 +30,21 @@ use drape_examples::cannon_demo::{headless, soak};
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     #[cfg(feature = "window")]
-    if !arguments.headless && !arguments.frames && !arguments.table1 && arguments.soak.is_none() {
+    if !arguments.headless
+        && !arguments.frames
+        && !arguments.film
+        && !arguments.table1
+        && arguments.soak.is_none()
+    {
         return match drape_examples::cannon_demo::window::run(&arguments) {
             Ok(bevy::app::AppExit::Success) => ExitCode::SUCCESS,
             Ok(bevy::app::AppExit::Error(code)) => ExitCode::from(code.get()),
             Err(error) => fail(&error),
         };
     }
-    let outcome: Result<(), Box<dyn Error>> = if arguments.table1 {
+    let outcome: Result<(), Box<dyn Error>> = if arguments.film {
+        draw_film(&arguments)
+    } else if arguments.table1 {
         run_table1(&arguments)
     } else if let Some(seconds) = arguments.soak {
         soak::run(&arguments, seconds).map_err(Into::into)
@@ -48,6 +55,18 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => fail(&*error),
     }
+}
+
+#[cfg(feature = "render")]
+fn draw_film(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    std::fs::create_dir_all(&arguments.out)?;
+    let on_picture = |path: &std::path::Path| println!("{}", path.display());
+    Ok(drape_examples::cannon_demo::film::draw(&arguments.scene(), &arguments.out, on_picture)?)
+}
+
+#[cfg(not(feature = "render"))]
+fn draw_film(_: &Arguments) -> Result<(), Box<dyn Error>> {
+    Err("`--film` needs the feature `render`".into())
 }
 
 #[cfg(feature = "table1")]

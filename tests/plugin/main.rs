@@ -23,6 +23,7 @@ mod layered_clothes;
 mod layers;
 mod levels_of_detail;
 mod logging;
+mod moving_obstacles;
 mod observers;
 mod operations;
 mod pins;

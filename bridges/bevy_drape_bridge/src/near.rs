@@ -4,7 +4,7 @@
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_drape::drape_solver::Placement;
-use bevy_drape::drape_solver::world::bounds::Bounds;
+use bevy_drape::drape_solver::world::bounds_list::BoundsList;
 use bevy_drape::environment::MovedByObstacle;
 use bevy_drape::prelude::Attachment;
 use bevy_drape::reach::DrapeReach;
@@ -18,41 +18,10 @@ use crate::motion::EngineBody;
 /// The boxes of all that can touch a body in this step, and the bodies that come near them or leave them.
 #[derive(Resource, Default, Debug)]
 pub struct Surroundings {
-    boxes: Boxes,
+    boxes: BoundsList,
     /// Obstacles of bodies that something is tied to, however far it is, in their order.
     tied: Vec<Entity>,
     changes: Vec<Change>,
-}
-
-/// Boxes in the order in which they begin along x.
-#[derive(Default, Debug)]
-struct Boxes {
-    all: Vec<Bounds>,
-    /// For each box, how far along x it reaches, or one before it.
-    ends: Vec<f32>,
-}
-
-impl Boxes {
-    fn replace(&mut self, boxes: impl Iterator<Item = Bounds>) {
-        let Self { all, ends } = self;
-        all.clear();
-        all.extend(boxes.filter(|bounds| bounds.is_finite()));
-        all.sort_unstable_by(|one, other| one.low.x.total_cmp(&other.low.x));
-        ends.clear();
-        ends.extend(all.iter().scan(f32::NEG_INFINITY, |end, bounds| {
-            *end = end.max(bounds.high.x);
-            Some(*end)
-        }));
-    }
-
-    /// True if a box is within `radius` metres of a point.
-    fn is_any_within(&self, radius: f32, point: Vec3) -> bool {
-        let begun = self.all.partition_point(|bounds| bounds.low.x <= point.x + radius);
-        let begun = self.all[..begun].iter().zip(&self.ends).rev();
-        begun
-            .take_while(|(_, end)| **end >= point.x - radius)
-            .any(|(bounds, _)| bounds.distance_to(point) <= radius)
-    }
 }
 
 /// The obstacle of a body that is near from now on, or no longer.
@@ -167,29 +136,3 @@ const COMING: f32 = 0.5;
 
 /// It leaves at this one: no obstacle is switched in each step.
 const LEAVING: f32 = 1.0;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_box_is_found_among_others_as_if_each_were_asked() {
-        let mut state = 7_u32;
-        let mut number = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32
-        };
-        let (mut found, mut boxes) = (0, Boxes::default());
-        for _ in 0..1000 {
-            let mut vector = || Vec3::new(number(), number(), number());
-            let all: Vec<_> = (0..9).map(|_| (10.0 * vector(), vector())).collect();
-            let all: Vec<_> = all.into_iter().map(|(low, size)| Bounds::new(low, low + size)).collect();
-            let (point, radius) = (10.0 * vector(), 3.0 * number());
-            boxes.replace(all.iter().copied());
-            let is_within = all.iter().any(|bounds| bounds.distance_to(point) <= radius);
-            assert_eq!(boxes.is_any_within(radius, point), is_within);
-            found += usize::from(is_within);
-        }
-        assert!((200..800).contains(&found), "{found} of 1000");
-    }
-}

@@ -34,10 +34,15 @@ pub(crate) fn collect_rows(
     is_any: impl Fn(Range<usize>) -> bool,
     found: &mut Vec<Entity>,
 ) {
-    for start in (0..entities.len()).step_by(BLOCK) {
-        let block = start..(start + BLOCK).min(entities.len());
+    for_rows(entities.len(), is_any, |row| found.push(entities[row]));
+}
+
+/// Calls `visit` with each of `count` rows for which `is_any` holds; whole blocks are tested first.
+pub(crate) fn for_rows(count: usize, is_any: impl Fn(Range<usize>) -> bool, mut visit: impl FnMut(usize)) {
+    for start in (0..count).step_by(BLOCK) {
+        let block = start..(start + BLOCK).min(count);
         if is_any(block.clone()) {
-            found.extend(block.filter(|&row| is_any(row..row + 1)).map(|row| entities[row]));
+            block.filter(|&row| is_any(row..row + 1)).for_each(&mut visit);
         }
     }
 }

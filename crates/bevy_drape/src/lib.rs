@@ -7,7 +7,7 @@
 //! ```text
 //! plugin             the plugin group, and the features in the order of a step
 //! snapshot/          saves and restores a running world
-//! tools/             picking, gestures, spatial queries, reach, gizmos, diagnostics
+//! tools/             picking, gestures, spatial queries, gizmos, diagnostics
 //! tear/              parts bodies, and makes entities of the pieces
 //! render/            meshes that show bodies, and bodies made from meshes
 //! transform/         interpolation between fixed steps and between frames
@@ -63,11 +63,12 @@ pub mod viewer;
 pub use ball::cannon;
 pub use drape_solver;
 pub use plugin::DrapePlugins;
+pub use sleep::reach;
 #[cfg(feature = "gizmos")]
 pub use tools::gizmos;
 #[cfg(feature = "picking")]
 pub use tools::picking;
-pub use tools::{diagnostics, gestures, ray_cast, reach, spatial_query};
+pub use tools::{diagnostics, gestures, ray_cast, spatial_query};
 
 /// The names that a first app with cloth in it needs. The rest is in the modules of its subject: [`rig`], [`cannon`], [`tear`], ..
 ///

@@ -118,6 +118,7 @@ pub(crate) enum ScenePhase {
     TeleportRigidTetrahedra,
     TurnWinches,
     PullGrabbed,
+    MoveObstacles,
     WakePressed,
     WakeAndCull,
 }
@@ -201,6 +202,7 @@ fn configure_scene_phases(schedule: &mut Schedule) {
                 Phase::TeleportRigidTetrahedra,
                 Phase::TurnWinches,
                 Phase::PullGrabbed,
+                Phase::MoveObstacles,
                 Phase::WakePressed,
                 Phase::WakeAndCull,
             )

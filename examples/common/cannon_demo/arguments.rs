@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use bevy::math::UVec2;
+use bevy_drape::prelude::SelfContact;
 use clap::Parser;
 
 use crate::cannon_demo::scene::CannonScene;
@@ -54,6 +55,14 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=86_400))]
     pub soak: Option<u32>,
 
+    /// Let the curtain collide with itself.
+    #[arg(long)]
+    pub self_contact: bool,
+
+    /// Instead draw the pictures of a film, 30 for each second, into the folder (needs the feature `render`).
+    #[arg(long, conflicts_with_all = ["frames", "soak", "table1"])]
+    pub film: bool,
+
     /// Also render PNG pictures of the scene, without a window (needs the feature `render`).
     #[arg(long)]
     pub frames: bool,
@@ -67,6 +76,7 @@ impl Arguments {
             substeps: self.substeps,
             iterations: self.iterations,
             shots: self.shots,
+            self_contact: if self.self_contact { SelfContact::On } else { SelfContact::Off },
         }
     }
 }

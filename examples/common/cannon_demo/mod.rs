@@ -6,6 +6,8 @@ pub mod arguments;
 #[cfg(feature = "window")]
 mod controls;
 #[cfg(feature = "render")]
+pub mod film;
+#[cfg(feature = "render")]
 mod frame_capture;
 #[cfg(feature = "render")]
 mod frames;

@@ -26,13 +26,21 @@ pub struct CannonScene {
     pub substeps: u32,
     /// Relaxation iterations in a substep.
     pub iterations: u32,
+    /// Contact of the curtain with itself.
+    pub self_contact: SelfContact,
     /// Number of shots; 0 leaves the cannon to the player.
     pub shots: u32,
 }
 
 impl Default for CannonScene {
     fn default() -> Self {
-        Self { particles: UVec2::new(64, 48), substeps: 16, iterations: 2, shots: 5 }
+        Self {
+            particles: UVec2::new(64, 48),
+            substeps: 16,
+            iterations: 2,
+            self_contact: SelfContact::Off,
+            shots: 5,
+        }
     }
 }
 
@@ -61,7 +69,8 @@ impl CannonScene {
 
     /// The settings that the curtain is solved with.
     pub fn settings(&self) -> SolverSettings {
-        SolverSettings { substeps: self.substeps, iterations: self.iterations, ..default() }
+        let Self { substeps, iterations, self_contact, .. } = *self;
+        SolverSettings { substeps, iterations, self_contact, ..default() }
     }
 }
 

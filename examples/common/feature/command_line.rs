@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use crate::feature::example::Feature;
+#[cfg(feature = "render")]
+use crate::feature::picture;
 
 #[derive(Parser, Debug)]
 struct FeatureArguments {
@@ -18,6 +20,9 @@ struct FeatureArguments {
     /// Draw a picture into this PNG file instead (needs `--features render`).
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
+    /// Draw the pictures of a film of three seconds into this folder instead (needs `--features render`).
+    #[arg(long, value_name = "FOLDER", conflicts_with = "picture")]
+    film: Option<PathBuf>,
 }
 
 impl Feature {
@@ -35,11 +40,15 @@ impl Feature {
 
     fn obey(&self, arguments: &FeatureArguments) -> Result<(), Box<dyn core::error::Error>> {
         let seconds = arguments.seconds.unwrap_or(self.picture_time);
-        if let Some(file) = &arguments.picture {
+        if let Some(path) = arguments.picture.as_ref().or(arguments.film.as_ref()) {
             #[cfg(feature = "render")]
-            return crate::feature::picture::draw(self, seconds, file).map_err(Into::into);
+            return match arguments.picture {
+                Some(_) => picture::draw(self, seconds, path),
+                None => picture::film(self, seconds, path),
+            }
+            .map_err(Into::into);
             #[cfg(not(feature = "render"))]
-            return Err(format!("{} needs `--features render`", file.display()).into());
+            return Err(format!("{} needs `--features render`", path.display()).into());
         }
         #[cfg(feature = "window")]
         if !arguments.headless {

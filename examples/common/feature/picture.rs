@@ -1,4 +1,4 @@
-//! The picture of a feature's example, without a window.
+//! Pictures and films of a feature's example, without a window.
 
 use core::time::Duration;
 use std::path::Path;
@@ -10,19 +10,46 @@ use bevy_drape::prelude::*;
 use crate::feature::example::{Feature, steps_in};
 use crate::feature::materials::FeatureMaterialsPlugin;
 use crate::view::gltf_files::wait_for_files;
-use crate::view::offscreen::{self, PictureError};
+use crate::view::offscreen::{self, OffscreenCamera, PictureError};
 use crate::view::viewpoint::Viewpoint;
 
 /// Size in pixels at which the scene is drawn: twice that of the picture, for smooth edges.
 const DRAWN: UVec2 = UVec2::new(960, 540);
 /// Vertical angle of view in radians.
 pub const FIELD_OF_VIEW: f32 = 0.7;
+/// Pictures for each second of a film.
+const RATE: u32 = 25;
 
 /// Runs `feature` for this long (simulated seconds) and draws it into a PNG file.
 ///
 /// # Errors
 /// [`PictureError`].
 pub fn draw(feature: &Feature, seconds: f32, path: &Path) -> Result<(), PictureError> {
+    let (mut app, offscreen) = open(feature)?;
+    run(&mut app, seconds);
+    draw_now(&mut app, &offscreen, path)
+}
+
+/// Draws `feature` from its start, or from 2.4 s before `seconds` (simulated), until 0.6 s after that: PNG files in `folder`,
+/// 25 for each second.
+///
+/// # Errors
+/// [`PictureError`].
+pub fn film(feature: &Feature, seconds: f32, folder: &Path) -> Result<(), PictureError> {
+    let (mut app, offscreen) = open(feature)?;
+    let start = (seconds - 2.4).max(0.0);
+    run(&mut app, start);
+    let pictures = ((seconds + 0.6 - start) * RATE as f32).round() as u32;
+    for picture in 0..pictures {
+        draw_now(&mut app, &offscreen, &folder.join(format!("frame_{picture:05}.png")))?;
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(1) / RATE));
+        app.update();
+    }
+    Ok(())
+}
+
+/// Begins the example in an app that draws without a window.
+fn open(feature: &Feature) -> Result<(App, OffscreenCamera), PictureError> {
     let build = feature.build;
     let (mut app, offscreen) =
         offscreen::app((DrapePlugins::default(), FeatureMaterialsPlugin, build), DRAWN)?;
@@ -33,12 +60,19 @@ pub fn draw(feature: &Feature, seconds: f32, path: &Path) -> Result<(), PictureE
         view.apply(&mut transform, &mut projection);
     }
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    let steps = steps_in(&app, seconds);
     app.update();
     wait_for_files(&mut app)?;
-    for _ in 0..steps {
+    Ok((app, offscreen))
+}
+
+fn run(app: &mut App, seconds: f32) {
+    for _ in 0..steps_in(app, seconds) {
         app.update();
     }
+}
+
+/// Draws what the app shows now, while its clock stands still.
+fn draw_now(app: &mut App, offscreen: &OffscreenCamera, path: &Path) -> Result<(), PictureError> {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
-    offscreen.draw_half(&mut app, path)
+    offscreen.draw_half(app, path)
 }

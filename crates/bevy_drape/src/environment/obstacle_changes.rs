@@ -16,6 +16,8 @@ pub(crate) struct ObstacleChanges {
     pub moving: Vec<Entity>,
     /// Those to bring up to date in this step.
     pub outdated: Vec<Entity>,
+    /// Those that only move in this step, and where to.
+    pub moved: Vec<(Entity, GlobalTransform)>,
 }
 
 impl ObstacleChanges {

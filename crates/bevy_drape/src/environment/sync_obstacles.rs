@@ -4,12 +4,13 @@ use core::ops::Range;
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use drape_solver::{BuildError, Layers, Obstacles, Placement};
 
 use crate::body::contact_events::ContactEvents;
 use crate::body::layers::DrapeLayers;
-use crate::change_detection::{collect_rows, is_any_changed};
+use crate::change_detection::{collect_rows, for_rows, is_any_changed};
 use crate::clock::DrapeClock;
 use crate::environment::dynamic_obstacle::{DynamicObstacle, ObstacleReaction};
 use crate::environment::known_obstacles::KnownObstacles;
@@ -37,34 +38,102 @@ type ObstacleQuery<'w, 's> = Query<
     ),
 >;
 
-/// Brings new, changed and moved obstacles into the solver, and removes despawned and disabled ones. Skips unchanged obstacles.
+/// Obstacles, the solver's, and everything that their changes affect.
+#[derive(SystemParam)]
+pub(crate) struct Syncing<'w, 's> {
+    obstacles: ObstacleQuery<'w, 's>,
+    commands: Commands<'w, 's>,
+    clock: Res<'w, DrapeClock>,
+    solver: ResMut<'w, SolverEnvironment>,
+    wake_regions: ResMut<'w, WakeRegions>,
+    refusals: ResMut<'w, Refusals>,
+}
+
+/// Brings new and changed obstacles into the solver, and removes despawned and disabled ones. Lists those that only move.
 pub(crate) fn sync_obstacles(
-    obstacles: ObstacleQuery,
+    mut syncing: Syncing,
     disabled: Query<(), (With<Obstacle>, With<Disabled>)>,
-    mut commands: Commands,
-    clock: Res<DrapeClock>,
-    mut solver: ResMut<SolverEnvironment>,
-    mut wake_regions: ResMut<WakeRegions>,
     mut changes: ResMut<ObstacleChanges>,
-    mut refusals: ResMut<Refusals>,
 ) {
-    wake_regions.0.clear();
-    let SolverEnvironment { environment, obstacles: known, .. } = &mut *solver;
-    let mut sync = ObstacleSync {
-        built: &mut environment.obstacles,
-        known,
-        wake_regions: &mut wake_regions,
-        refusals: &mut refusals,
-        dt: clock.delta(),
-    };
-    for entity in changes.gone.drain(..).filter(|&entity| !obstacles.contains(entity)) {
-        sync.remove(entity, disabled.contains(entity));
+    syncing.wake_regions.0.clear();
+    for entity in changes.gone.drain(..) {
+        if !syncing.obstacles.contains(entity) {
+            syncing.sync().remove(entity, disabled.contains(entity));
+        }
     }
-    collect_outdated(&obstacles, &mut changes);
+    let known = &syncing.solver.obstacles;
+    let is_any_enabled = changes.recheck.iter().any(|&entity| known.order_of_disabled(entity).is_some());
+    collect_outdated(&syncing.obstacles, &mut changes);
     let ObstacleChanges { moving, outdated, .. } = &mut *changes;
-    // Those that are enabled come in the order of their numbers, wherever their entities are.
-    outdated.sort_by_key(|&entity| sync.known.order_of_disabled(entity).unwrap_or(u64::MAX));
-    for &entity in &*outdated {
+    if is_any_enabled {
+        // They come in the order of their numbers, wherever their entities are.
+        outdated.sort_by_key(|&entity| known.order_of_disabled(entity).unwrap_or(u64::MAX));
+    }
+    moving.extend(outdated.iter().filter(|&&entity| syncing.update(entity)));
+}
+
+/// Lists the obstacles that were added or changed since the last step, those that moved in it and may have stopped, and those
+/// to recheck; apart from them, those that have only moved.
+fn collect_outdated(obstacles: &ObstacleQuery, changes: &mut ObstacleChanges) {
+    let ObstacleChanges { recheck, moving, outdated, moved, .. } = changes;
+    outdated.clear();
+    moved.clear();
+    for (entities, components, transforms, layers, .., is_dynamic) in
+        obstacles.contiguous_iter().into_iter().flatten()
+    {
+        let (_, ticks) = ContiguousRef::split(components);
+        let (transforms, transform_ticks) = ContiguousRef::split(transforms);
+        let layer_ticks = layers.map(|layers| ContiguousRef::split(layers).1);
+        let is_moved = |rows: Range<usize>| is_any_changed(&transform_ticks, rows);
+        let is_outdated = |rows: Range<usize>| {
+            is_any_changed(&ticks, rows.clone())
+                || is_dynamic && is_moved(rows.clone())
+                || layer_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows))
+        };
+        collect_rows(entities, is_outdated, outdated);
+        for_rows(entities.len(), is_moved, |row| {
+            if !is_outdated(row..row + 1) {
+                moved.push((entities[row], transforms[row]));
+            }
+        });
+    }
+    // Each is listed once: a second update would stop a moving obstacle.
+    let is_listed = |entity: Entity| {
+        obstacles.get(entity).is_ok_and(|(_, obstacle, transform, layers, .., is_dynamic)| {
+            obstacle.is_changed()
+                || is_dynamic && transform.is_changed()
+                || layers.is_some_and(|layers| layers.is_changed())
+        })
+    };
+    recheck.retain(|&entity| !is_listed(entity));
+    moved.retain(|(entity, _)| !recheck.contains(entity));
+    // Those that move on come in the order of the last step.
+    let mut next = 0;
+    moving.retain(|&entity| {
+        let moves_on = moved.get(next).is_some_and(|&(moved, _)| moved == entity);
+        next += usize::from(moves_on);
+        let is_moved = || obstacles.get(entity).is_ok_and(|(_, _, transform, ..)| transform.is_changed());
+        !(moves_on || recheck.contains(&entity) || is_moved() || is_listed(entity))
+    });
+    outdated.extend(moving.drain(..).chain(recheck.drain(..)));
+}
+
+impl Syncing<'_, '_> {
+    /// Moves an obstacle of which nothing else has changed; true if it moves in this step. `is_near` tells if anything is
+    /// within so many metres of a place.
+    pub fn move_one(
+        &mut self,
+        entity: Entity,
+        transform: &GlobalTransform,
+        is_near: impl FnOnce(f32, Vec3) -> bool,
+    ) -> bool {
+        let (scale, rotation, translation) = transform.to_scale_rotation_translation();
+        let placement = Placement { translation, rotation };
+        self.sync().move_out_of_reach(entity, scale, placement, is_near) || self.update(entity)
+    }
+
+    /// Builds, rebuilds or moves an obstacle; true if it moves in this step.
+    fn update(&mut self, entity: Entity) -> bool {
         let Ok((
             _,
             obstacle,
@@ -75,15 +144,15 @@ pub(crate) fn sync_obstacles(
             reports_reaction,
             is_teleport,
             is_dynamic,
-        )) = obstacles.get(entity)
+        )) = self.obstacles.get(entity)
         else {
-            continue;
+            return false;
         };
         if is_teleport {
-            commands.entity(entity).remove::<TeleportObstacle>();
+            self.commands.entity(entity).remove::<TeleportObstacle>();
         }
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
-        let is_moving = sync.update(&ObstacleState {
+        let state = ObstacleState {
             entity,
             obstacle: &obstacle,
             from_mesh: from_mesh.as_deref(),
@@ -94,40 +163,14 @@ pub(crate) fn sync_obstacles(
             reports: [reports_contacts, reports_reaction],
             is_teleport,
             is_dynamic,
-        });
-        if is_moving {
-            moving.push(entity);
-        }
-    }
-}
-
-/// Lists the obstacles that were added, changed or moved since the last step, those that moved in it and may have
-/// stopped, and those to recheck.
-fn collect_outdated(obstacles: &ObstacleQuery, changes: &mut ObstacleChanges) {
-    let ObstacleChanges { recheck, moving, outdated, .. } = changes;
-    outdated.clear();
-    for (entities, components, transforms, layers, ..) in obstacles.contiguous_iter().into_iter().flatten() {
-        let (_, ticks) = ContiguousRef::split(components);
-        let (_, transform_ticks) = ContiguousRef::split(transforms);
-        let layer_ticks = layers.map(|layers| ContiguousRef::split(layers).1);
-        let is_any = |rows: Range<usize>| {
-            is_any_changed(&ticks, rows.clone())
-                || is_any_changed(&transform_ticks, rows.clone())
-                || layer_ticks.as_ref().is_some_and(|ticks| is_any_changed(ticks, rows))
         };
-        collect_rows(entities, is_any, outdated);
+        ObstacleSync::new(&mut self.solver, &mut self.wake_regions, &mut self.refusals, &self.clock)
+            .update(&state)
     }
-    // Each is listed once: a second update would stop a moving obstacle.
-    let is_unlisted = |entity: Entity| {
-        obstacles.get(entity).is_ok_and(|(_, obstacle, transform, layers, ..)| {
-            let is_listed = obstacle.is_changed()
-                || transform.is_changed()
-                || layers.is_some_and(|layers| layers.is_changed());
-            !is_listed
-        })
-    };
-    recheck.retain(|entity| !moving.contains(entity));
-    outdated.extend(moving.drain(..).chain(recheck.drain(..)).filter(|&entity| is_unlisted(entity)));
+
+    fn sync(&mut self) -> ObstacleSync<'_> {
+        ObstacleSync::new(&mut self.solver, &mut self.wake_regions, &mut self.refusals, &self.clock)
+    }
 }
 
 /// An obstacle as its entity describes it now.
@@ -166,7 +209,36 @@ struct ObstacleSync<'a> {
     dt: f32,
 }
 
-impl ObstacleSync<'_> {
+impl<'a> ObstacleSync<'a> {
+    fn new(
+        solver: &'a mut SolverEnvironment,
+        wake_regions: &'a mut WakeRegions,
+        refusals: &'a mut Refusals,
+        clock: &DrapeClock,
+    ) -> Self {
+        let SolverEnvironment { environment, obstacles: known, .. } = solver;
+        Self { built: &mut environment.obstacles, known, wake_regions, refusals, dt: clock.delta() }
+    }
+
+    /// Moves an obstacle that nothing is near, and returns true; it may stop in the next step. Leaves another one as it is.
+    fn move_out_of_reach(
+        &mut self,
+        entity: Entity,
+        scale: Vec3,
+        placement: Placement,
+        is_near: impl FnOnce(f32, Vec3) -> bool,
+    ) -> bool {
+        let slot = self.known.slot(entity).filter(|&slot| self.known.has_scale(slot, scale));
+        let Some(slot) = slot else { return false };
+        let built = &self.built[slot];
+        let way = placement.translation.distance(built.placement().translation);
+        if is_near(built.radius() + way, placement.translation) || !placement.is_valid() {
+            return false;
+        }
+        self.built.move_out_of_reach(slot, placement, self.dt);
+        true
+    }
+
     /// Removes an obstacle, and wakes bodies that rest on it.
     fn remove(&mut self, entity: Entity, is_disabled: bool) {
         let Some(slot) = self.known.slot(entity) else {
@@ -252,7 +324,7 @@ impl ObstacleSync<'_> {
     /// Moves an obstacle evenly over the step, or at once; true if it moves in this step.
     fn move_to(&mut self, slot: usize, state: &ObstacleState) -> bool {
         let obstacle = &mut self.built[slot];
-        if obstacle.placement() == state.placement && !obstacle.is_moving() {
+        if obstacle.placement() == state.placement && !obstacle.is_moving() && !obstacle.is_out_of_reach() {
             return false;
         }
         if state.is_teleport {

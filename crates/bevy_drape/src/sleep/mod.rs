@@ -18,7 +18,8 @@
 //! # app.add_systems(Startup, setup).add_systems(Update, report).update();
 //! ```
 //!
-//! `waking.rs`, `cull.rs` and `fall_asleep.rs` have one system each. `candidates.rs` lists the bodies that they check.
+//! `waking.rs`, `cull.rs` and `fall_asleep.rs` have one system each. `candidates.rs` lists the bodies that they check. `move_obstacles.rs`
+//! does little for obstacles out of everything's reach.
 //!
 //! Imports bodies, balls and the environment. The plugin runs these systems before the islands are formed and after they have
 //! been stepped.
@@ -30,7 +31,9 @@ pub(crate) mod candidates;
 pub(crate) mod cull;
 pub(crate) mod fall_asleep;
 pub(crate) mod messages;
+pub(crate) mod move_obstacles;
 pub(crate) mod plugin;
+pub mod reach;
 pub(crate) mod scene_manager;
 pub(crate) mod waking;
 

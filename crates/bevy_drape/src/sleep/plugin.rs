@@ -15,6 +15,7 @@ use crate::sleep::candidates::{
 use crate::sleep::cull::cull;
 use crate::sleep::fall_asleep::fall_asleep;
 use crate::sleep::messages::{BodySlept, BodyWoken, Sleepers, forget_sleeper, report_sleep};
+use crate::sleep::move_obstacles::{Reached, move_obstacles, note_reached};
 use crate::sleep::scene_manager::SceneManager;
 use crate::sleep::waking::wake;
 use crate::viewer::Viewer;
@@ -31,6 +32,7 @@ impl Plugin for SleepPlugin {
             .add_observer(forget_sleeper)
             .init_resource::<ActivityCounts>()
             .init_resource::<Candidates>()
+            .init_resource::<Reached>()
             .init_resource::<SceneManager>()
             .add_observer(note_gone_body)
             .add_observer(note_gone_ball)
@@ -41,6 +43,7 @@ impl Plugin for SleepPlugin {
             .add_systems(
                 DrapeSchedule,
                 (
+                    (note_reached, move_obstacles).chain().in_set(ScenePhase::MoveObstacles),
                     (collect_candidates, wake, cull).chain().in_set(ScenePhase::WakeAndCull),
                     fall_asleep.in_set(FinishPhase::FallAsleep),
                     (report_sleep, count_activity).chain().in_set(FinishPhase::CountActivity),

@@ -14,6 +14,5 @@ pub mod picking;
 mod point_projection;
 mod query_filter;
 pub mod ray_cast;
-pub mod reach;
 pub mod spatial_query;
 mod sphere_cast;

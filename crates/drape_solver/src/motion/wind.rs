@@ -56,6 +56,12 @@ impl Wind {
         Self { velocity, ..Self::default() }
     }
 
+    /// The way in metres from a place to the farthest obstacle that keeps the wind off it; none if obstacles do not.
+    pub fn shelter_way(&self) -> Option<Vec3> {
+        let direction = self.velocity.try_normalize()?;
+        (self.shelter > 0.0).then_some(direction * -SHELTER_REACH)
+    }
+
     /// Checks that everything is finite and in its range.
     ///
     /// # Errors
@@ -292,6 +298,7 @@ impl<'a> Air<'a> {
     fn fill(&mut self, obstacles: &Obstacles, time: f64) {
         let Wind { velocity, turbulence, shelter, .. } = *self.wind;
         let waves = turbulence.waves();
+        let shelter_way = self.wind.shelter_way();
         let [across, deep, _] = self.counts;
         for i in 0..self.counts.iter().product() {
             let steps = [i % across, i / across % deep, i / (across * deep)].map(|step| step as f32);
@@ -302,7 +309,7 @@ impl<'a> Air<'a> {
                 wave.amplitude * libm::cos(wave.number.dot(carried) + wave.frequency * time + wave.phase)
             };
             let mut here = velocity + waves.iter().map(gust).sum::<DVec3>().as_vec3();
-            if shelter > 0.0 && is_in_lee(place, velocity, obstacles) {
+            if shelter_way.is_some_and(|way| is_in_lee(place, way, obstacles)) {
                 here *= 1.0 - shelter;
             }
             self.lattice[i] = here;
@@ -333,16 +340,11 @@ impl<'a> Air<'a> {
     }
 }
 
-/// True if an obstacle stands upwind of a place.
-fn is_in_lee(place: Vec3, velocity: Vec3, obstacles: &Obstacles) -> bool {
-    let Some(direction) = velocity.try_normalize() else { return false };
-    let path = direction * -SHELTER_REACH;
-    let (low, high) = (place.min(place + path), place.max(place + path));
-    obstacles.iter().filter(|obstacle| !obstacle.is_sensor()).any(|obstacle| {
-        let bounds = obstacle.swept_bounds();
-        let is_near = bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
+/// True if an obstacle stands on the way upwind from a place.
+fn is_in_lee(place: Vec3, way: Vec3, obstacles: &Obstacles) -> bool {
+    obstacles.is_any_near(place.min(place + way), place.max(place + way), |obstacle| {
         let pose = obstacle.pose_at(1.0, Vec3::ZERO);
-        let local = [place, place + path].map(|point| pose.to_local(point));
-        is_near && obstacle.shape().cast(local[0], local[1] - local[0]).is_some()
+        let local = [place, place + way].map(|point| pose.to_local(point));
+        !obstacle.is_sensor() && obstacle.shape().cast(local[0], local[1] - local[0]).is_some()
     })
 }

@@ -328,9 +328,31 @@ impl Obstacle {
         if !placement.is_valid() {
             return;
         }
+        self.set_way(self.start_towards(placement, dt), placement);
+    }
+
+    /// Moves the obstacle as [`move_to`](Self::move_to) does, but no search finds it until it is moved again.
+    pub(super) fn move_out_of_reach(&mut self, placement: Placement, dt: f32) {
+        (self.before, self.placement) = (self.start_towards(placement, dt), placement);
+        self.swept_bounds = NOWHERE;
+    }
+
+    /// True if it was moved [out of reach](crate::Obstacles::move_out_of_reach).
+    pub fn is_out_of_reach(&self) -> bool {
+        self.swept_bounds == NOWHERE
+    }
+
+    /// A distance in metres within which no point of the obstacle is farther from the origin of its shape; infinite for
+    /// some shapes.
+    pub fn radius(&self) -> f32 {
+        let (low, high) = self.shape.local_bounds();
+        low.abs().max(high.abs()).length()
+    }
+
+    /// The placement at which a move to another one starts.
+    fn start_towards(&self, placement: Placement, dt: f32) -> Placement {
         let moved = placement.translation.distance(self.placement.translation);
-        let is_teleport = moved > TELEPORT_SPEED * dt;
-        self.set_way(if is_teleport { placement } else { self.placement }, placement);
+        if moved > TELEPORT_SPEED * dt { placement } else { self.placement }
     }
 
     /// Puts the obstacle at `placement` without any velocity. An invalid placement is ignored.
@@ -360,8 +382,7 @@ impl Obstacle {
             return 0.0;
         }
         let moved = self.placement.translation.distance(self.before.translation);
-        let (low, high) = self.shape.local_bounds();
-        let arm = low.abs().max(high.abs()).length();
+        let arm = self.radius();
         let (p, q) = (self.before.rotation, self.placement.rotation);
         // The difference is `2 sin(angle / 4)` long: four times that is at least the arc.
         let turn = if p == q { 0.0 } else { 4.0 * (p - q).length().min((p + q).length()) };
@@ -399,6 +420,9 @@ impl Obstacle {
 
 /// The bounds of a shape without bounds.
 const EVERYWHERE: (Vec3, Vec3) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
+
+/// The bounds of an obstacle that no search finds.
+const NOWHERE: (Vec3, Vec3) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
 
 #[cfg(test)]
 mod tests {
@@ -448,6 +472,10 @@ mod tests {
         assert_eq!(bounds(&ball), [4.5, 8.5]);
         ball.move_to(at(8.0), 0.1);
         assert_eq!(bounds(&ball), [7.5, 8.5]);
+        ball.move_out_of_reach(at(9.0), 0.1);
+        assert_eq!((bounds(&ball), ball.is_moving()), ([f32::INFINITY, f32::NEG_INFINITY], true));
+        ball.move_to(at(9.5), 0.1);
+        assert_eq!(bounds(&ball), [8.5, 10.0]);
     }
 
     #[test]

@@ -14,6 +14,7 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 
 use crate::constants::MAX_MAGNITUDE;
+use crate::geometry::pose::Placement;
 use crate::state::obstacle::Obstacle;
 
 /// A list of obstacles with a tree of their boxes.
@@ -43,7 +44,8 @@ pub struct Obstacles {
     homes: Vec<Option<Aabb>>,
     /// The box of each that has bounds, through the whole step.
     tree: Bvh,
-    /// Obstacles without bounds, in ascending order; every search finds them.
+    /// Obstacles without bounds, in ascending order; every search finds them. One that was moved out of reach is neither here
+    /// nor in the tree.
     unbounded: Vec<u32>,
     /// The obstacle last lent by a mutable borrow. Its box in the tree may be stale, so a search tests the obstacle
     /// itself.
@@ -105,6 +107,23 @@ impl Obstacles {
         Some(obstacle)
     }
 
+    /// Moves the obstacle at `index` as [`Obstacle::move_to`] does where nothing can touch it in the coming step. No search
+    /// finds it until it is moved again, so that this costs a fraction. An invalid placement is ignored.
+    ///
+    /// # Panics
+    /// If there is no such obstacle.
+    pub fn move_out_of_reach(&mut self, index: usize, placement: Placement, dt: f32) {
+        if !placement.is_valid() {
+            return;
+        }
+        let is_lent = self.lent == Some(index);
+        if is_lent || !self.all[index].is_out_of_reach() {
+            self.displace(index);
+            self.lent = self.lent.filter(|_| !is_lent);
+        }
+        self.all[index].move_out_of_reach(placement, dt);
+    }
+
     /// Appends to `found` the indices of the obstacles whose boxes, through the whole step, overlap the box between the
     /// corners `low` and `high`: in order, each once.
     pub fn near(&self, low: Vec3, high: Vec3, found: &mut Vec<u32>) {
@@ -114,27 +133,50 @@ impl Obstacles {
     /// The same as [`near`](Self::near); returns the number of boxes that were tested.
     fn search(&self, low: Vec3, high: Vec3, found: &mut Vec<u32>) -> usize {
         let first = found.len();
-        let mut tests = self.unbounded.len();
+        let (_, tests) = self.visit(low, high, |index| {
+            found.push(index);
+            false
+        });
+        found[first..].sort_unstable();
+        tests
+    }
+
+    /// True if `is_wanted` holds for an obstacle whose box, through the whole step, overlaps the box between two corners.
+    pub(crate) fn is_any_near(
+        &self,
+        low: Vec3,
+        high: Vec3,
+        mut is_wanted: impl FnMut(&Obstacle) -> bool,
+    ) -> bool {
+        self.visit(low, high, |index| is_wanted(&self.all[index as usize])).0
+    }
+
+    /// Visits the obstacles whose boxes overlap a box, in any order, until `is_last` holds. Returns if it held, and the
+    /// number of boxes that were tested.
+    fn visit(&self, low: Vec3, high: Vec3, mut is_last: impl FnMut(u32) -> bool) -> (bool, usize) {
         let meets = |mins: Vec3, maxs: Vec3| low.cmple(maxs).all() && high.cmpge(mins).all();
         let lent = self.lent.map(|index| index as u32);
-        found.extend(self.unbounded.iter().filter(|&&index| Some(index) != lent));
+        let mut tests = self.unbounded.len();
+        if self.unbounded.iter().any(|&index| Some(index) != lent && is_last(index)) {
+            return (true, tests);
+        }
+        if let Some(index) = lent {
+            let (mins, maxs) = self.all[index as usize].swept_bounds();
+            tests += 1;
+            if meets(mins, maxs) && is_last(index) {
+                return (true, tests);
+            }
+        }
+        let mut is_over = false;
         self.tree.traverse(|node| {
             tests += 1;
             if !meets(node.mins(), node.maxs()) {
                 return TraversalAction::Prune;
             }
-            found.extend(node.leaf_data().filter(|&index| Some(index) != lent));
-            TraversalAction::Continue
+            is_over = node.leaf_data().is_some_and(|index| Some(index) != lent && is_last(index));
+            if is_over { TraversalAction::EarlyExit } else { TraversalAction::Continue }
         });
-        if let Some(index) = lent {
-            let (mins, maxs) = self.all[index as usize].swept_bounds();
-            tests += 1;
-            if meets(mins, maxs) {
-                found.push(index);
-            }
-        }
-        found[first..].sort_unstable();
-        tests
+        (is_over, tests)
     }
 
     /// Updates the tree for the lent obstacle.
@@ -147,12 +189,14 @@ impl Obstacles {
     /// Updates the tree for one obstacle.
     fn place(&mut self, index: usize) {
         let (low, high) = self.all[index].swept_bounds();
+        if low.cmpgt(high).any() {
+            self.displace(index);
+            return;
+        }
         let is_bounded = low.abs().max(high.abs()).cmple(Vec3::splat(MAX_MAGNITUDE)).all();
         if !is_bounded {
-            if self.homes[index].is_some() {
-                self.displace(index);
-                self.note_unbounded(index);
-            }
+            self.displace(index);
+            self.note_unbounded(index);
             return;
         }
         let now = Aabb::new(low, high);
@@ -270,7 +314,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geometry::pose::Placement;
     use crate::geometry::shape::Shape;
     use crate::random::{between, cases};
 
@@ -300,6 +343,7 @@ mod tests {
     enum Change {
         Push(Obstacle),
         Move(usize, Vec3),
+        MoveOutOfReach(usize, Vec3),
         Teleport(usize, Vec3),
         Replace(usize, Obstacle),
         Remove(usize),
@@ -320,6 +364,7 @@ mod tests {
         prop_oneof![
             3 => obstacle().prop_map(Change::Push),
             3 => (any::<usize>(), point()).prop_map(|(i, to)| Change::Move(i, to)),
+            2 => (any::<usize>(), point()).prop_map(|(i, to)| Change::MoveOutOfReach(i, to)),
             1 => (any::<usize>(), point()).prop_map(|(i, to)| Change::Teleport(i, to * 1e3)),
             1 => (any::<usize>(), obstacle()).prop_map(|(i, to)| Change::Replace(i, to)),
             2 => any::<usize>().prop_map(Change::Remove),
@@ -344,6 +389,9 @@ mod tests {
                     }
                     _ if obstacles.is_empty() => {}
                     Change::Move(i, to) => obstacles[i % count].move_to(Placement::at(to), 0.1),
+                    Change::MoveOutOfReach(i, to) => {
+                        obstacles.move_out_of_reach(i % count, Placement::at(to), 0.1);
+                    }
                     Change::Teleport(i, to) => obstacles[i % count].teleport(Placement::at(to)),
                     Change::Replace(i, other) => obstacles[i % count] = other,
                     Change::Remove(i) => {

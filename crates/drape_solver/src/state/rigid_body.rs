@@ -108,11 +108,15 @@ impl RigidBody {
     pub(crate) fn lead(&mut self, from: Placement, to: Placement, dt: f32) -> Drive {
         let way = (to.translation - from.translation) / dt;
         let turn = turn_between(from.rotation, to.rotation) / dt;
+        let linear = (self.velocity - way) * (2.0 / dt);
+        let start = 2.0 * way - self.velocity;
+        let is_stop = linear.length() > STOP && start.dot(linear) < 0.0;
         let drive = Drive::Engine {
-            linear: (self.velocity - way) * (2.0 / dt),
+            linear,
             angular: (self.angular_velocity - turn) * (2.0 / dt),
+            stop_at: is_stop.then_some(self.velocity),
         };
-        self.velocity = 2.0 * way - self.velocity;
+        self.velocity = start;
         self.angular_velocity = 2.0 * turn - self.angular_velocity;
         drive
     }
@@ -127,8 +131,16 @@ impl RigidBody {
                 self.accelerate(acceleration, 0.5 * dt);
                 to
             }
-            Drive::Engine { linear, angular } => self.advance_driven(linear, angular, from, dt),
+            Drive::Engine { linear, angular, stop_at } => {
+                let left = stop_at.map_or(dt, |end| self.seconds_to(end, linear).clamp(0.0, dt));
+                self.advance_driven(linear * (left / dt), angular, from, dt)
+            }
         }
+    }
+
+    /// The time in seconds in which an acceleration brings its own part of the velocity to that of `end`.
+    fn seconds_to(&self, end: Vec3, acceleration: Vec3) -> f32 {
+        (end - self.velocity).dot(acceleration) / acceleration.length_squared()
     }
 
     fn advance_driven(&mut self, linear: Vec3, angular: Vec3, from: Placement, dt: f32) -> Placement {
@@ -224,8 +236,14 @@ pub(crate) enum Drive {
         linear: Vec3,
         /// In rad/s^2, in world axes.
         angular: Vec3,
+        /// The velocity in m/s at which something in the engine stops the body, such as the ground. That pushes no longer once
+        /// cloth has slowed the body down as far.
+        stop_at: Option<Vec3>,
     },
 }
+
+/// An engine that slows a body down by more, in m/s^2, stops it on something.
+const STOP: f32 = 100.0;
 
 /// The number of small turns in a step.
 const TURNS: u32 = 16;

@@ -26,6 +26,7 @@
 pub mod activity;
 pub mod activity_rules;
 pub mod bounds;
+pub mod bounds_list;
 pub mod events;
 pub mod extent;
 pub mod grouping;

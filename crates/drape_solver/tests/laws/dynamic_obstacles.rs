@@ -17,6 +17,8 @@ enum Pilot {
     Solver,
     /// Another engine, with four substeps.
     Engine,
+    /// The same, with a ground at height 0, on which the box does not bounce.
+    EngineWithGround,
 }
 
 const PILOTS: [Pilot; 2] = [Pilot::Solver, Pilot::Engine];
@@ -47,11 +49,14 @@ impl Scene {
         let cube = &mut environment.obstacles[0];
         match pilot {
             Pilot::Solver => cube.fly(gravity, dt),
-            Pilot::Engine => {
+            Pilot::Engine | Pilot::EngineWithGround => {
                 let (mut body, mut place) = (cube.rigid_body().expect("it has one"), cube.placement());
                 for _ in 0..4 {
                     body.accelerate(gravity, dt / 4.0);
                     place = body.advance(place, dt / 4.0);
+                    if *pilot == Pilot::EngineWithGround && place.translation.y < HALF {
+                        (place.translation.y, body.velocity.y) = (HALF, body.velocity.y.max(0.0));
+                    }
                 }
                 cube.set_rigid_body(Some(body));
                 cube.fly_to(place, dt);
@@ -418,6 +423,24 @@ fn cloth_on_the_ground_carries_a_box() {
             (place.translation - before.translation, place.rotation.angle_between(before.rotation));
         assert!(place.translation.y - HALF < 0.0205, "{what}: floats at {}", place.translation.y);
         assert!(moved.length() < 1e-4 && turned < 1e-3, "{what}: moved by {moved} m, turned by {turned}");
+    }
+}
+
+/// An engine stops a box on the ground beneath cloth that has stopped the box already. It threw the box back up, at a fifth of its speed.
+#[test]
+fn a_box_does_not_rebound_from_cloth_on_the_ground() {
+    for (mass, gap) in [(0.5, 1.0), (5.0, 2.0), (5.0, 2.05), (50.0, 2.1)] {
+        let mut scene = box_over_a_sheet_on_the_ground(mass, gap, Pilot::EngineWithGround);
+        let (mut fastest, mut falling) = (0.0_f32, 0.0_f32);
+        for _ in 0..120 {
+            scene.step();
+            let speed = scene.body().velocity.y;
+            (fastest, falling) = (fastest.max(speed), falling.min(speed));
+        }
+        assert!(
+            falling < -4.0 && fastest < 0.3,
+            "{mass} kg from {gap} m: {falling} m/s down, {fastest} m/s up"
+        );
     }
 }
 

@@ -10,6 +10,7 @@ use crate::body::particles::{Particles, Sticks};
 use crate::clock::DrapeClock;
 use crate::environment::gravity::DrapeGravity;
 use crate::environment::solver_environment::SolverEnvironment;
+use crate::environment::wind::Wind;
 
 /// Tells where cloth, ropes, soft bodies and balls can be within the coming step, whatever their activity. Ask in
 /// [`DrapeSystems::PlaceObstacles`](crate::schedule::DrapeSystems::PlaceObstacles): an obstacle far from all boxes can be
@@ -55,11 +56,13 @@ pub struct DrapeReach<'w, 's> {
     balls: Query<'w, 's, &'static ProjectileState>,
     clock: Res<'w, DrapeClock>,
     gravity: Res<'w, DrapeGravity>,
+    wind: Res<'w, Wind>,
     solver: Res<'w, SolverEnvironment>,
 }
 
 impl DrapeReach<'_, '_> {
-    /// The boxes, one for each body and ball. Pins that anything but the transform of their body moves can leave them.
+    /// The boxes, one for each body and ball, and for obstacles that keep the wind off it. Pins that anything but the transform of their
+    /// body moves can leave them.
     pub fn boxes(&self) -> impl Iterator<Item = Bounds> + '_ {
         let dt = self.clock.delta();
         let gravity = self.gravity.or_last(self.solver.environment.gravity).length();
@@ -74,7 +77,12 @@ impl DrapeReach<'_, '_> {
                 _ => bounds,
             }
         });
-        bodies.chain(self.balls.iter().map(move |ball| ball.bounds_within_step(dt, gravity)))
+        let shelter_way = drape_solver::Wind::from(*self.wind).shelter_way().unwrap_or_default();
+        let with_upwind = move |bounds: Bounds| {
+            bounds.joined(Bounds::new(bounds.low + shelter_way, bounds.high + shelter_way))
+        };
+        let balls = self.balls.iter().map(move |ball| ball.bounds_within_step(dt, gravity));
+        bodies.map(with_upwind).chain(balls)
     }
 }
 

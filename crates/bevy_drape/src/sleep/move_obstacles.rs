@@ -1,0 +1,39 @@
+//! Moves obstacles with their transforms.
+//!
+//! Most of those that a game moves are far from all cloth. They are only put where they are now, out of reach of all searches.
+
+use bevy::prelude::*;
+use drape_solver::world::bounds_list::BoundsList;
+
+use crate::environment::obstacle_changes::ObstacleChanges;
+use crate::environment::sync_obstacles::Syncing;
+use crate::sleep::reach::DrapeReach;
+
+/// The boxes of all that obstacles could touch in this step.
+#[derive(Resource, Default)]
+pub(crate) struct Reached(BoundsList);
+
+/// Looks what the obstacles that move in this step could touch, if any moves. Pins have moved by now.
+pub(crate) fn note_reached(reach: DrapeReach, changes: Res<ObstacleChanges>, mut reached: ResMut<Reached>) {
+    if !changes.moved.is_empty() {
+        reached.0.replace(reach.boxes());
+    }
+}
+
+/// Moves the obstacles of which nothing has changed but the place.
+pub(crate) fn move_obstacles(
+    mut syncing: Syncing,
+    mut changes: ResMut<ObstacleChanges>,
+    reached: Res<Reached>,
+) {
+    let ObstacleChanges { moved, moving, .. } = &mut *changes;
+    for (entity, transform) in moved.drain(..) {
+        let is_near = |radius, place| reached.0.is_any_within(radius + MARGIN, place);
+        if syncing.move_one(entity, &transform, is_near) {
+            moving.push(entity);
+        }
+    }
+}
+
+/// Distance in metres that an obstacle keeps from all boxes if it is far: forces of the step may still speed bodies up.
+const MARGIN: f32 = 1.0;

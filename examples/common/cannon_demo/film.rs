@@ -1,0 +1,73 @@
+//! A film of the bombardment: a part of each shot, from a place of its own, drawn through whatever graphics adapter there is.
+
+use core::time::Duration;
+use std::path::Path;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_drape::prelude::*;
+
+use crate::cannon_demo::materials::CannonMaterialsPlugin;
+use crate::cannon_demo::plugin::CannonScenePlugin;
+use crate::cannon_demo::scene::{CannonScene, STEP};
+use crate::cannon_demo::shot::Shot;
+use crate::view::offscreen::{PictureError, app};
+
+/// Size in pixels at which the scene is drawn: twice that of the film, for smooth edges.
+const DRAWN: UVec2 = UVec2::new(1920, 1080);
+/// Steps between two pictures: 30 pictures a second.
+const STEPS: u32 = 2;
+/// Seconds from the first picture of a shot to the shot, and to the last one.
+const BEFORE: f64 = 0.1;
+const AFTER: f64 = 2.2;
+
+/// The place of the camera and the middle of the picture in metres, for one shot after another.
+const VIEWS: [(Vec3, Vec3); 5] = [
+    (Vec3::new(-2.9, 2.1, 16.6), Vec3::new(0.25, 1.4, 6.0)),
+    (Vec3::new(4.4, 2.3, 5.4), Vec3::new(0.1, 1.6, 0.0)),
+    (Vec3::new(-4.8, 2.2, -4.6), Vec3::new(0.0, 1.5, -0.6)),
+    (Vec3::new(-4.9, 2.2, 5.6), Vec3::new(0.0, 1.6, 0.0)),
+    (Vec3::new(4.9, 1.4, -5.2), Vec3::new(0.0, 1.4, -0.4)),
+];
+
+/// Draws the shots of `scene` into `folder`, one PNG file for each picture, and calls `on_picture` for each.
+///
+/// # Errors
+/// [`PictureError`]: no adapter, or a file that cannot be written.
+pub fn draw(
+    scene: &CannonScene,
+    folder: &Path,
+    mut on_picture: impl FnMut(&Path),
+) -> Result<(), PictureError> {
+    let plugins = (DrapePlugins::default(), CannonMaterialsPlugin, CannonScenePlugin(scene.clone()));
+    let (mut app, offscreen) = app(plugins, DRAWN)?;
+    let (mut picture, mut step) = (0, 0_u32);
+    let step_at = |time: f64| (time / STEP).round() as u32;
+    for index in 0..scene.shots {
+        let (eye, target) = VIEWS[index as usize % VIEWS.len()];
+        let camera = Transform::from_translation(eye).looking_at(target, Vec3::Y);
+        app.world_mut().entity_mut(offscreen.camera()).insert(camera);
+        let shot = Shot::planned(index).time;
+        let start = step_at(shot - BEFORE);
+        advance(&mut app, start.saturating_sub(step));
+        step = start;
+        while step < step_at(shot + AFTER) {
+            let path = folder.join(format!("frame_{picture:05}.png"));
+            offscreen.draw_half(&mut app, &path)?;
+            on_picture(&path);
+            advance(&mut app, STEPS);
+            step += STEPS;
+            picture += 1;
+        }
+    }
+    Ok(())
+}
+
+/// Takes so many steps, and stops the clock.
+fn advance(app: &mut App, steps: u32) {
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    for _ in 0..steps {
+        app.update();
+    }
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+}
