@@ -18,7 +18,7 @@ fn fly_through(has_witness: bool, is_restored: bool) -> Vec<u64> {
             app.world_mut().spawn(ends);
         }
     }
-    let mut hashes = Vec::new();
+    let (mut hashes, mut pushed) = (Vec::new(), 0.0_f32);
     for count in 0..240 {
         // Away, to a halt for a moment, and back.
         let way = (count as f32 - 120.0).abs() - 120.0;
@@ -29,7 +29,9 @@ fn fly_through(has_witness: bool, is_restored: bool) -> Vec<u64> {
             snapshot.restore(app.world_mut()).expect("it is of this world");
         }
         hashes.push(hash(&app, &[curtain]));
+        pushed = pushed.max(centre(&app, curtain).z.abs());
     }
+    assert!(pushed > 0.1, "the sphere has pushed the curtain by {pushed} m");
     hashes
 }
 
