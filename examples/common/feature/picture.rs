@@ -30,17 +30,15 @@ pub fn draw(feature: &Feature, seconds: f32, path: &Path) -> Result<(), PictureE
     draw_now(&mut app, &offscreen, path)
 }
 
-/// Draws `feature` from its start, or from 2.4 s before `seconds` (simulated), until 0.6 s after that: PNG files in `folder`,
-/// 25 for each second.
+/// Draws three seconds of `feature`, from its start or from a second and a half before `seconds` (simulated): PNG files in
+/// `folder`, 25 for each second.
 ///
 /// # Errors
 /// [`PictureError`].
 pub fn film(feature: &Feature, seconds: f32, folder: &Path) -> Result<(), PictureError> {
     let (mut app, offscreen) = open(feature)?;
-    let start = (seconds - 2.4).max(0.0);
-    run(&mut app, start);
-    let pictures = ((seconds + 0.6 - start) * RATE as f32).round() as u32;
-    for picture in 0..pictures {
+    run(&mut app, (seconds - 1.5).max(0.0));
+    for picture in 0..3 * RATE {
         draw_now(&mut app, &offscreen, &folder.join(format!("frame_{picture:05}.png")))?;
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(1) / RATE));
         app.update();
