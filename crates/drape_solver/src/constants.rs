@@ -112,6 +112,14 @@ pub const AT_LIMIT: f32 = 1e-5;
 /// Depth in metres below an obstacle's surface at which a particle's limit on motion counts as the reason.
 pub const LIMIT_CONFLICT_DEPTH: f32 = 1e-3;
 
+// Drives towards an animated pose
+
+/// Greatest angular frequency of a pose drive in rad/s: a particle comes to its place within 1/1000 s.
+pub const MAX_DRIVE_FREQUENCY: f32 = 1e4;
+
+/// Greatest damping ratio of a pose drive.
+pub const MAX_DAMPING_RATIO: f32 = 1e3;
+
 // Sweeps and threads
 
 /// Cells from which on a sweep runs down the strips of a grid: smaller bodies stay in the nearest cache anyway.

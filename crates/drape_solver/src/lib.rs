@@ -15,8 +15,8 @@
 //! substep/     the order of a substep, and the ways to walk it
 //! contact/     the narrow phase: a file for each kind of contact, and helpers
 //! broad_phase/ the pairs that could touch
-//! constraint/  sticks, direct solves, tethers, volume, limits on motion
-//! motion/      forces, wind, Verlet integration, rest
+//! constraint/  sticks, direct solves, tethers, volume, limits on motion, backstops
+//! motion/      forces, wind, Verlet integration, drives, rest
 //! state/       bodies, particles, topology, balls, obstacles, settings, state hashes
 //! geometry/    shapes, poses, nearest points
 //! parallel/    threads and workers
@@ -74,6 +74,7 @@ pub use motion::environment::Environment;
 pub use motion::wind::{Turbulence, Wind, WindFlow, WindRegion, WindZone};
 pub use parallel::threads::{Alone, Threads};
 pub use simd::isa::Isa;
+pub use state::backstops::Backstop;
 pub use state::ball::{Ball, BallMaterial};
 pub use state::body::{Body, BodyContext};
 pub use state::combine_rule::CombineRule;
@@ -85,6 +86,7 @@ pub use state::obstacle_motion::MovedObstacle;
 pub use state::obstacle_motion::Reaction;
 pub use state::obstacles::Obstacles;
 pub use state::particles::Particles;
+pub use state::pose_drives::PoseDrive;
 pub use state::rigid_body::RigidBody;
 pub use state::settings::{BodySettings, Quality, SelfContact, StickProjection, StructuralSolve};
 pub use state::snapshot::{BallSnapshot, ParticlesSnapshot};

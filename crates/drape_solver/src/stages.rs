@@ -97,11 +97,13 @@ fn run_body_stage(
         }
         BodyStage::Integrate
         | BodyStage::Carry
+        | BodyStage::Drive
         | BodyStage::ObstacleContacts
         | BodyStage::Sticks
         | BodyStage::Update
         | BodyStage::ObstacleFriction
         | BodyStage::Limits
+        | BodyStage::Backstops
         | BodyStage::Leave
         | BodyStage::Watch => {
             sweep::run(body, &mut contacts.obstacles, &plan.plan, substep, plan.plan.span(place));

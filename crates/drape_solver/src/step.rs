@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! begin -> accumulate forces -> detect collisions
-//!       -> [ integrate -> relax x N (contacts, sticks, tethers, lines) -> project collisions, friction, zones, limits ] x substeps
+//!       -> [ integrate -> relax x N (contacts, sticks, tethers, lines) -> project collisions, friction, zones, limits, backstops ] x substeps
 //!       -> finish
 //! ```
 //!
@@ -230,7 +230,9 @@ fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
     let Island { bodies, balls, context, isa, .. } = island;
     let fastest_ball = balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
     // A ball can bring the cloth to its own speed within the step, and edited particles are pulled into place.
-    let speed_of = |body: &Body| body.particles.greatest_speed() + begin::pull(body) / dt;
+    let speed_of = |body: &Body| {
+        body.particles.greatest_speed() + (begin::pull(body) + begin::drive_reach(body, dt)) / dt
+    };
     let speed = bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + CONTACT_MARGIN;
     let IslandContext { contacts, report, reactions, substeps, .. } = context;
@@ -323,7 +325,7 @@ fn finish_with(island: &mut Island, workers: &Workers) -> Result<(), StepError> 
         rest::account_body(body, dt, mean_square_way);
         let particles = &mut body.particles;
         particles.clear_requests();
-        particles.limits.arrive();
+        particles.pose.arrive();
         particles.disturbed = false;
         rest::recentre(particles);
     }

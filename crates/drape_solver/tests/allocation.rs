@@ -7,8 +7,8 @@ use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    Ball, BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, Obstacle, Placement,
-    RigidBody, SelfContact, Shape, StructuralSolve, Wind, World, step,
+    Backstop, Ball, BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, Obstacle, Placement,
+    PoseDrive, RigidBody, SelfContact, Shape, StructuralSolve, Wind, World, step,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -25,6 +25,7 @@ fn a_warm_step_allocates_nothing() {
     fold_allocating_nothing();
     meet_shapes_allocating_nothing();
     step_a_world_allocating_nothing();
+    follow_a_pose_allocating_nothing();
 }
 
 /// A cloth with balls on all shapes with surface queries, so coarse that its faces touch them. Some shapes move, one of them
@@ -125,6 +126,41 @@ fn step_a_world_allocating_nothing() {
     let change = region.change();
     assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
     assert!(slept > 8 && woken > 8, "{slept} fell asleep, {woken} woke");
+}
+
+/// A curtain with limits, backstops and drives by a pose that moves.
+fn follow_a_pose_allocating_nothing() {
+    let mut curtain = ClothBuilder::new(1.0, 1.0, 24, 24)
+        .pin_edge(Edge::Top)
+        .build(BodySettings::default())
+        .expect("valid");
+    let rest: Vec<Vec3> = curtain.particles.positions().collect();
+    let backstop = Backstop { distance: 0.01, radius: 0.3 };
+    let drive = PoseDrive { angular_frequency: 5.0, damping_ratio: 0.5 };
+    for (i, &place) in rest.iter().enumerate() {
+        curtain.particles.set_motion_limit(i, place, 0.3);
+        curtain.particles.set_backstop(i, place, Vec3::Z, backstop).expect("valid");
+        curtain.particles.set_pose_drive(i, place, drive).expect("valid");
+    }
+    let mut island = Island::of_body(curtain);
+    let mut steps = |count: usize| {
+        for index in 0..count {
+            let way = Vec3::new(0.0, 0.0, 0.01 * (8 - (index % 16).abs_diff(8)) as f32);
+            for (i, &place) in rest.iter().enumerate() {
+                let particles = &mut island.bodies[0].particles;
+                particles.set_pin_target(i, place + way);
+                particles.set_limit_centre(i, place + way);
+                particles.set_backstop_pose(i, place + way, Vec3::Z + way);
+                particles.set_drive_place(i, place + way);
+            }
+            step(&mut island, &Environment::default()).expect("a good step");
+        }
+    };
+    steps(32);
+    let region = Region::new(ALLOCATOR);
+    steps(32);
+    let change = region.change();
+    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
 }
 
 /// A cloth that has folded onto itself.

@@ -1,4 +1,4 @@
-//! Constraints of a body on itself: sticks, lines of sticks, tethers, volume and limits on motion.
+//! Constraints of a body on itself: sticks, lines of sticks, tethers, volume, limits on motion and backstops.
 //!
 //! The formula of a stick's error is in `projection.rs`. `stick.rs`, `listed_stick.rs` and `direct/` move the ends of grid
 //! sticks, listed sticks and lines; `tether.rs` pulls particles back to their pins.
@@ -17,6 +17,7 @@
 //! Imports: `motion` and below. Callers: `substep`, `step` and the builders.
 
 pub(crate) mod angular_momentum;
+pub mod backstop;
 pub mod direct;
 pub(crate) mod listed_stick;
 pub mod motion_limit;

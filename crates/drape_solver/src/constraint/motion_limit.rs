@@ -34,13 +34,8 @@ impl MotionLimits {
         fraction: f32,
     ) {
         let zero = f32x16::splat(simd, 0.0);
-        let fraction = f32x16::splat(simd, fraction);
-        let (reaches, _) = self.reach.as_chunks::<LANES>();
         for (place, cell) in places.zip(cells) {
-            let reach = load(simd, &reaches[cell]);
-            let start = Lanes3::load(simd, &self.centre.cells[cell]);
-            let end = Lanes3::load(simd, &self.target.cells[cell]);
-            let centre = start.plus(end.minus(start).times(fraction));
+            let Ball { centre, reach } = self.balls(simd, cell, fraction);
             let position = Lanes3::load(simd, &moving.position[place]);
             let offset = position.minus(centre);
             let squared = offset.dot(offset);
@@ -58,4 +53,21 @@ impl MotionLimits {
             back.or(is_beyond, position).store(&mut moving.position[place]);
         }
     }
+
+    /// The balls that the particles of a cell may not leave, at this fraction of the step.
+    #[inline(always)]
+    pub fn balls<S: Simd>(&self, simd: S, cell: usize, fraction: f32) -> Ball<S> {
+        let fraction = f32x16::splat(simd, fraction);
+        let start = Lanes3::load(simd, &self.centre.cells[cell]);
+        let end = Lanes3::load(simd, &self.target.cells[cell]);
+        let centre = start.plus(end.minus(start).times(fraction));
+        Ball { centre, reach: load(simd, &self.reach.as_chunks::<LANES>().0[cell]) }
+    }
+}
+
+/// A ball that a limit allows, in each lane.
+pub(crate) struct Ball<S: Simd> {
+    pub centre: Lanes3<S>,
+    /// Metres; infinite without a limit.
+    pub reach: f32x16<S>,
 }

@@ -12,13 +12,13 @@ pub(crate) fn count_conflicts(contacts: &ObstacleContacts, body: &mut Body, subs
     let Body { particles, settings, context, .. } = body;
     let limit_conflicts = &mut context.limit_conflicts;
     limit_conflicts.clear();
-    if particles.limits.is_empty() {
+    if particles.pose.limits.is_empty() {
         return;
     }
     for candidate in &contacts.candidates {
         let obstacle = &substep.obstacles[contacts.groups[usize::from(candidate.group)].obstacle];
         for slot in candidate.each_lane().map(|lane| candidate.slot(lane)) {
-            let Some((_, centre, reach)) = particles.limits.get(slot) else { continue };
+            let Some((_, centre, reach)) = particles.pose.limits.get(slot) else { continue };
             let position = particles.position.get(slot);
             if particles.inverse_mass[slot] == 0.0 || position.distance(centre) < reach - AT_LIMIT {
                 continue;

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::motion::integrate::Flight;
 use crate::simd::columns::{Cell, LANES};
 use crate::state::frame_motion::SubstepMotion;
-use crate::state::motion_limits::MotionLimits;
+use crate::state::pose_constraints::PoseConstraints;
 use crate::state::substep::Substep;
 use crate::state::topology::Topology;
 
@@ -34,7 +34,7 @@ pub(crate) struct BodyColumns<'a> {
     /// Metres.
     pub thickness: f32,
     pub drift: Vec3,
-    pub limits: &'a MotionLimits,
+    pub pose: &'a PoseConstraints,
     pub frame: Option<&'a SubstepMotion>,
     /// Greatest pull of a tether in one substep, in metres.
     pub tether_reach: f32,

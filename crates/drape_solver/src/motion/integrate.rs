@@ -60,6 +60,19 @@ impl Flight {
     }
 }
 
+impl Flight {
+    /// The part of a cell's displacements in a substep that accelerations have made.
+    #[inline(always)]
+    pub fn accelerated<S: Simd>(self, simd: S, rest: &BodyColumns, cell: usize) -> Lanes3<S> {
+        let gain = self.drag.gain * self.substep * self.substep;
+        let uniform = Lanes3::splat(simd, self.uniform * gain);
+        match rest.varying.get(cell) {
+            Some(varying) => uniform.plus(Lanes3::load(simd, varying).times(f32x16::splat(simd, gain))),
+            None => uniform,
+        }
+    }
+}
+
 /// Adds the moves of projections to the displacements of these cells. A contact thereby removes the normal part of the
 /// velocity, and restitution zero needs no code.
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! Free motion: forces, wind, the Verlet step, moving frames, and time at rest.
+//! Free motion: forces, wind, the Verlet step, moving frames, drives towards an animated pose, and time at rest.
 //!
 //! `force.rs` has the forces, that of the wind too; `integrate.rs` the Verlet step; `rest.rs` the time at rest.
 //!
@@ -30,5 +30,6 @@ pub mod force;
 pub(crate) mod integrate;
 pub(crate) mod moving_frame;
 pub(crate) mod particle_stats;
+pub(crate) mod pose_drive;
 pub(crate) mod rest;
 pub mod wind;

@@ -22,7 +22,7 @@ impl Particles {
         self.stats().is_finite
             && forces.flatten().all(|value| value.is_finite())
             && self.origin.is_finite()
-            && self.limits.is_finite()
+            && self.pose.is_finite()
             && self.pin_targets.iter().all(|(_, target)| target.is_finite())
     }
 

@@ -112,7 +112,7 @@ impl Particles {
         }
     }
 
-    /// Moves the whole body rigidly from one placement to another at once. Pins, velocities and limits turn with it, so
+    /// Moves the whole body rigidly from one placement to another at once. Pins, velocities, limits, backstops and drives turn with it, so
     /// nothing is pulled or thrown.
     pub fn teleport(&mut self, from: &Placement, to: &Placement) {
         if !(from.is_valid() && to.is_valid()) {
@@ -121,12 +121,12 @@ impl Particles {
         let [from, to] = [from, to].map(|place| Pose::between(place, place, 1.0, Vec3::ZERO));
         let new_origin = to.point_to_world(from.to_local(self.origin));
         let turn = |v: Vec3| to.direction_to_world(from.direction_to_local(v));
-        let columns = [&mut self.position, &mut self.displacement];
-        for column in columns.into_iter().chain([&mut self.limits.centre, &mut self.limits.target]) {
+        for column in [&mut self.position, &mut self.displacement] {
             for slot in 0..column.cells.len() * LANES {
                 column.set(slot, turn(column.get(slot)));
             }
         }
+        self.pose.turn(turn);
         for (_, target) in &mut self.pin_targets {
             *target = to.point_to_world(from.to_local(*target));
         }

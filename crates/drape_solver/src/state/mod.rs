@@ -17,6 +17,9 @@
 //!
 //! Imports: `geometry`, `simd` and the ground. Callers: everything above.
 
+pub(crate) mod animated_columns;
+pub mod animated_particles;
+pub mod backstops;
 pub mod ball;
 pub mod body;
 pub(crate) mod combine_rule;
@@ -36,6 +39,8 @@ pub mod obstacle_motion;
 pub mod obstacles;
 pub(crate) mod particle_stats;
 pub mod particles;
+pub(crate) mod pose_constraints;
+pub mod pose_drives;
 pub(crate) mod renumbering;
 pub mod rigid_body;
 pub mod settings;

@@ -7,7 +7,6 @@
 use glam::Vec3;
 
 use crate::simd::columns::{Columns, LANES};
-use crate::state::layout::Layout;
 use crate::state::particles::Particles;
 
 /// The limits of a body's particles, by slot; empty where there are none.
@@ -50,20 +49,6 @@ impl MotionLimits {
         Some((self.centre.get(slot), self.target.get(slot), reach))
     }
 
-    /// The same limits in the slots of another layout.
-    pub fn arranged(&self, from: &Layout, to: &Layout) -> Self {
-        let mut arranged = Self::default();
-        if !self.is_empty() {
-            arranged.reset(to.cells());
-            for (from, to) in from.slots().zip(to.slots()) {
-                if let Some((centre, target, reach)) = self.get(from) {
-                    arranged.set(to, centre, target, reach);
-                }
-            }
-        }
-        arranged
-    }
-
     /// Moves the centres to their targets.
     pub fn arrive(&mut self) {
         self.centre.cells.clone_from_slice(&self.target.cells);
@@ -83,14 +68,14 @@ impl Particles {
     /// [`set_limit_centre`](Self::set_limit_centre) moves the centre.
     pub fn set_motion_limit(&mut self, i: usize, centre: Vec3, distance: f32) {
         let slot = self.slot(i);
-        if self.limits.is_empty() {
+        if self.pose.limits.is_empty() {
             if distance == f32::INFINITY {
                 return;
             }
-            self.limits.reset(self.layout.cells());
+            self.pose.limits.reset(self.layout.cells());
         }
         let centre = centre - self.origin;
-        self.limits.set(slot, centre, centre, distance.max(0.0));
+        self.pose.limits.set(slot, centre, centre, distance.max(0.0));
         self.disturb();
     }
 
@@ -99,8 +84,8 @@ impl Particles {
     pub fn set_limit_centre(&mut self, i: usize, centre: Vec3) {
         let slot = self.slot(i);
         let centre = centre - self.origin;
-        if self.limits.get(slot).is_some_and(|(_, target, _)| target != centre) {
-            self.limits.target.set(slot, centre);
+        if self.pose.limits.get(slot).is_some_and(|(_, target, _)| target != centre) {
+            self.pose.limits.target.set(slot, centre);
             self.disturb();
         }
     }
@@ -108,13 +93,13 @@ impl Particles {
     /// The middle of particle `i`'s limit at the end of the last step (world), and its distance, in metres; none
     /// without a limit.
     pub fn motion_limit(&self, i: usize) -> Option<(Vec3, f32)> {
-        self.limits.get(self.slot(i)).map(|(centre, _, reach)| (self.origin + centre, reach))
+        self.pose.limits.get(self.slot(i)).map(|(centre, _, reach)| (self.origin + centre, reach))
     }
 
     /// Removes all limits.
     pub fn clear_motion_limits(&mut self) {
-        if !self.limits.is_empty() {
-            self.limits.clear();
+        if !self.pose.limits.is_empty() {
+            self.pose.limits.clear();
             self.disturb();
         }
     }

@@ -10,8 +10,8 @@ use crate::simd::columns::{Columns, LANES};
 use crate::state::frame_motion::FrameMotion;
 use crate::state::joint::Joint;
 use crate::state::layout::Layout;
-use crate::state::motion_limits::MotionLimits;
 use crate::state::particle_stats::{MassStats, ParticleStats};
+use crate::state::pose_constraints::PoseConstraints;
 
 /// Positions, displacements and inverse masses of a body's particles, as columns.
 ///
@@ -40,8 +40,8 @@ pub struct Particles {
     pub(crate) pin_targets: Vec<(u32, Vec3)>,
     /// Joints of pinned particles with obstacles in the next step, sorted by slot.
     pub(crate) joints: Vec<Joint>,
-    /// Limits on motion, around animated places.
-    pub(crate) limits: MotionLimits,
+    /// Limits on motion, backstops and drives, by an animated pose.
+    pub(crate) pose: PoseConstraints,
     /// Motion of the frame of reference in the next step.
     pub(crate) frame: Option<FrameMotion>,
     /// True after any event that should wake a sleeping body.
@@ -64,7 +64,7 @@ impl Default for Particles {
             force: Columns::default(),
             pin_targets: Vec::new(),
             joints: Vec::new(),
-            limits: MotionLimits::default(),
+            pose: PoseConstraints::default(),
             frame: None,
             disturbed: false,
             stats: None,
@@ -142,7 +142,7 @@ impl Particles {
             joint.slot = index.map_or(joint.slot, |index| layout.slot(index) as u32);
         }
         self.joints.sort_unstable_by_key(|joint| joint.slot);
-        self.limits = old.limits.arranged(&old.layout, layout);
+        self.pose = old.pose.arranged(&old.layout, layout);
         self.masses = MassStats::default();
     }
 
@@ -336,12 +336,12 @@ impl Particles {
     /// Moves the origin to `origin`, keeping world positions.
     pub(crate) fn recentre(&mut self, origin: Vec3) {
         let shift = self.origin - origin;
-        let Self { position, limits: MotionLimits { centre, target, .. }, .. } = self;
-        for cell in [position, centre, target].into_iter().flat_map(|columns| &mut columns.cells) {
-            for (column, shift) in [&mut cell.x, &mut cell.y, &mut cell.z].into_iter().zip(shift.to_array()) {
+        for cell in &mut self.position.cells {
+            for (column, shift) in cell.axes_mut().into_iter().zip(shift.to_array()) {
                 column.iter_mut().for_each(|x| *x += shift);
             }
         }
+        self.pose.shift(shift);
         self.origin = origin;
         self.stats = None;
     }

@@ -9,12 +9,15 @@ use glam::{Quat, Vec3};
 
 use crate::error::{BuildError, in_range, positive};
 use crate::simd::columns::LANES;
+use crate::state::backstops::Backstop;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::BodyContext;
 use crate::state::frame_motion::FrameMotion;
 use crate::state::layers::Layers;
 use crate::state::particle_stats::MassStats;
 use crate::state::particles::Particles;
+use crate::state::pose_constraints::PoseConstraints;
+use crate::state::pose_drives::PoseDrive;
 
 /// The state of a body's [`Particles`], by index.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,6 +32,10 @@ pub struct ParticlesSnapshot {
     pin_targets: Vec<(u32, [f32; 3])>,
     /// Index, centre, target and distance of each limit on motion.
     limits: Vec<(u32, [f32; 3], [f32; 3], f32)>,
+    /// Index, place and normal, each now and after the step, distance and radius of each backstop.
+    backstops: Vec<(u32, [[f32; 3]; 4], [f32; 2])>,
+    /// Index, place now and after the step, angular frequency and damping ratio of each drive.
+    drives: Vec<(u32, [[f32; 3]; 2], [f32; 2])>,
     /// Pivot, turn and translation of the frame in the next step.
     frame: Option<[[f32; 3]; 3]>,
     is_disturbed: bool,
@@ -63,7 +70,16 @@ impl ParticlesSnapshot {
             in_range("inverse mass", inverse_mass, 0.0, f32::MAX)?;
         }
         let limited = self.limits.iter().map(|&(index, ..)| index);
-        for index in pin_targets.iter().map(|&(index, _)| index).chain(limited) {
+        let stopped = self.backstops.iter().map(|&(index, ..)| index);
+        let driven = self.drives.iter().map(|&(index, ..)| index);
+        let pinned = pin_targets.iter().map(|&(index, _)| index);
+        for &(_, _, measures) in &self.backstops {
+            backstop_of(measures).validate()?;
+        }
+        for &(_, _, measures) in &self.drives {
+            drive_of(measures).validate()?;
+        }
+        for index in pinned.chain(limited).chain(stopped).chain(driven) {
             if index as usize >= count {
                 return Err(no_such_particle(index as usize, count));
             }
@@ -74,6 +90,14 @@ impl ParticlesSnapshot {
 
 fn no_such_particle(index: usize, count: usize) -> BuildError {
     BuildError::NoSuchParticle { what: "the snapshot", index: index as u32, count: count as u32 }
+}
+
+fn backstop_of([distance, radius]: [f32; 2]) -> Backstop {
+    Backstop { distance, radius }
+}
+
+fn drive_of([angular_frequency, damping_ratio]: [f32; 2]) -> PoseDrive {
+    PoseDrive { angular_frequency, damping_ratio }
 }
 
 impl Particles {
@@ -89,8 +113,19 @@ impl Particles {
             Some((self.layout.index(slot as usize)? as u32, target.to_array()))
         };
         let limit = |(index, slot): (usize, usize)| {
-            let (centre, target, reach) = self.limits.get(slot)?;
+            let (centre, target, reach) = self.pose.limits.get(slot)?;
             Some((index as u32, centre.to_array(), target.to_array(), reach))
+        };
+        let backstop = |(index, slot): (usize, usize)| {
+            let Backstop { distance, radius } = self.pose.backstops.get(slot)?;
+            let [a, b] = self.pose.backstops.place.get(slot);
+            let [c, d] = self.pose.backstops.normal.get(slot);
+            Some((index as u32, [a, b, c, d].map(|v| v.to_array()), [distance, radius]))
+        };
+        let drive = |(index, slot): (usize, usize)| {
+            let PoseDrive { angular_frequency, damping_ratio } = self.pose.drives.get(slot)?;
+            let place = self.pose.drives.place.get(slot).map(|v| v.to_array());
+            Some((index as u32, place, [angular_frequency, damping_ratio]))
         };
         ParticlesSnapshot {
             origin: self.origin.to_array(),
@@ -101,12 +136,14 @@ impl Particles {
             forces: column(&self.force),
             pin_targets: self.pin_targets.iter().filter_map(target).collect(),
             limits: self.layout.slots().enumerate().filter_map(limit).collect(),
+            backstops: self.layout.slots().enumerate().filter_map(backstop).collect(),
+            drives: self.layout.slots().enumerate().filter_map(drive).collect(),
             frame: self.frame.map(|m| [m.pivot, m.turn, m.translation].map(|v| v.to_array())),
             is_disturbed: self.disturbed,
         }
     }
 
-    /// Restores positions, motion, masses, limits and requests, to the last bit.
+    /// Restores positions, motion, masses, limits, backstops, drives and requests, to the last bit.
     ///
     /// # Errors
     /// [`BuildError`] as [`ParticlesSnapshot::validate`]; nothing has changed then.
@@ -133,14 +170,7 @@ impl Particles {
         };
         self.pin_targets = snapshot.pin_targets.iter().map(slot_of).collect();
         self.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
-        self.limits.clear();
-        if !snapshot.limits.is_empty() {
-            self.limits.reset(cells);
-            for &(index, centre, target, reach) in &snapshot.limits {
-                let slot = self.layout.slot(index as usize);
-                self.limits.set(slot, centre.into(), target.into(), reach.max(0.0));
-            }
-        }
+        self.restore_pose(snapshot);
         self.frame = snapshot.frame.map(|motion| {
             let [pivot, turn, translation] = motion.map(Vec3::from_array);
             FrameMotion { pivot, turn, translation }
@@ -149,6 +179,31 @@ impl Particles {
         self.stats = None;
         self.masses = MassStats::default();
         Ok(())
+    }
+
+    /// Restores limits, backstops and drives.
+    fn restore_pose(&mut self, snapshot: &ParticlesSnapshot) {
+        let Self { layout, pose, .. } = self;
+        *pose = PoseConstraints::default();
+        if !snapshot.limits.is_empty() {
+            pose.limits.reset(layout.cells());
+        }
+        for &(index, centre, target, reach) in &snapshot.limits {
+            pose.limits.set(layout.slot(index as usize), centre.into(), target.into(), reach.max(0.0));
+        }
+        if !snapshot.backstops.is_empty() {
+            pose.backstops.reset(layout.cells());
+        }
+        for &(index, pose_of, measures) in &snapshot.backstops {
+            let [a, b, c, d] = pose_of.map(Vec3::from_array);
+            pose.backstops.set(layout.slot(index as usize), [a, b], [c, d], backstop_of(measures));
+        }
+        if !snapshot.drives.is_empty() {
+            pose.drives.reset(layout.cells());
+        }
+        for &(index, place, measures) in &snapshot.drives {
+            pose.drives.set(layout.slot(index as usize), place.map(Vec3::from_array), drive_of(measures));
+        }
     }
 }
 

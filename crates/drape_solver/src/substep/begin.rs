@@ -7,6 +7,7 @@ use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::state::frame_motion::SubstepMotion;
 use crate::state::particles::Particles;
+use crate::state::pose_constraints::PoseConstraints;
 use crate::state::settings::StructuralSolve;
 use crate::substep::order::Order;
 use crate::substep::plan::{BodyPlan, Extras};
@@ -55,7 +56,13 @@ pub(crate) fn begin_step(
     }
     let frame = particles.frame.as_ref();
     context.frame = frame.map(|motion| SubstepMotion::new(motion, substeps, particles.origin));
-    let extras = Extras { has_frame: context.frame.is_some(), has_limits: !particles.limits.is_empty() };
+    particles.pose.drives.set_substep(substep);
+    let extras = Extras {
+        has_frame: context.frame.is_some(),
+        has_limits: !particles.pose.limits.is_empty(),
+        has_backstops: !particles.pose.backstops.is_empty(),
+        has_drives: !particles.pose.drives.is_empty(),
+    };
     plan.plan.make(order, topology, &settings, &context.stiffness, projections, extras);
     context.pin_shifts.clear();
     for &(i, target) in &particles.pin_targets {
@@ -64,8 +71,8 @@ pub(crate) fn begin_step(
     }
 }
 
-/// Upper bound in metres on the pull of sticks, pins, limits and the frame on a particle in the coming step, after an
-/// edit. Zero if nothing was edited: the work of sticks in the last step is already in the velocities.
+/// Upper bound in metres on the pull of sticks, pins, limits, backstops and the frame on a particle in the coming step,
+/// after an edit. Zero if nothing was edited: the work of sticks in the last step is already in the velocities.
 pub(crate) fn pull(body: &Body) -> f32 {
     if !body.particles.disturbed {
         return 0.0;
@@ -74,12 +81,24 @@ pub(crate) fn pull(body: &Body) -> f32 {
     let ways = pins
         .map(|&(i, target)| target.distance(body.particles.origin + body.particles.position.get(i as usize)));
     let pull = ways.fold(greatest_error(&body.particles, &body.topology), f32::max);
-    let Particles { layout, limits, position, frame, .. } = &body.particles;
-    let limited = layout.slots().filter(|_| !limits.is_empty());
-    let held_back = limited.filter_map(|slot| {
-        let (_, target, reach) = limits.get(slot)?;
-        Some(target.distance(position.get(slot)) - reach)
-    });
+    let Particles { layout, pose, position, frame, .. } = &body.particles;
+    let tied = layout.slots().filter(|_| !pose.is_empty());
+    let held_back = tied.map(|slot| pose.pull(slot, position.get(slot)));
     let carried = frame.map_or(0.0, |motion| motion.reach(body.particles.bounds()));
     held_back.fold(pull, f32::max) + carried
+}
+
+/// Upper bound in metres on the way by which drives add to the way of a particle in the coming step of `dt` seconds.
+pub(crate) fn drive_reach(body: &Body, dt: f32) -> f32 {
+    let Particles { layout, pose: PoseConstraints { drives, .. }, position, .. } = &body.particles;
+    if drives.is_empty() {
+        return 0.0;
+    }
+    let ways = layout.slots().filter_map(|slot| {
+        let angle = drives.get(slot)?.angular_frequency * dt;
+        let [now, next] = drives.place.get(slot);
+        // An undamped drive takes the particle as far beyond its place.
+        Some(next.distance(position.get(slot)) * (angle * angle).min(2.0) + now.distance(next))
+    });
+    ways.fold(0.0, f32::max)
 }

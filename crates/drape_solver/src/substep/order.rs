@@ -25,6 +25,8 @@ pub(crate) enum BodyStage {
     Integrate,
     /// The moving frame takes the particles along.
     Carry,
+    /// Drives draw particles towards their animated places.
+    Drive,
     /// Pins get the displacement of their move.
     NotePins,
     /// Particles that are joined to movers go where these fly.
@@ -56,8 +58,9 @@ pub(crate) enum BodyStage {
     DynamicFriction,
     /// Joined particles go where friction and balls have left the movers.
     FollowJoints,
-    /// Limits on motion come last.
+    /// Limits on motion come last, and backstops, which heed them.
     Limits,
+    Backstops,
     /// The motion of the frame is subtracted from the displacements.
     Leave,
     /// The watch notes how far particles are off their ways.
@@ -120,6 +123,7 @@ const INTEGRATE: &[Stages] = &[
         Body::MovePins,
         Body::Integrate,
         Body::Carry,
+        Body::Drive,
         Body::NotePins,
         Body::BeginJoints,
         Body::BeginContacts,
@@ -157,7 +161,7 @@ const RELAXED: &[Stages] = &[Stages::Bodies(&[Body::AngularMomentum])];
 
 const CLOTH: &[Stages] = &[Stages::Island(Island::ClothContacts)];
 
-/// Velocities follow positions; then come friction, restitution, impact zones and limits.
+/// Velocities follow positions; then come friction, restitution, impact zones, limits and backstops.
 const VELOCITIES: &[Stages] = &[
     Stages::Bodies(&[
         Body::BalanceJoints,
@@ -174,7 +178,7 @@ const VELOCITIES: &[Stages] = &[
     Stages::Island(Island::ImpactZones),
     Stages::Island(Island::TurnBalls),
     Stages::Island(Island::Account),
-    Stages::Bodies(&[Body::FollowJoints, Body::Limits, Body::Leave, Body::Watch]),
+    Stages::Bodies(&[Body::FollowJoints, Body::Limits, Body::Backstops, Body::Leave, Body::Watch]),
     Stages::Island(Island::KeepApart),
 ];
 

@@ -37,11 +37,14 @@ pub(crate) enum StripStage {
     Tethers,
     /// The moving frame takes the particles along.
     Carry,
+    /// Drives draw particles towards their animated places.
+    Drive,
     /// Displacements follow positions.
     Update,
     Friction,
-    /// Limits on motion come last.
+    /// Limits on motion come last, and backstops, which heed them.
     Limits,
+    Backstops,
     /// The motion of the frame is subtracted from the displacements.
     Leave,
     /// The watch notes how far particles are off their ways.
@@ -71,6 +74,10 @@ pub(crate) struct Extras {
     pub has_frame: bool,
     /// True if the body has limits on motion.
     pub has_limits: bool,
+    /// True if the body has backstops.
+    pub has_backstops: bool,
+    /// True if its pose drives it.
+    pub has_drives: bool,
 }
 
 /// The stages of a substep that are done strip by strip, in their order.
@@ -123,6 +130,7 @@ impl Plan {
             match stage {
                 BodyStage::Integrate => self.stages.push(StripStage::Integrate),
                 BodyStage::Carry => self.stages.extend(extras.has_frame.then_some(StripStage::Carry)),
+                BodyStage::Drive => self.stages.extend(extras.has_drives.then_some(StripStage::Drive)),
                 BodyStage::ObstacleContacts => {
                     let is_first = projection == 0 && projections > 0;
                     self.last_contacts = self.stages.len()..self.stages.len() + 1;
@@ -143,6 +151,9 @@ impl Plan {
                 }
                 BodyStage::ObstacleFriction => self.stages.push(StripStage::Friction),
                 BodyStage::Limits => self.stages.extend(extras.has_limits.then_some(StripStage::Limits)),
+                BodyStage::Backstops => {
+                    self.stages.extend(extras.has_backstops.then_some(StripStage::Backstops));
+                }
                 BodyStage::Leave => self.stages.extend(extras.has_frame.then_some(StripStage::Leave)),
                 BodyStage::Watch => {
                     self.stages.extend(settings.has_self_contact().then_some(StripStage::Watch));

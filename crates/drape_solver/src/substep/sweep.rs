@@ -224,7 +224,7 @@ fn with_work(
             origin: particles.origin,
             thickness: settings.thickness,
             drift,
-            limits: &particles.limits,
+            pose: &particles.pose,
             frame: context.frame.as_ref(),
             tether_reach: TETHER_SPEED * particles.substep,
         },

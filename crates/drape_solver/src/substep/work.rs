@@ -108,7 +108,7 @@ impl Work<'_> {
         }
     }
 
-    /// The stages of particles: flight, contacts, tethers, limits.
+    /// The stages of particles: flight, drives, contacts, tethers, limits, backstops.
     #[inline(always)]
     fn particles<S: Simd>(
         &mut self,
@@ -168,11 +168,17 @@ impl Work<'_> {
                     );
                 }
             }
-            StripStage::Limits => {
-                let fraction = (index + 1) as f32 / rest.substep.count as f32;
+            StripStage::Drive | StripStage::Limits | StripStage::Backstops => {
+                let pose = rest.pose;
+                let count = rest.substep.count as f32;
+                let [before, after] = [index, index + 1].map(|passed| passed as f32 / count);
                 simd.vectorize(
                     #[inline(always)]
-                    || rest.limits.enforce(simd, moving, places, &rest, cells, fraction),
+                    || match stage {
+                        StripStage::Drive => pose.drives.draw(simd, moving, places, &rest, cells, before),
+                        StripStage::Limits => pose.limits.enforce(simd, moving, places, &rest, cells, after),
+                        _ => pose.backstops.enforce(simd, moving, places, &rest, cells, [before, after]),
+                    },
                 );
             }
             StripStage::Update => simd.vectorize(

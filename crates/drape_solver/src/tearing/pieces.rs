@@ -176,15 +176,11 @@ fn particles_of(split: &Split, members: &[u32], whole: &Particles, layout: &Layo
         let targets = whole.pin_targets.iter().filter(|&&(slot, _)| slot as usize == from);
         particles.pin_targets.extend(targets.map(|&(_, target)| (to as u32, target)));
     }
-    if !whole.limits.is_empty() {
-        particles.limits.reset(cells);
-        for (index, &member) in members.iter().enumerate() {
-            let origin = split.origins[member as usize] as usize;
-            if let Some((centre, target, reach)) = whole.limits.get(whole.layout.slot(origin)) {
-                particles.limits.set(layout.slot(index), centre, target, reach);
-            }
-        }
-    }
+    let slots = members.iter().enumerate().map(|(index, &member)| {
+        let origin = split.origins[member as usize] as usize;
+        (whole.layout.slot(origin), layout.slot(index))
+    });
+    particles.pose = whole.pose.picked(cells, slots);
     particles.pin_targets.sort_unstable_by_key(|&(slot, _)| slot);
     particles
 }

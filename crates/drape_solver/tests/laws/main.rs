@@ -3,6 +3,7 @@
 //!
 //! Design: `docs/design/laws_and_mutations.md`.
 
+mod backstop;
 mod bad_input;
 mod ballistic_pendulum;
 mod ballistic_range;
@@ -35,6 +36,7 @@ mod momentum;
 mod motion_limit;
 mod obstacles;
 mod pendulum;
+mod pose_drive;
 mod property;
 mod ragdoll;
 #[path = "../../src/random.rs"]
