@@ -1,6 +1,7 @@
-//! Clothes on skinned characters: pins and limits that follow joints, motion that is inherited or not, teleports.
+//! Clothes on skinned characters: pins, limits, backstops and drives that follow joints, motion that is inherited or not, teleports.
 
 mod asset;
+mod backstops;
 #[cfg(feature = "gltf")]
 #[path = "../../examples/cape_gltf.rs"]
 #[expect(dead_code, reason = "the example's own `main`")]

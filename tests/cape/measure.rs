@@ -41,6 +41,8 @@ pub struct Skin {
     joints: Vec<[u16; 4]>,
     weights: Vec<[f32; 4]>,
     colours: Vec<[f32; 4]>,
+    /// Smooth normals of the vertices.
+    normals: Vec<Vec3>,
 }
 
 impl Default for Skin {
@@ -61,7 +63,16 @@ impl Default for Skin {
         else {
             panic!("another mesh");
         };
-        Self { places, joints, weights, colours }
+        let mut normals = vec![Vec3::ZERO; places.len()];
+        let corners: Vec<usize> = mesh.indices().expect("indices").iter().collect();
+        for &[a, b, c] in corners.as_chunks().0 {
+            for [at, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
+                let [next, last] = [next, last].map(|end| Vec3::from(places[end]) - Vec3::from(places[at]));
+                // Max's weights (1999).
+                normals[at] += next.cross(last) / (next.length_squared() * last.length_squared());
+            }
+        }
+        Self { places, joints, weights, colours, normals }
     }
 }
 
@@ -82,6 +93,26 @@ impl Skin {
     }
 }
 
+impl Skin {
+    /// The direction outwards at the animated place of each vertex; joints only turn.
+    pub fn normals(&self, joint: impl Fn(usize) -> Affine3A) -> Vec<Vec3> {
+        let vertices = self.normals.iter().zip(&self.joints).zip(&self.weights);
+        let turned = vertices.map(|((&normal, joints), weights)| {
+            let parts = joints.iter().zip(weights);
+            // The inverse transpose of the blend, which squeezes a little.
+            let blend: Mat3 =
+                parts.fold(Mat3::ZERO, |sum, (&j, &w)| sum + Mat3::from(joint(usize::from(j)).matrix3) * w);
+            (blend.inverse().transpose() * normal).normalize()
+        });
+        turned.collect()
+    }
+
+    /// The painted limit of a vertex, as a part of the full distance.
+    pub fn limit(&self, vertex: usize) -> f32 {
+        self.colours[vertex][1]
+    }
+}
+
 /// At the end of each step.
 pub fn measure(
     character: Res<Character>,
@@ -99,7 +130,7 @@ pub fn measure(
     for (vertex, target) in posed.iter().enumerate() {
         let i = welded.particle(vertex).expect("a corner");
         let position = particles.position(i);
-        let limit = skin.colours[vertex][1] * FULL_DISTANCE;
+        let limit = skin.limit(vertex) * FULL_DISTANCE;
         let off = position.distance(*target);
         if particles.is_pinned(i) {
             worst.pin_error = worst.pin_error.max(off);

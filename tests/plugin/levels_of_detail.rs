@@ -9,6 +9,7 @@ use bevy_drape::sleep::ActivityCounts;
 use bevy_drape::snapshot::Snapshot;
 use bevy_drape::viewer::Viewer;
 use drape_solver::state::measure;
+use drape_solver::{Backstop, PoseDrive};
 
 use crate::common::*;
 
@@ -219,7 +220,7 @@ fn particles_that_somebody_knows_by_their_index_stay() {
     let followed = spawn(&mut app, flag());
     let tearable = spawn(&mut app, (flag(), Tearable::default()));
     let unpinned = spawn(&mut app, flag());
-    let limited = spawn(&mut app, flag());
+    let [limited, stopped, driven] = [(); 3].map(|()| spawn(&mut app, flag()));
     let plain = spawn(&mut app, flag());
     app.world_mut().spawn(FollowParticle::last(followed));
     step(&mut app, 2);
@@ -227,6 +228,11 @@ fn particles_that_somebody_knows_by_their_index_stay() {
     app.world_mut().entity_mut(grabbed).insert(grab);
     get_mut::<Particles>(&mut app, unpinned).set_inverse_mass(0, 500.0);
     get_mut::<Particles>(&mut app, limited).set_motion_limit(9, Vec3::ZERO, 5.0);
+    let backstop = Backstop { distance: 0.0, radius: 0.1 };
+    let stop = get_mut::<Particles>(&mut app, stopped).set_backstop(9, Vec3::NEG_Y * 5.0, Vec3::Y, backstop);
+    let drive = PoseDrive { angular_frequency: 0.1, damping_ratio: 1.0 };
+    let drive = get_mut::<Particles>(&mut app, driven).set_pose_drive(9, Vec3::ZERO, drive);
+    assert_eq!((stop, drive), (Ok(()), Ok(())));
     look_from(&mut app, viewer, 80.0);
     step(&mut app, 3);
     for (body, name) in [
@@ -236,6 +242,8 @@ fn particles_that_somebody_knows_by_their_index_stay() {
         (tearable, "tearable"),
         (unpinned, "unpinned"),
         (limited, "limited"),
+        (stopped, "stopped"),
+        (driven, "driven"),
     ] {
         assert_eq!(side(&app, body), 33, "{name}");
         assert_eq!(get::<CurrentDetail>(&app, body).level(), 2, "fewer substeps are taken: {name}");

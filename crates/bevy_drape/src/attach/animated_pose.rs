@@ -1,6 +1,6 @@
-//! Poses that an animation gives to pins and to the centres of motion limits.
+//! Poses that an animation gives to pins, and to the limits, backstops and drives of other particles.
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Mat3A};
 use bevy::prelude::*;
 use drape_solver::Placement;
 
@@ -30,6 +30,8 @@ pub(crate) struct PosedParticle {
     pub particle: u32,
     /// Position in the coordinates of the mesh.
     pub local: Vec3,
+    /// Outward normal in the coordinates of the mesh, of length one; zero where faces look in opposite directions.
+    pub normal: Vec3,
     pub joints: [u16; 4],
     /// Weights of the joints; their sum is one.
     pub weights: [f32; 4],
@@ -43,6 +45,22 @@ impl PosedParticle {
             sum + matrices[usize::from(joint)].transform_point3(self.local) * weight
         })
     }
+
+    /// Returns the outward normal there, of any length.
+    pub fn normal(&self, matrices: &[Affine3A]) -> Vec3 {
+        let parts = self.joints.iter().zip(self.weights).filter(|&(_, weight)| weight > 0.0);
+        let blend = parts
+            .fold(Mat3A::ZERO, |sum, (&joint, weight)| sum + matrices[usize::from(joint)].matrix3 * weight);
+        turned_normal(&blend, self.normal)
+    }
+}
+
+/// Returns the normal of a surface after a linear map, of any length: by the inverse transpose, but for a factor.
+pub(crate) fn turned_normal(matrix: &Mat3A, normal: Vec3) -> Vec3 {
+    let Mat3 { x_axis, y_axis, z_axis } = Mat3::from(*matrix);
+    let yz = y_axis.cross(z_axis);
+    let turned = yz * normal.x + z_axis.cross(x_axis) * normal.y + x_axis.cross(y_axis) * normal.z;
+    if x_axis.dot(yz) < 0.0 { -turned } else { turned }
 }
 
 impl AnimatedPose {

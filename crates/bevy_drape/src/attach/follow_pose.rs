@@ -1,4 +1,4 @@
-//! Pins and limits that follow an animated pose.
+//! Pins, limits, backstops and drives that follow an animated pose.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -14,7 +14,7 @@ use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
 use crate::rigid_motion::placement;
 
-/// Moves pins and the centres of motion limits to their animated positions. A jump faster than [`TELEPORT_SPEED`]
+/// Moves pins, motion limits, backstops and drives to their animated positions. A jump faster than [`TELEPORT_SPEED`]
 /// teleports the whole body, and so does every move of a culled one.
 pub(crate) fn move_posed(
     mut bodies: Query<(
@@ -54,6 +54,10 @@ pub(crate) fn move_posed(
             }
             let target = place.target(&matrices);
             particles.set_limit_centre(i, target);
+            particles.set_drive_place(i, target);
+            if particles.backstop(i).is_some() {
+                particles.set_backstop_pose(i, target, place.normal(&matrices));
+            }
             if tied.as_ref().is_none_or(|tied| !tied.holds(place.particle)) {
                 particles.set_pin_target(i, target);
             }

@@ -166,8 +166,7 @@ fn may_change(body: &DetailedItem) -> bool {
     let is_held = grab.is_some_and(|grab| !grab.hands.is_empty()) || body.is_attached || body.is_tearable;
     let pinned = (0..particles.len()).filter(|&i| particles.is_pinned(i));
     let is_pinned_as_built = || pinned.eq(state.pins.iter().map(|&(pin, _)| pin as usize));
-    let is_limited = || (0..particles.len()).any(|i| particles.motion_limit(i).is_some());
-    is_whole && !is_held && is_pinned_as_built() && !is_limited()
+    is_whole && !is_held && is_pinned_as_built() && !particles.follows_pose()
 }
 
 /// Rebuilds the cloth with other particles, in place and in motion.

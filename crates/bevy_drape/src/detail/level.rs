@@ -30,8 +30,8 @@ const HYSTERESIS: f32 = 0.1;
 /// [Coarseness](DetailLevel::coarseness) is for [`Cloth`](crate::build::cloth::Cloth). A cloth keeps its particles
 /// while something refers to them by index: an [`Attachment`](crate::attach::attachment::Attachment), a
 /// [`Grab`](crate::attach::grab::Grab), a follower
-/// ([`FollowParticle`](crate::attach::follow_particle::FollowParticle)), motion limits, pins set by hand,
-/// [`Tearable`](crate::body::tearable::Tearable), or a cut. A resting cloth costs nothing and is not made coarser.
+/// ([`FollowParticle`](crate::attach::follow_particle::FollowParticle)), motion limits, backstops, drives, pins set by
+/// hand, [`Tearable`](crate::body::tearable::Tearable), or a cut. A resting cloth costs nothing and is not made coarser.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(CurrentDetail)]

@@ -38,6 +38,7 @@ pub use from_mesh::{
     driven_mesh::DrivenMesh,
     obstacle_hierarchy::ObstacleHierarchy,
     paint::{ClothPaint, PaintChannel},
+    pose_paint::{BackstopPaint, PoseDrivePaint},
     reading::MeshFault,
     soft_body::SoftBodyMesh,
 };

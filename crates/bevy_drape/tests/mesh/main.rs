@@ -9,6 +9,7 @@ mod interpolation;
 mod normals;
 mod obstacles;
 mod ownership;
+mod pose_paint;
 mod ropes;
 mod schedules;
 mod soft_body;

@@ -25,9 +25,10 @@ use crate::render::vertices::Vertices;
 /// faults are repaired with a warning.
 ///
 /// Painted particles are pinned: by default those whose vertex colour has more than half of red. Pins stay fixed to the
-/// entity. Paint motion limits for the other particles with [`ClothPaint::max_distance`].
+/// entity. For the other particles, paint motion limits with [`ClothPaint::max_distance`], backstops with
+/// [`ClothPaint::backstop`], and drives towards the animated pose with [`ClothPaint::pose_drive`].
 ///
-/// With a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), pins and limits follow its joints. Each step computes the
+/// With a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), pins, limits, backstops and drives follow its joints. Each step computes the
 /// pose from the joints' transforms. The simulated mesh is drawn without a skin, so the cloth removes the `SkinnedMesh`
 /// from its entity; insert another one to follow that. Joints get a
 /// [`MovedByFrame`](crate::transform::moved_by_frame::MovedByFrame).
@@ -116,27 +117,8 @@ impl ClothMesh {
         }
         let builder = painted.chain(self.pins.iter().copied()).fold(builder, MeshClothBuilder::pin);
         let mut cloth = builder.build_parts()?;
-        self.limit(&mut cloth, mesh)?;
+        self.paint.follow_pose(&mut cloth, mesh, transform)?;
         Ok(cloth)
-    }
-
-    /// Gives free particles their painted limits. Of several vertices in one place the least limit counts.
-    fn limit(&self, cloth: &mut MeshCloth, mesh: &Mesh) -> Result<(), MeshFault> {
-        let Some(channel) = &self.paint.max_distance else { return Ok(()) };
-        if !(self.paint.full_distance >= 0.0 && self.paint.full_distance.is_finite()) {
-            return Err(MeshFault::BadFullDistance(self.paint.full_distance));
-        }
-        let painted = paint(mesh, channel, cloth.particle_of_vertex.len())?;
-        for (value, particle) in painted.into_iter().zip(&cloth.particle_of_vertex) {
-            let Some(i) = particle.map(|particle| particle as usize) else { continue };
-            let distance = value.clamp(0.0, 1.0) * self.paint.full_distance;
-            let known = cloth.particles.motion_limit(i).map_or(f32::INFINITY, |(_, known)| known);
-            if !cloth.particles.is_pinned(i) && distance < known {
-                let place = cloth.particles.position(i);
-                cloth.particles.set_motion_limit(i, place, distance);
-            }
-        }
-        Ok(())
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) mod driven_mesh;
 pub(crate) mod obstacle_hierarchy;
 pub(crate) mod obstacle_mesh;
 pub(crate) mod paint;
+pub(crate) mod pose_paint;
 pub(crate) mod reading;
 pub(crate) mod skin;
 pub(crate) mod soft_body;

@@ -3,6 +3,7 @@
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 
+use crate::render::from_mesh::pose_paint::{BackstopPaint, PoseDrivePaint};
 use crate::render::from_mesh::reading::MeshFault;
 
 /// Channels that a cloth reads from the vertices of its mesh, to be painted in a modelling tool.
@@ -19,6 +20,10 @@ pub struct ClothPaint {
     pub max_distance: Option<PaintChannel>,
     /// Distance in metres that a value of 1 stands for, 0 or more; 1 by default.
     pub full_distance: f32,
+    /// Keeps vertices from sinking behind their animated positions. None, the default: no backstops.
+    pub backstop: Option<BackstopPaint>,
+    /// Draws vertices towards their animated positions. None, the default: no drives.
+    pub pose_drive: Option<PoseDrivePaint>,
     /// Scales stiffness: white for the stiffness of the fields, darker for softer. On a rigid edge 0.9 gives 0.999, 0.5
     /// gives 0.89, black gives 0.5 ([`painted_stiffness`](drape_solver::MeshClothBuilder::painted_stiffness)). None, the default: the
     /// same stiffness everywhere.
@@ -54,8 +59,8 @@ impl PaintChannel {
 impl ClothPaint {
     /// True if vertex colours are paint only.
     pub(crate) fn takes_colours(&self) -> bool {
-        let channels = [&self.pins, &self.max_distance, &self.stiffness];
-        !self.is_seen && channels.into_iter().flatten().any(PaintChannel::is_colour)
+        let channels = [&self.pins, &self.stiffness].into_iter().flatten();
+        !self.is_seen && channels.chain(self.pose_channels()).any(PaintChannel::is_colour)
     }
 }
 
@@ -66,6 +71,8 @@ impl Default for ClothPaint {
             threshold: 0.5,
             max_distance: None,
             full_distance: 1.0,
+            backstop: None,
+            pose_drive: None,
             stiffness: None,
             is_seen: false,
         }

@@ -2,7 +2,7 @@
 
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
-use drape_solver::MeshError;
+use drape_solver::{BuildError, MeshError};
 use thiserror::Error;
 
 /// Reason why no body can be made from a mesh.
@@ -38,6 +38,9 @@ pub enum MeshFault {
     /// `ClothPaint::full_distance` is out of range.
     #[error("full_distance of its paint must be finite and 0 or more, but is {0}")]
     BadFullDistance(f32),
+    /// A number of the paint is out of range.
+    #[error("of its paint, {0}")]
+    BadPaint(BuildError),
     /// A painted attribute does not have numbers, or not one for each vertex.
     #[error("its attribute “{0}” is not a number, or some numbers, for each vertex")]
     NoNumbers(String),

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use drape_solver::MeshCloth;
 
 use crate::attach::animated_pose::{AnimatedPose, PosedParticle};
+use crate::render::from_mesh::pose_paint::particle_normals;
 use crate::render::from_mesh::reading::{MeshFault, VertexSkin, positions, skin};
 
 /// The skin of a cloth's mesh, or its entity, as joints.
@@ -83,8 +84,7 @@ impl ClothSkin {
     ) -> Result<(MeshCloth, Option<AnimatedPose>), MeshFault> {
         if !self.is_skinned {
             let built = build(transform)?;
-            let has_limits = (0..built.particles.len()).any(|i| built.particles.motion_limit(i).is_some());
-            let pose = has_limits.then(|| self.pose_of(&built, mesh)).transpose()?;
+            let pose = built.particles.follows_pose().then(|| self.pose_of(&built, mesh)).transpose()?;
             return Ok((built, pose));
         }
         // Undeformed, but at its scale in the world.
@@ -97,12 +97,20 @@ impl ClothSkin {
             if let Some((_, distance)) = built.particles.motion_limit(i) {
                 built.particles.set_motion_limit(i, target, distance);
             }
+            if let Some((_, backstop)) = built.particles.backstop(i) {
+                let normal = place.normal(&self.matrices);
+                built.particles.set_backstop(i, target, normal, backstop).map_err(MeshFault::BadPaint)?;
+            }
+            if let Some((_, drive)) = built.particles.pose_drive(i) {
+                built.particles.set_pose_drive(i, target, drive).map_err(MeshFault::BadPaint)?;
+            }
         }
         Ok((built, Some(pose)))
     }
 
     fn pose_of(&mut self, built: &MeshCloth, mesh: &Mesh) -> Result<AnimatedPose, MeshFault> {
         let mut pose = core::mem::take(&mut self.pose);
+        let normals = particle_normals(built, mesh)?;
         let mut known = vec![false; built.particles.len()];
         for (vertex, place) in positions(mesh)?.iter().enumerate() {
             let Some(particle) = built.particle_of_vertex[vertex] else { continue };
@@ -110,7 +118,8 @@ impl ClothSkin {
                 continue;
             }
             let VertexSkin { joints, weights } = self.vertices.get(vertex).copied().unwrap_or_default();
-            pose.particles.push(PosedParticle { particle, local: (*place).into(), joints, weights });
+            let (local, normal) = ((*place).into(), normals[particle as usize]);
+            pose.particles.push(PosedParticle { particle, local, normal, joints, weights });
         }
         pose.last.clone_from(&self.matrices);
         Ok(pose)
