@@ -5,6 +5,7 @@
 use glam::Vec3;
 
 use crate::simd::columns::{Cell, LANES};
+use crate::state::animated_columns::AnimatedColumns;
 use crate::state::backstops::Backstops;
 use crate::state::layout::Layout;
 use crate::state::motion_limits::MotionLimits;
@@ -71,7 +72,7 @@ impl PoseConstraints {
     pub fn is_finite(&self) -> bool {
         let Self { limits, backstops, drives } = self;
         let columns = [&backstops.place, &backstops.normal, &drives.place];
-        limits.is_finite() && columns.into_iter().all(|columns| columns.is_finite())
+        limits.is_finite() && columns.into_iter().all(AnimatedColumns::is_finite)
     }
 
     /// Moves all places, which are relative to the body's origin.

@@ -162,7 +162,7 @@ mod tests {
             let expected = after - now;
             let found = decay * (now - before) - pull * now;
             assert!((found - expected).abs() < 1e-12, "{drive:?}: {found} instead of {expected}");
-            assert!((gain - pull / (w * h).powi(2)).abs() < 1e-12);
+            assert!((gain - pull / (w * h * w * h)).abs() < 1e-12);
         }
         // However stiff, a substep brings the particle to its place and not beyond.
         let [decay, pull, _] =
