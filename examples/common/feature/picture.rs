@@ -37,7 +37,8 @@ pub fn draw(feature: &Feature, seconds: f32, path: &Path) -> Result<(), PictureE
 /// [`PictureError`].
 pub fn film(feature: &Feature, seconds: f32, folder: &Path) -> Result<(), PictureError> {
     let (mut app, offscreen) = open(feature)?;
-    run(&mut app, (seconds - 1.5).max(0.0));
+    // Bodies are built in the first step.
+    run(&mut app, (seconds - 1.5).max(0.1));
     for picture in 0..3 * RATE {
         draw_now(&mut app, &offscreen, &folder.join(format!("frame_{picture:05}.png")))?;
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(1) / RATE));
