@@ -76,6 +76,7 @@ mod tests {
     use crate::parallel::threads::{Alone, Threads};
 
     #[test]
+    #[cfg_attr(target_family = "wasm", ignore = "needs threads")]
     fn all_is_found_in_order_by_any_number_of_workers() {
         for threads in [&Alone as &dyn Threads, &Fresh(2), &Fresh(3), &Fresh(5)] {
             for count in [0, 1, 15, 16, 100, 1000] {

@@ -213,6 +213,7 @@ mod tests {
 
     /// With two threads the helper does come, and has its part.
     #[test]
+    #[cfg_attr(target_family = "wasm", ignore = "needs threads")]
     fn a_helper_that_has_come_is_used() {
         let mut of_helper = None;
         Workers::run(&Fresh(2), &mut |workers| {
@@ -225,6 +226,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(target_family = "wasm", ignore = "needs threads")]
     fn a_panic_waits_for_the_other_half() {
         let finished = AtomicBool::new(false);
         let outcome = std::panic::catch_unwind(|| {

@@ -300,17 +300,18 @@ fn sheet(columns: u32, rows: u32, isa: Isa) -> (Island, Environment) {
     (Island { isa, ..Island::of_body(sheet) }, environment)
 }
 
+/// The hash of a sheet after a second.
+pub fn hash_of_sheet(columns: u32, rows: u32, isa: Isa) -> u64 {
+    let (mut island, environment) = sheet(columns, rows, isa);
+    run(&mut island, &environment, 60.0 * FRAME);
+    hash(&island)
+}
+
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
     for (columns, rows) in [(30, 21), (5, 49), (100, 90)] {
-        let hashes: Vec<u64> = Isa::available()
-            .into_iter()
-            .map(|isa| {
-                let (mut island, environment) = sheet(columns, rows, isa);
-                run(&mut island, &environment, 60.0 * FRAME);
-                hash(&island)
-            })
-            .collect();
+        let hashes: Vec<u64> =
+            Isa::available().into_iter().map(|isa| hash_of_sheet(columns, rows, isa)).collect();
         assert!(hashes.windows(2).all(|pair| pair[0] == pair[1]), "{columns} x {rows}: {hashes:x?}");
     }
 }
