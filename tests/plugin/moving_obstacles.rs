@@ -6,23 +6,22 @@ use bevy_drape::snapshot::Snapshot;
 
 use crate::common::*;
 
-/// A curtain, and a sphere that flies through it on x, from far away and to far away. With a `witness`, a row of ropes that
-/// nothing touches hangs along all its way.
+/// A curtain, and a sphere that flies through it along z, from far away and to far away. With a witness, ropes that nothing
+/// touches hang along all its way.
 fn fly_through(has_witness: bool, is_restored: bool) -> Vec<u64> {
     let mut app = app();
     let curtain = app.world_mut().spawn((curtain(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
     let sphere = app.world_mut().spawn((Obstacle::sphere(0.3), at(-1.0))).id();
     if has_witness {
-        for x in -30..30 {
-            let ends = (Rope::default(), DrapeLayers::new(2, 2), Transform::from_xyz(x as f32, 2.0, 0.0));
-            app.world_mut().spawn(ends);
+        for z in -33..3 {
+            app.world_mut().spawn(witness(z as f32));
         }
     }
     let (mut hashes, mut pushed) = (Vec::new(), 0.0_f32);
     for count in 0..240 {
-        // Away, to a halt for a moment, and back.
+        // Through the curtain and away, to a halt for a moment, and back.
         let way = (count as f32 - 120.0).abs() - 120.0;
-        get_mut::<Transform>(&mut app, sphere).translation.z = if way < -100.0 { -25.0 } else { 0.25 * way };
+        get_mut::<Transform>(&mut app, sphere).translation.z = 2.0 + (0.25 * way).max(-27.0);
         app.update();
         if is_restored && count % 37 == 0 {
             let snapshot = Snapshot::take(app.world_mut());
@@ -35,6 +34,11 @@ fn fly_through(has_witness: bool, is_restored: bool) -> Vec<u64> {
     hashes
 }
 
+/// A rope beside the way of a sphere, which it does not touch.
+fn witness(z: f32) -> impl Bundle {
+    (Rope::default(), DrapeLayers::new(2, 2), Transform::from_xyz(0.5, 2.0, z))
+}
+
 fn at(z: f32) -> Transform {
     Transform::from_xyz(0.0, 1.5, z)
 }
@@ -44,6 +48,50 @@ fn an_obstacle_that_nothing_was_near_moves_as_one_among_others() {
     let alone = fly_through(false, false);
     assert_eq!(alone, fly_through(true, false));
     assert_eq!(alone, fly_through(false, true));
+}
+
+/// Pins take the curtain farther in a step than anything was thought to be able to go.
+#[test]
+fn a_curtain_that_leaps_meets_an_obstacle_on_its_way() {
+    let leap = |has_sphere: bool, has_witness: bool| {
+        let mut app = app();
+        let curtain = app.world_mut().spawn((curtain(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
+        let radius = if has_sphere { 0.3 } else { 0.01 };
+        let sphere = app.world_mut().spawn((Obstacle::sphere(radius), at(-2.0))).id();
+        if has_witness {
+            app.world_mut().spawn(witness(-2.0));
+        }
+        for count in 0..20 {
+            get_mut::<Transform>(&mut app, sphere).translation.z += 1e-3;
+            if count == 10 {
+                get_mut::<Transform>(&mut app, curtain).translation.z = -2.5;
+            }
+            app.update();
+        }
+        hash(&app, &[curtain])
+    };
+    let alone = leap(true, false);
+    assert_eq!(alone, leap(true, true));
+    assert_ne!(alone, leap(false, true), "the sphere is not in its way");
+}
+
+/// An obstacle that was listed twice stopped for a step.
+#[test]
+fn what_an_obstacle_reports_can_change_while_it_moves() {
+    let pushed = |is_changed: bool| {
+        let mut app = app();
+        let curtain = app.world_mut().spawn((curtain(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
+        let sphere = app.world_mut().spawn((Obstacle::sphere(0.3), ContactEvents, at(-1.0))).id();
+        for _ in 0..30 {
+            get_mut::<Transform>(&mut app, sphere).translation.z += 0.05;
+            if is_changed {
+                app.world_mut().entity_mut(sphere).remove::<ContactEvents>().insert(ContactEvents);
+            }
+            app.update();
+        }
+        hash(&app, &[curtain])
+    };
+    assert_eq!(pushed(true), pushed(false));
 }
 
 /// It would stay out of reach for good.

@@ -7,6 +7,7 @@ use bevy_drape::body::Sticks;
 use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 use bevy_drape::schedule::{DrapeSchedule, DrapeSubsteps};
+use drape_solver::{Backstop, PoseDrive};
 
 use crate::common::*;
 
@@ -189,6 +190,34 @@ fn a_system_between_the_substeps_can_hold_a_particle() {
     assert_eq!(particles.position(2), Vec3::new(0.0, -0.5, 0.0));
     // The ends hang down from it; without the hand in the middle the rope would be 20 m below.
     assert!((particles.position(4).y + 1.0).abs() < 0.02, "{}", particles.position(4));
+}
+
+/// The substeps went on with columns that were empty by then.
+#[test]
+fn a_system_between_the_substeps_can_take_a_pose_away() {
+    let mut app = app();
+    let cloth = app.world_mut().spawn(free_cloth()).id();
+    app.update();
+    let clear = |mut bodies: Query<&mut Particles>| {
+        for mut particles in &mut bodies {
+            particles.clear_motion_limits();
+            particles.clear_backstops();
+            particles.clear_pose_drives();
+        }
+    };
+    app.add_systems(DrapeSubsteps, clear.after(DrapeSystems::Integrate).before(DrapeSystems::Relax));
+    let mut particles = get_mut::<Particles>(&mut app, cloth);
+    let (backstop, drive) =
+        (Backstop { distance: 0.0, radius: 1.0 }, PoseDrive { angular_frequency: 10.0, damping_ratio: 1.0 });
+    for i in 0..particles.len() {
+        let place = particles.position(i);
+        particles.set_motion_limit(i, place, 0.01);
+        particles.set_backstop(i, place, Vec3::Y, backstop).expect("valid");
+        particles.set_pose_drive(i, place, drive).expect("valid");
+    }
+    run(&mut app, 0.5);
+    let fallen = -centre(&app, cloth).y;
+    assert!((fallen - 0.5 * GRAVITY * 0.25).abs() < 0.1, "it fell {fallen} m");
 }
 
 /// A ball, two cloths of different substeps and an obstacle, all in contact at some time; 2 s of it.

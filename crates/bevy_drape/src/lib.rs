@@ -12,7 +12,7 @@
 //! render/            meshes that show bodies, and bodies made from meshes
 //! transform/         interpolation between fixed steps and between frames
 //! contact/           messages about contacts and hits, reactions of obstacles
-//! sleep/             sleeping, waking and culling
+//! sleep/             sleeping, waking, culling, reach
 //! step/              takes islands of bodies and balls through the solver
 //! detail/            level of detail
 //! attach/            ties between particles and entities

@@ -231,7 +231,7 @@ fn detect(island: &mut Island, environment: &Environment, workers: &Workers) {
     let fastest_ball = balls.iter().map(|b| b.velocity().length()).fold(0.0, f32::max);
     // A ball can bring the cloth to its own speed within the step, and edited particles are pulled into place.
     let speed_of = |body: &Body| {
-        body.particles.greatest_speed() + (begin::pull(body) + begin::drive_reach(body, dt)) / dt
+        body.particles.greatest_speed() + (begin::pull(body) + body.particles.drive_way(dt)) / dt
     };
     let speed = bodies.iter().map(speed_of).fold(fastest_ball, f32::max);
     let reach = (speed + gravity * dt) * dt + CONTACT_MARGIN;

@@ -36,6 +36,9 @@ pub fn draw(feature: &Feature, seconds: f32, path: &Path) -> Result<(), PictureE
 /// # Errors
 /// [`PictureError`].
 pub fn film(feature: &Feature, seconds: f32, folder: &Path) -> Result<(), PictureError> {
+    let reason =
+        |error: std::io::Error| PictureError::File { path: folder.into(), reason: error.to_string() };
+    std::fs::create_dir_all(folder).map_err(reason)?;
     let (mut app, offscreen) = open(feature)?;
     // Bodies are built in the first step.
     run(&mut app, (seconds - 1.5).max(0.1));

@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use bevy::ecs::change_detection::ContiguousRef;
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -105,15 +106,16 @@ fn collect_outdated(obstacles: &ObstacleQuery, changes: &mut ObstacleChanges) {
                 || layers.is_some_and(|layers| layers.is_changed())
         })
     };
-    recheck.retain(|&entity| !is_listed(entity));
-    moved.retain(|(entity, _)| !recheck.contains(entity));
+    let mut rechecked = EntityHashSet::default();
+    recheck.retain(|&entity| !is_listed(entity) && rechecked.insert(entity));
+    moved.retain(|(entity, _)| !rechecked.contains(entity));
     // Those that move on come in the order of the last step.
     let mut next = 0;
     moving.retain(|&entity| {
         let moves_on = moved.get(next).is_some_and(|&(moved, _)| moved == entity);
         next += usize::from(moves_on);
         let is_moved = || obstacles.get(entity).is_ok_and(|(_, _, transform, ..)| transform.is_changed());
-        !(moves_on || recheck.contains(&entity) || is_moved() || is_listed(entity))
+        !(moves_on || rechecked.contains(&entity) || is_moved() || is_listed(entity))
     });
     outdated.extend(moving.drain(..).chain(recheck.drain(..)));
 }

@@ -68,6 +68,7 @@ impl DrapeReach<'_, '_> {
         let gravity = self.gravity.or_last(self.solver.environment.gravity).length();
         let bodies = self.bodies.iter().map(move |(particles, sticks, state, transform)| {
             let bounds = state.extent_now(particles, sticks).reach(&state.settings, dt, gravity);
+            let bounds = bounds.grown(particles.pulled_way(dt));
             match transform.map(GlobalTransform::affine) {
                 Some(affine) if affine != state.anchor && !state.pins.is_empty() => {
                     // Pins do not follow a transform that is not finite.
@@ -77,7 +78,9 @@ impl DrapeReach<'_, '_> {
                 _ => bounds,
             }
         });
-        let shelter_way = drape_solver::Wind::from(*self.wind).shelter_way().unwrap_or_default();
+        let wind = drape_solver::Wind::from(*self.wind);
+        let wind = if wind.validate().is_ok() { wind } else { self.solver.environment.wind };
+        let shelter_way = wind.shelter_way().unwrap_or_default();
         let with_upwind = move |bounds: Bounds| {
             bounds.joined(Bounds::new(bounds.low + shelter_way, bounds.high + shelter_way))
         };

@@ -44,6 +44,10 @@ impl Backstops {
         cells: Range<usize>,
         [before, after]: [f32; 2],
     ) {
+        // A user system between two stages may have removed all backstops.
+        if self.is_empty() {
+            return;
+        }
         let zero = f32x16::splat(simd, 0.0);
         let (radii, _) = self.radius.as_chunks::<LANES>();
         for (place, cell) in places.zip(cells) {

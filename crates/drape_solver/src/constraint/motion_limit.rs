@@ -33,6 +33,10 @@ impl MotionLimits {
         cells: Range<usize>,
         fraction: f32,
     ) {
+        // A user system between two stages may have removed all limits.
+        if self.is_empty() {
+            return;
+        }
         let zero = f32x16::splat(simd, 0.0);
         for (place, cell) in places.zip(cells) {
             let Ball { centre, reach } = self.balls(simd, cell, fraction);

@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 
+use crate::constants::MAX_MAGNITUDE;
 use crate::error::{BuildError, finite, in_range};
 use crate::simd::columns::LANES;
 use crate::state::animated_columns::AnimatedColumns;
@@ -22,10 +23,10 @@ use crate::state::animated_columns::AnimatedColumns;
 /// Unreal's and Unity's cloth have the same two numbers; in `NvCloth` they are separation constraints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Backstop {
-    /// How far behind its animated place the particle may go along the normal, in metres. Below 0 the particle is kept
+    /// How far behind its animated place the particle may go along the normal, in metres, to 1e6. Below 0 the particle is kept
     /// in front of that place.
     pub distance: f32,
-    /// Radius of the sphere in metres, 0 or more; 0 is no backstop. A large sphere is almost a plane; a particle that
+    /// Radius of the sphere in metres, 0 to 1e6; 0 is no backstop. A large sphere is almost a plane; a particle that
     /// passes the middle of a small one comes out on its other side. Above some 30 m rounding is felt: 0.01 mm.
     pub radius: f32,
 }
@@ -34,11 +35,10 @@ impl Backstop {
     /// Checks both numbers.
     ///
     /// # Errors
-    /// [`BuildError`] if the distance is not finite, or the radius is negative or not finite.
+    /// [`BuildError`] if the distance is not finite or beyond 1e6, or the radius is not from 0 to 1e6.
     pub fn validate(&self) -> Result<(), BuildError> {
         finite("distance of a backstop", self.distance)?;
-        finite("radius of a backstop", self.radius)?;
-        in_range("radius of a backstop", self.radius, 0.0, f32::MAX)?;
+        in_range("radius of a backstop", self.radius, 0.0, MAX_MAGNITUDE)?;
         Ok(())
     }
 }

@@ -41,6 +41,7 @@ pub(crate) mod particle_stats;
 pub mod particles;
 pub(crate) mod pose_constraints;
 pub mod pose_drives;
+mod pulled_way;
 pub(crate) mod renumbering;
 pub mod rigid_body;
 pub mod settings;

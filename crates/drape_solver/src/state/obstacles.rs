@@ -40,7 +40,7 @@ use crate::state::obstacle::Obstacle;
 #[derive(Clone, Default)]
 pub struct Obstacles {
     all: Vec<Obstacle>,
-    /// Box of each when it was inserted into the tree; `None` for those without bounds.
+    /// Box of each when it was inserted into the tree; `None` for those without bounds or out of reach.
     homes: Vec<Option<Aabb>>,
     /// The box of each that has bounds, through the whole step.
     tree: Bvh,
@@ -108,7 +108,8 @@ impl Obstacles {
     }
 
     /// Moves the obstacle at `index` as [`Obstacle::move_to`] does where nothing can touch it in the coming step. No search
-    /// finds it until it is moved again, so that this costs a fraction. An invalid placement is ignored.
+    /// finds it until it is moved again, so that this costs a fraction. An invalid placement is ignored. Not for obstacles with
+    /// a [rigid body](Obstacle::with_rigid_body), which fly.
     ///
     /// # Panics
     /// If there is no such obstacle.

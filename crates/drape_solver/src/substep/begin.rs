@@ -6,8 +6,6 @@ use crate::constraint::stick::{greatest_error, iteration_stiffness, substep_damp
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::state::frame_motion::SubstepMotion;
-use crate::state::particles::Particles;
-use crate::state::pose_constraints::PoseConstraints;
 use crate::state::settings::StructuralSolve;
 use crate::substep::order::Order;
 use crate::substep::plan::{BodyPlan, Extras};
@@ -74,31 +72,10 @@ pub(crate) fn begin_step(
 /// Upper bound in metres on the pull of sticks, pins, limits, backstops and the frame on a particle in the coming step,
 /// after an edit. Zero if nothing was edited: the work of sticks in the last step is already in the velocities.
 pub(crate) fn pull(body: &Body) -> f32 {
-    if !body.particles.disturbed {
+    let Body { particles, topology, .. } = body;
+    if !particles.disturbed {
         return 0.0;
     }
-    let pins = body.particles.pin_targets.iter();
-    let ways = pins
-        .map(|&(i, target)| target.distance(body.particles.origin + body.particles.position.get(i as usize)));
-    let pull = ways.fold(greatest_error(&body.particles, &body.topology), f32::max);
-    let Particles { layout, pose, position, frame, .. } = &body.particles;
-    let tied = layout.slots().filter(|_| !pose.is_empty());
-    let held_back = tied.map(|slot| pose.pull(slot, position.get(slot)));
-    let carried = frame.map_or(0.0, |motion| motion.reach(body.particles.bounds()));
-    held_back.fold(pull, f32::max) + carried
-}
-
-/// Upper bound in metres on the way by which drives add to the way of a particle in the coming step of `dt` seconds.
-pub(crate) fn drive_reach(body: &Body, dt: f32) -> f32 {
-    let Particles { layout, pose: PoseConstraints { drives, .. }, position, .. } = &body.particles;
-    if drives.is_empty() {
-        return 0.0;
-    }
-    let ways = layout.slots().filter_map(|slot| {
-        let angle = drives.get(slot)?.angular_frequency * dt;
-        let [now, next] = drives.place.get(slot);
-        // An undamped drive takes the particle as far beyond its place.
-        Some(next.distance(position.get(slot)) * (angle * angle).min(2.0) + now.distance(next))
-    });
-    ways.fold(0.0, f32::max)
+    let pull = greatest_error(particles, topology).max(particles.pin_way()).max(particles.pose_way());
+    pull + particles.frame_way()
 }

@@ -18,13 +18,13 @@ pub struct BackstopPaint {
     /// Radius of the spheres: 1 stands for [`full_radius`](Self::full_radius); 0, black, is no backstop. None, the default:
     /// the full radius everywhere.
     pub radius: Option<PaintChannel>,
-    /// Radius in metres that a value of 1 stands for, 0 or more; 0.5 by default. Larger spheres are flatter, and vertices do
+    /// Radius in metres that a value of 1 stands for, 0 to 1e6; 0.5 by default. Larger spheres are flatter, and vertices do
     /// not slip around them; above some 30 m rounding is felt.
     pub full_radius: f32,
     /// Distance behind its animated position that a vertex may go: 1 stands for [`full_distance`](Self::full_distance). None,
     /// the default: the full distance everywhere.
     pub distance: Option<PaintChannel>,
-    /// Distance in metres that a value of 1 stands for; 0, the default, stops each vertex at its animated position. Below 0
+    /// Distance in metres that a value of 1 stands for, to 1e6; 0, the default, stops each vertex at its animated position. Below 0
     /// it stops in front of it.
     pub full_distance: f32,
 }

@@ -3,7 +3,7 @@
 use bevy::math::Affine3A;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
-use drape_solver::MeshCloth;
+use drape_solver::{Backstop, MeshCloth};
 
 use crate::attach::animated_pose::{AnimatedPose, PosedParticle};
 use crate::render::from_mesh::pose_paint::particle_normals;
@@ -98,7 +98,10 @@ impl ClothSkin {
                 built.particles.set_motion_limit(i, target, distance);
             }
             if let Some((_, backstop)) = built.particles.backstop(i) {
-                let normal = place.normal(&self.matrices);
+                // Joints that turn against each other may leave no normal, and so no place for a sphere.
+                let normal = place.normal(&self.matrices).try_normalize();
+                let backstop = normal.map_or(Backstop::default(), |_| backstop);
+                let normal = normal.unwrap_or(Vec3::Y);
                 built.particles.set_backstop(i, target, normal, backstop).map_err(MeshFault::BadPaint)?;
             }
             if let Some((_, drive)) = built.particles.pose_drive(i) {
