@@ -50,31 +50,6 @@ fn an_obstacle_that_nothing_was_near_moves_as_one_among_others() {
     assert_eq!(alone, fly_through(false, true));
 }
 
-/// Pins take the curtain farther in a step than anything was thought to be able to go.
-#[test]
-fn a_curtain_that_leaps_meets_an_obstacle_on_its_way() {
-    let leap = |has_sphere: bool, has_witness: bool| {
-        let mut app = app();
-        let curtain = app.world_mut().spawn((curtain(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
-        let radius = if has_sphere { 0.3 } else { 0.01 };
-        let sphere = app.world_mut().spawn((Obstacle::sphere(radius), at(-2.0))).id();
-        if has_witness {
-            app.world_mut().spawn(witness(-2.0));
-        }
-        for count in 0..20 {
-            get_mut::<Transform>(&mut app, sphere).translation.z += 1e-3;
-            if count == 10 {
-                get_mut::<Transform>(&mut app, curtain).translation.z = -2.5;
-            }
-            app.update();
-        }
-        hash(&app, &[curtain])
-    };
-    let alone = leap(true, false);
-    assert_eq!(alone, leap(true, true));
-    assert_ne!(alone, leap(false, true), "the sphere is not in its way");
-}
-
 /// An obstacle that was listed twice stopped for a step.
 #[test]
 fn what_an_obstacle_reports_can_change_while_it_moves() {
