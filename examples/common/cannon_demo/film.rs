@@ -11,6 +11,7 @@ use crate::cannon_demo::materials::CannonMaterialsPlugin;
 use crate::cannon_demo::plugin::CannonScenePlugin;
 use crate::cannon_demo::scene::{CannonScene, STEP};
 use crate::cannon_demo::shot::Shot;
+use crate::cannon_demo::views::{BEHIND, CANNON, LEFT, RIGHT, View};
 use crate::view::offscreen::{PictureError, app};
 
 /// Size in pixels at which the scene is drawn: twice that of the film, for smooth edges.
@@ -21,14 +22,9 @@ const STEPS: u32 = 2;
 const BEFORE: f64 = 0.1;
 const AFTER: f64 = 2.2;
 
-/// The place of the camera and the middle of the picture in metres, for one shot after another.
-const VIEWS: [(Vec3, Vec3); 5] = [
-    (Vec3::new(-2.9, 2.1, 16.6), Vec3::new(0.25, 1.4, 6.0)),
-    (Vec3::new(4.4, 2.3, 5.4), Vec3::new(0.1, 1.6, 0.0)),
-    (Vec3::new(-4.8, 2.2, -4.6), Vec3::new(0.0, 1.5, -0.6)),
-    (Vec3::new(-4.9, 2.2, 5.6), Vec3::new(0.0, 1.6, 0.0)),
-    (Vec3::new(4.9, 1.4, -5.2), Vec3::new(0.0, 1.4, -0.4)),
-];
+/// The place of the camera for one shot after another.
+const VIEWS: [View; 5] =
+    [CANNON, RIGHT, BEHIND, LEFT, View { eye: Vec3::new(4.9, 1.4, -5.2), target: Vec3::new(0.0, 1.4, -0.4) }];
 
 /// Draws the shots of `scene` into `folder`, one PNG file for each picture, and calls `on_picture` for each.
 ///
@@ -44,8 +40,7 @@ pub fn draw(
     let (mut picture, mut step) = (0, 0_u32);
     let step_at = |time: f64| (time / STEP).round() as u32;
     for index in 0..scene.shots {
-        let (eye, target) = VIEWS[index as usize % VIEWS.len()];
-        let camera = Transform::from_translation(eye).looking_at(target, Vec3::Y);
+        let camera = VIEWS[index as usize % VIEWS.len()].camera();
         app.world_mut().entity_mut(offscreen.camera()).insert(camera);
         let shot = Shot::planned(index).time;
         let start = step_at(shot - BEFORE);

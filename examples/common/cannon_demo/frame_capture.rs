@@ -9,6 +9,7 @@ use bevy_drape::prelude::*;
 use bevy_drape::schedule::DrapeSchedule;
 
 use crate::cannon_demo::scene::{Curtain, STEP};
+use crate::cannon_demo::views::{BEHIND, CANNON, LEFT, RIGHT, View};
 
 /// When a picture is taken. Shots are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,52 +26,26 @@ enum When {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrameView {
     /// A fixed camera.
-    Fixed {
-        /// Position of the camera in metres.
-        eye: Vec3,
-        /// The point in the middle of the picture.
-        target: Vec3,
-    },
+    Fixed(View),
     /// A camera placed relative to the newest ball.
-    Ball {
-        /// Position of the camera, relative to the ball, in metres.
-        eye: Vec3,
-        /// The point in the middle of the picture, relative to the ball, in metres.
-        target: Vec3,
-    },
+    Ball(View),
 }
 
 /// The pictures of a run.
 const FRAMES: [(&str, When, FrameView); 6] = [
-    (
-        "frame_01_flight",
-        When::AfterShot(0, 0.2),
-        FrameView::Fixed { eye: Vec3::new(-2.9, 2.1, 16.6), target: Vec3::new(0.25, 1.4, 6.0) },
-    ),
-    (
-        "frame_02_impact",
-        When::AfterHit(0, 0.03),
-        FrameView::Fixed { eye: Vec3::new(4.4, 2.3, 5.4), target: Vec3::new(0.1, 1.6, 0.0) },
-    ),
+    ("frame_01_flight", When::AfterShot(0, 0.2), FrameView::Fixed(CANNON)),
+    ("frame_02_impact", When::AfterHit(0, 0.03), FrameView::Fixed(RIGHT)),
     (
         "frame_03_pressing",
         When::AfterHit(0, 0.085),
-        FrameView::Ball { eye: Vec3::new(2.6, 0.8, 4.6), target: Vec3::new(0.1, 0.25, 0.0) },
+        FrameView::Ball(View { eye: Vec3::new(2.6, 0.8, 4.6), target: Vec3::new(0.1, 0.25, 0.0) }),
     ),
-    (
-        "frame_04_behind",
-        When::AfterHit(0, 0.16),
-        FrameView::Fixed { eye: Vec3::new(-4.8, 2.2, -4.6), target: Vec3::new(0.0, 1.5, -0.6) },
-    ),
-    (
-        "frame_05_swinging",
-        When::AfterHit(0, 1.5),
-        FrameView::Fixed { eye: Vec3::new(-4.9, 2.2, 5.6), target: Vec3::new(0.0, 1.6, 0.0) },
-    ),
+    ("frame_04_behind", When::AfterHit(0, 0.16), FrameView::Fixed(BEHIND)),
+    ("frame_05_swinging", When::AfterHit(0, 1.5), FrameView::Fixed(LEFT)),
     (
         "frame_06_at_rest",
         When::AtTheEnd,
-        FrameView::Fixed { eye: Vec3::new(-4.6, 2.5, 7.2), target: Vec3::new(0.0, 1.45, 0.0) },
+        FrameView::Fixed(View { eye: Vec3::new(-4.6, 2.5, 7.2), target: Vec3::new(0.0, 1.45, 0.0) }),
     ),
 ];
 
@@ -189,10 +164,10 @@ impl CapturedFrame {
     /// The place of the camera.
     pub fn camera(&self) -> Transform {
         let ball = self.balls.last().map_or(Vec3::Y, |(_, transform)| transform.translation);
-        let (eye, target) = match self.view {
-            FrameView::Fixed { eye, target } => (eye, target),
-            FrameView::Ball { eye, target } => (ball + eye, ball + target),
+        let view = match self.view {
+            FrameView::Fixed(view) => view,
+            FrameView::Ball(View { eye, target }) => View { eye: ball + eye, target: ball + target },
         };
-        Transform::from_translation(eye).looking_at(target, Vec3::Y)
+        view.camera()
     }
 }

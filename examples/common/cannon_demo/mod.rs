@@ -26,5 +26,7 @@ pub mod shot;
 pub mod soak;
 #[cfg(feature = "table1")]
 pub mod table1;
+#[cfg(feature = "render")]
+mod views;
 #[cfg(feature = "window")]
 pub mod window;

@@ -44,10 +44,6 @@ impl Backstops {
         cells: Range<usize>,
         [before, after]: [f32; 2],
     ) {
-        // A user system between two stages may have removed all backstops.
-        if self.is_empty() {
-            return;
-        }
         let zero = f32x16::splat(simd, 0.0);
         let (radii, _) = self.radius.as_chunks::<LANES>();
         for (place, cell) in places.zip(cells) {
@@ -82,12 +78,7 @@ impl Backstops {
     /// The spheres of a cell at this fraction of the step.
     #[inline(always)]
     fn sphere<S: Simd>(&self, simd: S, cell: usize, fraction: f32) -> Sphere<S> {
-        let fraction = f32x16::splat(simd, fraction);
-        let [place, normal] = [&self.place, &self.normal].map(|columns| {
-            let now = Lanes3::load(simd, &columns.now.cells[cell]);
-            let next = Lanes3::load(simd, &columns.next.cells[cell]);
-            now.plus(next.minus(now).times(fraction))
-        });
+        let [place, normal] = [&self.place, &self.normal].map(|columns| columns.at(simd, cell, fraction));
         let next = Lanes3::load(simd, &self.normal.next.cells[cell]);
         let normal = direction(simd, normal, next);
         let [distances, radii] = [&self.distance, &self.radius].map(|column| column.as_chunks::<LANES>().0);

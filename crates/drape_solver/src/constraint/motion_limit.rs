@@ -33,10 +33,6 @@ impl MotionLimits {
         cells: Range<usize>,
         fraction: f32,
     ) {
-        // A user system between two stages may have removed all limits.
-        if self.is_empty() {
-            return;
-        }
         let zero = f32x16::splat(simd, 0.0);
         for (place, cell) in places.zip(cells) {
             let Ball { centre, reach } = self.balls(simd, cell, fraction);
@@ -61,10 +57,7 @@ impl MotionLimits {
     /// The balls that the particles of a cell may not leave, at this fraction of the step.
     #[inline(always)]
     pub fn balls<S: Simd>(&self, simd: S, cell: usize, fraction: f32) -> Ball<S> {
-        let fraction = f32x16::splat(simd, fraction);
-        let start = Lanes3::load(simd, &self.centre.cells[cell]);
-        let end = Lanes3::load(simd, &self.target.cells[cell]);
-        let centre = start.plus(end.minus(start).times(fraction));
+        let centre = self.centre.at(simd, cell, fraction);
         Ball { centre, reach: load(simd, &self.reach.as_chunks::<LANES>().0[cell]) }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) fn count_conflicts(contacts: &ObstacleContacts, body: &mut Body, subs
     for candidate in &contacts.candidates {
         let obstacle = &substep.obstacles[contacts.groups[usize::from(candidate.group)].obstacle];
         for slot in candidate.each_lane().map(|lane| candidate.slot(lane)) {
-            let Some((_, centre, reach)) = particles.pose.limits.get(slot) else { continue };
+            let Some(([_, centre], reach)) = particles.pose.limits.get(slot) else { continue };
             let position = particles.position.get(slot);
             if particles.inverse_mass[slot] == 0.0 || position.distance(centre) < reach - AT_LIMIT {
                 continue;

@@ -34,10 +34,6 @@ impl PoseDrives {
         cells: Range<usize>,
         fraction: f32,
     ) {
-        // A user system between two stages may have removed all drives.
-        if self.factors.pull.is_empty() {
-            return;
-        }
         let zero = f32x16::splat(simd, 0.0);
         let fraction = f32x16::splat(simd, fraction);
         let part = f32x16::splat(simd, 1.0 / rest.substep.count as f32);

@@ -1,8 +1,10 @@
 //! Vectors that an animation moves, for each particle: now, and at the end of the next step.
 
+use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
 
 use crate::simd::columns::{Cell, Columns, LANES};
+use crate::simd::lanes::Lanes3;
 
 /// Places relative to a body's origin, or directions, of its particles by slot.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +20,7 @@ impl AnimatedColumns {
         self.next.reset(cells);
     }
 
-    pub fn set(&mut self, slot: usize, now: Vec3, next: Vec3) {
+    pub fn set(&mut self, slot: usize, [now, next]: [Vec3; 2]) {
         self.now.set(slot, now);
         self.next.set(slot, next);
     }
@@ -26,6 +28,14 @@ impl AnimatedColumns {
     /// Now, and at the end of the next step.
     pub fn get(&self, slot: usize) -> [Vec3; 2] {
         [self.now.get(slot), self.next.get(slot)]
+    }
+
+    /// The vectors of a cell at this fraction of the step, between which they travel evenly.
+    #[inline(always)]
+    pub fn at<S: Simd>(&self, simd: S, cell: usize, fraction: f32) -> Lanes3<S> {
+        let now = Lanes3::load(simd, &self.now.cells[cell]);
+        let next = Lanes3::load(simd, &self.next.cells[cell]);
+        now.plus(next.minus(now).times(f32x16::splat(simd, fraction)))
     }
 
     /// Sets where it goes in the next step. True if that is another place than before.

@@ -13,10 +13,9 @@ use crate::state::pose_drives::{PoseDrive, PoseDrives};
 impl Particles {
     /// Puts a backstop behind particle `i`, whose animated place (world, metres) has this outward `normal`, of any
     /// length. Nothing pulls or pushes the particle into the sphere: it overrules obstacles, as
-    /// [limits](Self::set_motion_limit) do, and only a limit too short to leave it overrules the sphere; layers that touch may
-    /// hold it back for a substep while the sphere moves. The sphere has no
-    /// friction, and a particle that meets it keeps its velocity along the surface. A radius of 0 removes the backstop.
-    /// Pinned particles follow their pins alone.
+    /// [limits](Self::set_motion_limit) do, and only a limit too short to leave it overrules the sphere; layers that touch
+    /// may hold it back for a substep while the sphere moves. The sphere has no friction, and a particle that meets it keeps
+    /// its velocity along the surface. A radius of 0 removes the backstop. Pinned particles follow their pins alone.
     ///
     /// [`set_backstop_pose`](Self::set_backstop_pose) moves the sphere.
     ///

@@ -72,8 +72,8 @@ impl Backstops {
     }
 
     pub fn set(&mut self, slot: usize, place: [Vec3; 2], normal: [Vec3; 2], backstop: Backstop) {
-        self.place.set(slot, place[0], place[1]);
-        self.normal.set(slot, normal[0], normal[1]);
+        self.place.set(slot, place);
+        self.normal.set(slot, normal);
         (self.distance[slot], self.radius[slot]) = (backstop.distance, backstop.radius);
     }
 

@@ -112,8 +112,8 @@ impl Particles {
         }
     }
 
-    /// Moves the whole body rigidly from one placement to another at once. Pins, velocities, limits, backstops and drives turn with it, so
-    /// nothing is pulled or thrown.
+    /// Moves the whole body rigidly from one placement to another at once. Pins, velocities, limits, backstops and drives
+    /// turn with it, so nothing is pulled or thrown.
     pub fn teleport(&mut self, from: &Placement, to: &Placement) {
         if !(from.is_valid() && to.is_valid()) {
             return;

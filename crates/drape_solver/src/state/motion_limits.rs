@@ -6,16 +6,15 @@
 
 use glam::Vec3;
 
-use crate::simd::columns::{Columns, LANES};
+use crate::simd::columns::LANES;
+use crate::state::animated_columns::AnimatedColumns;
 use crate::state::particles::Particles;
 
 /// The limits of a body's particles, by slot; empty where there are none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct MotionLimits {
     /// Middle of each limit, relative to the body's origin.
-    pub centre: Columns,
-    /// Middle of each limit at the end of the next step, relative to the body's origin.
-    pub target: Columns,
+    pub centre: AnimatedColumns,
     /// Greatest distance of the particle from the middle, in metres; infinite without a limit.
     pub reach: Vec<f32>,
 }
@@ -28,35 +27,26 @@ impl MotionLimits {
     /// Makes room for the particles of `cells` cells, all without a limit.
     pub fn reset(&mut self, cells: usize) {
         self.centre.reset(cells);
-        self.target.reset(cells);
         self.reach.clear();
         self.reach.resize(cells * LANES, f32::INFINITY);
     }
 
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    pub fn set(&mut self, slot: usize, centre: Vec3, target: Vec3, reach: f32) {
+    pub fn set(&mut self, slot: usize, centre: [Vec3; 2], reach: f32) {
         self.centre.set(slot, centre);
-        self.target.set(slot, target);
         self.reach[slot] = reach;
     }
 
-    /// Centre, its target and reach, if there is a limit.
-    pub fn get(&self, slot: usize) -> Option<(Vec3, Vec3, f32)> {
+    /// Centre, now and at the end of the next step, and reach, if there is a limit.
+    pub fn get(&self, slot: usize) -> Option<([Vec3; 2], f32)> {
         let reach = self.reach.get(slot).copied().filter(|reach| *reach < f32::INFINITY)?;
-        Some((self.centre.get(slot), self.target.get(slot), reach))
+        Some((self.centre.get(slot), reach))
     }
 
-    /// Moves the centres to their targets.
-    pub fn arrive(&mut self) {
-        self.centre.cells.clone_from_slice(&self.target.cells);
-    }
-
-    pub fn is_finite(&self) -> bool {
-        let mut columns = self.centre.cells.iter().chain(&self.target.cells);
-        columns.all(|cell| cell.axes().into_iter().flatten().all(|value| value.is_finite()))
+    /// Copies the limit of a slot of another body, if there is one.
+    pub fn copy(&mut self, to: usize, others: &Self, from: usize) {
+        if let Some((centre, reach)) = others.get(from) {
+            self.set(to, centre, reach);
+        }
     }
 }
 
@@ -75,7 +65,7 @@ impl Particles {
             self.pose.limits.reset(self.layout.cells());
         }
         let centre = centre - self.origin;
-        self.pose.limits.set(slot, centre, centre, distance.max(0.0));
+        self.pose.limits.set(slot, [centre; 2], distance.max(0.0));
         self.disturb();
     }
 
@@ -84,8 +74,8 @@ impl Particles {
     pub fn set_limit_centre(&mut self, i: usize, centre: Vec3) {
         let slot = self.slot(i);
         let centre = centre - self.origin;
-        if self.pose.limits.get(slot).is_some_and(|(_, target, _)| target != centre) {
-            self.pose.limits.target.set(slot, centre);
+        let limits = &mut self.pose.limits;
+        if limits.get(slot).is_some() && limits.centre.aim(slot, centre) {
             self.disturb();
         }
     }
@@ -93,13 +83,13 @@ impl Particles {
     /// The middle of particle `i`'s limit at the end of the last step (world), and its distance, in metres; none
     /// without a limit.
     pub fn motion_limit(&self, i: usize) -> Option<(Vec3, f32)> {
-        self.pose.limits.get(self.slot(i)).map(|(centre, _, reach)| (self.origin + centre, reach))
+        self.pose.limits.get(self.slot(i)).map(|([centre, _], reach)| (self.origin + centre, reach))
     }
 
     /// Removes all limits.
     pub fn clear_motion_limits(&mut self) {
         if !self.pose.limits.is_empty() {
-            self.pose.limits.clear();
+            self.pose.limits = MotionLimits::default();
             self.disturb();
         }
     }

@@ -93,6 +93,11 @@ impl PoseDrives {
         self.drives.is_empty()
     }
 
+    /// True once factors have been prepared, if only for drives that have changed since.
+    pub fn has_factors(&self) -> bool {
+        !self.factors.pull.is_empty()
+    }
+
     /// Makes room for the particles of `cells` cells, all without a drive.
     pub fn reset(&mut self, cells: usize) {
         self.place.reset(cells);
@@ -102,7 +107,7 @@ impl PoseDrives {
     }
 
     pub fn set(&mut self, slot: usize, place: [Vec3; 2], drive: PoseDrive) {
-        self.place.set(slot, place[0], place[1]);
+        self.place.set(slot, place);
         self.drives[slot] = drive;
         self.factors.substep = 0.0;
     }

@@ -113,7 +113,7 @@ impl Particles {
             Some((self.layout.index(slot as usize)? as u32, target.to_array()))
         };
         let limit = |(index, slot): (usize, usize)| {
-            let (centre, target, reach) = self.pose.limits.get(slot)?;
+            let ([centre, target], reach) = self.pose.limits.get(slot)?;
             Some((index as u32, centre.to_array(), target.to_array(), reach))
         };
         let backstop = |(index, slot): (usize, usize)| {
@@ -189,7 +189,8 @@ impl Particles {
             pose.limits.reset(layout.cells());
         }
         for &(index, centre, target, reach) in &snapshot.limits {
-            pose.limits.set(layout.slot(index as usize), centre.into(), target.into(), reach.max(0.0));
+            let centre = [centre, target].map(Vec3::from_array);
+            pose.limits.set(layout.slot(index as usize), centre, reach.max(0.0));
         }
         if !snapshot.backstops.is_empty() {
             pose.backstops.reset(layout.cells());

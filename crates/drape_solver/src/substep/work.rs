@@ -172,12 +172,20 @@ impl Work<'_> {
                 let pose = rest.pose;
                 let count = rest.substep.count as f32;
                 let [before, after] = [index, index + 1].map(|passed| passed as f32 / count);
+                // A user system between two stages may have removed what the plan was made for.
                 simd.vectorize(
                     #[inline(always)]
                     || match stage {
-                        StripStage::Drive => pose.drives.draw(simd, moving, places, &rest, cells, before),
-                        StripStage::Limits => pose.limits.enforce(simd, moving, places, &rest, cells, after),
-                        _ => pose.backstops.enforce(simd, moving, places, &rest, cells, [before, after]),
+                        StripStage::Drive if pose.drives.has_factors() => {
+                            pose.drives.draw(simd, moving, places, &rest, cells, before);
+                        }
+                        StripStage::Limits if !pose.limits.is_empty() => {
+                            pose.limits.enforce(simd, moving, places, &rest, cells, after);
+                        }
+                        StripStage::Backstops if !pose.backstops.is_empty() => {
+                            pose.backstops.enforce(simd, moving, places, &rest, cells, [before, after]);
+                        }
+                        _ => {}
                     },
                 );
             }

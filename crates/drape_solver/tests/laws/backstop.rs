@@ -2,8 +2,7 @@
 
 use drape_solver::glam::{Quat, Vec3};
 use drape_solver::{
-    Backstop, Body, BodySettings, BuildError, ClothBuilder, Edge, Environment, Isa, Island, Obstacle,
-    PoseDrive, Shape, StateHasher, step,
+    Backstop, Body, BodySettings, BuildError, Environment, Island, Obstacle, PoseDrive, Shape, step,
 };
 
 use crate::common::*;
@@ -21,11 +20,7 @@ fn before_sphere(place: Vec3, normal: Vec3, radius: f32, substeps: u32) -> Body 
 
 /// A sheet of a metre that hangs from its top edge, with all that an animated pose asks of it.
 fn sheet(particles: u32, backstop: Backstop, limit: f32) -> Body {
-    let mut body = ClothBuilder::new(1.0, 1.0, particles, particles)
-        .placed(Vec3::new(-0.5, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
-        .pin_edge(Edge::Top)
-        .build(BodySettings::default())
-        .expect("valid");
+    let mut body = hanging_sheet(particles);
     for i in 0..body.particles.len() {
         let place = body.particles.position(i);
         body.particles.set_backstop(i, place, Vec3::Z, backstop).expect("valid");
@@ -53,10 +48,6 @@ fn animate(body: &mut Body, rest: &[Vec3], time: f32) {
     }
 }
 
-fn places(body: &Body) -> Vec<Vec3> {
-    body.particles.positions().collect()
-}
-
 /// The greatest depth in metres of a free particle in its sphere, and its greatest distance beyond its limit.
 fn excess(body: &Body) -> [f32; 2] {
     let free = (0..body.particles.len()).filter(|&i| !body.particles.is_pinned(i));
@@ -68,12 +59,6 @@ fn excess(body: &Body) -> [f32; 2] {
     })
 }
 
-fn hash(island: &Island) -> u64 {
-    let mut hasher = StateHasher::new();
-    island.bodies.iter().for_each(|body| _ = hasher.particles(&body.particles));
-    hasher.finish()
-}
-
 /// No particle is in its sphere at the end of a step, nor beyond its limit, while the animation turns about and a pole pushes.
 #[test]
 fn backstops_and_limits_hold_through_all_that_pulls_and_pushes() {
@@ -82,7 +67,7 @@ fn backstops_and_limits_hold_through_all_that_pulls_and_pushes() {
     for (distance, radius, limit) in [(0.0, 0.2, 1.0), (0.01, 0.05, 0.3), (0.02, 3.0, 0.2), (0.0, 10.0, 2.0)]
     {
         let mut island = Island::of_body(sheet(unless_miri(24, 5), Backstop { distance, radius }, limit));
-        let rest = places(&island.bodies[0]);
+        let rest = positions(&island.bodies[0]);
         let pole = obstacle(Shape::Capsule { half_length: 1.0, radius: 0.1 }, Vec3::new(0.3, 1.5, 0.15), 0.5);
         let environment = Environment { obstacles: vec![pole].into(), ..gravity(FRAME) };
         for index in 1..=unless_miri(240, 3) {
@@ -245,54 +230,28 @@ fn a_limit_within_the_sphere_wins() {
 /// A whole step and its stages one by one give the same bits, on every instruction set.
 #[test]
 fn bits_depend_neither_on_instructions_nor_on_the_way_stages_are_run() {
-    let run = |isa: Isa, is_staged: bool| {
+    assert_same_on_all(|isa, take_step| {
         let backstop = Backstop { distance: 0.01, radius: 0.4 };
         let mut island = Island { isa, ..Island::of_body(sheet(unless_miri(64, 6), backstop, 0.3)) };
-        let rest = places(&island.bodies[0]);
+        let rest = positions(&island.bodies[0]);
         let floor = vec![Obstacle::ground(), obstacle(Shape::Sphere { radius: 0.2 }, Vec3::Y * 1.5, 0.5)];
         let environment = Environment { obstacles: floor.into(), ..gravity(FRAME) };
         for index in 1..=unless_miri(40, 2) {
             animate(&mut island.bodies[0], &rest, index as f32 * FRAME);
-            if is_staged {
-                step::begin(&mut island, &environment).expect("valid");
-                step::accumulate_forces(&mut island, &environment);
-                step::detect_collisions(&mut island, &environment);
-                (0..island.substeps()).for_each(|_| step::substep(&mut island, &environment));
-                step::finish(&mut island).expect("finite");
-            } else {
-                step(&mut island, &environment).expect("a good step");
-            }
+            take_step(&mut island, &environment);
         }
         hash(&island)
-    };
-    let expected = run(Isa::detected(), false);
-    assert_eq!(run(Isa::detected(), true), expected);
-    for isa in Isa::available() {
-        assert_eq!(run(isa, false), expected, "{isa:?}");
-    }
+    });
 }
 
 /// A body continues identically after its state was saved and restored.
 #[test]
 fn a_restored_body_goes_on_with_the_same_bits() {
     let backstop = Backstop { distance: 0.01, radius: 0.4 };
-    let mut island = Island::of_body(sheet(12, backstop, 0.2));
-    let rest = places(&island.bodies[0]);
-    let run = |island: &mut Island, from: usize, to: usize| {
-        for index in from..to {
-            animate(&mut island.bodies[0], &rest, index as f32 * FRAME);
-            step(island, &gravity(FRAME)).expect("a good step");
-        }
-    };
-    run(&mut island, 1, 20);
-    animate(&mut island.bodies[0], &rest, 20.0 * FRAME);
-    let (state, still_for) = (island.bodies[0].particles.snapshot(), island.bodies[0].still_for());
-    run(&mut island, 20, 40);
-    let mut other = Island::of_body(sheet(12, Backstop { distance: 0.3, radius: 0.1 }, 0.7));
-    other.bodies[0].particles.restore(&state).expect("the same cloth");
-    other.bodies[0].context.set_still_for(still_for);
-    run(&mut other, 20, 40);
-    assert_eq!(hash(&other), hash(&island));
+    assert_goes_on_when_restored(
+        [sheet(12, backstop, 0.2), sheet(12, Backstop { distance: 0.3, radius: 0.1 }, 0.7)],
+        animate,
+    );
 }
 
 /// Backstops and drives stay with their particles when the cloth is cut, and when the body is teleported.

@@ -6,7 +6,7 @@ use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
     Ball, BallMaterial, BodySettings, BuildError, ClothBuilder, Edge, Environment, Island, Obstacle,
-    Particles, Placement, RopeBuilder, Shape, StateHasher, StepError, Wind, step,
+    Particles, Placement, RopeBuilder, Shape, StepError, Wind, step,
 };
 
 use crate::common::*;
@@ -22,11 +22,6 @@ fn scene() -> Island {
     island.balls.push(ball(BallMaterial::default(), Vec3::new(0.5, -0.5, 1.0), Vec3::NEG_Z));
     run(&mut island, &gravity(FRAME), duration);
     island
-}
-
-fn hash(island: &Island) -> u64 {
-    let mut hasher = StateHasher::new();
-    hasher.particles(&island.bodies[0].particles).ball(&island.balls[0]).finish()
 }
 
 /// Asserts that a step is rejected and moves nothing, and that the next step is good again.

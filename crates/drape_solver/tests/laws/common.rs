@@ -1,13 +1,15 @@
 //! Scenes, measures and assertions that the tests share.
 
+use std::fmt::Debug;
+use std::ops::Range;
 use std::sync::Arc;
 
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
-    Ball, BallMaterial, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island, Obstacle,
-    Particles, Placement, RigidBody, SelfContact, Shape, StickKind, StickMaterial, StickProjection,
-    StructuralSolve, TopologyBuilder, step,
+    Ball, BallMaterial, Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island,
+    Obstacle, Particles, Placement, RigidBody, SelfContact, Shape, StateHasher, StickKind, StickMaterial,
+    StickProjection, StructuralSolve, TopologyBuilder, step,
 };
 
 /// Standard gravity of the tests in m/s^2.
@@ -291,6 +293,70 @@ pub fn step_staged(island: &mut Island, environment: &Environment) {
         step::project_collisions(island, environment);
     }
     step::finish(island).expect("finite");
+}
+
+/// Runs a step at once.
+pub fn step_whole(island: &mut Island, environment: &Environment) {
+    step(island, environment).expect("a good step");
+}
+
+/// Takes one step of an island.
+pub type TakeStep = fn(&mut Island, &Environment);
+
+/// Asserts that a scene ends alike on every instruction set, and whether its steps are taken at once or stage by stage.
+pub fn assert_same_on_all<T: PartialEq + Debug>(run: impl Fn(Isa, TakeStep) -> T) {
+    let expected = run(Isa::detected(), step_whole);
+    assert_eq!(run(Isa::detected(), step_staged), expected);
+    for isa in Isa::available() {
+        assert_eq!(run(isa, step_whole), expected, "{isa:?}");
+    }
+}
+
+/// Asserts that a body in an animation goes on with the same bits when its state is restored in another one, which is made in
+/// the same way. `animate` moves a body, whose particles have these places at rest, to a time in seconds.
+pub fn assert_goes_on_when_restored(bodies: [Body; 2], animate: impl Fn(&mut Body, &[Vec3], f32)) {
+    let [mut island, mut other] = bodies.map(Island::of_body);
+    let rest = positions(&island.bodies[0]);
+    let run = |island: &mut Island, steps: Range<usize>| {
+        for index in steps {
+            animate(&mut island.bodies[0], &rest, index as f32 * FRAME);
+            step_whole(island, &gravity(FRAME));
+        }
+    };
+    run(&mut island, 1..20);
+    animate(&mut island.bodies[0], &rest, 20.0 * FRAME);
+    let (state, still_for) = (island.bodies[0].particles.snapshot(), island.bodies[0].still_for());
+    run(&mut island, 20..40);
+    other.bodies[0].particles.restore(&state).expect("the same cloth");
+    other.bodies[0].context.set_still_for(still_for);
+    run(&mut other, 20..40);
+    assert_eq!(hash(&other), hash(&island));
+}
+
+/// The bits of all bodies, then of all balls.
+pub fn hash(island: &Island) -> u64 {
+    let mut hasher = StateHasher::new();
+    for body in &island.bodies {
+        hasher.particles(&body.particles);
+    }
+    for ball in &island.balls {
+        hasher.ball(ball);
+    }
+    hasher.finish()
+}
+
+/// Where the particles are (world, metres).
+pub fn positions(body: &Body) -> Vec<Vec3> {
+    body.particles.positions().collect()
+}
+
+/// A sheet of a metre and `n` x `n` particles that hangs from its top edge, 2 m above the ground.
+pub fn hanging_sheet(n: u32) -> Body {
+    ClothBuilder::new(1.0, 1.0, n, n)
+        .placed(Vec3::new(-0.5, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
+        .pin_edge(Edge::Top)
+        .build(BodySettings::default())
+        .expect("valid")
 }
 
 /// A level sheet of `n` x `n` particles and one metre, pinned at two corners or at an edge. For a `violent` start, particles

@@ -6,7 +6,7 @@ use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
     BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Placement, RigidBody,
-    RopeBuilder, SelfContact, Shape, StateHasher, Threads, Wind, step, step_on,
+    RopeBuilder, SelfContact, Shape, Threads, Wind, step, step_on,
 };
 
 use crate::common::*;
@@ -51,17 +51,6 @@ fn turned(axis: Vec3, angle: f32) -> Quat {
 fn turn(environment: &mut Environment, index: usize) {
     let rotation = turned(Vec3::Z, 0.05 * index as f32);
     environment.obstacles[1].move_to(Placement { translation: Vec3::new(0.0, 1.0, -0.4), rotation }, FRAME);
-}
-
-fn hash(island: &Island) -> u64 {
-    let mut hasher = StateHasher::new();
-    for body in &island.bodies {
-        hasher.particles(&body.particles);
-    }
-    for ball in &island.balls {
-        hasher.ball(ball);
-    }
-    hasher.finish()
 }
 
 fn hash_after(steps: usize, mut take: impl FnMut(&mut Island, &Environment)) -> u64 {

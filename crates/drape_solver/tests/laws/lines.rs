@@ -4,7 +4,7 @@ use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::state::measure;
 use drape_solver::{
     BallMaterial, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Isa, Island, Quality,
-    RopeBuilder, Shape, StateHasher, StructuralSolve, step,
+    RopeBuilder, Shape, StructuralSolve, step,
 };
 
 use crate::common::*;
@@ -20,12 +20,6 @@ fn lines(substeps: u32, iterations: u32) -> BodySettings {
 /// All sticks rigid.
 fn stiff() -> ClothMaterial {
     ClothMaterial { shear_stiffness: 1.0, bend_stiffness: 1.0, ..ClothMaterial::default() }
-}
-
-fn hash(island: &Island) -> u64 {
-    let mut hasher = StateHasher::new();
-    hasher.particles(particles(island));
-    hasher.finish()
 }
 
 /// A level rope of 2 m that falls about its pinned start.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, BodySettings, Environment, Isa, Island, Obstacle, Particles, Shape, StateHasher, StickKind,
-    StickMaterial, StickProjection, TopologyBuilder, step,
+    Body, BodySettings, Environment, Isa, Island, Obstacle, Particles, Shape, StickKind, StickMaterial,
+    StickProjection, TopologyBuilder, step,
 };
 use proptest::prelude::*;
 
@@ -91,10 +91,6 @@ fn falling(isa: Isa, settings: BodySettings) -> (Island, Environment) {
     let sphere = obstacle(Shape::Sphere { radius: 0.5 }, Vec3::new(0.0, 0.3, 0.0), 0.5);
     let environment = Environment { obstacles: vec![Obstacle::ground(), sphere].into(), ..gravity(FRAME) };
     (Island { isa, ..Island::of_body(body(&mesh, masses, settings)) }, environment)
-}
-
-fn hash(island: &Island) -> u64 {
-    StateHasher::new().particles(particles(island)).finish()
 }
 
 /// The hash of the mesh after a second.

@@ -1,19 +1,13 @@
 //! Motion limits: the greatest distance of a particle from its animated place.
 
 use drape_solver::glam::Vec3;
-use drape_solver::{
-    Body, BodySettings, ClothBuilder, Edge, Environment, Isa, Island, Obstacle, Shape, StateHasher, step,
-};
+use drape_solver::{Body, BodySettings, Environment, Island, Obstacle, Shape, step};
 
 use crate::common::*;
 
 /// A sheet of a metre that hangs from its top edge, with limits from 0 at the top to `lowest` metres at the bottom.
 fn sheet(particles: u32, lowest: f32) -> Body {
-    let mut body = ClothBuilder::new(1.0, 1.0, particles, particles)
-        .placed(Vec3::new(-0.5, 2.0, 0.0), Vec3::X, Vec3::NEG_Y)
-        .pin_edge(Edge::Top)
-        .build(BodySettings::default())
-        .expect("valid");
+    let mut body = hanging_sheet(particles);
     for i in 0..body.particles.len() {
         let place = body.particles.position(i);
         body.particles.set_motion_limit(i, place, (2.0 - place.y) * lowest);
@@ -34,10 +28,6 @@ fn swing(body: &mut Body, rest: &[Vec3], time: f32) {
     }
 }
 
-fn places(body: &Body) -> Vec<Vec3> {
-    body.particles.positions().collect()
-}
-
 /// The greatest distance in metres of a particle beyond its limit.
 fn excess(body: &Body) -> f32 {
     let limits = (0..body.particles.len()).filter_map(|i| {
@@ -47,12 +37,6 @@ fn excess(body: &Body) -> f32 {
     limits.fold(f32::NEG_INFINITY, f32::max)
 }
 
-fn hash(island: &Island) -> u64 {
-    let mut hasher = StateHasher::new();
-    island.bodies.iter().for_each(|body| _ = hasher.particles(&body.particles));
-    hasher.finish()
-}
-
 /// Limits hold at the end of every step, while the cloth swings and falls, and a sphere pushes it.
 #[test]
 fn limits_hold_through_all_that_pulls_and_pushes() {
@@ -60,7 +44,7 @@ fn limits_hold_through_all_that_pulls_and_pushes() {
     let mut touched = 0;
     for lowest in [0.0, 0.02, 0.2, 1.0] {
         let mut island = Island::of_body(sheet(unless_miri(24, 5), lowest));
-        let rest = places(&island.bodies[0]);
+        let rest = positions(&island.bodies[0]);
         let pole = obstacle(Shape::Capsule { half_length: 1.0, radius: 0.1 }, Vec3::new(0.3, 1.5, 0.15), 0.5);
         let environment = Environment { obstacles: vec![pole].into(), ..gravity(FRAME) };
         for index in 1..=unless_miri(240, 3) {
@@ -79,11 +63,11 @@ fn limits_hold_through_all_that_pulls_and_pushes() {
 #[test]
 fn a_limit_of_zero_follows_the_animation() {
     let mut island = Island::of_body(sheet(8, 0.0));
-    let rest = places(&island.bodies[0]);
+    let rest = positions(&island.bodies[0]);
     for index in 1..=unless_miri(60, 2) {
         swing(&mut island.bodies[0], &rest, index as f32 * FRAME);
         step(&mut island, &gravity(FRAME)).expect("a good step");
-        for (place, expected) in places(&island.bodies[0]).into_iter().zip(&rest) {
+        for (place, expected) in positions(&island.bodies[0]).into_iter().zip(&rest) {
             assert!(place.distance(*expected + way(index as f32 * FRAME)) < 1e-5);
         }
     }
@@ -142,52 +126,23 @@ fn a_limit_wins_over_an_obstacle_and_is_counted() {
 /// A whole step and its stages one by one give the same bits, on every instruction set.
 #[test]
 fn bits_depend_neither_on_instructions_nor_on_the_way_stages_are_run() {
-    let run = |isa: Isa, is_staged: bool| {
+    assert_same_on_all(|isa, take_step| {
         let mut island = Island { isa, ..Island::of_body(sheet(unless_miri(64, 6), 0.3)) };
-        let rest = places(&island.bodies[0]);
+        let rest = positions(&island.bodies[0]);
         let floor = vec![Obstacle::ground(), obstacle(Shape::Sphere { radius: 0.2 }, Vec3::Y * 1.5, 0.5)];
         let environment = Environment { obstacles: floor.into(), ..gravity(FRAME) };
         for index in 1..=unless_miri(40, 2) {
             swing(&mut island.bodies[0], &rest, index as f32 * FRAME);
-            if is_staged {
-                step::begin(&mut island, &environment).expect("valid");
-                step::accumulate_forces(&mut island, &environment);
-                step::detect_collisions(&mut island, &environment);
-                (0..island.substeps()).for_each(|_| step::substep(&mut island, &environment));
-                step::finish(&mut island).expect("finite");
-            } else {
-                step(&mut island, &environment).expect("a good step");
-            }
+            take_step(&mut island, &environment);
         }
         (hash(&island), island.bodies[0].context.limit_conflicts())
-    };
-    let expected = run(Isa::detected(), false);
-    assert_eq!(run(Isa::detected(), true), expected);
-    for isa in Isa::available() {
-        assert_eq!(run(isa, false), expected, "{isa:?}");
-    }
+    });
 }
 
 /// A body continues identically after its state was saved and restored.
 #[test]
 fn a_restored_body_goes_on_with_the_same_bits() {
-    let mut island = Island::of_body(sheet(12, 0.2));
-    let rest = places(&island.bodies[0]);
-    let run = |island: &mut Island, from: usize, to: usize| {
-        for index in from..to {
-            swing(&mut island.bodies[0], &rest, index as f32 * FRAME);
-            step(island, &gravity(FRAME)).expect("a good step");
-        }
-    };
-    run(&mut island, 1, 20);
-    swing(&mut island.bodies[0], &rest, 20.0 * FRAME);
-    let (state, still_for) = (island.bodies[0].particles.snapshot(), island.bodies[0].still_for());
-    run(&mut island, 20, 40);
-    let mut other = Island::of_body(sheet(12, 0.7));
-    other.bodies[0].particles.restore(&state).expect("the same cloth");
-    other.bodies[0].context.set_still_for(still_for);
-    run(&mut other, 20, 40);
-    assert_eq!(hash(&other), hash(&island));
+    assert_goes_on_when_restored([sheet(12, 0.2), sheet(12, 0.7)], swing);
 }
 
 /// Limits stay with their particles when the cloth is cut.

@@ -2,8 +2,8 @@
 
 use drape_solver::glam::Vec3;
 use drape_solver::{
-    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Isa, Island, Obstacle, SelfContact,
-    StateHasher, step, step_on,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Environment, Isa, Island, Obstacle, SelfContact, step,
+    step_on,
 };
 
 use crate::common::*;
@@ -47,14 +47,6 @@ fn least_distance(island: &Island, rest: &[Vec3]) -> f32 {
         }
     }
     least
-}
-
-fn hash(island: &Island) -> u64 {
-    let mut hasher = StateHasher::new();
-    island.bodies.iter().for_each(|body| {
-        hasher.particles(&body.particles);
-    });
-    hasher.finish()
 }
 
 /// Found by random edits of a world. Pairs that an island keeps from step to step name bodies by their index. If a body
