@@ -90,8 +90,8 @@ pub mod prelude {
         attach::{Attachment, FollowParticle, Tie, WorldMotion},
         ball::Projectile,
         body::{
-            BodySurface, ContactEvents, DrapeLayers, Fabric, Particles, Quality, SelfContact, SolverSettings,
-            Tearable,
+            BendingRigidity, BodySurface, ContactEvents, DrapeLayers, Fabric, Particles, Quality,
+            SelfContact, SolverSettings, Tearable,
         },
         build::{Cloth, ClothPins, Rope, SoftBall},
         environment::{DrapeGravity, DynamicObstacle, Obstacle, ObstacleShape, Wind, WindZone},

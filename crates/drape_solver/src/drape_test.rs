@@ -1,4 +1,4 @@
-//! Measurements of textile laboratories: the drape of a cloth over a disc, and its stretch by its own weight.
+//! Measurements of textile laboratories: the drape of a cloth over a disc, its bending length, and its stretch by its own weight.
 //!
 //! ```
 //! use drape_solver::drape_test::drape_coefficient;
@@ -18,11 +18,14 @@ use glam::{Quat, Vec2, Vec3};
 use parry3d::shape::SharedShape;
 
 use crate::build::cloth::{ClothBuilder, ClothMaterial, Edge};
-use crate::error::StepError;
+use crate::build::mesh::cloth::MeshClothBuilder;
+use crate::build::mesh::error::MeshError;
+use crate::error::{BuildError, StepError};
 use crate::geometry::pose::Placement;
 use crate::geometry::shape::Shape;
 use crate::island::Island;
 use crate::motion::environment::Environment;
+use crate::state::body::Body;
 use crate::state::obstacle::Obstacle;
 use crate::state::settings::BodySettings;
 use crate::step::step;
@@ -49,17 +52,94 @@ pub fn drape_coefficient(material: ClothMaterial, settings: BodySettings) -> Res
     let cloth = ClothBuilder::new(SIDE, SIDE, 16, 16)
         .placed(Vec3::new(-0.5 * SIDE, settings.thickness, -0.5 * SIDE), Vec3::X, Vec3::Z)
         .material(material);
-    let mut island = Island::of_body(cloth.build(settings).map_err(bad)?);
+    coefficient(cloth.build(settings).map_err(bad)?, SIDE * SIDE)
+}
+
+/// Hangs a cloth of this area over the disc, and measures its shadow.
+fn coefficient(cloth: Body, area: f32) -> Result<f32, StepError> {
+    let bad = |source| StepError::BadSettings { body: 0, source };
+    let mut island = Island::of_body(cloth);
     let disc = Shape::from_parry(SharedShape::cylinder(0.01, 0.5 * DISC)).map_err(bad)?;
     let place = Placement { translation: Vec3::NEG_Y * 0.01, rotation: Quat::IDENTITY };
     let disc = Obstacle::new(disc, place, 0.5).map_err(bad)?;
-    settle(
-        &mut island,
-        &Environment { obstacles: vec![disc].into(), ..Environment::default() },
-        SETTLING[0],
-    )?;
+    let environment = Environment { obstacles: vec![disc].into(), ..Environment::default() };
+    settle(&mut island, &environment, SETTLING[0])?;
     let disc = core::f32::consts::PI * DISC * DISC / 4.0;
-    Ok((shadow(&island) - disc) / (SIDE * SIDE - disc))
+    Ok((shadow(&island) - disc) / (area - disc))
+}
+
+/// The drape coefficient of a round specimen of 30 cm over a disc of 18 cm (Cusick 1968), as a mesh of this number of rings of triangles.
+///
+/// # Errors
+/// [`StepError`] if material or settings are out of range.
+pub fn round_drape_coefficient(
+    material: ClothMaterial,
+    settings: BodySettings,
+    rings: u32,
+) -> Result<f32, StepError> {
+    let settings = BodySettings { drag: 4.0, thickness: 0.002, ..settings };
+    let (places, faces) = specimen(rings, settings.thickness);
+    let cloth = MeshClothBuilder::new(places, faces).material(material).build(settings);
+    let cloth = cloth.map_err(|error| match error {
+        MeshError::Build(source) => StepError::BadSettings { body: 0, source },
+        _ => StepError::BadSettings {
+            body: 0,
+            source: BuildError::BadShape { reason: "a specimen needs rings" },
+        },
+    })?;
+    coefficient(cloth, core::f32::consts::PI * SIDE * SIDE / 4.0)
+}
+
+/// A round specimen of `rings` rings, of 6, 12, 18 .. vertices.
+fn specimen(rings: u32, height: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut places = vec![Vec3::Y * height];
+    let mut faces = Vec::new();
+    for ring in 1..=rings {
+        let radius = 0.5 * SIDE * ring as f32 / rings as f32;
+        for i in 0..6 * ring {
+            let angle = f64::from(i) / f64::from(6 * ring) * core::f64::consts::TAU;
+            let (sin, cos) = (libm::sin(angle) as f32, libm::cos(angle) as f32);
+            places.push(Vec3::new(cos * radius, height, sin * radius));
+        }
+        let vertex =
+            |ring: u32, i: u32| if ring == 0 { 0 } else { 1 + 3 * ring * (ring - 1) + i % (6 * ring) };
+        for (sixth, i) in (0..6).flat_map(|sixth| (0..ring).map(move |i| (sixth, i))) {
+            let [outer, inner] = [sixth * ring + i, sixth * (ring - 1) + i];
+            faces.push([vertex(ring, outer), vertex(ring - 1, inner), vertex(ring, outer + 1)]);
+            if i + 1 < ring {
+                faces.push([vertex(ring, outer + 1), vertex(ring - 1, inner), vertex(ring - 1, inner + 1)]);
+            }
+        }
+    }
+    (places, faces)
+}
+
+/// Peirce's bending length in metres (Peirce 1930, "The Handle of Cloth as a Measurable Quantity"): from the angle at which the
+/// end of a strip hangs that overhangs its support by this number of sticks. Of a cloth of rigidity `B` and weight `w` it is `(B / w)^(1/3)`.
+///
+/// The strip runs along the weft and hangs down on both sides by twice the `expected` length, so that it is level in the middle.
+///
+/// # Errors
+/// [`StepError`] if material or settings are out of range.
+pub fn bending_length(
+    material: ClothMaterial,
+    settings: BodySettings,
+    expected: f32,
+    sticks: u32,
+) -> Result<f32, StepError> {
+    let settings = BodySettings { drag: 8.0, ..settings };
+    let (overhang, spacing) = (2.0 * expected, 2.0 * expected / sticks as f32);
+    let strip = ClothBuilder::new(2.0 * overhang, 4.0 * spacing, 2 * sticks + 1, 5)
+        .placed(Vec3::new(-overhang, 0.0, -2.0 * spacing), Vec3::X, Vec3::Z)
+        .material(material)
+        .pin_where(|column, _, _| column == sticks);
+    let strip = strip.build(settings).map_err(|source| StepError::BadSettings { body: 0, source })?;
+    let mut island = Island::of_body(strip);
+    settle(&mut island, &Environment::default(), SETTLING[1])?;
+    // In the middle of the free end.
+    let end = island.bodies[0].particles.position((3 * (2 * sticks + 1) - 1) as usize);
+    let angle = libm::atan2(f64::from(-end.y), f64::from(end.x));
+    Ok(overhang * libm::cbrt(libm::cos(0.5 * angle) / (8.0 * libm::tan(angle))) as f32)
 }
 
 /// Stretch of a curtain of 1 m x 1 m and 21 x 21 particles under its own weight, in parts of its length.

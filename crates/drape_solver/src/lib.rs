@@ -76,6 +76,7 @@ pub use parallel::threads::{Alone, Threads};
 pub use simd::isa::Isa;
 pub use state::backstops::Backstop;
 pub use state::ball::{Ball, BallMaterial};
+pub use state::bends::BendingRigidity;
 pub use state::body::{Body, BodyContext};
 pub use state::combine_rule::CombineRule;
 pub use state::frame_motion::FrameMotion;

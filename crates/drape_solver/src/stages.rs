@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use crate::constants::{CONTACT_MARGIN_OF_SURFACES, OVER_RELAXATION, ROUNDS_OF_LAYERS};
-use crate::constraint::{angular_momentum, stick, volume};
+use crate::constraint::{angular_momentum, bend, stick, volume};
 use crate::contact::island_contacts::IslandContacts;
 use crate::contact::{
     ball_ball, ball_cloth, ball_obstacle, dynamic_obstacle, embedded_obstacle, face_obstacle, impact_zone,
@@ -82,6 +82,7 @@ fn run_body_stage(
             ball_cloth::put_back(ball_cloth, &mut body.particles);
             tether_pull::pull(contacts, body, substep, movers);
         }
+        BodyStage::Bends => bend::project(body, projection),
         BodyStage::Lines => sweep::solve_lines(body, plan, substep, projection),
         BodyStage::Volume => volume::project(body),
         BodyStage::AngularMomentum => angular_momentum::restore(body),

@@ -3,7 +3,7 @@
 //! Design: `docs/design/presets.md`.
 
 use bevy::prelude::*;
-use drape_solver::{BodySettings, BuildError, ClothMaterial, Preset};
+use drape_solver::{BendingRigidity, BodySettings, BuildError, ClothMaterial, Preset};
 
 use crate::body::surface::BodySurface;
 
@@ -32,6 +32,9 @@ pub struct Fabric {
     pub shear_stiffness: f32,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
     pub bend_stiffness: f32,
+    /// Rigidity in bending as a textile laboratory measures it, in N m along warp and weft; none by default. The result is the
+    /// same in all finenesses. Bend sticks act besides: give them a `bend_stiffness` of 0.
+    pub bending_rigidity: BendingRigidity,
     /// Damping along the sticks in 1/s, 0 or more.
     pub damping: f32,
     /// True if it is meant to stretch far, as rubber is: then no tether holds it.
@@ -82,14 +85,21 @@ impl Fabric {
     }
 
     const fn new(material: ClothMaterial, surface: BodySurface, extensible: bool) -> Self {
-        let ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping } =
-            material;
+        let ClothMaterial {
+            areal_density,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
+            bending_rigidity,
+            damping,
+        } = material;
         let BodySurface { friction, static_friction, thickness, drag } = surface;
         Self {
             areal_density,
             stretch_stiffness,
             shear_stiffness,
             bend_stiffness,
+            bending_rigidity,
             damping,
             extensible,
             friction,
@@ -122,7 +132,10 @@ impl Fabric {
         match (fabric, error.and_then(BuildError::field)) {
             (
                 Some(_),
-                Some("areal_density" | "damping" | "stiffness" | "stretch stiffness" | "bend stiffness"),
+                Some(
+                    "areal_density" | "damping" | "stiffness" | "stretch stiffness" | "bend stiffness"
+                    | "bending_rigidity",
+                ),
             ) => "Fabric",
             _ => description,
         }
@@ -130,7 +143,22 @@ impl Fabric {
 
     /// The mass and the sticks that the solver gives a cloth of it.
     pub fn material(&self) -> ClothMaterial {
-        let Self { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping, .. } = *self;
-        ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping }
+        let Self {
+            areal_density,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
+            bending_rigidity,
+            damping,
+            ..
+        } = *self;
+        ClothMaterial {
+            areal_density,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
+            bending_rigidity,
+            damping,
+        }
     }
 }

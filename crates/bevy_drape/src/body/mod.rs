@@ -36,6 +36,7 @@ pub(crate) mod tearable;
 
 pub use activity::Activity;
 pub use contact_events::ContactEvents;
+pub use drape_solver::BendingRigidity;
 pub use fabric::Fabric;
 pub use layers::DrapeLayers;
 pub use particles::{BodyParts, Particles, Sticks};

@@ -10,6 +10,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::experiments::broad::BroadArguments;
 use crate::experiments::contact::report::ContactRuns;
 use crate::experiments::contact_cost::ContactArguments;
+use crate::experiments::fabrics::FabricArguments;
 use crate::experiments::shots::ShotArguments;
 #[cfg(feature = "plugin")]
 use crate::experiments::street::StreetArguments;
@@ -60,6 +61,8 @@ pub enum Task {
     Torn(TornArguments),
     /// Measures drape and stretch of the named materials.
     Presets,
+    /// Measures bending and drape of fabrics that a laboratory has measured.
+    Fabrics(FabricArguments),
     /// Prints hashes of the final states of scenes, which are equal on every machine.
     Hashes {
         /// Also compare them with those in this file.

@@ -9,7 +9,7 @@ use drape_solver::Isa;
 use crate::command::arguments::{Arguments, Command, Task};
 #[cfg(feature = "plugin")]
 use crate::experiments::{broad, street};
-use crate::experiments::{contact, contact_cost, golden, presets, shots, stability, torn};
+use crate::experiments::{contact, contact_cost, fabrics, golden, presets, shots, stability, torn};
 use crate::failure::Failure;
 use crate::measure::job::Job;
 use crate::report::outcome::{Outcome, fill_ratios};
@@ -41,6 +41,7 @@ fn run(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Contact(runs) => contact::report::report(runs)?,
         Task::Torn(cuts) => torn::report(cuts)?,
         Task::Presets => presets::report()?,
+        Task::Fabrics(arguments) => fabrics::report(arguments)?,
         Task::Hashes { golden, threads } => {
             let hashes = golden::hashes(Isa::detected(), *threads)?;
             print!("{hashes}");

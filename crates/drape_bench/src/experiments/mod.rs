@@ -8,6 +8,7 @@ pub mod bombardment;
 pub mod broad;
 pub mod contact;
 pub mod contact_cost;
+pub mod fabrics;
 pub mod golden;
 pub mod oracle;
 pub mod presets;

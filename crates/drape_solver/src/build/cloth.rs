@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use crate::build::topology_builder::TopologyBuilder;
 use crate::error::{BuildError, finite_vector, in_range, positive, right_angled};
+use crate::state::bends::BendingRigidity;
 use crate::state::body::Body;
 use crate::state::particles::Particles;
 use crate::state::settings::BodySettings;
@@ -40,6 +41,9 @@ pub struct ClothMaterial {
     pub shear_stiffness: f32,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
     pub bend_stiffness: f32,
+    /// Rigidity in bending, as a laboratory measures it; none by default. It acts besides the bend sticks, and alike in all
+    /// finenesses.
+    pub bending_rigidity: BendingRigidity,
     /// Damping along all sticks in 1/s.
     pub damping: f32,
 }
@@ -52,6 +56,7 @@ impl Default for ClothMaterial {
             stretch_stiffness: 1.0,
             shear_stiffness: 0.7,
             bend_stiffness: 0.1,
+            bending_rigidity: BendingRigidity::default(),
             damping: 0.0,
         }
     }
@@ -215,6 +220,7 @@ impl ClothBuilder {
             .grid_family(shear, [-1, 1])?
             .grid_family(bend, [2, 0])?
             .grid_family(bend, [0, 2])?
+            .bending(self.material.bending_rigidity, self.material.areal_density)?
             .faces(self.faces())?
             .straight_tethers(&self.pins)?;
         builder.build()

@@ -19,6 +19,7 @@
 //! Imports: `constraint` and below; no contact and no step. Callers: users, the plugin, and `tearing`.
 
 pub(crate) mod adjacency;
+pub(crate) mod bends;
 pub mod cloth;
 pub mod embedding;
 pub mod mesh;

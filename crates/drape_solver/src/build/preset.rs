@@ -11,6 +11,7 @@
 use bevy_reflect::std_traits::ReflectDefault;
 
 use crate::build::cloth::ClothMaterial;
+use crate::state::bends::BendingRigidity;
 use crate::state::settings::BodySettings;
 
 /// A material of cloth. Its stiffness is tuned for about 20 particles per metre: in finer cloth each stick carries more
@@ -64,7 +65,15 @@ impl Preset {
             Self::Net => (0.1, 1.0, 0.0, 0.0, 0.3),
             Self::Chain => (8.5, 1.0, 0.02, 0.0, 0.5),
         };
-        ClothMaterial { areal_density, stretch_stiffness, shear_stiffness, bend_stiffness, damping }
+        let bending_rigidity = BendingRigidity::isotropic(0.0);
+        ClothMaterial {
+            areal_density,
+            stretch_stiffness,
+            shear_stiffness,
+            bend_stiffness,
+            bending_rigidity,
+            damping,
+        }
     }
 
     /// Returns `settings` with the preset's friction, drag, thickness and tethers. Substeps, iterations and the like stay.

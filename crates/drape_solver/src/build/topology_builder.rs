@@ -10,6 +10,7 @@ use crate::broad_phase::ball_search::are_by_square;
 use crate::build::cloth::MAX_PARTICLES;
 use crate::constants::{LEAST_RENUMBERED, MAX_COLOURS};
 use crate::error::{BuildError, in_range};
+use crate::state::bends::{BendingRigidity, Bends};
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
 use crate::state::renumbering::Renumbering;
@@ -31,6 +32,8 @@ pub struct TopologyBuilder {
     /// Ends of the listed sticks, lower index first, and their bounds.
     joined: Vec<(u32, u32, StickBound)>,
     tethers: Tethers,
+    /// Rigidity in bending, and mass per area in kg/m^2.
+    bending: (BendingRigidity, f32),
     /// The numbers of columns and rows; one row if the particles form no grid.
     size: [u32; 2],
 }
@@ -43,6 +46,7 @@ impl TopologyBuilder {
             topology: Topology { layout: Layout::Linear { count: rest.len() }, ..Topology::default() },
             joined: Vec::new(),
             tethers: Tethers::none(),
+            bending: (BendingRigidity::default(), 0.0),
             size: [rest.len() as u32, 1],
         }
     }
@@ -208,6 +212,21 @@ impl TopologyBuilder {
         Ok(self)
     }
 
+    /// Has the surface resist bending. A [grid](Self::grid) resists along its rows and columns, other bodies across the edges
+    /// between two faces. `areal_density` is in kg/m^2.
+    ///
+    /// # Errors
+    /// [`BuildError::OutOfRange`] if the rigidity is negative or too large.
+    pub fn bending(
+        &mut self,
+        rigidity: BendingRigidity,
+        areal_density: f32,
+    ) -> Result<&mut Self, BuildError> {
+        rigidity.validate()?;
+        self.bending = (rigidity, areal_density);
+        Ok(self)
+    }
+
     /// Adds points that touch obstacles. Four particles carry each.
     ///
     /// # Errors
@@ -297,6 +316,9 @@ impl TopologyBuilder {
         self.arrange();
         self.topology.tethers = TetherPlan::new(&self.tethers, &self.topology.layout);
         self.topology.rest = self.rest;
+        let (rigidity, areal_density) = self.bending;
+        let small_grid = (self.size[1] > 1).then_some(self.size);
+        self.topology.bends = Bends::new(&self.topology, small_grid, rigidity, areal_density);
         self.topology.has_faces_by_square =
             self.topology.segments.is_empty() && are_by_square(&self.topology.faces, &self.topology.layout);
         Ok(self.topology)

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use crate::simd::columns::Columns;
 use crate::simd::rows::Rows;
+use crate::state::bends::BendScratch;
 use crate::state::drag::Drag;
 use crate::state::frame_motion::SubstepMotion;
 use crate::state::layers::Layers;
@@ -64,6 +65,9 @@ pub struct BodyContext {
     pub(crate) drag: Drag,
     /// Factors of stiffness and damping, one for each batch of sticks.
     pub(crate) stiffness: Vec<f32>,
+    /// Iterations over the square of a substep, in 1/s^2: bends multiply their compliance by it.
+    pub(crate) bend_scale: f32,
+    pub(crate) bends: BendScratch,
     pub(crate) damping: Vec<f32>,
     /// Positions of the pins of tethers.
     pub(crate) anchors: Columns,
@@ -122,6 +126,6 @@ impl Body {
         let columns = [&particles.position, &particles.displacement, &context.integrated];
         let cells = columns.into_iter().map(|column| size_of_val(&*column.cells)).sum::<usize>();
         let masses = size_of_val(&*particles.inverse_mass) + size_of_val(&*particles.masses.common);
-        cells + masses + context.rows.bytes() + topology.bytes()
+        cells + masses + context.rows.bytes() + context.bends.bytes() + topology.bytes()
     }
 }

@@ -7,6 +7,7 @@ use bevy_reflect::std_traits::ReflectDefault;
 use glam::{DMat3, Vec3};
 
 use crate::error::{BuildError, in_range};
+use crate::state::bends::Bends;
 use crate::state::grid::{GridBatch, GridRuns};
 use crate::state::layout::{Grid, Layout};
 use crate::state::stick_list::{ListedBatch, ListedSticks};
@@ -179,6 +180,7 @@ pub struct Topology {
     pub(crate) listed: ListedSticks,
     pub(crate) batches: Vec<StickBatch>,
     pub(crate) stick_count: usize,
+    pub(crate) bends: Bends,
     pub(crate) tethers: TetherPlan,
     pub(crate) faces: Vec<[u32; 3]>,
     /// True if the faces are those of a grid's squares, two for each, row by row.
@@ -314,7 +316,12 @@ impl Topology {
             Layout::Linear { .. } | Layout::Grid(_) => 0,
         };
         let runs = self.batches.iter().map(runs).sum::<usize>();
-        size_of_val(&*self.rest) + numbers + self.listed.bytes() + runs + self.tethers.bytes()
+        size_of_val(&*self.rest)
+            + numbers
+            + self.listed.bytes()
+            + runs
+            + self.bends.bytes()
+            + self.tethers.bytes()
     }
 
     /// The surface, for contact between triangles.

@@ -3,6 +3,7 @@
 //! Design: `docs/design/integration.md`.
 
 use crate::constraint::stick::{greatest_error, iteration_stiffness, substep_damping};
+use crate::simd::columns::LANES;
 use crate::state::body::Body;
 use crate::state::drag::Drag;
 use crate::state::frame_motion::SubstepMotion;
@@ -38,6 +39,10 @@ pub(crate) fn begin_step(
     context.stiffness.extend(
         materials.clone().map(|m| iteration_stiffness(m.stiffness, effective_substep, settings.iterations)),
     );
+    if !topology.bends.listed.is_empty() {
+        context.bends.reserve(particles.layout.cells() * LANES);
+    }
+    context.bend_scale = settings.iterations as f32 / (effective_substep * effective_substep);
     context.damping.clear();
     context.damping.extend(materials.map(|m| substep_damping(m, substep)));
     if context.integrated.cells.len() != particles.layout.cells() {
@@ -49,8 +54,8 @@ pub(crate) fn begin_step(
         // Sweeps leave a rope under a heavy body so slack that it swings through sideways.
         settings.structural = StructuralSolve::Lines;
     }
-    if settings.structural == StructuralSolve::Lines {
-        plan.lines.reserve(&topology.layout);
+    if settings.structural == StructuralSolve::Lines || topology.bends.lines.is_some() {
+        plan.lines.reserve(topology);
     }
     let frame = particles.frame.as_ref();
     context.frame = frame.map(|motion| SubstepMotion::new(motion, substeps, particles.origin));

@@ -39,6 +39,8 @@ pub(crate) enum BodyStage {
     DynamicContacts,
     /// Particles that are joined to movers have the masses of these while sticks are relaxed.
     ReleaseJoints,
+    /// Surfaces resist curvature. Before the sticks, so that these have the last word.
+    Bends,
     Sticks,
     Tethers,
     /// Rows, columns and ropes that are solved directly.
@@ -150,6 +152,7 @@ const CONTACTS: &[Stages] = &[
 /// All constraints of a body on itself, once.
 const STICKS: &[Stages] = &[Stages::Bodies(&[
     Body::ReleaseJoints,
+    Body::Bends,
     Body::Sticks,
     Body::Tethers,
     Body::Lines,

@@ -6,7 +6,7 @@
 use core::ops::Range;
 
 use crate::constants::{CELLS_AT_ONCE, LEAST_SWEPT_CELLS};
-use crate::constraint::direct::line::{LineScratch, Lines};
+use crate::constraint::direct::line::{LineScratch, Lines, Solved};
 use crate::state::settings::{BodySettings, StructuralSolve};
 use crate::state::topology::{BatchSticks, StickBatch, Topology};
 use crate::substep::order::{BodyStage, Order};
@@ -88,9 +88,9 @@ pub(crate) struct Plan {
     lags: Vec<usize>,
     /// For each stage of the [order](crate::substep::order), the index of its first strip stage; one more at the end.
     first_of_stage: Vec<u32>,
-    /// Lines that are solved directly, with the length of their sticks in metres, and the indices of the stages before
+    /// Lines that are solved directly, and the indices of the stages before
     /// which they are solved. Lines run through all strips, so no sweep crosses a line solve.
-    pub lines: Vec<(Lines, f32)>,
+    pub lines: Vec<(Lines, Solved)>,
     pub places_of_lines: Vec<usize>,
     /// Index of [`StripStage::Update`], at which displacements follow positions.
     pub update: usize,
@@ -185,15 +185,17 @@ impl Plan {
         }
     }
 
-    /// Lists the line solves. They come last in a projection, as the other sticks would undo them; columns come first,
-    /// as they hang from the pins.
+    /// Lists the line solves. They come last in a projection, as the other sticks would undo them: bends before sticks, and
+    /// columns before rows, as they hang from the pins.
     fn list_lines(&mut self, topology: &Topology, settings: &BodySettings, stiffness: &[f32]) {
         self.places_of_lines.clear();
         self.lines.clear();
-        self.lines.extend([Lines::Columns, Lines::Rows].into_iter().filter_map(|lines| {
-            let rest_length = lines.rest_length(topology, stiffness, settings)?;
-            Some((lines, rest_length))
-        }));
+        let both = [Lines::Columns, Lines::Rows];
+        let bends = |lines: Lines| Some((lines, Solved::Bends(lines.softness(topology)?)));
+        self.lines.extend(both.into_iter().filter_map(bends));
+        let sticks =
+            |lines: Lines| Some((lines, Solved::Sticks(lines.rest_length(topology, stiffness, settings)?)));
+        self.lines.extend(both.into_iter().filter_map(sticks));
     }
 
     /// Adds a batch of sticks. Listed batches that follow each other share a stage, and so do loose ones.

@@ -66,10 +66,11 @@ pub(crate) fn can_be_swept(body: &Body, contacts: &BodyContacts) -> bool {
     // With a tolerance, the number of iterations is known only in the middle of the substep.
     let is_fixed = body.settings.tolerance == 0.0 || body.settings.iterations == 1;
     let has_pressure = body.pressure > 0.0;
+    let has_listed_bends = !body.topology.bends.listed.is_empty();
     let is_damped = body.context.damping.iter().any(|&damping| damping != 0.0);
     let is_in_strips =
         contacts.faces.is_empty() && contacts.embedded.is_empty() && contacts.joints.is_empty();
-    is_fixed && is_in_strips && !has_pressure && !is_damped
+    is_fixed && is_in_strips && !has_pressure && !has_listed_bends && !is_damped
 }
 
 /// Takes all substeps that are left, of a body without a ball near it: in sweeps if it is large, else stage by stage.

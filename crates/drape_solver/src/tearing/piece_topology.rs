@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use crate::build::topology_builder::TopologyBuilder;
 use crate::error::BuildError;
+use crate::state::bends::Bends;
 use crate::state::grid::GridBatch;
 use crate::state::layout::{Grid, Layout};
 use crate::state::tethers::{TetherPlan, Tethers};
@@ -180,6 +181,8 @@ impl<'a> PieceTopology<'a> {
         };
         let tethers = self.crossing.uncrossed(self.split, self.members, &self.indices);
         topology.tethers = TetherPlan::new(&tethers, &topology.layout);
+        let Bends { rigidity, areal_density, .. } = self.old().bends;
+        topology.bends = Bends::new(&topology, None, rigidity, areal_density);
         topology
     }
 
@@ -193,6 +196,8 @@ impl<'a> PieceTopology<'a> {
         }
         builder.faces(self.split.faces().iter().filter_map(|&face| self.own(face)))?;
         builder.segments(self.split.segments().filter_map(|ends| self.own(ends)))?;
+        let Bends { rigidity, areal_density, .. } = self.old().bends;
+        builder.bending(rigidity, areal_density)?;
         let old = self.old();
         let mut is_pin = vec![false; old.particle_count()];
         old.tethers.list(&old.layout).iter().for_each(|&(_, pin, _)| is_pin[pin as usize] = true);

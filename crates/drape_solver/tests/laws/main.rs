@@ -9,6 +9,7 @@ mod ballistic_pendulum;
 mod ballistic_range;
 mod balls;
 mod belts;
+mod bending;
 mod catenary;
 mod chain_mode;
 mod common;

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape as drape;
-use bevy_drape::prelude::Fabric;
+use bevy_drape::prelude::{BendingRigidity, Fabric};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,9 @@ pub struct Cloth {
     pub shear_stiffness: Fraction,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
     pub bend_stiffness: Fraction,
+    /// Rigidity in bending in N m, along the warp and along the weft; (0, 0) by default.
+    #[serde(deserialize_with = "bracketed")]
+    pub bending_rigidity: (NonNegative, NonNegative),
     /// Damping along the sticks in 1/s.
     pub damping: NonNegative,
     /// Which particles are fixed; the top edge by default.
@@ -81,6 +84,7 @@ impl Default for Cloth {
             stretch_stiffness: Fraction::known(fabric.stretch_stiffness),
             shear_stiffness: Fraction::known(fabric.shear_stiffness),
             bend_stiffness: Fraction::known(fabric.bend_stiffness),
+            bending_rigidity: (NonNegative::known(0.0), NonNegative::known(0.0)),
             damping: NonNegative::known(fabric.damping),
             pins: Pins::Top,
             at: Vector::default(),
@@ -121,6 +125,10 @@ impl From<&Cloth> for Fabric {
             stretch_stiffness: cloth.stretch_stiffness.get(),
             shear_stiffness: cloth.shear_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
+            bending_rigidity: BendingRigidity {
+                warp: cloth.bending_rigidity.0.get(),
+                weft: cloth.bending_rigidity.1.get(),
+            },
             damping: cloth.damping.get(),
             ..Self::default()
         }

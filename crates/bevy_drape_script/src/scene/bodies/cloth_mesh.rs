@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_drape as drape;
 use bevy_drape::drape_solver::MeshCloth;
-use bevy_drape::prelude::Fabric;
+use bevy_drape::prelude::{BendingRigidity, Fabric};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +25,9 @@ pub struct ClothMesh {
     pub stretch_stiffness: Fraction,
     /// Stiffness across the edges, 0 to 1: resists folding.
     pub bend_stiffness: Fraction,
+    /// Rigidity in bending in N m, along the warp and along the weft; (0, 0) by default.
+    #[serde(deserialize_with = "bracketed")]
+    pub bending_rigidity: (NonNegative, NonNegative),
     /// Damping along the sticks in 1/s.
     pub damping: NonNegative,
     /// Vertices of the mesh that are fixed, besides those that are painted; none by default.
@@ -69,6 +72,7 @@ impl Default for ClothMesh {
             areal_density: Positive::known(fabric.areal_density),
             stretch_stiffness: Fraction::known(fabric.stretch_stiffness),
             bend_stiffness: Fraction::known(fabric.bend_stiffness),
+            bending_rigidity: (NonNegative::known(0.0), NonNegative::known(0.0)),
             damping: NonNegative::known(fabric.damping),
             pins: Vec::new(),
             painted_pins: Some(PaintChannel::Red),
@@ -124,6 +128,10 @@ impl From<&ClothMesh> for Fabric {
             areal_density: cloth.areal_density.get(),
             stretch_stiffness: cloth.stretch_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
+            bending_rigidity: BendingRigidity {
+                warp: cloth.bending_rigidity.0.get(),
+                weft: cloth.bending_rigidity.1.get(),
+            },
             damping: cloth.damping.get(),
             ..Self::default()
         }

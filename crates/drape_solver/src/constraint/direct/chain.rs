@@ -212,12 +212,12 @@ impl Chains<'_> {
     }
 
     #[inline(always)]
-    fn position<S: Simd>(&self, simd: S, i: usize) -> Lanes3<S> {
+    pub(super) fn position<S: Simd>(&self, simd: S, i: usize) -> Lanes3<S> {
         Lanes3::load(simd, &self.position[self.first + i * self.stride])
     }
 
     #[inline(always)]
-    fn inverse_mass<S: Simd>(&self, simd: S, i: usize) -> f32x16<S> {
+    pub(super) fn inverse_mass<S: Simd>(&self, simd: S, i: usize) -> f32x16<S> {
         let greatest = f32x16::splat(simd, GREATEST_INVERSE_MASS);
         load(simd, &self.inverse_mass[self.first + i * self.stride]).min(greatest)
     }
@@ -231,6 +231,7 @@ mod tests {
 
     use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
     use crate::constraint::projection::Exact;
+    use crate::random::dice;
     use crate::simd::isa::{Isa, Kernel};
 
     const REST: f32 = 0.1;
@@ -286,18 +287,9 @@ mod tests {
         }
     }
 
-    /// Numbers from -1 to 1 that look random.
-    fn dice() -> impl FnMut() -> f32 {
-        let mut state = 1_u64;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 40) as f32 / (1 << 23) as f32 - 1.0
-        }
-    }
-
     /// Sixteen crooked chains in every second cell of three, some of their particles pinned, heavy or in one place.
     fn chains(count: usize, stretched: f32) -> (Vec<Cell>, Vec<[f32; LANES]>) {
-        let mut dice = dice();
+        let mut dice = dice(1);
         let mut position = vec![Cell::default(); 2 * count + 1];
         let mut inverse_mass = vec![[1.0; LANES]; 2 * count + 1];
         let mut at = [Vec3::ZERO; LANES];

@@ -12,6 +12,7 @@
 
 use fearless_simd::{Simd, prelude::*};
 
+use crate::constraint::direct::bent_chain::{BendSoftness, ChainBend};
 use crate::constraint::direct::chain::{ChainScratch, Chains};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
@@ -19,6 +20,7 @@ use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::load;
 use crate::simd::transpose::transpose;
+use crate::state::bends::BentGrid;
 use crate::state::body::Body;
 use crate::state::layout::{Grid, Layout};
 use crate::state::settings::{BodySettings, StickProjection, StructuralSolve};
@@ -62,28 +64,70 @@ impl Lines {
         })
     }
 
+    /// The compliance of the bends along these lines, as the topology has it; none if they do not resist.
+    pub fn softness(self, topology: &Topology) -> Option<BendSoftness> {
+        let BentGrid { compliance: [rows, columns], mass, .. } = topology.bends.lines?;
+        let compliance = match self {
+            Self::Rows => rows,
+            Self::Columns => columns,
+        }?;
+        Some(BendSoftness { compliance, mass })
+    }
+
     /// The number of lines, and of particles in a line.
-    fn size(self, grid: Grid) -> (usize, usize) {
+    fn size(self, RuledGrid { columns, rows, .. }: RuledGrid) -> (usize, usize) {
         match self {
-            Self::Rows => (grid.rows, grid.columns),
-            Self::Columns => (grid.columns, grid.rows),
+            Self::Rows => (rows, columns),
+            Self::Columns => (columns, rows),
         }
     }
 
-    fn storage(self, grid: Grid) -> LineStorage {
-        match self {
+    fn storage(self, grid: RuledGrid) -> LineStorage {
+        match (self, grid.patches) {
             _ if self.size(grid).0 < LEAST_BUNDLED_LINES => LineStorage::Lone,
-            _ if !Layout::Grid(grid).has_whole_rows() => LineStorage::Gathered,
-            Self::Rows => LineStorage::Transposed,
-            Self::Columns => LineStorage::InPlace,
+            (Self::Rows, Some(patches)) if patches.down == 1 => LineStorage::Transposed,
+            (Self::Columns, Some(patches)) if patches.down == 1 => LineStorage::InPlace,
+            _ => LineStorage::Gathered,
         }
     }
 
     /// The slot of particle `i` of line `line`.
-    fn slot(self, grid: Grid, line: usize, i: usize) -> usize {
-        match self {
-            Self::Rows => grid.slot(i, line),
-            Self::Columns => grid.slot(line, i),
+    fn slot(self, grid: RuledGrid, line: usize, i: usize) -> usize {
+        let (column, row) = match self {
+            Self::Rows => (i, line),
+            Self::Columns => (line, i),
+        };
+        grid.patches.map_or(row * grid.columns + column, |patches| patches.slot(column, row))
+    }
+}
+
+/// The resistance of lines that are solved directly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Solved {
+    /// Sticks of this length at rest, in metres.
+    Sticks(f32),
+    Bends(BendSoftness),
+}
+
+/// A grid of particles, by rows and columns: in patches, or in order if it is too small for that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RuledGrid {
+    columns: usize,
+    rows: usize,
+    patches: Option<Grid>,
+}
+
+impl RuledGrid {
+    /// The whole grid of a topology.
+    fn of(topology: &Topology) -> Option<Self> {
+        match (&topology.layout, topology.bends.lines) {
+            (&Layout::Grid(grid), _) => {
+                Some(Self { columns: grid.columns, rows: grid.rows, patches: Some(grid) })
+            }
+            (Layout::Linear { .. }, Some(BentGrid { columns, rows, .. })) => {
+                Some(Self { columns, rows, patches: None })
+            }
+            _ => None,
         }
     }
 }
@@ -108,6 +152,7 @@ const LEAST_BUNDLED_LINES: usize = 4;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LineScratch {
     chain: ChainScratch,
+    bends: Vec<ChainBend>,
     /// The particles of sixteen lines, lane by lane.
     position: Vec<Cell>,
     inverse_mass: Vec<[f32; LANES]>,
@@ -115,15 +160,21 @@ pub(crate) struct LineScratch {
     /// Slots of gathered and lone lines: those of their first particles, then of their second, and so on, for up to
     /// sixteen lines at a time.
     slots: [Vec<u32>; 2],
-    grid: Option<Grid>,
+    grid: Option<RuledGrid>,
 }
 
 impl LineScratch {
     /// Makes room for the lines of a body.
-    pub fn reserve(&mut self, layout: &Layout) {
-        let &Layout::Grid(grid) = layout else {
+    pub fn reserve(&mut self, topology: &Topology) {
+        let Some(grid) = RuledGrid::of(topology) else {
             return;
         };
+        if topology.bends.lines.is_some() {
+            let count = grid.columns.max(grid.rows);
+            grow(&mut self.bends, count);
+            grow(&mut self.position, count);
+            grow(&mut self.inverse_mass, count);
+        }
         if self.grid == Some(grid) {
             return;
         }
@@ -131,8 +182,7 @@ impl LineScratch {
             let (_, count) = lines.size(grid);
             let storage = lines.storage(grid);
             // Transposed rows include the ghosts at their end.
-            let transposed =
-                if storage == LineStorage::Transposed { grid.across * grid.width } else { count };
+            let transposed = grid.patches.map_or(count, |patches| count.max(patches.across * patches.width));
             match storage {
                 LineStorage::Lone => grow(&mut self.lone, count),
                 LineStorage::InPlace => self.chain.reserve(count),
@@ -150,7 +200,8 @@ impl LineScratch {
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
         let slots = self.slots.iter().map(|slots| size_of_val(&**slots)).sum::<usize>();
-        let lanes = size_of_val(&*self.position) + size_of_val(&*self.inverse_mass);
+        let lanes =
+            size_of_val(&*self.position) + size_of_val(&*self.inverse_mass) + size_of_val(&*self.bends);
         self.chain.bytes() + lanes + size_of_val(&*self.lone) + slots
     }
 }
@@ -160,8 +211,22 @@ fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
     values.resize(count.max(values.len()), T::default());
 }
 
+#[inline(always)]
+fn solve_chains<S: Simd>(
+    simd: S,
+    mut chains: Chains,
+    (chain, bends): (&mut ChainScratch, &mut [ChainBend]),
+    solved: Solved,
+    projection: impl Projection,
+) {
+    match solved {
+        Solved::Sticks(rest) => chains.solve(simd, chain, rest, projection),
+        Solved::Bends(softness) => chains.bend(simd, bends, softness),
+    }
+}
+
 /// The slots of the particles of all lines that must be gathered.
-fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
+fn slots(grid: RuledGrid, lines: Lines) -> Vec<u32> {
     let lanes = match lines.storage(grid) {
         LineStorage::Gathered => LANES,
         LineStorage::Lone => 1,
@@ -175,15 +240,16 @@ fn slots(grid: Grid, lines: Lines) -> Vec<u32> {
 }
 
 /// Solves the lines of a body, as its plan lists them.
-pub(crate) fn solve(body: &mut Body, lines: &[(Lines, f32)], scratch: &mut LineScratch, isa: Isa) {
-    let Body { particles, topology, settings, .. } = body;
-    let Layout::Grid(grid) = topology.layout else {
+pub(crate) fn solve(body: &mut Body, lines: &[(Lines, Solved)], scratch: &mut LineScratch, isa: Isa) {
+    let Body { particles, topology, settings, context, .. } = body;
+    let Some(grid) = RuledGrid::of(topology) else {
         return;
     };
     let (inverse_mass, _) = particles.inverse_mass.as_chunks::<LANES>();
     let position = &mut particles.position.cells;
     let lone_steps = if settings.iterations == 1 { 2 } else { 1 };
-    let solve = LineSolve { grid, position, inverse_mass, lone_steps, scratch };
+    let bend_scale = context.bend_scale;
+    let solve = LineSolve { grid, position, inverse_mass, lone_steps, bend_scale, scratch };
     match settings.projection {
         StickProjection::Exact => isa.run(SolveAll { solve, lines, projection: Exact }),
         StickProjection::SquareRootFree => isa.run(SolveAll { solve, lines, projection: SquareRootFree }),
@@ -192,7 +258,7 @@ pub(crate) fn solve(body: &mut Body, lines: &[(Lines, f32)], scratch: &mut LineS
 
 struct SolveAll<'a, P> {
     solve: LineSolve<'a>,
-    lines: &'a [(Lines, f32)],
+    lines: &'a [(Lines, Solved)],
     projection: P,
 }
 
@@ -201,39 +267,50 @@ impl<P: Projection> Kernel for SolveAll<'_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
-        for &(lines, rest) in self.lines {
-            self.solve.solve(simd, lines, rest, self.projection);
+        for &(lines, solved) in self.lines {
+            self.solve.solve(simd, lines, solved, self.projection);
         }
     }
 }
 
 /// The particles whose lines are to be solved.
 struct LineSolve<'a> {
-    grid: Grid,
+    grid: RuledGrid,
     position: &'a mut [Cell],
     inverse_mass: &'a [[f32; LANES]],
     /// The number of Newton steps on each lone line. A rope that is taut between two pins has hardly a curve to pull
     /// straight, so its pull is far too strong for the smallest waves on it: one step in a substep leaves them
     /// oscillating, a second removes them.
     lone_steps: u32,
+    /// Iterations over the square of a substep, in 1/s^2.
+    bend_scale: f32,
     scratch: &'a mut LineScratch,
 }
 
 impl LineSolve<'_> {
-    /// Solves all `lines`, whose sticks are `rest` metres long at rest.
+    /// Solves all `lines`.
     #[inline(always)]
-    fn solve<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
-        match lines.storage(self.grid) {
-            LineStorage::InPlace => self.columns_in_place(simd, rest, projection),
-            LineStorage::Transposed => self.transposed_rows(simd, rest, projection),
-            LineStorage::Gathered => self.gathered(simd, lines, rest, projection),
-            LineStorage::Lone => self.lone(lines, rest, projection),
+    fn solve<S: Simd>(&mut self, simd: S, lines: Lines, mut solved: Solved, projection: impl Projection) {
+        if let Solved::Bends(softness) = &mut solved {
+            softness.compliance *= self.bend_scale;
+        }
+        match (lines.storage(self.grid), solved, self.grid.patches) {
+            (LineStorage::InPlace, _, Some(patches)) => {
+                self.columns_in_place(simd, patches, solved, projection)
+            }
+            (LineStorage::Transposed, _, Some(patches)) => {
+                self.transposed_rows(simd, patches, solved, projection);
+            }
+            (LineStorage::Lone, Solved::Sticks(rest), _) => self.lone(lines, rest, projection),
+            // Lone lines that bend are gathered one by one.
+            (LineStorage::Lone, ..) => self.gathered(simd, lines, 1, solved, projection),
+            _ => self.gathered(simd, lines, LANES, solved, projection),
         }
     }
 
     #[inline(always)]
     fn lone(&mut self, lines: Lines, rest: f32, projection: impl Projection) {
-        let Self { grid, position, inverse_mass, lone_steps, scratch } = self;
+        let Self { grid, position, inverse_mass, lone_steps, scratch, .. } = self;
         let LineScratch { lone, slots, .. } = &mut **scratch;
         for slots in slots[lines as usize].chunks_exact(lines.size(*grid).1) {
             for _ in 0..*lone_steps {
@@ -243,36 +320,45 @@ impl LineSolve<'_> {
     }
 
     #[inline(always)]
-    fn columns_in_place<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
+    fn columns_in_place<S: Simd>(
+        &mut self,
+        simd: S,
+        patches: Grid,
+        solved: Solved,
+        projection: impl Projection,
+    ) {
         let Self { grid, position, inverse_mass, scratch, .. } = self;
-        for first in 0..grid.width {
-            Chains { position, inverse_mass, first, stride: grid.width, count: grid.rows }.solve(
-                simd,
-                &mut scratch.chain,
-                rest,
-                projection,
-            );
+        let LineScratch { chain, bends, .. } = &mut **scratch;
+        for first in 0..patches.width {
+            let chains = Chains { position, inverse_mass, first, stride: patches.width, count: grid.rows };
+            solve_chains(simd, chains, (chain, bends), solved, projection);
         }
     }
 
     #[inline(always)]
-    fn transposed_rows<S: Simd>(&mut self, simd: S, rest: f32, projection: impl Projection) {
+    fn transposed_rows<S: Simd>(
+        &mut self,
+        simd: S,
+        patches: Grid,
+        solved: Solved,
+        projection: impl Projection,
+    ) {
         for first in (0..self.grid.rows).step_by(LANES) {
-            self.transpose_rows(simd, first);
-            let LineScratch { chain, position, inverse_mass, .. } = &mut *self.scratch;
-            Chains { position, inverse_mass, first: 0, stride: 1, count: self.grid.columns }
-                .solve(simd, chain, rest, projection);
-            self.transpose_back(simd, first);
+            self.transpose_rows(simd, patches, first);
+            let LineScratch { chain, bends, position, inverse_mass, .. } = &mut *self.scratch;
+            let chains = Chains { position, inverse_mass, first: 0, stride: 1, count: self.grid.columns };
+            solve_chains(simd, chains, (chain, bends), solved, projection);
+            self.transpose_back(simd, patches, first);
         }
     }
 
     /// Transposes sixteen rows from row `first` on into chains side by side. Spare lanes repeat the last row.
     ///
     /// Each place in a patch is a cell of every row; after the transposition, each patch is a cell of the chains.
-    fn transpose_rows<S: Simd>(&mut self, simd: S, first: usize) {
+    fn transpose_rows<S: Simd>(&mut self, simd: S, patches: Grid, first: usize) {
         let Self { grid, position, inverse_mass, scratch, .. } = self;
         let LineScratch { position: transposed, inverse_mass: transposed_mass, .. } = &mut **scratch;
-        let (width, last) = (grid.width, grid.rows - 1);
+        let (width, last) = (patches.width, grid.rows - 1);
         simd.vectorize(
             #[inline(always)]
             || {
@@ -300,10 +386,10 @@ impl LineSolve<'_> {
     }
 
     /// The inverse of [`transpose_rows`](Self::transpose_rows).
-    fn transpose_back<S: Simd>(&mut self, simd: S, first: usize) {
+    fn transpose_back<S: Simd>(&mut self, simd: S, patches: Grid, first: usize) {
         let Self { grid, position, scratch, .. } = self;
         let transposed = &scratch.position;
-        let (width, rows) = (grid.width, grid.rows);
+        let (width, rows) = (patches.width, grid.rows);
         simd.vectorize(
             #[inline(always)]
             || {
@@ -327,14 +413,21 @@ impl LineSolve<'_> {
     }
 
     #[inline(always)]
-    fn gathered<S: Simd>(&mut self, simd: S, lines: Lines, rest: f32, projection: impl Projection) {
+    fn gathered<S: Simd>(
+        &mut self,
+        simd: S,
+        lines: Lines,
+        side_by_side: usize,
+        solved: Solved,
+        projection: impl Projection,
+    ) {
         let Self { grid, position, inverse_mass, scratch, .. } = self;
         let (number, count) = lines.size(*grid);
-        let LineScratch { chain, position: gathered, inverse_mass: gathered_mass, slots, .. } =
+        let LineScratch { chain, bends, position: gathered, inverse_mass: gathered_mass, slots, .. } =
             &mut **scratch;
         let mut slots = slots[lines as usize].as_slice();
-        for first in (0..number).step_by(LANES) {
-            let lanes = LANES.min(number - first);
+        for first in (0..number).step_by(side_by_side) {
+            let lanes = side_by_side.min(number - first);
             let bundle;
             (bundle, slots) = slots.split_at(lanes * count);
             // Spare lanes keep their old values, which nothing reads.
@@ -345,8 +438,9 @@ impl LineSolve<'_> {
                     gathered_mass[i][lane] = inverse_mass[from][in_lane];
                 }
             }
-            Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count }
-                .solve(simd, chain, rest, projection);
+            let chains =
+                Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count };
+            solve_chains(simd, chains, (chain, bends), solved, projection);
             for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
                     position[slot as usize / LANES].set(slot as usize % LANES, gathered[i].get(lane));

@@ -2,6 +2,7 @@
 //!
 //! Imports: `state` and below. Callers: `substep`.
 
+pub(crate) mod bent_chain;
 pub(crate) mod chain;
 pub(crate) mod line;
 pub(crate) mod lone_chain;

@@ -1,0 +1,219 @@
+//! Finds the bends of a surface, with the compliance that its rigidity asks for.
+//!
+//! ```text
+//!   grid, spacings s along the thread and t across        mesh, edge e between triangles of areas A and B
+//!     energy  1/2 rigidity (K / s^2)^2 s t                  energy  1/2 rigidity K^2 / (A + B),   |K| = |e| angle
+//! ```
+//!
+//! Both are `1/2 rigidity curvature^2` on each part of the surface. (The form of Bergou et al. is three times as large: it takes
+//! each edge for the curvature of its own third of the area.)
+//!
+//! Design: `docs/design/bending.md`.
+
+use glam::DVec3;
+
+use crate::state::bends::{BendingRigidity, Bends, BentGrid, ListedBend};
+use crate::state::grid::GridBatch;
+use crate::state::layout::Layout;
+use crate::state::topology::{BatchSticks, StickKind, Topology};
+use crate::state::torn_grid::TornGrid;
+
+/// Angle in radians below which the rest of a mesh counts as flat.
+const FLAT: f64 = 1e-3;
+
+impl Bends {
+    /// The bends of a body with this topology, whole or torn. `size` has the columns and rows of a whole grid.
+    pub fn new(
+        topology: &Topology,
+        size: Option<[u32; 2]>,
+        rigidity: BendingRigidity,
+        areal_density: f32,
+    ) -> Self {
+        let mut bends = Self { rigidity, areal_density, ..Self::default() };
+        if rigidity.is_zero() {
+            return bends;
+        }
+        match (&topology.layout, size) {
+            (_, Some([columns, rows])) => bends.add_lines(topology, columns as usize, rows as usize),
+            (Layout::Torn(torn), None) => bends.add_torn_grid(topology, torn),
+            _ => bends.add_faces(topology),
+        }
+        bends
+    }
+
+    fn add_lines(&mut self, topology: &Topology, columns: usize, rows: usize) {
+        let side = |to: usize| topology.rest[0].distance(topology.rest[to]);
+        let [dx, dy] = [side(1), side(columns)];
+        let compliance = self.compliances([dx, dy]);
+        self.lines = Some(BentGrid { columns, rows, compliance, mass: self.areal_density * dx * dy });
+    }
+
+    /// The compliance of bends along rows and along columns, of particles `dx` and `dy` metres apart.
+    fn compliances(&self, [dx, dy]: [f32; 2]) -> [Option<f32>; 2] {
+        let of = |rigidity: f32, along: f32, across: f32| {
+            (rigidity > 0.0).then(|| along * along * along / (rigidity * across))
+        };
+        [of(self.rigidity.weft, dx, dy), of(self.rigidity.warp, dy, dx)]
+    }
+
+    /// The bends along rows and columns that have lost neither a particle nor a stick.
+    fn add_torn_grid(&mut self, topology: &Topology, torn: &TornGrid) {
+        let grid = torn.grid;
+        let sticks = |offset| Sticks::new(topology, offset);
+        let [along_rows, along_columns] = [sticks((1, 0)), sticks((0, 1))];
+        let (Some(dx), Some(dy)) = (along_rows.rest_length, along_columns.rest_length) else {
+            return;
+        };
+        let compliances = self.compliances([dx, dy]);
+        for (sticks, compliance, [right, down]) in
+            [(along_rows, compliances[0], [1, 0]), (along_columns, compliances[1], [0, 1])]
+        {
+            let Some(compliance) = compliance else { continue };
+            let first =
+                |row: usize| (0..grid.columns.saturating_sub(2 * right)).map(move |column| (column, row));
+            for (column, row) in (0..grid.rows.saturating_sub(2 * down)).flat_map(first) {
+                let [a, b, c] = [0, 1, 2].map(|i| grid.slot(column + i * right, row + i * down));
+                if sticks.join([a, b]) && sticks.join([b, c]) {
+                    // At the edges of the cloth a bend is half as wide.
+                    let (line, lines) = if down == 0 { (row, grid.rows) } else { (column, grid.columns) };
+                    let is_edge = line == 0 || line + 1 == lines;
+                    self.listed.push(ListedBend {
+                        slots: [a, b, c, c].map(|slot| slot as u32),
+                        weights: [1.0, -2.0, 1.0, 0.0],
+                        compliance: if is_edge { 2.0 * compliance } else { compliance },
+                        rest: 0.0,
+                    });
+                }
+            }
+        }
+    }
+
+    /// One bend across each edge between two triangles.
+    fn add_faces(&mut self, topology: &Topology) {
+        let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * topology.faces.len());
+        for &[a, b, c] in &topology.faces {
+            for ([p, q], opposite) in [([a, b], c), ([b, c], a), ([c, a], b)] {
+                sides.push(([p.min(q), p.max(q)], opposite));
+            }
+        }
+        sides.sort_unstable();
+        let rigidity = 0.5 * (f64::from(self.rigidity.warp) + f64::from(self.rigidity.weft));
+        for joint in sides.chunk_by(|p, q| p.0 == q.0) {
+            if let [([a, b], c), (_, d)] = *joint
+                && c != d
+            {
+                let corners = [a, b, c, d];
+                let rest = corners.map(|corner| topology.rest[corner as usize].as_dvec3());
+                let Some((weights, areas, sum)) = across_edge(rest) else {
+                    continue;
+                };
+                self.listed.push(ListedBend {
+                    slots: corners.map(|corner| topology.layout.slot(corner as usize) as u32),
+                    weights,
+                    compliance: (areas / rigidity) as f32,
+                    rest: sum as f32,
+                });
+            }
+        }
+        // In the order of memory.
+        self.listed.sort_by_key(|bend| bend.slots);
+    }
+}
+
+/// Weights of the bend across the edge of the first two corners, the area of its two triangles, and the length of its weighted
+/// sum, with its sign. None for triangles without an area.
+fn across_edge([a, b, c, d]: [DVec3; 4]) -> Option<([f32; 4], f64, f64)> {
+    let double_area = |p: DVec3| (b - a).cross(p - a).length();
+    let areas = [c, d].map(double_area);
+    if !areas.iter().all(|&area| area > 0.0) {
+        return None;
+    }
+    // Cotangents of the angles at `a` and `b` in both triangles.
+    let at_a = [c, d].map(|p| (b - a).dot(p - a));
+    let at_b = [c, d].map(|p| (a - b).dot(p - b));
+    let cotangent = |products: [f64; 2]| [products[0] / areas[0], products[1] / areas[1]];
+    let ([ac, ad], [bc, bd]) = (cotangent(at_a), cotangent(at_b));
+    let weights = [bc + bd, ac + ad, -(ac + bc), -(ad + bd)];
+    let sum = a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3];
+    let normal = (b - a).cross(c - a) - (b - a).cross(d - a);
+    let is_flat = sum.length() <= FLAT * a.distance(b);
+    let rest = if is_flat { 0.0 } else { sum.length().copysign(sum.dot(normal)) };
+    Some((weights.map(|weight| weight as f32), 0.5 * (areas[0] + areas[1]), rest))
+}
+
+/// The structural sticks of a torn grid in one direction.
+struct Sticks<'a> {
+    /// Halves of the family, each with the sticks that are gone.
+    halves: Vec<(&'a GridBatch, &'a [u32])>,
+    rest_length: Option<f32>,
+}
+
+impl<'a> Sticks<'a> {
+    fn new(topology: &'a Topology, offset: (isize, usize)) -> Self {
+        let mut sticks = Self { halves: Vec::new(), rest_length: None };
+        for batch in topology.batches.iter().filter(|batch| batch.material.kind == StickKind::Structural) {
+            if let BatchSticks::Grid { batch, severed, rest_length, .. } = &batch.sticks
+                && batch.offset() == offset
+            {
+                sticks.halves.push((batch, severed));
+                sticks.rest_length = Some(*rest_length);
+            }
+        }
+        sticks
+    }
+
+    /// True if a stick joins these slots.
+    fn join(&self, ends: [usize; 2]) -> bool {
+        let mut found = self.halves.iter().filter_map(|(batch, severed)| {
+            let stick = batch.stick_between(ends)?;
+            Some(severed.binary_search(&(stick as u32)).is_err())
+        });
+        found.next().unwrap_or(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a cylinder the bends of a mesh have the energy of its curvature.
+    #[test]
+    fn the_energy_of_a_cylinder_is_that_of_its_curvature() {
+        let (spacing, curvature) = (0.01_f64, 0.5);
+        let height = 0.75_f64.sqrt() * spacing;
+        // A patch of equilateral triangles, bent about axes in several directions.
+        for turn in [0.0_f64, 0.3, 0.7, 1.2] {
+            let place = |x: f64, y: f64| {
+                let along = x * libm::cos(turn) + y * libm::sin(turn);
+                DVec3::new(x, y, 0.5 * curvature * along * along)
+            };
+            let mut energy = 0.0;
+            // The three edges that begin at a vertex.
+            for ([x, y], [u, v], [p, q]) in [
+                ([1.0, 0.0], [0.5, 1.0], [0.5, -1.0]),
+                ([0.5, 1.0], [1.0, 0.0], [-0.5, 1.0]),
+                ([-0.5, 1.0], [0.5, 1.0], [-1.0, 0.0]),
+            ] {
+                let corner = |x: f64, y: f64| place(x * spacing, y * height);
+                let corners = [corner(0.0, 0.0), corner(x, y), corner(u, v), corner(p, q)];
+                let flat = corners.map(|corner| corner.with_z(0.0));
+                let (weights, areas, _) = across_edge(flat).expect("it has an area");
+                let sum: DVec3 =
+                    corners.iter().zip(weights).map(|(&corner, weight)| corner * f64::from(weight)).sum();
+                energy += 0.5 * sum.length_squared() / areas;
+            }
+            let expected = 0.5 * curvature * curvature * spacing * height;
+            assert!((energy / expected - 1.0).abs() < 1e-3, "{turn}: {energy} of {expected}");
+        }
+    }
+
+    #[test]
+    fn flat_triangles_have_no_rest_and_curved_ones_a_sign() {
+        let corners = |height: f64| {
+            [DVec3::ZERO, DVec3::Y, DVec3::new(1.0, 0.5, height), DVec3::new(-1.0, 0.5, height)]
+        };
+        let rest = |height| across_edge(corners(height)).expect("it has an area").2;
+        assert_eq!(rest(0.0), 0.0);
+        assert!(rest(0.1) * rest(-0.1) < 0.0);
+    }
+}
