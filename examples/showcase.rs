@@ -45,6 +45,7 @@ features! {
     drape: "drape.rs",
     #[cfg(feature = "gltf")]
     dust_sheets: "dust_sheets.rs",
+    fabrics: "fabrics.rs",
     fan: "fan.rs",
     flag: "flag.rs",
     folds: "folds.rs",
