@@ -7,8 +7,6 @@
 
 use glam::Vec3;
 
-use crate::geometry::shape::Surface;
-
 /// Planes after which the two are taken to touch: a path that only grazes halves its distance with each.
 const MOST_PLANES: usize = 24;
 
@@ -17,25 +15,25 @@ const MOST_PLANES: usize = 24;
 pub(crate) fn first_touch(
     path: Vec3,
     noise: f32,
-    gap: impl Fn(f32) -> Option<Surface>,
+    gap: impl Fn(f32) -> Option<(f32, Vec3)>,
 ) -> Option<(f32, Vec3)> {
     let mut fraction = 0.0;
-    let mut between = gap(fraction).filter(|start| start.distance >= 0.0)?;
+    let (mut distance, mut normal) = gap(fraction).filter(|&(distance, _)| distance >= 0.0)?;
     for _ in 0..MOST_PLANES {
-        let closing = -between.normal.dot(path);
+        let closing = -normal.dot(path);
         if closing <= 0.0 {
             return None;
         }
-        if between.distance <= noise {
+        if distance <= noise {
             break;
         }
         // Stops short, as solids that touch by rounding have no plane between them.
-        fraction += (between.distance - 0.5 * noise) / closing;
+        fraction += (distance - 0.5 * noise) / closing;
         if fraction > 1.0 {
             return None;
         }
         let Some(next) = gap(fraction) else { break };
-        between = next;
+        (distance, normal) = next;
     }
-    (between.normal.dot(path) < 0.0).then_some((fraction, between.normal))
+    (normal.dot(path) < 0.0).then_some((fraction, normal))
 }

@@ -319,8 +319,11 @@ impl Shape {
     /// True if it is known to be convex.
     pub(crate) fn is_convex(&self) -> bool {
         match self {
-            Self::HalfSpace { .. } | Self::Sphere { .. } | Self::Cuboid { .. } => true,
-            Self::Capsule { .. } | Self::TaperedCapsule { .. } => true,
+            Self::HalfSpace { .. }
+            | Self::Sphere { .. }
+            | Self::Capsule { .. }
+            | Self::TaperedCapsule { .. }
+            | Self::Cuboid { .. } => true,
             Self::Container { .. } | Self::Compound(_) => false,
             Self::Mesh(mesh) => mesh.is_convex(),
             Self::Parry(shape) => shape.is_convex(),

@@ -11,7 +11,7 @@ use parry3d::shape::{Ball, Capsule, Cuboid, Segment, Shape as ParryShape, Triang
 use crate::constants::SURFACE_NOISE;
 use crate::geometry::approach::first_touch;
 use crate::geometry::nearest::{FaceOrEdge, Nearest};
-use crate::geometry::shape::{Plane, Shape, Surface};
+use crate::geometry::shape::{Plane, Shape};
 
 /// The first hit of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ impl Shape {
                     let Nearest::At(_, point) = self.nearest_on(there, path.length()) else { return None };
                     Some((point, self.surface(point)))
                 };
-                let gap = |fraction| nearest(fraction).map(|(_, surface)| surface);
+                let gap = |fraction| nearest(fraction).map(|(_, surface)| (surface.distance, surface.normal));
                 let (fraction, normal) = first_touch(path, self.noise(), gap)?;
                 let (point, _) = nearest(fraction)?;
                 SweepHit::on_surface(fraction, point, normal)
@@ -63,7 +63,7 @@ impl Shape {
     pub(crate) fn approach_of_ball(&self, radius: f32, start: Vec3, path: Vec3) -> Option<(f32, Vec3)> {
         let gap = |fraction: f32| {
             let surface = self.surface(start + path * fraction);
-            Some(Surface { distance: surface.distance - radius, ..surface })
+            Some((surface.distance - radius, surface.normal))
         };
         first_touch(path, self.noise(), gap)
     }

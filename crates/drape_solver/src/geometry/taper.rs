@@ -97,12 +97,12 @@ mod tests {
     fn by_planes([half_length, bottom, top]: [f32; 3], point: Vec3) -> (f32, Vec3) {
         const PLANES: u32 = 20_000;
         let [half_length, bottom, top] = [half_length, bottom, top].map(f64::from);
-        let out = f64::from(point.x).hypot(point.z.into());
+        let out = libm::hypot(point.x.into(), point.z.into());
         let away = Vec3::new(point.x, 0.0, point.z) / out as f32;
         let mut farthest = (f64::NEG_INFINITY, Vec3::ZERO);
         for index in 0..=PLANES {
             let angle = core::f64::consts::PI * (f64::from(index) / f64::from(PLANES) - 0.5);
-            let (up, across) = angle.sin_cos();
+            let (up, across) = libm::sincos(angle);
             let edge = (bottom - up * half_length).max(top + up * half_length);
             let distance = across * out + up * f64::from(point.y) - edge;
             if distance > farthest.0 {

@@ -177,7 +177,8 @@ impl BodyColliders {
             let sample: Vec<SkinPiece> = skin.iter().step_by(stride).copied().collect();
             let Some(mut balls) = FittedBalls::of_skin(&sample, bone(joints, joint)) else { continue };
             let distances = sample.iter().map(|piece| (balls.distance(piece.place), piece.area));
-            let growth = quantile(&mut distances.collect(), self.coverage.into()) + f64::from(self.margin);
+            let mut distances: Vec<(f64, f64)> = distances.collect();
+            let growth = quantile(&mut distances, self.coverage.into()) + f64::from(self.margin);
             let least = 0.01 * balls.radii[0].max(balls.radii[1]);
             balls.radii = balls.radii.map(|radius| (radius + growth).max(least));
             fitted.push((joint, balls));
@@ -260,8 +261,8 @@ fn report(skins: &[Vec<SkinPiece>], fitted: &[(usize, FittedBalls)]) -> BodyColl
         })
         .collect();
     let of = |side: f64| {
-        let mut distances =
-            distances.iter().map(|&(distance, area)| ((side * distance).max(0.0), area)).collect();
+        let distances = distances.iter().map(|&(distance, area)| ((side * distance).max(0.0), area));
+        let mut distances: Vec<(f64, f64)> = distances.collect();
         let [median, percentile_99, greatest] =
             [0.5, 0.99, 1.0].map(|part| quantile(&mut distances, part) as f32);
         SkinDistances { median, percentile_99, greatest }
@@ -270,7 +271,7 @@ fn report(skins: &[Vec<SkinPiece>], fitted: &[(usize, FittedBalls)]) -> BodyColl
 }
 
 /// The value below which a `part` of the values lies, by their weights; 0 of none.
-fn quantile(values: &mut Vec<(f64, f64)>, part: f64) -> f64 {
+fn quantile(values: &mut [(f64, f64)], part: f64) -> f64 {
     values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let mut left = part * values.iter().map(|&(_, weight)| weight).sum::<f64>();
     let found = values.iter().find(|&&(_, weight)| {
