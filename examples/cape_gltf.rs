@@ -58,21 +58,7 @@ fn enter(file: Res<AwaitedFile>, files: Res<Assets<Gltf>>, mut commands: Command
     commands.remove_resource::<AwaitedFile>();
 }
 
-/// Bones, radius and length of the capsule on each, and how far up the bone its middle is, in metres.
-pub const CAPSULES: [(&str, f32, f32, f32); 10] = [
-    ("hips", 0.13, 0.1, 0.0),
-    ("spine", 0.12, 0.1, 0.05),
-    ("chest", 0.13, 0.14, 0.06),
-    ("head", 0.11, 0.02, 0.13),
-    ("left arm", 0.045, 0.5, -0.25),
-    ("right arm", 0.045, 0.5, -0.25),
-    ("left thigh", 0.08, 0.35, -0.2),
-    ("right thigh", 0.08, 0.35, -0.2),
-    ("left shin", 0.06, 0.35, -0.2),
-    ("right shin", 0.06, 0.35, -0.2),
-];
-
-/// Makes cloth of the cape, and puts capsules on the bones, when the scene is there.
+/// Makes cloth of the cape, and fits capsules to the figure, when the scene is there.
 pub fn dress(
     ready: On<WorldInstanceReady>,
     children: Query<&Children>,
@@ -83,7 +69,10 @@ pub fn dress(
     commands.entity(root).insert(MovedByFrame);
     for entity in children.iter_descendants(root) {
         let Ok(name) = names.get(entity) else { continue };
-        // The entity of the mesh: a child of its node, called by mesh and material.
+        // The entities of the meshes: children of their nodes, called by mesh and material.
+        if name.as_str() == "Figure.skin" {
+            commands.entity(entity).insert(BodyColliders { friction: 0.3, ..default() });
+        }
         if name.as_str() == "Cape.cloth" {
             let paint =
                 ClothPaint { max_distance: Some(PaintChannel::Green), full_distance: 0.7, ..default() };
@@ -91,10 +80,6 @@ pub fn dress(
             let fabric = Fabric { areal_density: 0.3, drag: 1.0, thickness: 0.01, ..default() };
             let motion = WorldMotion::of(root).with_scale(0.8, 0.5);
             commands.entity(entity).insert((cape, fabric, motion));
-        }
-        if let Some(&(_, radius, length, middle)) = CAPSULES.iter().find(|bone| bone.0 == name.as_str()) {
-            let capsule = Obstacle::capsule(radius, length).with_friction(0.3);
-            commands.spawn((capsule, Transform::from_xyz(0.0, middle, 0.0), ChildOf(entity)));
         }
     }
 }

@@ -154,14 +154,20 @@ fn body(c: &mut Choices) -> String {
 }
 
 fn obstacle(c: &mut Choices) -> String {
-    let shape = match c.below(7) {
+    let shape = match c.below(8) {
         0 => "Ground".to_string(),
         1 => format!("Sphere(radius: {})", c.size()),
         2 => format!("Capsule(radius: {}, length: {})", c.size(), c.size()),
         3 => format!("Cuboid(size: ({}, {}, {}))", c.size(), c.size(), c.size()),
         4 => format!("Container(size: ({}, {}, {}))", c.size(), c.size(), c.size()),
         5 => format!("Cylinder(radius: {}, height: {})", c.size(), c.size()),
-        _ => format!("Cone(radius: {}, height: {})", c.size(), c.size()),
+        6 => format!("Cone(radius: {}, height: {})", c.size(), c.size()),
+        _ => format!(
+            "TaperedCapsule(bottom_radius: {}, top_radius: {}, length: {})",
+            c.size(),
+            c.size(),
+            c.size()
+        ),
     };
     format!("(shape: {shape}, at: {}, friction: {})", c.place(), c.of(&["0.5", "0", "5"]))
 }

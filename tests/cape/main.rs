@@ -2,6 +2,7 @@
 
 mod asset;
 mod backstops;
+mod body;
 #[cfg(feature = "gltf")]
 #[path = "../../examples/cape_gltf.rs"]
 #[expect(dead_code, reason = "the example's own `main`")]

@@ -9,7 +9,7 @@ use bevy_drape::render::WeldedVertices;
 use bevy_drape::step::MotionLimitCounts;
 use drape_solver::state::measure::stretch;
 
-use drape_examples::character::{Character, FULL_DISTANCE, cape_mesh, capsule, inverse_bind_poses};
+use drape_examples::character::{Character, FULL_DISTANCE, cape_mesh, inverse_bind_poses};
 
 /// The worst of all steps so far.
 #[derive(Resource, Clone, Copy, Debug, Default)]
@@ -119,6 +119,7 @@ pub fn measure(
     skin: Res<Skin>,
     places: Query<&GlobalTransform>,
     capes: Query<(&Particles, &Sticks, &WeldedVertices, &Fabric, Option<&BodySurface>)>,
+    obstacles: Query<&Obstacle>,
     counts: Res<MotionLimitCounts>,
     mut worst: ResMut<Worst>,
 ) {
@@ -126,6 +127,12 @@ pub fn measure(
     let place = |entity: Entity| places.get(entity).expect("placed").affine();
     let posed = skin.posed(|joint| place(character.joints[joint]));
     let thickness = surface.copied().unwrap_or(fabric.surface()).thickness;
+    let capsules = character.capsules.iter().map(|&capsule| {
+        let obstacle = obstacles.get(capsule).expect("a capsule");
+        let shape = obstacle.shape.solid(None).expect("valid").expect("a capsule");
+        (place(capsule).inverse(), shape)
+    });
+    let capsules: Vec<_> = capsules.collect();
     let mut deep = 0;
     for (vertex, target) in posed.iter().enumerate() {
         let i = welded.particle(vertex).expect("a corner");
@@ -137,12 +144,7 @@ pub fn measure(
             continue;
         }
         worst.excess = worst.excess.max(off - limit);
-        let depth = character.joints.iter().enumerate().map(|(joint, _)| {
-            let (radius, half, _) = capsule(joint);
-            let local = place(character.capsules[joint]).inverse().transform_point3(position);
-            let axis = Vec3::new(0.0, local.y.clamp(-half, half), 0.0);
-            radius - local.distance(axis)
-        });
+        let depth = capsules.iter().map(|(pose, shape)| -shape.distance(pose.transform_point3(position)));
         let depth = depth.fold(f32::NEG_INFINITY, f32::max);
         worst.depth_of_conflicts = worst.depth_of_conflicts.max(depth);
         let is_at_limit = off > limit - 1e-4;

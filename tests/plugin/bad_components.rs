@@ -130,6 +130,7 @@ fn obstacles_that_cannot_be() {
         (Obstacle::cylinder(0.1, 0.0), "height"),
         (Obstacle::cone(f32::INFINITY, 1.0), "radius"),
         (Obstacle::capsule(-0.1, 1.0), "radius"),
+        (Obstacle::tapered_capsule(0.1, 0.0, 1.0), "top_radius"),
         (ground.clone().with_friction(-1.0), "friction"),
         (ground.clone().with_friction(f32::NAN), "friction"),
         (ground.clone().with_static_friction(-1.0), "static_friction"),

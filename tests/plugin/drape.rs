@@ -23,6 +23,7 @@ fn obstacles() -> Vec<(&'static str, Obstacle)> {
         ("half-space", Obstacle::ground()),
         ("ball", Obstacle::sphere(0.35)),
         ("capsule", Obstacle::capsule(0.2, 0.6)),
+        ("tapered capsule", Obstacle::tapered_capsule(0.25, 0.15, 0.6)),
         ("cuboid", Obstacle::cuboid(0.6, 0.4, 0.8)),
         ("cylinder", Obstacle::cylinder(0.35, 0.4)),
         ("cone", Obstacle::cone(0.35, 0.5)),

@@ -84,7 +84,9 @@ pub mod prelude {
     pub use crate::picking::Draggable;
     #[cfg(feature = "mesh")]
     #[doc(inline)]
-    pub use crate::render::{ClothMesh, ClothPaint, ObstacleHierarchy, RopeMesh, SoftBodyMesh};
+    pub use crate::render::{
+        BodyColliders, ClothMesh, ClothPaint, ObstacleHierarchy, RopeMesh, SoftBodyMesh,
+    };
     #[doc(inline)]
     pub use crate::{
         attach::{Attachment, FollowParticle, Tie, WorldMotion},

@@ -113,6 +113,9 @@ fn obstacle() -> impl Strategy<Value = String> {
         Just("Ground".to_string()),
         size().prop_map(|radius| format!("Sphere(radius: {radius})")),
         (size(), size()).prop_map(|(radius, length)| format!("Capsule(radius: {radius}, length: {length})")),
+        (size(), size(), size()).prop_map(|(bottom, top, length)| format!(
+            "TaperedCapsule(bottom_radius: {bottom}, top_radius: {top}, length: {length})"
+        )),
         (size(), size(), size()).prop_map(|(x, y, z)| format!("Cuboid(size: ({x}, {y}, {z}))")),
         (size(), size()).prop_map(|(radius, height)| format!("Cylinder(radius: {radius}, height: {height})")),
         (size(), size()).prop_map(|(radius, height)| format!("Cone(radius: {radius}, height: {height})")),

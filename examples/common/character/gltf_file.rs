@@ -50,7 +50,7 @@ const NECK_AND_SHOULDERS: [(usize, f32, f32, Vec3); 2] =
     [(3, 0.05, 0.12, Vec3::new(0.0, 0.0, 0.0)), (2, 0.06, 0.34, Vec3::new(0.0, 0.15, 0.0))];
 
 /// The body: one capsule for each bone, a little thinner than the capsule that the cape touches.
-fn figure() -> Mesh {
+pub fn figure() -> Mesh {
     let bones = (0..BONES.len()).map(|joint| {
         let (radius, half, middle) = capsule(joint);
         (joint, radius * 0.97, 2.0 * half, middle)

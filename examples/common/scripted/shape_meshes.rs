@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_drape_script::scene::{Number, Positive, Shape, Vector};
 use drape_solver::parry3d::transformation::try_convex_hull;
 
-use crate::view::shape_meshes::{Placed, flat, plane};
+use crate::view::shape_meshes::{Placed, flat, plane, tapered_capsule};
 
 /// The meshes of an obstacle of a scene: one for each of its parts, none for the inside of a box.
 pub fn meshes_of(shape: &Shape) -> Vec<Placed> {
@@ -18,6 +18,9 @@ pub fn meshes_of(shape: &Shape) -> Vec<Placed> {
         Shape::Sphere { radius } => at_home(Sphere::new(radius.get()).mesh().uv(48, 24)),
         Shape::Capsule { radius, length } => {
             at_home(Capsule3d::new(radius.get(), length.get()).mesh().build())
+        }
+        Shape::TaperedCapsule { bottom_radius, top_radius, length } => {
+            at_home(tapered_capsule(length.get() * 0.5, bottom_radius.get(), top_radius.get()))
         }
         Shape::Cuboid { size } | Shape::RoundCuboid { size, .. } => {
             at_home(Cuboid::from_size(sides(size)).mesh().build())

@@ -1,7 +1,7 @@
 //! Meshes and materials of obstacles.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::mesh::PrimitiveTopology;
+use bevy::mesh::{PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy_drape_script::recording::Form;
 
@@ -20,6 +20,9 @@ pub fn mesh_of(form: Form) -> Option<Placed> {
             let capsule = Capsule3d::new(radius, 2.0 * half_length).mesh().build();
             return Some((capsule, Transform::IDENTITY));
         }
+        Form::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+            return Some((tapered_capsule(half_length, bottom_radius, top_radius), Transform::IDENTITY));
+        }
         Form::Cuboid { half_extents } => (Vec3::from_array(half_extents), Vec3::ZERO),
         Form::Container { .. } => return None,
         Form::Other { low, high } => {
@@ -29,6 +32,22 @@ pub fn mesh_of(form: Form) -> Option<Placed> {
     };
     let is_box = half.is_finite() && middle.is_finite();
     is_box.then(|| (Cuboid::from_size(half * 2.0).mesh().build(), Transform::from_translation(middle)))
+}
+
+/// A tapered capsule: a sphere that is pulled apart where its normal is square to the cone's side.
+pub fn tapered_capsule(half_length: f32, bottom_radius: f32, top_radius: f32) -> Mesh {
+    let mut mesh = Sphere::new(1.0).mesh().uv(48, 48);
+    let slope = (bottom_radius - top_radius) / (2.0 * half_length);
+    if let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION) {
+        for place in places {
+            // Bevy's sphere has its poles on Z.
+            let normal = Vec3::new(place[0], place[2], -place[1]);
+            let (height, radius) =
+                if normal.y > slope { (half_length, top_radius) } else { (-half_length, bottom_radius) };
+            *place = (normal * radius + Vec3::Y * height).to_array();
+        }
+    }
+    mesh.with_computed_smooth_normals()
 }
 
 pub fn plane(normal: Vec3) -> Placed {

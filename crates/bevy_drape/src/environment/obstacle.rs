@@ -69,6 +69,12 @@ impl Obstacle {
         Self::new(ObstacleShape::Capsule { radius, length })
     }
 
+    /// A tapered capsule along the entity's Y axis: the convex hull of two balls with these radii, the bottom one below, and `length`
+    /// between their centres, all in metres.
+    pub fn tapered_capsule(bottom_radius: f32, top_radius: f32, length: f32) -> Self {
+        Self::new(ObstacleShape::TaperedCapsule { bottom_radius, top_radius, length })
+    }
+
     /// A box with sides of `x`, `y` and `z` metres.
     pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
         Self::new(ObstacleShape::Cuboid { size: Vec3::new(x, y, z) })

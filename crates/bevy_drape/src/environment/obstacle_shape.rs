@@ -28,6 +28,15 @@ pub enum ObstacleShape {
         /// Length of the segment.
         length: f32,
     },
+    /// The convex hull of two balls on the Y axis, with their middle at the origin. Where one holds the other, it is that ball.
+    TaperedCapsule {
+        /// Radius of the lower ball.
+        bottom_radius: f32,
+        /// Radius of the upper ball.
+        top_radius: f32,
+        /// Distance of their centres.
+        length: f32,
+    },
     /// A box.
     Cuboid {
         /// Sides.
@@ -87,6 +96,9 @@ impl From<Shape> for ObstacleShape {
             Shape::HalfSpace { normal } => Self::HalfSpace { normal },
             Shape::Sphere { radius } => Self::Sphere { radius },
             Shape::Capsule { half_length, radius } => Self::Capsule { radius, length: 2.0 * half_length },
+            Shape::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                Self::TaperedCapsule { bottom_radius, top_radius, length: 2.0 * half_length }
+            }
             Shape::Cuboid { half_extents } => Self::Cuboid { size: 2.0 * half_extents },
             Shape::Container { half_extents } => Self::Container { size: 2.0 * half_extents },
             other => Self::Custom(CustomShape(other)),
@@ -117,6 +129,11 @@ impl ObstacleShape {
             Self::Capsule { radius, length: segment } => Shape::Capsule {
                 half_length: 0.5 * positive("length", segment)?,
                 radius: positive("radius", radius)?,
+            },
+            Self::TaperedCapsule { bottom_radius, top_radius, length: segment } => Shape::TaperedCapsule {
+                half_length: 0.5 * positive("length", segment)?,
+                bottom_radius: positive("bottom_radius", bottom_radius)?,
+                top_radius: positive("top_radius", top_radius)?,
             },
             Self::Cuboid { size } => Shape::Cuboid { half_extents: half_extents(size)? },
             Self::Container { size } => Shape::Container { half_extents: half_extents(size)? },

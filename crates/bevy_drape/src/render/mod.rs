@@ -34,6 +34,9 @@ pub(crate) mod visibility;
 pub(crate) mod write_surfaces;
 
 pub use from_mesh::{
+    body_colliders::{
+        BodyCollider, BodyColliders, BodyCollidersReport, FittedCapsule, SkinDistances, SkinJoint,
+    },
     cloth_mesh::{ClothMesh, ClothWeave, WeldedVertices},
     driven_mesh::DrivenMesh,
     obstacle_hierarchy::ObstacleHierarchy,

@@ -12,6 +12,7 @@ use bevy::asset::AssetEventSystems;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
+use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
@@ -23,6 +24,7 @@ use crate::environment::obstacle::Obstacle;
 use crate::refusal::forget_removed;
 use crate::render::build_surfaces::build_surfaces;
 use crate::render::from_mesh::body::{build_mesh_bodies, remove_mesh_body};
+use crate::render::from_mesh::body_colliders::{BodyCollider, BodyColliders, BodyCollidersReport};
 use crate::render::from_mesh::cloth_mesh::{ClothMesh, WeldedVertices};
 use crate::render::from_mesh::driven_mesh::{
     DrivenMesh, build_driven_meshes, hide_driven, record_driven_surfaces, remove_driven_mesh,
@@ -33,6 +35,7 @@ use crate::render::from_mesh::obstacle_hierarchy::{
 use crate::render::from_mesh::obstacle_mesh::{remove_obstacle_mesh, shape_obstacles};
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
 use crate::render::from_mesh::source::mark_modified;
+use crate::render::from_mesh::spawn_colliders::{remove_body_colliders, spawn_body_colliders};
 use crate::render::rope_mesh::{RopeMesh, build_rope_meshes, record_ropes};
 use crate::render::torn_mesh::tear_meshes;
 use crate::render::visibility::hide_culled;
@@ -69,6 +72,7 @@ impl Plugin for MeshPlugin {
             FixedLast.intern(),
         ];
         app.register_type::<(ClothMesh, WeldedVertices, RopeMesh, SoftBodyMesh, DrivenMesh, ObstacleHierarchy)>()
+            .register_type::<(BodyColliders, BodyCollider, BodyCollidersReport)>()
             .add_observer(remove_described_body::<ClothMesh>)
             .add_observer(remove_described_body::<SoftBodyMesh>)
             .add_observer(remove_mesh_body::<ClothMesh>)
@@ -76,6 +80,8 @@ impl Plugin for MeshPlugin {
             .add_observer(remove_driven_mesh)
             .add_observer(remove_obstacle_mesh)
             .add_observer(remove_made_obstacles)
+            .add_observer(remove_body_colliders)
+            .add_observer(forget_removed::<BodyColliders>)
             .add_observer(forget_removed::<ClothMesh>)
             .add_observer(forget_removed::<SoftBodyMesh>)
             .add_observer(forget_removed::<DrivenMesh>);
@@ -132,6 +138,12 @@ impl Plugin for MeshPlugin {
         app.add_systems(
             PostUpdate,
             (
+                // Before the capsules are placed for the first time.
+                spawn_body_colliders
+                    .run_if(any_with_component::<BodyColliders>)
+                    .run_if(resource_exists::<Assets<Mesh>>)
+                    .run_if(resource_exists::<Assets<SkinnedMeshInverseBindposes>>)
+                    .before(TransformSystems::Propagate),
                 write_surfaces
                     .run_if(resource_exists::<Assets<Mesh>>)
                     .after(TransformSystems::Propagate)

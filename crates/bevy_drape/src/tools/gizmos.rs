@@ -24,6 +24,7 @@ use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::particles::{Particles, Sticks};
 use crate::step::islands::Islands;
+use crate::tools::obstacle_gizmos::draw_obstacles;
 
 /// Gizmos to draw when this group is enabled in the `GizmoConfigStore`; see the [module](self).
 #[derive(Reflect, GizmoConfigGroup, Clone, Copy, Debug, PartialEq)]
@@ -43,6 +44,8 @@ pub struct DrapeGizmos {
     pub contacts: bool,
     /// Points where balls first touched something in the last step, each with the normal.
     pub touches: bool,
+    /// Outlines of obstacles; none of half-spaces, meshes, hulls and shapes of parry.
+    pub obstacles: bool,
     /// Strain at which a stick becomes fully red (a fraction, 0.05 is 5 %).
     pub full_strain: f32,
     /// Half the size of a particle's cross in metres; pins are twice as large, normals eight times as long.
@@ -59,6 +62,7 @@ impl Default for DrapeGizmos {
             pins: true,
             contacts: true,
             touches: true,
+            obstacles: false,
             full_strain: 0.05,
             particle_size: 0.01,
         }
@@ -85,7 +89,10 @@ impl Plugin for GizmosPlugin {
             let config = GizmoConfig { enabled: false, depth_bias: -0.002, ..default() };
             app.insert_gizmo_config(DrapeGizmos::default(), config);
         }
-        app.add_systems(PostUpdate, (draw_bodies, draw_touches).after(TransformSystems::Propagate));
+        app.add_systems(
+            PostUpdate,
+            (draw_bodies, draw_touches, draw_obstacles).after(TransformSystems::Propagate),
+        );
     }
 }
 

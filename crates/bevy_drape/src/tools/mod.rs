@@ -9,6 +9,8 @@ pub mod diagnostics;
 pub mod gestures;
 #[cfg(feature = "gizmos")]
 pub mod gizmos;
+#[cfg(feature = "gizmos")]
+mod obstacle_gizmos;
 #[cfg(feature = "picking")]
 pub mod picking;
 mod point_projection;

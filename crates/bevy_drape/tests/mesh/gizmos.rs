@@ -33,6 +33,7 @@ const NOTHING: DrapeGizmos = DrapeGizmos {
     pins: false,
     contacts: false,
     touches: false,
+    obstacles: false,
     full_strain: 0.05,
     particle_size: 0.01,
 };
@@ -61,6 +62,36 @@ fn each_kind_is_drawn_by_its_own_switch() {
 #[test]
 fn nothing_is_drawn_while_the_group_is_off() {
     assert_eq!(lines_of_a_small_cloth(false, DrapeGizmos { structural_sticks: true, ..NOTHING }), 0);
+}
+
+/// Each line lies on the surface of its obstacle, moved, turned and scaled.
+#[test]
+fn outlines_lie_on_the_surfaces_of_obstacles() {
+    for obstacle in [
+        Obstacle::sphere(0.3),
+        Obstacle::capsule(0.2, 0.5),
+        Obstacle::tapered_capsule(0.3, 0.1, 0.5),
+        Obstacle::tapered_capsule(0.1, 0.3, 0.5),
+        Obstacle::tapered_capsule(0.5, 0.1, 0.2),
+        Obstacle::cylinder(0.3, 0.5),
+        Obstacle::cone(0.3, 0.5),
+        Obstacle::cuboid(0.3, 0.4, 0.5),
+    ] {
+        let mut app = app_with_gizmos(true, DrapeGizmos { obstacles: true, ..NOTHING });
+        let place = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_x(0.7));
+        app.world_mut().spawn((obstacle.clone(), place.with_scale(Vec3::splat(2.0))));
+        app.update();
+        let shape = obstacle.shape.solid(None).expect("valid").expect("no mesh");
+        let lines = lines(&app);
+        assert!(lines.len() > 11, "{obstacle:?}: {} lines", lines.len());
+        for end in lines.into_iter().flatten().filter(|end| end.is_finite()) {
+            let local = place.rotation.inverse() * (end - place.translation) * 0.5;
+            let off = shape.distance(local);
+            let is_held =
+                off < 0.0 && matches!(obstacle.shape, ObstacleShape::TaperedCapsule { length: 0.2, .. });
+            assert!(off.abs() < 1e-4 || is_held, "{obstacle:?}: {off} m off");
+        }
+    }
 }
 
 #[test]

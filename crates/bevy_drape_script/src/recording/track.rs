@@ -73,6 +73,15 @@ pub enum Form {
         /// Greatest corner.
         high: [f32; 3],
     },
+    /// The convex hull of two balls on the Y axis.
+    TaperedCapsule {
+        /// Half the distance of their centres.
+        half_length: f32,
+        /// Radius of the lower ball.
+        bottom_radius: f32,
+        /// Radius of the upper ball.
+        top_radius: f32,
+    },
 }
 
 impl Form {
@@ -83,6 +92,9 @@ impl Form {
             Shape::Sphere { radius } => Self::Sphere { radius: *radius },
             Shape::Capsule { half_length, radius } => {
                 Self::Capsule { half_length: *half_length, radius: *radius }
+            }
+            &Shape::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                Self::TaperedCapsule { half_length, bottom_radius, top_radius }
             }
             Shape::Cuboid { half_extents } => Self::Cuboid { half_extents: half_extents.to_array() },
             Shape::Container { half_extents } => Self::Container { half_extents: half_extents.to_array() },

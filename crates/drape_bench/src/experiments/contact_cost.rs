@@ -116,7 +116,9 @@ fn cases(n: u32) -> Result<Vec<Case>, Box<dyn Error>> {
         };
         let middle = if matches!(shape, Shape::Container { .. }) { 2.0 } else { top };
         let rotation = match shape {
-            Shape::Capsule { .. } => Quat::from_rotation_z(core::f32::consts::FRAC_PI_2),
+            Shape::Capsule { .. } | Shape::TaperedCapsule { .. } => {
+                Quat::from_rotation_z(core::f32::consts::FRAC_PI_2)
+            }
             _ => Quat::IDENTITY,
         };
         let placement = Placement { translation: Vec3::Y * middle, rotation };
@@ -175,6 +177,7 @@ fn shapes() -> Vec<(&'static str, Shape)> {
         ("half-space", Shape::HalfSpace { normal: Vec3::Y }),
         ("ball", Shape::Sphere { radius: 0.5 }),
         ("capsule", Shape::Capsule { half_length: 0.6, radius: 0.5 }),
+        ("tapered capsule", Shape::TaperedCapsule { half_length: 0.6, bottom_radius: 0.5, top_radius: 0.4 }),
         ("cuboid", Shape::Cuboid { half_extents: Vec3::new(0.6, 0.5, 0.6) }),
         ("container", Shape::Container { half_extents: Vec3::splat(2.0) }),
     ];

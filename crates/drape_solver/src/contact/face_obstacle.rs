@@ -104,8 +104,9 @@ fn poke(shape: &Shape, side: f32) -> Option<f32> {
     match shape {
         Shape::HalfSpace { .. } | Shape::Container { .. } => Some(0.0),
         // The rise of an arc over its chord.
-        Shape::Sphere { radius } | Shape::Capsule { radius, .. } => {
-            (side < *radius).then(|| side * side / (4.0 * radius))
+        Shape::Sphere { .. } | Shape::Capsule { .. } | Shape::TaperedCapsule { .. } => {
+            let radius = shape.least_half_extent();
+            (side < radius).then(|| side * side / (4.0 * radius))
         }
         Shape::Cuboid { .. } | Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) => None,
     }

@@ -15,6 +15,7 @@
 //!
 //! Imports: `simd` and the ground. Callers: everything above.
 
+pub(crate) mod approach;
 pub mod compound;
 pub(crate) mod lane_boxes;
 pub mod mesh;
@@ -22,7 +23,9 @@ pub(crate) mod nearest;
 pub(crate) mod nearest_lanes;
 pub(crate) mod nearest_segments;
 pub mod nearest_triangle;
+pub(crate) mod parry_surface;
 pub(crate) mod pose;
 pub mod shape;
 pub(crate) mod surface_lanes;
 pub(crate) mod sweep;
+pub(crate) mod taper;

@@ -11,6 +11,10 @@ use parry3d::shape::{Cuboid, Segment, Shape as ParryShape, SupportMap, Triangle}
 use crate::geometry::nearest_triangle::weighted;
 use crate::geometry::nearest_triangle::{on_segment, on_triangle};
 use crate::geometry::shape::Shape;
+use crate::geometry::taper::Taper;
+
+/// Halvings of the axis of a tapered capsule, to within a millionth.
+const HALVINGS: usize = 20;
 
 /// Nearest point of an element to a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,11 +43,26 @@ impl FaceOrEdge {
         }
     }
 
-    fn nearest_to_origin(self) -> Vec3 {
+    fn nearest_to_point(self, point: Vec3) -> Vec3 {
         match self {
-            Self::Triangle(corners) => weighted(on_triangle(corners, Vec3::ZERO), corners),
-            Self::Segment([a, b]) => weighted(on_segment([a, b], Vec3::ZERO), [a, b, b]),
+            Self::Triangle(corners) => weighted(on_triangle(corners, point), corners),
+            Self::Segment([a, b]) => weighted(on_segment([a, b], point), [a, b, b]),
         }
+    }
+
+    /// The distance is a convex function of the ball's height: halves the heights between which it has its least.
+    fn nearest_to_balls(self, taper: Taper) -> Vec3 {
+        let (mut low, mut high) = (taper.low, taper.high);
+        for _ in 0..HALVINGS {
+            let middle = Vec3::Y * (0.5 * (low + high));
+            let from_piece = middle - self.nearest_to_point(middle);
+            if from_piece.y > taper.growth * from_piece.length() {
+                high = middle.y;
+            } else {
+                low = middle.y;
+            }
+        }
+        self.nearest_to_point(Vec3::Y * (0.5 * (low + high)))
     }
 
     fn nearest_to(self, shape: &dyn ParryShape, reach: f32) -> Nearest {
@@ -70,6 +89,14 @@ impl FaceOrEdge {
 }
 
 impl Nearest {
+    fn at(distance: f32, point: Vec3, reach: f32) -> Self {
+        match distance {
+            _ if distance > reach => Self::Apart,
+            _ if distance > 0.0 => Self::At(distance, point),
+            _ => Self::Through,
+        }
+    }
+
     fn of(found: ClosestPoints) -> Self {
         match found {
             ClosestPoints::WithinMargin(own, other) if own.is_finite() => Self::At(own.distance(other), own),
@@ -86,13 +113,8 @@ impl Shape {
             // Only particles touch these shapes.
             Self::HalfSpace { .. } | Self::Container { .. } => Nearest::Through,
             Self::Sphere { radius } => {
-                let point = piece.nearest_to_origin();
-                let distance = point.length() - radius;
-                match distance {
-                    _ if distance > reach => Nearest::Apart,
-                    _ if distance > 0.0 => Nearest::At(distance, point),
-                    _ => Nearest::Through,
-                }
+                let point = piece.nearest_to_point(Vec3::ZERO);
+                Nearest::at(point.length() - radius, point, reach)
             }
             // By the capsule's core: GJK converges only on shapes with corners.
             Self::Capsule { half_length, radius } => {
@@ -101,6 +123,10 @@ impl Shape {
                     Nearest::At(distance, point) => Nearest::At(distance - radius, point),
                     other => other,
                 }
+            }
+            Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                let point = piece.nearest_to_balls(Taper::new(*half_length, *bottom_radius, *top_radius));
+                Nearest::at(self.distance(point), point, reach)
             }
             Self::Cuboid { half_extents } => piece.nearest_to_convex(&Cuboid::new(*half_extents), reach),
             Self::Mesh(mesh) => piece.nearest_to(mesh.triangles(), reach),

@@ -10,20 +10,20 @@ use std::sync::Arc;
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose as ParryPose;
-use parry3d::query::{PointProjection, Ray, RayCast};
-use parry3d::shape::{Ball, Capsule, Cuboid, ShapeType, SharedShape};
+use parry3d::query::{Ray, RayCast};
+use parry3d::shape::{Ball, Capsule, Cuboid, SharedShape};
 
-use crate::constants::SURFACE_NOISE;
 use crate::error::{BuildError, finite_vector, positive};
 use crate::geometry::compound::CompoundShape;
 use crate::geometry::mesh::MeshShape;
+use crate::geometry::parry_surface::{is_meant_to_be_solid, is_upright, parry_surface};
 use crate::geometry::pose::Placement;
+use crate::geometry::taper::Taper;
 
 /// Corners around a round shape that an uneven scale turns into a convex hull.
 const SCALED_SUBDIVISIONS: u32 = 24;
 
-/// Distance in metres at which parry is asked again beside a point that it cannot project well: too small to be seen.
-const BESIDE: f32 = 1.0e-3;
+const NO_EXTENT: &str = "it has no extent at this scale";
 
 /// The form of an obstacle, in its own coordinates.
 #[derive(Clone)]
@@ -44,6 +44,16 @@ pub enum Shape {
         half_length: f32,
         /// Radius in metres.
         radius: f32,
+    },
+    /// The convex hull of two spheres on the Y axis, one `half_length` below the origin, the other as far above. Where one
+    /// holds the other, it is that sphere.
+    TaperedCapsule {
+        /// Half the distance of the spheres' centres in metres.
+        half_length: f32,
+        /// Radius of the lower sphere in metres.
+        bottom_radius: f32,
+        /// Radius of the upper sphere in metres.
+        top_radius: f32,
     },
     /// A box about the origin.
     Cuboid {
@@ -69,6 +79,9 @@ impl core::fmt::Debug for Shape {
             Self::HalfSpace { normal } => write!(f, "HalfSpace({normal})"),
             Self::Sphere { radius } => write!(f, "Sphere({radius})"),
             Self::Capsule { half_length, radius } => write!(f, "Capsule({half_length}, {radius})"),
+            Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                write!(f, "TaperedCapsule({half_length}, {bottom_radius}, {top_radius})")
+            }
             Self::Cuboid { half_extents } => write!(f, "Cuboid({half_extents})"),
             Self::Container { half_extents } => write!(f, "Container({half_extents})"),
             Self::Mesh(_) => write!(f, "Mesh"),
@@ -176,6 +189,21 @@ impl Shape {
             Self::Capsule { half_length, radius } if scale.x == scale.z && scale.x == scale.y => {
                 return Ok(Self::Capsule { half_length: half_length * scale.x, radius: radius * scale.x });
             }
+            &Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                if scale == Vec3::splat(scale.x) {
+                    let [half_length, bottom_radius, top_radius] =
+                        [half_length, bottom_radius, top_radius].map(|length| length * scale.x);
+                    return Ok(Self::TaperedCapsule { half_length, bottom_radius, top_radius });
+                }
+                let balls = [(-half_length, bottom_radius), (half_length, top_radius)];
+                let points = balls.map(|(height, radius)| {
+                    let (points, _) = Ball::new(radius).to_trimesh(SCALED_SUBDIVISIONS, SCALED_SUBDIVISIONS);
+                    points.into_iter().map(move |point| (point + Vec3::Y * height) * scale)
+                });
+                let points: Vec<Vec3> = points.into_iter().flatten().collect();
+                let hull = SharedShape::convex_hull(&points);
+                return Self::from_parry(hull.ok_or(BuildError::BadShape { reason: NO_EXTENT })?);
+            }
             Self::Mesh(mesh) => {
                 let scaled = Self::Mesh(mesh.scaled(scale).into());
                 scaled.validate()?;
@@ -187,7 +215,7 @@ impl Shape {
             Self::Parry(shape) => shape.clone(),
         };
         let scaled = shape.scale_dyn(scale, SCALED_SUBDIVISIONS);
-        let scaled = scaled.ok_or(BuildError::BadShape { reason: "it has no extent at this scale" })?;
+        let scaled = scaled.ok_or(BuildError::BadShape { reason: NO_EXTENT })?;
         Self::from_parry(SharedShape(scaled.into()))
     }
 
@@ -209,6 +237,11 @@ impl Shape {
             Self::Capsule { half_length, radius } => {
                 positive("half_length", *half_length)?;
                 positive("radius", *radius)?;
+            }
+            Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                positive("half_length", *half_length)?;
+                positive("bottom_radius", *bottom_radius)?;
+                positive("top_radius", *top_radius)?;
             }
             Self::Cuboid { half_extents } | Self::Container { half_extents } => {
                 for side in half_extents.to_array() {
@@ -247,6 +280,10 @@ impl Shape {
                 let on_axis = Vec3::Y * point.y.clamp(-half_length, *half_length);
                 from_core(point - on_axis, *radius)
             }
+            Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                let (from_axis, radius) = Taper::new(*half_length, *bottom_radius, *top_radius).core(point);
+                from_core(from_axis, radius)
+            }
             Self::Cuboid { half_extents } => cuboid_surface(point, *half_extents),
             Self::Container { half_extents } => {
                 let walls = container_walls(*half_extents).map(|wall| wall.surface(point));
@@ -264,6 +301,9 @@ impl Shape {
         match self {
             Self::HalfSpace { .. } | Self::Container { .. } => f32::INFINITY,
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                Taper::new(*half_length, *bottom_radius, *top_radius).least_radius()
+            }
             Self::Cuboid { half_extents } => half_extents.min_element(),
             Self::Mesh(_) | Self::Compound(_) | Self::Parry(_) => 0.0,
         }
@@ -279,7 +319,11 @@ impl Shape {
     /// True if it is known to be convex.
     pub(crate) fn is_convex(&self) -> bool {
         match self {
-            Self::HalfSpace { .. } | Self::Sphere { .. } | Self::Capsule { .. } | Self::Cuboid { .. } => true,
+            Self::HalfSpace { .. }
+            | Self::Sphere { .. }
+            | Self::Capsule { .. }
+            | Self::TaperedCapsule { .. }
+            | Self::Cuboid { .. } => true,
             Self::Container { .. } | Self::Compound(_) => false,
             Self::Mesh(mesh) => mesh.is_convex(),
             Self::Parry(shape) => shape.is_convex(),
@@ -301,6 +345,7 @@ impl Shape {
             Self::Capsule { half_length, radius } => {
                 Capsule::new_y(*half_length, *radius).cast_local_ray_and_get_normal(&ray, 1.0, false)
             }
+            Self::TaperedCapsule { .. } => return self.approach_of_ball(0.0, start, path),
             Self::Cuboid { half_extents } => {
                 Cuboid::new(*half_extents).cast_local_ray_and_get_normal(&ray, 1.0, false)
             }
@@ -321,6 +366,12 @@ impl Shape {
             Self::Capsule { half_length, radius } => {
                 let half = Vec3::new(*radius, half_length + radius, *radius);
                 (-half, half)
+            }
+            &Self::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+                let across = bottom_radius.max(top_radius);
+                let low = (-half_length - bottom_radius).min(half_length - top_radius);
+                let high = (half_length + top_radius).max(bottom_radius - half_length);
+                (Vec3::new(-across, low, -across), Vec3::new(across, high, across))
             }
             Self::Cuboid { half_extents } => (-*half_extents, *half_extents),
             Self::Mesh(mesh) => mesh.bounds(),
@@ -389,46 +440,6 @@ fn cuboid_surface(point: Vec3, half: Vec3) -> Surface {
     } else {
         Surface { distance: beyond.z, normal: Vec3::Z * sign.z }
     }
-}
-
-fn parry_surface(shape: &SharedShape, point: Vec3) -> Surface {
-    let mut projection = parry_projection(shape, point);
-    if !projection.point.is_finite() {
-        // At its centre a parry ball divides zero by zero; any point beside it has a direction.
-        projection = parry_projection(shape, point + Vec3::Y * BESIDE);
-    }
-    let out = if projection.is_inside { projection.point - point } else { point - projection.point };
-    let length = out.length();
-    let distance = if projection.is_inside { -length } else { length };
-    let normal =
-        if length > SURFACE_NOISE * point.length() { out / length } else { normal_on_surface(shape, point) };
-    Surface { distance, normal }
-}
-
-/// The normal at a `point` on the surface itself, where the direction to the surface is lost in rounding.
-fn normal_on_surface(shape: &SharedShape, point: Vec3) -> Vec3 {
-    // A point a little farther out has a direction again.
-    let outwards = (point - shape.compute_local_aabb().center()).try_normalize().unwrap_or(Vec3::Y);
-    let farther = point + outwards * BESIDE;
-    let projection = parry_projection(shape, farther);
-    let out = if projection.is_inside { projection.point - farther } else { farther - projection.point };
-    out.try_normalize().unwrap_or(outwards)
-}
-
-fn parry_projection(shape: &SharedShape, point: Vec3) -> PointProjection {
-    shape.project_local_point(point, false)
-}
-
-/// True if the capsule is on the Y axis, with its middle at the origin, like [`Shape::Capsule`].
-fn is_upright(capsule: &Capsule) -> bool {
-    let (a, b) = (capsule.segment.a, capsule.segment.b);
-    a == -b && a.x == 0.0 && a.z == 0.0 && a.y != 0.0
-}
-
-/// True if the shape must have a thickness.
-fn is_meant_to_be_solid(shape: &SharedShape) -> bool {
-    use ShapeType as T;
-    matches!(shape.shape_type(), T::Capsule | T::Cylinder | T::Cone | T::ConvexPolyhedron)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use crate::geometry::pose::Pose;
 use crate::geometry::shape::{Plane, Shape};
+use crate::geometry::taper::Taper;
 use crate::simd::columns::{Cell, LANES};
 use crate::simd::lanes::{Lanes3, load};
 
@@ -79,6 +80,12 @@ impl Solid<'_> {
                 let half = f32x16::splat(simd, *half_length);
                 let below = (-half).max(point.y).min(half);
                 from_core(simd, Lanes3 { y: point.y - below, ..point }, *radius)
+            }
+            Self::Formula(Shape::TaperedCapsule { half_length, bottom_radius, top_radius }) => {
+                let taper = Taper::new(*half_length, *bottom_radius, *top_radius);
+                let (from_axis, radius) = taper.core_lanes(simd, point);
+                let (distance, normal) = from_core(simd, from_axis, 0.0);
+                (distance - radius, normal)
             }
             Self::Formula(Shape::Cuboid { half_extents }) => cuboid(simd, point, *half_extents),
             // Containers and other shapes come as planes.
@@ -185,6 +192,8 @@ mod tests {
             Shape::Sphere { radius: 0.7 },
             Shape::Cuboid { half_extents },
             Shape::Capsule { half_length: 0.8, radius: 0.3 },
+            Shape::TaperedCapsule { half_length: 0.8, bottom_radius: 0.3, top_radius: 0.7 },
+            Shape::TaperedCapsule { half_length: 0.2, bottom_radius: 0.9, top_radius: 0.3 },
             Shape::HalfSpace { normal: Vec3::Y },
         ];
         for (shape, isa) in

@@ -1,4 +1,5 @@
-//! First hit of a moving ball, triangle or segment on a shape: parry's shape cast, for every shape.
+//! First hit of a moving ball, triangle or segment on a shape: parry's shape cast, for every shape but
+//! the tapered capsule.
 //!
 //! Design: `docs/design/obstacles.md`.
 
@@ -7,7 +8,9 @@ use parry3d::math::Pose as ParryPose;
 use parry3d::query::{ShapeCastHit, ShapeCastOptions, cast_shapes};
 use parry3d::shape::{Ball, Capsule, Cuboid, Segment, Shape as ParryShape, Triangle};
 
-use crate::geometry::nearest::FaceOrEdge;
+use crate::constants::SURFACE_NOISE;
+use crate::geometry::approach::first_touch;
+use crate::geometry::nearest::{FaceOrEdge, Nearest};
 use crate::geometry::shape::{Plane, Shape};
 
 /// The first hit of a sweep.
@@ -26,6 +29,10 @@ impl Shape {
     pub(crate) fn sweep_ball(&self, radius: f32, start: Vec3, path: Vec3) -> Option<SweepHit> {
         match self {
             Self::Compound(compound) => compound.sweep_ball(radius, start, path),
+            Self::TaperedCapsule { .. } => {
+                let (fraction, normal) = self.approach_of_ball(radius, start, path)?;
+                SweepHit::on_surface(fraction, start + path * fraction - normal * radius, normal)
+            }
             _ => self.sweep(&Ball::new(radius), start, path),
         }
     }
@@ -34,6 +41,17 @@ impl Shape {
     pub(crate) fn sweep_piece(&self, piece: FaceOrEdge, path: Vec3) -> Option<SweepHit> {
         match (self, piece) {
             (Self::Compound(compound), _) => compound.sweep_piece(piece, path),
+            (Self::TaperedCapsule { .. }, _) => {
+                let nearest = |fraction: f32| {
+                    let there = piece.map(|corner| corner + path * fraction);
+                    let Nearest::At(_, point) = self.nearest_on(there, path.length()) else { return None };
+                    Some((point, self.surface(point)))
+                };
+                let gap = |fraction| nearest(fraction).map(|(_, surface)| (surface.distance, surface.normal));
+                let (fraction, normal) = first_touch(path, self.noise(), gap)?;
+                let (point, _) = nearest(fraction)?;
+                SweepHit::on_surface(fraction, point, normal)
+            }
             (_, FaceOrEdge::Triangle([a, b, c])) => {
                 self.sweep(&Triangle::new(Vec3::ZERO, b - a, c - a), a, path)
             }
@@ -41,10 +59,28 @@ impl Shape {
         }
     }
 
+    /// First touch of a ball, of a convex shape with a formula: fraction of the path, and unit normal.
+    pub(crate) fn approach_of_ball(&self, radius: f32, start: Vec3, path: Vec3) -> Option<(f32, Vec3)> {
+        let gap = |fraction: f32| {
+            let surface = self.surface(start + path * fraction);
+            Some((surface.distance - radius, surface.normal))
+        };
+        first_touch(path, self.noise(), gap)
+    }
+
+    /// Distance in metres that may be rounding.
+    fn noise(&self) -> f32 {
+        let (low, high) = self.local_bounds();
+        SURFACE_NOISE * (high - low).max_element()
+    }
+
     /// `moving` is relative to `start`. None for unbounded shapes, which have no other side to get to.
     fn sweep(&self, moving: &dyn ParryShape, start: Vec3, path: Vec3) -> Option<SweepHit> {
         match self {
-            Self::HalfSpace { .. } | Self::Container { .. } | Self::Compound(_) => None,
+            Self::HalfSpace { .. }
+            | Self::Container { .. }
+            | Self::Compound(_)
+            | Self::TaperedCapsule { .. } => None,
             Self::Sphere { radius } => cast(&Ball::new(*radius), moving, start, path),
             Self::Capsule { half_length, radius } => {
                 cast(&Capsule::new_y(*half_length, *radius), moving, start, path)
@@ -53,6 +89,14 @@ impl Shape {
             Self::Mesh(mesh) => cast(mesh.triangles(), moving, start, path),
             Self::Parry(shape) => cast(&*shape.0, moving, start, path),
         }
+    }
+}
+
+impl SweepHit {
+    /// A hit after the start of the path.
+    fn on_surface(fraction: f32, point: Vec3, normal: Vec3) -> Option<Self> {
+        let plane = Plane { normal, offset: normal.dot(point) };
+        (fraction > 0.0).then_some(Self { fraction, point, plane })
     }
 }
 

@@ -324,8 +324,9 @@ fn bad_scales_and_places_of_shapes_are_refused() {
         Placement { rotation: Quat::from_array([0.0; 4]), ..Placement::default() },
         Placement { rotation: Quat::from_array([f32::NAN; 4]), ..Placement::default() },
     ];
-    for shape in parry {
-        let shape = Shape::from_parry(shape).expect("valid");
+    let tapered = Shape::TaperedCapsule { half_length: 1.0, bottom_radius: 0.5, top_radius: 0.3 };
+    let parry = parry.map(|shape| Shape::from_parry(shape).expect("valid"));
+    for shape in parry.into_iter().chain([tapered]) {
         for bad in [0.0, -0.0, -1.0, f32::NAN, f32::INFINITY] {
             for scale in [Vec3::splat(bad), Vec3::new(1.0, bad, 1.0)] {
                 assert!(shape.scaled(scale).is_err(), "{shape:?} by {scale}");

@@ -48,6 +48,12 @@ fn projection_goes_to_the_nearest_point_of_the_surface() {
             Vec3::new(0.0, -0.7, 0.1),
             Vec3::new(0.0, -0.7, 0.5),
         ),
+        // Its side leans by a slope of three to four.
+        (
+            Shape::TaperedCapsule { half_length: 1.0, bottom_radius: 1.7, top_radius: 0.5 },
+            Vec3::new(0.4, 0.3, 0.0),
+            Vec3::new(0.88, 0.66, 0.0),
+        ),
         (Shape::HalfSpace { normal: Vec3::X }, Vec3::new(-0.2, 3.0, 1.0), Vec3::new(0.0, 3.0, 1.0)),
         (Shape::Parry(SharedShape::cylinder(1.0, 0.5)), Vec3::new(0.4, 0.1, 0.0), Vec3::new(0.5, 0.1, 0.0)),
     ];
@@ -72,6 +78,7 @@ fn cloth_keeps_its_thickness() {
         Shape::Sphere { radius: 1.0 },
         Shape::Cuboid { half_extents: Vec3::ONE },
         Shape::Capsule { half_length: 0.5, radius: 0.5 },
+        Shape::TaperedCapsule { half_length: 0.5, bottom_radius: 0.7, top_radius: 0.5 },
         Shape::HalfSpace { normal: Vec3::Y },
         Shape::Parry(SharedShape::cylinder(1.0, 0.6)),
         Shape::from_parry(SharedShape::trimesh(cube.0, cube.1).expect("a box")).expect("valid"),

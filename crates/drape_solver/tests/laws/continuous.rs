@@ -37,7 +37,8 @@ fn thrown_ball(radius: f32, at: Vec3, velocity: Vec3) -> Island {
 #[test]
 fn a_fast_ball_passes_no_thin_obstacle() {
     let wire = Shape::Capsule { half_length: 1.0, radius: 0.002 };
-    for shape in [open_mesh(1.0), thin_cuboid(), in_two_parts(), wire] {
+    let needle = Shape::TaperedCapsule { half_length: 1.0, bottom_radius: 0.001, top_radius: 0.003 };
+    for shape in [open_mesh(1.0), thin_cuboid(), in_two_parts(), wire, needle] {
         for speed in [20.0, 60.0, 200.0] {
             for offset in [0.0, 0.3, 0.77] {
                 let mut island = thrown_ball(0.03, Vec3::new(0.01, 0.1, 1.0 + offset), Vec3::NEG_Z * speed);
@@ -48,7 +49,8 @@ fn a_fast_ball_passes_no_thin_obstacle() {
                     step(&mut island, &environment).expect("a good step");
                     let ball = &island.balls[0];
                     // The wire deflects the ball, which flies on past it.
-                    let is_beside = ball.position().x.abs() > 0.02 && matches!(shape, Shape::Capsule { .. });
+                    let is_thin = matches!(shape, Shape::Capsule { .. } | Shape::TaperedCapsule { .. });
+                    let is_beside = ball.position().x.abs() > 0.02 && is_thin;
                     let z = ball.position().z;
                     assert!(
                         z > 0.0 || is_beside,
@@ -86,6 +88,7 @@ fn racing() -> Vec<(Shape, f32)> {
         (Shape::Sphere { radius: 0.3 }, 0.28),
         // Cloth may slide along its flanks.
         (Shape::Capsule { half_length: 0.3, radius: 0.1 }, 0.09),
+        (Shape::TaperedCapsule { half_length: 0.3, bottom_radius: 0.15, top_radius: 0.1 }, 0.09),
         (Shape::Cuboid { half_extents: Vec3::splat(0.25) }, 0.24),
         (plate, 1.4),
         (open_mesh(0.4), 0.39),

@@ -43,6 +43,16 @@ fn to_capsule(p: Vec3, half_length: f32, radius: f32) -> f32 {
     (p - Vec3::Y * p.y.clamp(-half_length, half_length)).length() - radius
 }
 
+/// The farthest of the planes that touch the hull of two balls, in the plane of the axis.
+fn to_tapered_capsule(p: Vec3, half_length: f32, bottom: f32, top: f32) -> f32 {
+    let out = p.truncate().with_y(p.z).length();
+    let planes = (-500..=500).map(|index| (index as f32 * core::f32::consts::PI / 1000.0).sin_cos());
+    let beyond = planes.map(|(up, across)| {
+        across * out + up * p.y - (bottom - up * half_length).max(top + up * half_length)
+    });
+    beyond.fold(f32::NEG_INFINITY, f32::max)
+}
+
 /// Signed distance in the plane of the axis. `q` is (distance from the axis, height).
 fn to_cylinder(p: Vec3, half_height: f32, radius: f32) -> f32 {
     let q = Vec3::new(p.truncate().with_y(p.z).length() - radius, p.y.abs() - half_height, 0.0);
@@ -111,6 +121,12 @@ fn models() -> Vec<Model> {
             Shape::Capsule { half_length: 0.4, radius: 0.2 },
             Placement { translation: Vec3::Y * 0.3, rotation: lying },
             |p| to_capsule(p, 0.4, 0.2),
+        ),
+        Model::new(
+            "tapered capsule",
+            Shape::TaperedCapsule { half_length: 0.4, bottom_radius: 0.25, top_radius: 0.12 },
+            Placement { translation: Vec3::Y * 0.3, rotation: lying },
+            |p| to_tapered_capsule(p, 0.4, 0.25, 0.12),
         ),
         Model::new(
             "thin pole",

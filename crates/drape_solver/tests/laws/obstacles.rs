@@ -48,7 +48,8 @@ fn a_fast_obstacle_leaves_no_particle_inside() {
     let radius = 0.25;
     let cuboid = Shape::Cuboid { half_extents: Vec3::splat(radius) };
     let capsule = Shape::Capsule { half_length: 0.2, radius };
-    for shape in [Shape::Sphere { radius }, capsule, cuboid] {
+    let tapered = Shape::TaperedCapsule { half_length: 0.2, bottom_radius: radius, top_radius: 0.15 };
+    for shape in [Shape::Sphere { radius }, capsule, tapered, cuboid] {
         let mut island = sheet(true);
         let mut environment = gravity(FRAME);
         environment.obstacles = vec![obstacle(shape.clone(), Vec3::new(0.0, -0.2, -1.0), 0.3)].into();
@@ -136,6 +137,7 @@ fn distance(shape: &Shape, p: Vec3) -> f32 {
         Shape::Capsule { half_length, radius } => {
             (p - Vec3::Y * p.y.clamp(-half_length, *half_length)).length() - radius
         }
+        Shape::TaperedCapsule { .. } => shape.distance(p),
         Shape::Cuboid { half_extents } => {
             let beyond = p.abs() - *half_extents;
             beyond.max(Vec3::ZERO).length() + beyond.max_element().min(0.0)

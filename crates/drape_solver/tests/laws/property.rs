@@ -93,6 +93,9 @@ fn obstacles() -> impl Strategy<Value = Vec<Obstacle>> {
     let shape = prop_oneof![
         size().prop_map(|radius| Shape::Sphere { radius }),
         (size(), size()).prop_map(|(half_length, radius)| Shape::Capsule { half_length, radius }),
+        (size(), size(), size()).prop_map(|(half_length, bottom_radius, top_radius)| {
+            Shape::TaperedCapsule { half_length, bottom_radius, top_radius }
+        }),
         (size(), size(), size()).prop_map(|(x, y, z)| Shape::Cuboid { half_extents: Vec3::new(x, y, z) }),
         Just(Shape::HalfSpace { normal: Vec3::Y }),
         between(2.0, 4.0).prop_map(|half| Shape::Container { half_extents: Vec3::splat(half) }),

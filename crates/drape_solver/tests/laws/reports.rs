@@ -173,6 +173,7 @@ fn a_sensor_moves_nothing_and_tells() {
         Shape::Cuboid { half_extents: Vec3::new(2.0, 0.05, 2.0) },
         Shape::Sphere { radius: 0.1 },
         Shape::Capsule { half_length: 0.2, radius: 0.05 },
+        Shape::TaperedCapsule { half_length: 0.2, bottom_radius: 0.1, top_radius: 0.05 },
         Shape::Parry(SharedShape::cylinder(0.1, 0.2)),
     ] {
         let mut end = Vec::new();

@@ -35,6 +35,12 @@ pub enum MeshFault {
         /// The number of joints with an inverse bind pose.
         count: usize,
     },
+    /// No vertex follows a joint.
+    #[error("its vertices have no joints and weights")]
+    NoSkin,
+    /// No joint that may get a capsule moves enough of the skin.
+    #[error("no joint gets a capsule: look at the names in `only` and `except`, and at `least_share`")]
+    NoColliders,
     /// `ClothPaint::full_distance` is out of range.
     #[error("full_distance of its paint must be finite and 0 or more, but is {0}")]
     BadFullDistance(f32),

@@ -1,10 +1,10 @@
 //! Shapes of obstacles.
 
 use bevy::prelude::*;
-use bevy_drape::drape_solver::parry3d::math::{IVector, Pose};
+use bevy_drape::drape_solver::parry3d::math::IVector;
 use bevy_drape::drape_solver::parry3d::shape::{SharedShape, TriMeshFlags};
 use bevy_drape::drape_solver::parry3d::utils::Array2;
-use bevy_drape::drape_solver::{self, BuildError};
+use bevy_drape::drape_solver::{self, BuildError, Placement};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +36,15 @@ pub enum Shape {
         /// Radius in metres.
         radius: Positive,
         /// Length of the segment in metres.
+        length: Positive,
+    },
+    /// The convex hull of two balls on the Y axis.
+    TaperedCapsule {
+        /// Radius of the lower ball in metres.
+        bottom_radius: Positive,
+        /// Radius of the upper ball in metres.
+        top_radius: Positive,
+        /// Distance of their centres in metres.
         length: Positive,
     },
     /// A box.
@@ -138,59 +147,57 @@ impl Shape {
             Self::Capsule { radius, length } => {
                 Solid::Capsule { half_length: length.get() * 0.5, radius: radius.get() }
             }
+            Self::TaperedCapsule { bottom_radius, top_radius, length } => Solid::TaperedCapsule {
+                half_length: length.get() * 0.5,
+                bottom_radius: bottom_radius.get(),
+                top_radius: top_radius.get(),
+            },
             Self::Cuboid { size } => Solid::Cuboid { half_extents: half(size) },
             Self::Container { size } => Solid::Container { half_extents: half(size) },
-            _ => Solid::from_parry(self.parry()?)?,
+            Self::Compound { parts } if parts.is_empty() => return Err(bad("a compound has no parts")),
+            Self::Compound { parts } => {
+                Solid::compound(parts.iter().map(Part::build).collect::<Result<_, _>>()?)?
+            }
+            Self::Cylinder { radius, height } => {
+                Solid::from_parry(SharedShape::cylinder(height.get() * 0.5, radius.get()))?
+            }
+            Self::Cone { radius, height } => {
+                Solid::from_parry(SharedShape::cone(height.get() * 0.5, radius.get()))?
+            }
+            Self::RoundCuboid { size, radius } => {
+                let core = half(size) - radius.get();
+                if core.min_element() <= 0.0 {
+                    return Err(bad("the edges of a round cuboid are rounder than it is wide"));
+                }
+                Solid::from_parry(SharedShape::round_cuboid(core.x, core.y, core.z, radius.get()))?
+            }
+            Self::ConvexHull { points: corners } => {
+                let hull = SharedShape::convex_hull(&points(corners));
+                Solid::from_parry(hull.ok_or(bad("the points of a convex hull enclose no space"))?)?
+            }
+            Self::Mesh { vertices, triangles } => Solid::from_parry(triangle_mesh(vertices, triangles)?)?,
+            Self::HeightField { size, heights } => Solid::from_parry(height_field(size, heights)?)?,
+            Self::Voxels { side, cubes } => Solid::from_parry(voxels(*side, cubes)?)?,
         };
         shape.validate()?;
         Ok(shape)
     }
-
-    /// The shape of parry.
-    fn parry(&self) -> Result<SharedShape, BuildError> {
-        Ok(match self {
-            Self::Sphere { radius } => SharedShape::ball(radius.get()),
-            Self::Capsule { radius, length } => SharedShape::capsule_y(length.get() * 0.5, radius.get()),
-            Self::Cuboid { size: (x, y, z) } => {
-                SharedShape::cuboid(x.get() * 0.5, y.get() * 0.5, z.get() * 0.5)
-            }
-            Self::Cylinder { radius, height } => SharedShape::cylinder(height.get() * 0.5, radius.get()),
-            Self::Cone { radius, height } => SharedShape::cone(height.get() * 0.5, radius.get()),
-            Self::RoundCuboid { size: (x, y, z), radius } => {
-                let core = [x, y, z].map(|side| side.get() * 0.5 - radius.get());
-                if core.iter().any(|&side| side <= 0.0) {
-                    return Err(bad("the edges of a round cuboid are rounder than it is wide"));
-                }
-                SharedShape::round_cuboid(core[0], core[1], core[2], radius.get())
-            }
-            Self::ConvexHull { points: corners } => SharedShape::convex_hull(&points(corners))
-                .ok_or(bad("the points of a convex hull enclose no space"))?,
-            Self::Mesh { vertices, triangles } => triangle_mesh(vertices, triangles)?,
-            Self::HeightField { size, heights } => height_field(size, heights)?,
-            Self::Voxels { side, cubes } => voxels(*side, cubes)?,
-            Self::Compound { parts } => {
-                if parts.is_empty() {
-                    return Err(bad("a compound has no parts"));
-                }
-                SharedShape::compound(parts.iter().map(Part::parry).collect::<Result<_, _>>()?)
-            }
-            Self::Ground | Self::HalfSpace { .. } | Self::Container { .. } => {
-                return Err(bad("a shape without end cannot be a part of a compound"));
-            }
-        })
-    }
 }
 
 impl Part {
-    /// Its shape and pose of parry.
-    fn parry(&self) -> Result<(Pose, SharedShape), BuildError> {
+    /// Its solid, and where that is.
+    fn build(&self) -> Result<(drape_solver::Shape, Placement), BuildError> {
         if matches!(
             self.shape,
             Shape::Mesh { .. } | Shape::HeightField { .. } | Shape::Voxels { .. } | Shape::Compound { .. }
         ) {
             return Err(bad("a part of a compound is one solid: no mesh, height field, voxels or compound"));
         }
-        Ok((Pose::from_parts(self.at.get(), self.turn.quaternion()), self.shape.parry()?))
+        if matches!(self.shape, Shape::Ground | Shape::HalfSpace { .. } | Shape::Container { .. }) {
+            return Err(bad("a shape without end cannot be a part of a compound"));
+        }
+        let placement = Placement { translation: self.at.get(), rotation: self.turn.quaternion() };
+        Ok((self.shape.build()?, placement))
     }
 }
 

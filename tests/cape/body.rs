@@ -1,0 +1,283 @@
+//! A cape over its wearer's body: capsules that are fitted to its skin keep it out of the skin itself.
+
+use bevy::mesh::VertexAttributeValues;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::prelude::*;
+use bevy_drape::drape_solver::Shape;
+use bevy_drape::drape_solver::parry3d::shape::SharedShape;
+use bevy_drape::prelude::*;
+use bevy_drape::render::{BackstopPaint, BodyCollider, BodyCollidersReport, MeshFault, SkinJoint};
+
+use crate::*;
+use drape_examples::character::gltf_file::figure;
+use drape_examples::character::{self, BONES, Character, capsule, inverse_bind_poses};
+
+/// The colliders of a character.
+fn colliders() -> BodyColliders {
+    BodyColliders { friction: 0.3, ..default() }
+}
+
+fn joints() -> Vec<SkinJoint> {
+    let joints = BONES.iter().zip(inverse_bind_poses());
+    let joints = joints.map(|(&(name, parent, ..), inverse_bind_pose)| SkinJoint {
+        name: name.into(),
+        parent,
+        inverse_bind_pose,
+    });
+    joints.collect()
+}
+
+/// Gives a character its figure, with `colliders` in place of its own capsules.
+fn embody(app: &mut App, character: &Character, colliders: BodyColliders) -> Entity {
+    for &capsule in &character.capsules {
+        app.world_mut().despawn(capsule);
+    }
+    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(figure());
+    let poses: SkinnedMeshInverseBindposes = inverse_bind_poses().into();
+    let inverse_bindposes = app.world_mut().resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
+    let skin = SkinnedMesh { inverse_bindposes, joints: character.joints.clone() };
+    let body = (Name::new("Figure"), Mesh3d(mesh), skin, colliders, ChildOf(character.root));
+    app.world_mut().spawn(body).id()
+}
+
+fn colliders_of(app: &mut App, body: Entity) -> Vec<(Entity, Entity)> {
+    let mut found = app.world_mut().query::<(Entity, &BodyCollider, &ChildOf)>();
+    let found = found.iter(app.world()).filter(|(_, collider, _)| collider.body == body);
+    found.map(|(entity, _, joint)| (entity, joint.parent())).collect()
+}
+
+/// The closed parts of the figure's skin, each with the joint that it follows, in the joint's coordinates.
+fn parts() -> Vec<(usize, Shape)> {
+    let mesh = figure();
+    let read = |attribute| mesh.attribute(attribute).expect("an attribute");
+    let (VertexAttributeValues::Float32x3(places), VertexAttributeValues::Uint16x4(joints)) =
+        (read(Mesh::ATTRIBUTE_POSITION), read(Mesh::ATTRIBUTE_JOINT_INDEX))
+    else {
+        panic!("another mesh");
+    };
+    let mut part: Vec<usize> = (0..places.len()).collect();
+    let corners: Vec<usize> = mesh.indices().expect("indices").iter().collect();
+    loop {
+        let before = part.clone();
+        for &face in corners.as_chunks::<3>().0 {
+            let least = face.map(|corner| part[corner]).into_iter().min().expect("three corners");
+            face.into_iter().for_each(|corner| part[corner] = least);
+        }
+        if part == before {
+            break;
+        }
+    }
+    let mut first: Vec<usize> = part.clone();
+    first.sort_unstable();
+    first.dedup();
+    let of_part = first.into_iter().map(|first| {
+        let joint = usize::from(joints[first][0]);
+        let pose = inverse_bind_poses()[joint];
+        let mine = (0..places.len()).filter(|&vertex| part[vertex] == first);
+        let points: Vec<Vec3> = mine.map(|vertex| pose.transform_point3(places[vertex].into())).collect();
+        let hull = SharedShape::convex_hull(&points).expect("a closed part");
+        (joint, Shape::from_parry(hull).expect("valid"))
+    });
+    of_part.collect()
+}
+
+#[test]
+fn capsules_lie_on_the_skin_that_they_are_fitted_to() {
+    let (capsules, report) = colliders().fit(&figure(), &joints()).expect("a figure");
+    println!("fitted: {report:?}");
+    for fitted in &capsules {
+        println!("{}: {:?} at {}", BONES[fitted.joint].0, fitted.shape, fitted.transform.translation);
+    }
+    assert_eq!(capsules.len(), BONES.len());
+    assert_eq!(report.capsules, BONES.len());
+    // Limbs of the figure are capsules with corners, a little thinner than those of the character.
+    for fitted in capsules.iter().filter(|fitted| fitted.joint >= 4) {
+        let (radius, half, middle) = capsule(fitted.joint);
+        let ObstacleShape::TaperedCapsule { bottom_radius, top_radius, length } = fitted.shape else {
+            panic!("{:?}", fitted.shape);
+        };
+        for fitted in [bottom_radius, top_radius] {
+            assert!((fitted / radius - 0.97).abs() < 0.05, "{fitted}, not {radius}");
+        }
+        assert!((length - 2.0 * half).abs() < 0.02, "{length}, not {}", 2.0 * half);
+        assert!(fitted.transform.translation.distance(middle) < 0.01);
+    }
+    assert!(report.outside.median == 0.0 && report.outside.percentile_99 < 0.05, "{report:?}");
+    let all = BodyColliders { coverage: 1.0, ..colliders() };
+    let (_, report) = all.fit(&figure(), &joints()).expect("a figure");
+    assert!(report.outside.percentile_99 < 1e-3, "{report:?}");
+}
+
+#[test]
+fn joints_are_chosen_by_names_and_by_how_much_they_move() {
+    let chosen = |colliders: BodyColliders| -> Vec<usize> {
+        let (capsules, _) = colliders.fit(&figure(), &joints()).expect("a figure");
+        capsules.iter().map(|fitted| fitted.joint).collect()
+    };
+    assert_eq!(chosen(colliders().and_named("left*").except_named("left arm")), [6, 8]);
+    assert_eq!(chosen(colliders().except_named("right*").except_named("head")), [0, 1, 2, 4, 6, 8]);
+    // The spine's skin goes with the hips.
+    let share = 0.11;
+    assert_eq!(chosen(BodyColliders { least_share: share, ..colliders() }).first(), Some(&0));
+    let fault = colliders().and_named("tail").fit(&figure(), &joints()).expect_err("no tail");
+    assert_eq!(fault, MeshFault::NoColliders);
+    for (bad, field) in [
+        (BodyColliders { coverage: 0.0, ..default() }, "coverage"),
+        (BodyColliders { least_share: f32::NAN, ..default() }, "least_share"),
+        (BodyColliders { margin: f32::INFINITY, ..default() }, "margin"),
+        (BodyColliders { friction: -1.0, ..default() }, "friction"),
+    ] {
+        let fault = bad.fit(&figure(), &joints()).expect_err(field).to_string();
+        assert!(fault.contains(field), "{fault}");
+    }
+    let fault = colliders().fit(&figure(), &joints()[..5]).expect_err("joints are missing");
+    assert_eq!(fault, MeshFault::NoSuchJoint { joint: 9, count: 5 });
+    assert_eq!(colliders().fit(&Mesh::from(Cuboid::default()), &joints()).unwrap_err(), MeshFault::NoSkin);
+}
+
+#[test]
+fn colliders_come_go_and_change_with_their_component() {
+    let mut app = app();
+    let character = character::spawn(app.world_mut(), ());
+    let body = embody(&mut app, &character, colliders());
+    app.finish();
+    app.cleanup();
+    one_step_a_frame(&mut app);
+    let found = colliders_of(&mut app, body);
+    assert_eq!(found.len(), BONES.len());
+    assert!(found.iter().all(|(_, joint)| character.joints.contains(joint)));
+    let report = app.world().get::<BodyCollidersReport>(body).expect("fitted");
+    assert_eq!(report.capsules, found.len());
+    let mut arm = found.iter().filter(|&&(_, joint)| joint == character.joints[4]);
+    let name = app.world().get::<Name>(arm.next().expect("a capsule").0).expect("a name");
+    assert_eq!(name.as_str(), "left arm collider");
+
+    app.world_mut().entity_mut(body).insert(colliders().except_named("left arm"));
+    app.update();
+    let fewer = colliders_of(&mut app, body);
+    assert_eq!(fewer.len(), BONES.len() - 1);
+    assert!(
+        found.iter().all(|&(entity, _)| app.world().get_entity(entity).is_err()),
+        "the old ones are gone"
+    );
+
+    app.world_mut().entity_mut(body).insert(BodyColliders { coverage: 2.0, ..default() });
+    app.update();
+    assert!(colliders_of(&mut app, body).is_empty());
+    let refused: Vec<_> = app.world().resource::<Refusals>().of(body).map(ToString::to_string).collect();
+    assert!(refused.len() == 1 && refused[0].contains("coverage"), "{refused:?}");
+
+    app.world_mut().entity_mut(body).insert(colliders());
+    app.update();
+    assert!(app.world().resource::<Refusals>().is_empty());
+    assert_eq!(colliders_of(&mut app, body).len(), BONES.len());
+    app.world_mut().entity_mut(body).remove::<BodyColliders>();
+    app.update();
+    assert!(colliders_of(&mut app, body).is_empty());
+    assert!(app.world().get::<BodyCollidersReport>(body).is_none());
+}
+
+/// Greatest depths of free particles of the cape in the skin of its wearer, in metres.
+#[derive(Resource, Default)]
+struct Depth {
+    parts: Vec<(usize, Shape)>,
+    steps: usize,
+    /// Of any particle, and the joint of the part that it is in.
+    most: f32,
+    joint: usize,
+    /// Of particles that are not at the limit of their motion, which wins against obstacles.
+    within_limits: f32,
+}
+
+fn measure_depth(
+    character: Res<Character>,
+    places: Query<&GlobalTransform>,
+    capes: Query<&Particles>,
+    mut depth: ResMut<Depth>,
+) {
+    let Ok(particles) = capes.get(character.cape) else { return };
+    let Depth { parts, steps, most, joint, within_limits } = &mut *depth;
+    *steps += 1;
+    for (of, shape) in parts {
+        let pose = places.get(character.joints[*of]).expect("placed").affine().inverse();
+        let (low, high) = shape.local_bounds();
+        for i in (0..particles.len()).filter(|&i| !particles.is_pinned(i)) {
+            let position = particles.position(i);
+            let local = pose.transform_point3(position);
+            if local.cmplt(low).any() || local.cmpgt(high).any() {
+                continue;
+            }
+            let deep = -shape.distance(local);
+            let limit = particles.motion_limit(i);
+            if limit.is_none_or(|(centre, distance)| centre.distance(position) < distance - 1e-4) {
+                *within_limits = within_limits.max(deep);
+            }
+            if deep > *most {
+                (*most, *joint) = (deep, *of);
+            }
+        }
+    }
+}
+
+/// The depths in a walk of half a minute, with jumps, turns and runs. A cape with `colliders` has backstops too.
+fn depth_of_a_walk(
+    fps: f64,
+    motion: impl Fn(Entity) -> WorldMotion,
+    colliders: Option<BodyColliders>,
+) -> Depth {
+    let mut app = app();
+    let surface = BodySurface { drag: 1.0, thickness: 0.01, ..default() };
+    let mut character = character::spawn(app.world_mut(), surface);
+    let mut cape = app.world_mut().get_mut::<ClothMesh>(character.cape).expect("a cape");
+    let backstop = BackstopPaint { radius: None, full_radius: 0.4, distance: None, full_distance: 0.02 };
+    cape.paint.backstop = colliders.is_some().then_some(backstop);
+    let body = embody(&mut app, &character, default());
+    match colliders {
+        Some(colliders) => _ = app.world_mut().entity_mut(body).insert(colliders),
+        None => _ = app.world_mut().entity_mut(body).remove::<BodyColliders>(),
+    }
+    app.world_mut().entity_mut(character.cape).insert(motion(character.root));
+    app.finish();
+    app.cleanup();
+    frames(&mut app, 1.0 / fps);
+    app.update();
+    app.insert_resource(Depth { parts: parts(), ..default() });
+    app.insert_resource(character.clone());
+    app.add_systems(FixedLast, measure_depth);
+    for count in 0..(30.0 * fps) as usize {
+        character.advance((count as f64 / fps) as f32);
+        character.write(app.world_mut());
+        app.update();
+    }
+    assert!(app.world().resource::<Refusals>().is_empty());
+    let depth = app.world_mut().remove_resource::<Depth>().expect("measured");
+    let Depth { steps, most, joint, within_limits, .. } = depth;
+    assert!(steps > 1700, "{steps} steps at {fps} fps");
+    println!("cape: at {fps} fps {most} m deep, in the {}; {within_limits} m within limits", BONES[joint].0);
+    depth
+}
+
+/// As in the guide.
+fn guided(root: Entity) -> WorldMotion {
+    WorldMotion::of(root).with_scale(0.8, 0.5)
+}
+
+#[test]
+fn no_particle_of_a_cape_is_in_the_skin_of_its_wearer() {
+    for fps in [10.0, 30.0, 144.0] {
+        let Depth { most, .. } = depth_of_a_walk(fps, guided, Some(colliders()));
+        assert!(most < 3e-3, "{most} m deep at {fps} fps");
+    }
+    let without = depth_of_a_walk(30.0, guided, None).within_limits;
+    assert!(without > 0.03, "{without} m: nothing to keep it out of");
+}
+
+/// In an about-turn of 0.4 s an arm meets the hem of a cape that inherits it all, and pushes it beyond its limits.
+#[test]
+fn a_cape_that_inherits_all_motion_is_in_the_skin_at_its_limits_only() {
+    for fps in [10.0, 30.0, 144.0] {
+        let Depth { most, within_limits, .. } = depth_of_a_walk(fps, WorldMotion::of, Some(colliders()));
+        assert!(within_limits < 3e-3, "{within_limits} m deep at {fps} fps");
+        assert!(most < 0.04, "{most} m deep at {fps} fps");
+    }
+}
