@@ -97,12 +97,12 @@ fn capsules_lie_on_the_skin_that_they_are_fitted_to() {
             panic!("{:?}", fitted.shape);
         };
         for fitted in [bottom_radius, top_radius] {
-            assert!((fitted / radius - 0.97).abs() < 0.05, "{fitted}, not {radius}");
+            assert!((fitted / radius - 0.97).abs() < 0.03, "{fitted}, not {radius}");
         }
         assert!((length - 2.0 * half).abs() < 0.02, "{length}, not {}", 2.0 * half);
         assert!(fitted.transform.translation.distance(middle) < 0.01);
     }
-    assert!(report.outside.median == 0.0 && report.outside.percentile_99 < 0.05, "{report:?}");
+    assert!(report.outside.median == 0.0 && report.outside.percentile_99 < 4e-3, "{report:?}");
     let all = BodyColliders { coverage: 1.0, ..colliders() };
     let (_, report) = all.fit(&figure(), &joints()).expect("a figure");
     assert!(report.outside.percentile_99 < 1e-3, "{report:?}");
@@ -116,9 +116,9 @@ fn joints_are_chosen_by_names_and_by_how_much_they_move() {
     };
     assert_eq!(chosen(colliders().and_named("left*").except_named("left arm")), [6, 8]);
     assert_eq!(chosen(colliders().except_named("right*").except_named("head")), [0, 1, 2, 4, 6, 8]);
-    // The spine's skin goes with the hips.
-    let share = 0.11;
-    assert_eq!(chosen(BodyColliders { least_share: share, ..colliders() }).first(), Some(&0));
+    // The skin of lesser joints goes with the joint above, unless that gets none.
+    let greater = chosen(BodyColliders { least_share: 0.11, ..colliders() });
+    assert!(greater.first() == Some(&0) && greater.len() < BONES.len(), "{greater:?}");
     let fault = colliders().and_named("tail").fit(&figure(), &joints()).expect_err("no tail");
     assert_eq!(fault, MeshFault::NoColliders);
     for (bad, field) in [
@@ -219,18 +219,19 @@ fn measure_depth(
     }
 }
 
-/// The depths in a walk of half a minute, with jumps, turns and runs. A cape with `colliders` has backstops too.
+/// The depths in a walk of half a minute, with jumps, turns and runs.
 fn depth_of_a_walk(
     fps: f64,
     motion: impl Fn(Entity) -> WorldMotion,
     colliders: Option<BodyColliders>,
+    has_backstops: bool,
 ) -> Depth {
     let mut app = app();
     let surface = BodySurface { drag: 1.0, thickness: 0.01, ..default() };
     let mut character = character::spawn(app.world_mut(), surface);
     let mut cape = app.world_mut().get_mut::<ClothMesh>(character.cape).expect("a cape");
     let backstop = BackstopPaint { radius: None, full_radius: 0.4, distance: None, full_distance: 0.02 };
-    cape.paint.backstop = colliders.is_some().then_some(backstop);
+    cape.paint.backstop = has_backstops.then_some(backstop);
     let body = embody(&mut app, &character, default());
     match colliders {
         Some(colliders) => _ = app.world_mut().entity_mut(body).insert(colliders),
@@ -265,19 +266,22 @@ fn guided(root: Entity) -> WorldMotion {
 #[test]
 fn no_particle_of_a_cape_is_in_the_skin_of_its_wearer() {
     for fps in [10.0, 30.0, 144.0] {
-        let Depth { most, .. } = depth_of_a_walk(fps, guided, Some(colliders()));
+        let Depth { most, .. } = depth_of_a_walk(fps, guided, Some(colliders()), true);
         assert!(most < 3e-3, "{most} m deep at {fps} fps");
     }
-    let without = depth_of_a_walk(30.0, guided, None).within_limits;
-    assert!(without > 0.03, "{without} m: nothing to keep it out of");
+    let [neither, backstops] =
+        [false, true].map(|has| depth_of_a_walk(30.0, guided, None, has).within_limits);
+    assert!(neither > 0.03, "{neither} m: nothing to keep it out of");
+    assert!(backstops > 3e-3, "{backstops} m with backstops alone: capsules do nothing");
 }
 
 /// In an about-turn of 0.4 s an arm meets the hem of a cape that inherits it all, and pushes it beyond its limits.
 #[test]
 fn a_cape_that_inherits_all_motion_is_in_the_skin_at_its_limits_only() {
     for fps in [10.0, 30.0, 144.0] {
-        let Depth { most, within_limits, .. } = depth_of_a_walk(fps, WorldMotion::of, Some(colliders()));
+        let Depth { most, within_limits, .. } =
+            depth_of_a_walk(fps, WorldMotion::of, Some(colliders()), true);
         assert!(within_limits < 3e-3, "{within_limits} m deep at {fps} fps");
-        assert!(most < 0.04, "{most} m deep at {fps} fps");
+        assert!(most < 0.025, "{most} m deep at {fps} fps");
     }
 }

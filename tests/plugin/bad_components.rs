@@ -45,6 +45,8 @@ fn fabrics_out_of_range() {
         (Fabric { areal_density: f32::NAN, ..default() }, "density"),
         (Fabric { stretch_stiffness: 1.5, ..default() }, "stiffness"),
         (Fabric { bend_stiffness: f32::NAN, ..default() }, "stiffness"),
+        (Fabric { bending_rigidity: BendingRigidity::isotropic(-1.0), ..default() }, "bending_rigidity"),
+        (Fabric { bending_rigidity: BendingRigidity::isotropic(f32::NAN), ..default() }, "bending_rigidity"),
         (Fabric { damping: -1.0, ..default() }, "damping"),
         (Fabric { drag: -1.0, ..default() }, "drag"),
         (Fabric { thickness: f32::NAN, ..default() }, "thickness"),

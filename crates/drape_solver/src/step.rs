@@ -290,11 +290,11 @@ fn project_collisions_on(island: &mut Island, environment: &Environment, workers
     }
 }
 
-/// True if the strain of every body is within its tolerance.
+/// True if the strain of every body is within its tolerance, and none resists bending, which takes all of its iterations.
 fn is_relaxed(island: &Island) -> bool {
     island.bodies.iter().all(|body| {
         let tolerance = body.settings.tolerance;
-        tolerance > 0.0 && greatest_strain(body) <= tolerance
+        tolerance > 0.0 && body.topology.bends.is_empty() && greatest_strain(body) <= tolerance
     })
 }
 

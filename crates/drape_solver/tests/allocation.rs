@@ -7,8 +7,9 @@ use drape_solver::parry3d::math::Pose;
 use drape_solver::parry3d::shape::SharedShape;
 use drape_solver::parry3d::utils::Array2;
 use drape_solver::{
-    Backstop, Ball, BallMaterial, BodySettings, ClothBuilder, Edge, Environment, Island, Obstacle, Placement,
-    PoseDrive, RigidBody, SelfContact, Shape, StructuralSolve, Wind, World, step,
+    Backstop, Ball, BallMaterial, BendingRigidity, BodySettings, ClothBuilder, ClothMaterial, Edge,
+    Environment, Island, MeshClothBuilder, Obstacle, Placement, PoseDrive, RigidBody, SelfContact, Shape,
+    StructuralSolve, Wind, World, step,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
@@ -26,6 +27,30 @@ fn a_warm_step_allocates_nothing() {
     meet_shapes_allocating_nothing();
     step_a_world_allocating_nothing();
     follow_a_pose_allocating_nothing();
+    bend_allocating_nothing();
+}
+
+/// A grid and a mesh that resist bending.
+fn bend_allocating_nothing() {
+    let material =
+        ClothMaterial { bending_rigidity: BendingRigidity::isotropic(1e-4), ..ClothMaterial::default() };
+    let grid = || ClothBuilder::new(1.0, 1.0, 24, 24).material(material).pin_edge(Edge::Top);
+    let grid_of_mesh = grid().build(BodySettings::default()).expect("valid");
+    let places = grid_of_mesh.particles.positions().collect();
+    let mesh =
+        MeshClothBuilder::new(places, grid_of_mesh.topology.faces().to_vec()).material(material).pin(0);
+    let mesh = mesh.build(BodySettings::default()).expect("valid");
+    for body in [grid_of_mesh, mesh] {
+        let mut island = Island::of_body(body);
+        let environment = Environment::default();
+        let mut steps =
+            |count: u32| (0..count).for_each(|_| step(&mut island, &environment).expect("a good step"));
+        steps(10);
+        let region = Region::new(ALLOCATOR);
+        steps(10);
+        let change = region.change();
+        assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    }
 }
 
 /// A cloth with balls on all shapes with surface queries, so coarse that its faces touch them. Some shapes move, one of them

@@ -32,8 +32,8 @@ pub struct Fabric {
     pub shear_stiffness: f32,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
     pub bend_stiffness: f32,
-    /// Rigidity in bending as a textile laboratory measures it, in N m along warp and weft; none by default. The result is the
-    /// same in all finenesses. Bend sticks act besides: give them a `bend_stiffness` of 0.
+    /// Rigidity in bending as a textile laboratory measures it, in N m along warp and weft; none by default. A `ClothMesh` takes the
+    /// mean of both. Bend sticks act besides: give them a `bend_stiffness` of 0.
     pub bending_rigidity: BendingRigidity,
     /// Damping along the sticks in 1/s, 0 or more.
     pub damping: f32,

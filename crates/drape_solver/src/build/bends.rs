@@ -21,16 +21,17 @@ use crate::state::torn_grid::TornGrid;
 /// Angle in radians below which the rest of a mesh counts as flat.
 const FLAT: f64 = 1e-3;
 
+/// Compliance in m/N from which on a bend resists nothing: rounding would lose its force.
+const SLACK: f32 = 1e20;
+
+/// Greatest cotangent of an angle: bends of thinner slivers of triangles are left out.
+const SLIVER: f64 = 1e4;
+
 impl Bends {
     /// The bends of a body with this topology, whole or torn. `size` has the columns and rows of a whole grid.
-    pub fn new(
-        topology: &Topology,
-        size: Option<[u32; 2]>,
-        rigidity: BendingRigidity,
-        areal_density: f32,
-    ) -> Self {
-        let mut bends = Self { rigidity, areal_density, ..Self::default() };
-        if rigidity.is_zero() {
+    pub fn new(topology: &Topology, size: Option<[u32; 2]>, rigidity: BendingRigidity) -> Self {
+        let mut bends = Self { rigidity, ..Self::default() };
+        if rigidity.is_zero() || topology.rest.is_empty() {
             return bends;
         }
         match (&topology.layout, size) {
@@ -42,16 +43,20 @@ impl Bends {
     }
 
     fn add_lines(&mut self, topology: &Topology, columns: usize, rows: usize) {
+        if columns < 2 || rows < 2 {
+            return;
+        }
         let side = |to: usize| topology.rest[0].distance(topology.rest[to]);
         let [dx, dy] = [side(1), side(columns)];
         let compliance = self.compliances([dx, dy]);
-        self.lines = Some(BentGrid { columns, rows, compliance, mass: self.areal_density * dx * dy });
+        self.lines = Some(BentGrid { columns, rows, compliance });
     }
 
     /// The compliance of bends along rows and along columns, of particles `dx` and `dy` metres apart.
     fn compliances(&self, [dx, dy]: [f32; 2]) -> [Option<f32>; 2] {
         let of = |rigidity: f32, along: f32, across: f32| {
-            (rigidity > 0.0).then(|| along * along * along / (rigidity * across))
+            let compliance = along * along * along / (rigidity * across);
+            (compliance < SLACK).then_some(compliance)
         };
         [of(self.rigidity.weft, dx, dy), of(self.rigidity.warp, dy, dx)]
     }
@@ -107,10 +112,14 @@ impl Bends {
                 let Some((weights, areas, sum)) = across_edge(rest) else {
                     continue;
                 };
+                let compliance = (areas / rigidity) as f32;
+                if !(compliance > 0.0 && compliance < SLACK) {
+                    continue;
+                }
                 self.listed.push(ListedBend {
                     slots: corners.map(|corner| topology.layout.slot(corner as usize) as u32),
                     weights,
-                    compliance: (areas / rigidity) as f32,
+                    compliance,
                     rest: sum as f32,
                 });
             }
@@ -121,7 +130,7 @@ impl Bends {
 }
 
 /// Weights of the bend across the edge of the first two corners, the area of its two triangles, and the length of its weighted
-/// sum, with its sign. None for triangles without an area.
+/// sum, with its sign. None for triangles without an area, and for slivers.
 fn across_edge([a, b, c, d]: [DVec3; 4]) -> Option<([f32; 4], f64, f64)> {
     let double_area = |p: DVec3| (b - a).cross(p - a).length();
     let areas = [c, d].map(double_area);
@@ -133,6 +142,9 @@ fn across_edge([a, b, c, d]: [DVec3; 4]) -> Option<([f32; 4], f64, f64)> {
     let at_b = [c, d].map(|p| (a - b).dot(p - b));
     let cotangent = |products: [f64; 2]| [products[0] / areas[0], products[1] / areas[1]];
     let ([ac, ad], [bc, bd]) = (cotangent(at_a), cotangent(at_b));
+    if [ac, ad, bc, bd].iter().any(|cotangent| cotangent.abs() > SLIVER) {
+        return None;
+    }
     let weights = [bc + bd, ac + ad, -(ac + bc), -(ad + bd)];
     let sum = a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3];
     let normal = (b - a).cross(c - a) - (b - a).cross(d - a);

@@ -41,8 +41,8 @@ pub struct ClothMaterial {
     pub shear_stiffness: f32,
     /// Stiffness of bend sticks, 0 to 1: resists folding.
     pub bend_stiffness: f32,
-    /// Rigidity in bending, as a laboratory measures it; none by default. It acts besides the bend sticks, and alike in all
-    /// finenesses.
+    /// Rigidity in bending, as a laboratory measures it; none by default. It acts besides the bend sticks, and does not depend on
+    /// the spacing.
     pub bending_rigidity: BendingRigidity,
     /// Damping along all sticks in 1/s.
     pub damping: f32,
@@ -220,7 +220,7 @@ impl ClothBuilder {
             .grid_family(shear, [-1, 1])?
             .grid_family(bend, [2, 0])?
             .grid_family(bend, [0, 2])?
-            .bending(self.material.bending_rigidity, self.material.areal_density)?
+            .bending(self.material.bending_rigidity)?
             .faces(self.faces())?
             .straight_tethers(&self.pins)?;
         builder.build()
@@ -311,6 +311,10 @@ mod tests {
     #[test]
     fn what_cannot_be_built_is_refused_by_name() {
         let density = |areal_density| ClothMaterial { areal_density, ..ClothMaterial::default() };
+        let rigidity = |rigidity| ClothMaterial {
+            bending_rigidity: BendingRigidity::isotropic(rigidity),
+            ..ClothMaterial::default()
+        };
         let cases = [
             (ClothBuilder::new(0.0, 1.0, 4, 4), "width"),
             (ClothBuilder::new(1.0, -1.0, 4, 4), "height"),
@@ -324,6 +328,9 @@ mod tests {
             (ClothBuilder::new(1.0, 1.0, 4, 4).placed(Vec3::ZERO, Vec3::X, Vec3::X), "axes"),
             (ClothBuilder::new(1.0, 1.0, 4, 4).material(density(0.0)), "areal_density"),
             (ClothBuilder::new(1.0, 1.0, 4, 4).material(density(f32::NAN)), "areal_density"),
+            (ClothBuilder::new(1.0, 1.0, 4, 4).material(rigidity(-1e-5)), "bending_rigidity"),
+            (ClothBuilder::new(1.0, 1.0, 4, 4).material(rigidity(f32::NAN)), "bending_rigidity"),
+            (ClothBuilder::new(1.0, 1.0, 4, 4).material(rigidity(1e5)), "bending_rigidity"),
         ];
         for (cloth, needle) in cases {
             let message = cloth.build_parts().expect_err(needle).to_string();

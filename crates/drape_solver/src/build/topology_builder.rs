@@ -32,8 +32,7 @@ pub struct TopologyBuilder {
     /// Ends of the listed sticks, lower index first, and their bounds.
     joined: Vec<(u32, u32, StickBound)>,
     tethers: Tethers,
-    /// Rigidity in bending, and mass per area in kg/m^2.
-    bending: (BendingRigidity, f32),
+    rigidity: BendingRigidity,
     /// The numbers of columns and rows; one row if the particles form no grid.
     size: [u32; 2],
 }
@@ -46,7 +45,7 @@ impl TopologyBuilder {
             topology: Topology { layout: Layout::Linear { count: rest.len() }, ..Topology::default() },
             joined: Vec::new(),
             tethers: Tethers::none(),
-            bending: (BendingRigidity::default(), 0.0),
+            rigidity: BendingRigidity::default(),
             size: [rest.len() as u32, 1],
         }
     }
@@ -212,18 +211,14 @@ impl TopologyBuilder {
         Ok(self)
     }
 
-    /// Has the surface resist bending. A [grid](Self::grid) resists along its rows and columns, other bodies across the edges
-    /// between two faces. `areal_density` is in kg/m^2.
+    /// Has the surface resist bending. A flat, even [grid](Self::grid) resists along its rows and columns, other bodies across the edges
+    /// between two faces.
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`] if the rigidity is negative or too large.
-    pub fn bending(
-        &mut self,
-        rigidity: BendingRigidity,
-        areal_density: f32,
-    ) -> Result<&mut Self, BuildError> {
+    pub fn bending(&mut self, rigidity: BendingRigidity) -> Result<&mut Self, BuildError> {
         rigidity.validate()?;
-        self.bending = (rigidity, areal_density);
+        self.rigidity = rigidity;
         Ok(self)
     }
 
@@ -316,9 +311,8 @@ impl TopologyBuilder {
         self.arrange();
         self.topology.tethers = TetherPlan::new(&self.tethers, &self.topology.layout);
         self.topology.rest = self.rest;
-        let (rigidity, areal_density) = self.bending;
-        let small_grid = (self.size[1] > 1).then_some(self.size);
-        self.topology.bends = Bends::new(&self.topology, small_grid, rigidity, areal_density);
+        let size = (self.size[1] > 1).then_some(self.size);
+        self.topology.bends = Bends::new(&self.topology, size, self.rigidity);
         self.topology.has_faces_by_square =
             self.topology.segments.is_empty() && are_by_square(&self.topology.faces, &self.topology.layout);
         Ok(self.topology)

@@ -9,7 +9,7 @@
 //! A bend relaxed by itself passes on only a small part of the load in a substep, if the cloth is fine or stiff, and the cloth would be
 //! as limp as if it had a fraction of its rigidity. Conjugate gradients see the whole cloth at once: the load is smooth, and few
 //! iterations give the step that it asks for (Hestenes and Stiefel 1952; with the masses as preconditioner, so that each of their
-//! directions keeps momentum and angular momentum).
+//! directions keeps momentum, and angular momentum too where bends are flat at rest).
 //!
 //! Bends of a whole grid are solved line by line (`direct/bent_chain.rs`).
 //!
@@ -79,7 +79,7 @@ fn solve(
             }
         }
         let curvature: f64 = direction.iter().zip(&*image).map(|(&p, &q)| dot(p, q)).sum();
-        if curvature <= 0.0 {
+        if !(curvature > 0.0 && curvature.is_finite()) {
             break;
         }
         let step = (norm / curvature) as f32;
@@ -104,7 +104,8 @@ fn solve(
 
 /// The product of the first three numbers.
 fn dot(a: Vec4, b: Vec4) -> f64 {
-    f64::from(a.x * b.x + a.y * b.y + a.z * b.z)
+    let [a, b] = [a, b].map(Vec4::as_dvec4);
+    a.x * b.x + a.y * b.y + a.z * b.z
 }
 
 /// The weighted sum of the particles' positions, less its rest.
@@ -116,11 +117,9 @@ fn weighted_sum(bend: &ListedBend, positions: [Vec3; 4]) -> Vec3 {
     if bend.rest == 0.0 {
         return sum;
     }
+    // Along the normal, which has a direction also where the surface is pressed flat.
     let normal = (b - a).cross(c - a) - (b - a).cross(d - a);
-    let length = sum.length();
-    let towards = if length > 0.0 { sum / length } else { normal.normalize_or_zero() };
-    let side = if towards.dot(normal) < 0.0 { -1.0 } else { 1.0 };
-    sum - towards * (bend.rest * side)
+    sum - normal.normalize_or_zero() * bend.rest
 }
 
 #[cfg(test)]
@@ -146,7 +145,7 @@ mod tests {
         let faces = faces.flat_map(|a| [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]]);
         let mut builder = TopologyBuilder::new(&rest);
         builder.faces(faces.map(|face| face.map(|corner| corner as u32))).expect("valid");
-        builder.bending(BendingRigidity::isotropic(1e-3), 0.2).expect("valid");
+        builder.bending(BendingRigidity::isotropic(1e-3)).expect("valid");
         let mut dice = dice(7);
         let moved: Vec<Vec3> =
             rest.iter().map(|&place| place + Vec3::new(dice(), dice(), dice()) * 0.05).collect();

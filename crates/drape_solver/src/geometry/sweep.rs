@@ -48,7 +48,7 @@ impl Shape {
                     Some((point, self.surface(point)))
                 };
                 let gap = |fraction| nearest(fraction).map(|(_, surface)| (surface.distance, surface.normal));
-                let (fraction, normal) = first_touch(path, self.noise(), gap)?;
+                let (fraction, normal) = first_touch(path, self.noise(path), gap)?;
                 let (point, _) = nearest(fraction)?;
                 SweepHit::on_surface(fraction, point, normal)
             }
@@ -65,13 +65,13 @@ impl Shape {
             let surface = self.surface(start + path * fraction);
             Some((surface.distance - radius, surface.normal))
         };
-        first_touch(path, self.noise(), gap)
+        first_touch(path, self.noise(path), gap)
     }
 
-    /// Distance in metres that may be rounding.
-    fn noise(&self) -> f32 {
+    /// Distance in metres that may be rounding, on this path.
+    fn noise(&self, path: Vec3) -> f32 {
         let (low, high) = self.local_bounds();
-        SURFACE_NOISE * (high - low).max_element()
+        SURFACE_NOISE * (high - low).max_element().max(path.length())
     }
 
     /// `moving` is relative to `start`. None for unbounded shapes, which have no other side to get to.

@@ -31,9 +31,9 @@ use crate::error::{BuildError, in_range};
 #[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BendingRigidity {
-    /// Of the threads that run down the columns of a grid, or along V of a weave.
+    /// Of the threads that run down the columns of a grid. A mesh takes the mean of the two.
     pub warp: f32,
-    /// Of the threads that run along the rows of a grid, or along U of a weave.
+    /// Of the threads that run along the rows of a grid.
     pub weft: f32,
 }
 
@@ -62,8 +62,6 @@ impl BendingRigidity {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Bends {
     pub rigidity: BendingRigidity,
-    /// Mass per area in kg/m^2.
-    pub areal_density: f32,
     /// Those of a whole grid: its rows and columns are solved directly.
     pub lines: Option<BentGrid>,
     /// Those of meshes and torn grids.
@@ -77,8 +75,6 @@ pub(crate) struct BentGrid {
     pub rows: usize,
     /// Of the bends along rows and along columns, in m/N, where they are as wide as lines are apart. None where nothing resists.
     pub compliance: [Option<f32>; 2],
-    /// In kg, of a particle inside the grid.
-    pub mass: f32,
 }
 
 /// One bend in a list.
@@ -121,6 +117,11 @@ impl BendScratch {
 }
 
 impl Bends {
+    /// True if nothing resists.
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_none() && self.listed.is_empty()
+    }
+
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.listed)

@@ -39,11 +39,11 @@ pub(crate) enum BodyStage {
     DynamicContacts,
     /// Particles that are joined to movers have the masses of these while sticks are relaxed.
     ReleaseJoints,
-    /// Surfaces resist curvature. Before the sticks, so that these have the last word.
+    /// Meshes and torn grids resist curvature, before the sticks, so that these have the last word. Lines of grids do later.
     Bends,
     Sticks,
     Tethers,
-    /// Rows, columns and ropes that are solved directly.
+    /// Rows, columns and ropes that are solved directly: bends, then sticks.
     Lines,
     Volume,
     /// They pull at the movers, and go where these are.

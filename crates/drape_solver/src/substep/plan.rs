@@ -191,7 +191,7 @@ impl Plan {
         self.places_of_lines.clear();
         self.lines.clear();
         let both = [Lines::Columns, Lines::Rows];
-        let bends = |lines: Lines| Some((lines, Solved::Bends(lines.softness(topology)?)));
+        let bends = |lines: Lines| Some((lines, Solved::Bends(lines.compliance(topology)?)));
         self.lines.extend(both.into_iter().filter_map(bends));
         let sticks =
             |lines: Lines| Some((lines, Solved::Sticks(lines.rest_length(topology, stiffness, settings)?)));

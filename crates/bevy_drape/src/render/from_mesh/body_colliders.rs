@@ -38,14 +38,14 @@ const LEAST_LENGTH: f32 = 1e-3;
 pub struct BodyColliders {
     /// Names of the joints that get a capsule; all of them if it is empty. A name that ends in `*` stands for all that begin so.
     pub only: Vec<String>,
-    /// Names of joints that get none, written likewise, and whose skin no capsule covers.
+    /// Names of joints that get none, written likewise. No capsule covers their skin, nor that of lesser joints below them.
     pub except: Vec<String>,
     /// The part of the body's skin that a joint must move to get a capsule, 0 to 1. The skin of lesser joints goes with the joint
     /// above.
     pub least_share: f32,
     /// The part of a joint's skin that lies inside its capsule, above 0 to 1.
     pub coverage: f32,
-    /// Metres that are added to all radii; below 0 they are taken off.
+    /// A length that is added to all radii, in the mesh's coordinates; below 0 it is taken off.
     pub margin: f32,
     /// Friction coefficient of the obstacles, 0 or more.
     pub friction: f32,
@@ -70,6 +70,7 @@ impl Default for BodyColliders {
 #[reflect(Component, Debug, Clone, PartialEq)]
 pub struct BodyCollider {
     /// The entity with the [`BodyColliders`].
+    #[entities]
     pub body: Entity,
 }
 
@@ -95,7 +96,7 @@ pub struct FittedCapsule {
     pub transform: Transform,
 }
 
-/// The distances of a skin from something, in metres in the mesh's coordinates, by area.
+/// The distances of a skin from something, in the mesh's coordinates, by area.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Debug, Clone, PartialEq)]
 pub struct SkinDistances {
@@ -165,8 +166,9 @@ impl BodyColliders {
         for (joint, pieces) in pieces.into_iter().enumerate().filter(|&(joint, _)| is_taken[joint]) {
             // The way up is no longer than there are joints, whatever their parents say.
             let above = core::iter::successors(Some(joint), |&joint| joints[joint].parent);
-            let owner = above.take(joints.len()).take_while(|&joint| joint < joints.len());
-            if let Some(owner) = { owner }.find(|&joint| has_capsule[joint]) {
+            let is_above = |&joint: &usize| joint < joints.len() && is_taken[joint];
+            let mut owner = above.take(joints.len()).take_while(is_above);
+            if let Some(owner) = owner.find(|&joint| has_capsule[joint]) {
                 skins[owner].extend(pieces);
             }
         }
@@ -246,7 +248,12 @@ fn capsule(joint: usize, balls: &FittedBalls, skin: &SkinJoint) -> Option<Fitted
     let length = bottom.distance(top).max(LEAST_LENGTH * bottom_radius.max(top_radius));
     let turn = Quat::from_rotation_arc(Vec3::Y, (top - bottom).normalize_or(Vec3::Y));
     let place = Mat4::from_rotation_translation(turn, bottom.midpoint(top));
-    let transform = Transform::from_matrix(skin.inverse_bind_pose * place);
+    let mut transform = Transform::from_matrix(skin.inverse_bind_pose * place);
+    // Exporters leave rounding in the scale. A capsule that is scaled unevenly would be no capsule.
+    let even = Vec3::splat(transform.scale.element_sum() / 3.0);
+    if transform.scale.abs_diff_eq(even, 1e-3 * even.x.abs()) {
+        transform.scale = even;
+    }
     let shape = ObstacleShape::TaperedCapsule { bottom_radius, top_radius, length };
     transform.is_finite().then_some(FittedCapsule { joint, shape, transform })
 }

@@ -12,7 +12,7 @@ use bevy::math::{DMat3, DVec3};
 const OUTSIDE: f64 = 0.85;
 
 /// Weight of the way of an end from where it began, beside that of all skin: holds ends that nothing else holds, as in a tube.
-const HELD: f64 = 1e-4;
+const HELD: f64 = 1e-6;
 
 const ROUNDS: usize = 60;
 

@@ -82,10 +82,10 @@ pub(crate) fn spawn_body_colliders(
                     let obstacle = Obstacle::new(shape).with_friction(friction);
                     commands.spawn((obstacle, BodyCollider { body }, name, transform, ChildOf(joint)));
                 }
-                commands.entity(body).insert(report);
+                commands.entity(body).try_insert(report);
             }
             Err(reason) => {
-                commands.entity(body).remove::<BodyCollidersReport>();
+                commands.entity(body).try_remove::<BodyCollidersReport>();
                 refusals.entity(body, "BodyColliders", reason);
             }
         }

@@ -26,7 +26,7 @@ pub struct ClothMesh {
     pub stretch_stiffness: Fraction,
     /// Stiffness across the edges, 0 to 1: resists folding.
     pub bend_stiffness: Fraction,
-    /// Rigidity in bending in N m, along the warp and along the weft; (0, 0) by default.
+    /// Rigidity in bending in N m, of which a mesh takes the mean; (0, 0) by default.
     #[serde(deserialize_with = "bracketed")]
     pub bending_rigidity: (NonNegative, NonNegative),
     /// Damping along the sticks in 1/s.

@@ -12,7 +12,7 @@
 
 use fearless_simd::{Simd, prelude::*};
 
-use crate::constraint::direct::bent_chain::{BendSoftness, ChainBend};
+use crate::constraint::direct::bent_chain::ChainBend;
 use crate::constraint::direct::chain::{ChainScratch, Chains};
 use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
 use crate::constraint::projection::{Exact, Projection, SquareRootFree};
@@ -64,14 +64,13 @@ impl Lines {
         })
     }
 
-    /// The compliance of the bends along these lines, as the topology has it; none if they do not resist.
-    pub fn softness(self, topology: &Topology) -> Option<BendSoftness> {
-        let BentGrid { compliance: [rows, columns], mass, .. } = topology.bends.lines?;
-        let compliance = match self {
+    /// Compliance in m/N of the bends along these lines; none if they do not resist.
+    pub fn compliance(self, topology: &Topology) -> Option<f32> {
+        let [rows, columns] = topology.bends.lines?.compliance;
+        match self {
             Self::Rows => rows,
             Self::Columns => columns,
-        }?;
-        Some(BendSoftness { compliance, mass })
+        }
     }
 
     /// The number of lines, and of particles in a line.
@@ -91,13 +90,12 @@ impl Lines {
         }
     }
 
-    /// The slot of particle `i` of line `line`.
-    fn slot(self, grid: RuledGrid, line: usize, i: usize) -> usize {
-        let (column, row) = match self {
-            Self::Rows => (i, line),
-            Self::Columns => (line, i),
-        };
-        grid.patches.map_or(row * grid.columns + column, |patches| patches.slot(column, row))
+    /// The index of particle `i` of line `line`.
+    fn index(self, grid: RuledGrid, line: usize, i: usize) -> usize {
+        match self {
+            Self::Rows => line * grid.columns + i,
+            Self::Columns => i * grid.columns + line,
+        }
     }
 }
 
@@ -106,7 +104,8 @@ impl Lines {
 pub(crate) enum Solved {
     /// Sticks of this length at rest, in metres.
     Sticks(f32),
-    Bends(BendSoftness),
+    /// Bends of this compliance inside the cloth, in m/N.
+    Bends(f32),
 }
 
 /// A grid of particles, by rows and columns: in patches, or in order if it is too small for that.
@@ -124,7 +123,7 @@ impl RuledGrid {
             (&Layout::Grid(grid), _) => {
                 Some(Self { columns: grid.columns, rows: grid.rows, patches: Some(grid) })
             }
-            (Layout::Linear { .. }, Some(BentGrid { columns, rows, .. })) => {
+            (Layout::Linear { .. } | Layout::Renumbered(_), Some(BentGrid { columns, rows, .. })) => {
                 Some(Self { columns, rows, patches: None })
             }
             _ => None,
@@ -192,7 +191,7 @@ impl LineScratch {
                     grow(&mut self.inverse_mass, transposed);
                 }
             }
-            self.slots[lines as usize] = slots(grid, lines);
+            self.slots[lines as usize] = slots(&topology.layout, grid, lines);
         }
         self.grid = Some(grid);
     }
@@ -211,22 +210,28 @@ fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
     values.resize(count.max(values.len()), T::default());
 }
 
+/// Bit mask of the lanes whose line, of `count` side by side, is at an edge of the cloth.
+fn edges(count: usize, line: impl Fn(usize) -> usize) -> u16 {
+    let is_edge = |lane: usize| line(lane) == 0 || line(lane) + 1 == count;
+    (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_edge(lane)) << lane))
+}
+
 #[inline(always)]
 fn solve_chains<S: Simd>(
     simd: S,
     mut chains: Chains,
-    (chain, bends): (&mut ChainScratch, &mut [ChainBend]),
+    (chain, bends, edges): (&mut ChainScratch, &mut [ChainBend], u16),
     solved: Solved,
     projection: impl Projection,
 ) {
     match solved {
         Solved::Sticks(rest) => chains.solve(simd, chain, rest, projection),
-        Solved::Bends(softness) => chains.bend(simd, bends, softness),
+        Solved::Bends(compliance) => chains.bend(simd, bends, compliance, edges),
     }
 }
 
 /// The slots of the particles of all lines that must be gathered.
-fn slots(grid: RuledGrid, lines: Lines) -> Vec<u32> {
+fn slots(layout: &Layout, grid: RuledGrid, lines: Lines) -> Vec<u32> {
     let lanes = match lines.storage(grid) {
         LineStorage::Gathered => LANES,
         LineStorage::Lone => 1,
@@ -235,7 +240,7 @@ fn slots(grid: RuledGrid, lines: Lines) -> Vec<u32> {
     let (number, count) = lines.size(grid);
     let bundles = (0..number).step_by(lanes).map(move |first| first..number.min(first + lanes));
     let places = bundles.flat_map(|bundle| (0..count).map(move |i| (bundle.clone(), i)));
-    let slot = |line: usize, i: usize| lines.slot(grid, line, i) as u32;
+    let slot = |line: usize, i: usize| layout.slot(lines.index(grid, line, i)) as u32;
     places.flat_map(|(bundle, i)| bundle.map(move |line| slot(line, i))).collect()
 }
 
@@ -291,12 +296,12 @@ impl LineSolve<'_> {
     /// Solves all `lines`.
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, lines: Lines, mut solved: Solved, projection: impl Projection) {
-        if let Solved::Bends(softness) = &mut solved {
-            softness.compliance *= self.bend_scale;
+        if let Solved::Bends(compliance) = &mut solved {
+            *compliance *= self.bend_scale;
         }
         match (lines.storage(self.grid), solved, self.grid.patches) {
             (LineStorage::InPlace, _, Some(patches)) => {
-                self.columns_in_place(simd, patches, solved, projection)
+                self.columns_in_place(simd, patches, solved, projection);
             }
             (LineStorage::Transposed, _, Some(patches)) => {
                 self.transposed_rows(simd, patches, solved, projection);
@@ -331,7 +336,8 @@ impl LineSolve<'_> {
         let LineScratch { chain, bends, .. } = &mut **scratch;
         for first in 0..patches.width {
             let chains = Chains { position, inverse_mass, first, stride: patches.width, count: grid.rows };
-            solve_chains(simd, chains, (chain, bends), solved, projection);
+            let edges = edges(grid.columns, |lane| lane * patches.width + first);
+            solve_chains(simd, chains, (chain, bends, edges), solved, projection);
         }
     }
 
@@ -347,7 +353,8 @@ impl LineSolve<'_> {
             self.transpose_rows(simd, patches, first);
             let LineScratch { chain, bends, position, inverse_mass, .. } = &mut *self.scratch;
             let chains = Chains { position, inverse_mass, first: 0, stride: 1, count: self.grid.columns };
-            solve_chains(simd, chains, (chain, bends), solved, projection);
+            let edges = edges(self.grid.rows, |lane| first + lane);
+            solve_chains(simd, chains, (chain, bends, edges), solved, projection);
             self.transpose_back(simd, patches, first);
         }
     }
@@ -440,7 +447,8 @@ impl LineSolve<'_> {
             }
             let chains =
                 Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count };
-            solve_chains(simd, chains, (chain, bends), solved, projection);
+            let edges = edges(number, |lane| first + lane);
+            solve_chains(simd, chains, (chain, bends, edges), solved, projection);
             for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
                     position[slot as usize / LANES].set(slot as usize % LANES, gathered[i].get(lane));
