@@ -128,7 +128,7 @@ mod tests {
 
     use super::*;
     use crate::build::topology_builder::TopologyBuilder;
-    use crate::random::dice;
+    use crate::parallel::testing::dice;
     use crate::state::bends::BendingRigidity;
     use crate::state::particles::Particles;
     use crate::state::settings::BodySettings;

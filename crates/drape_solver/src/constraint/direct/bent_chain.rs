@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use glam::{DVec3, Vec3};
 
-    use crate::random::dice;
+    use crate::parallel::testing::dice;
     use crate::simd::isa::{Isa, Kernel};
     use crate::simd::miri::unless_miri;
 
@@ -164,14 +164,14 @@ mod tests {
             .collect();
         let mut right: Vec<DVec3> =
             (0..bends).map(|i| -(position[i] - position[i + 1] * 2.0 + position[i + 2])).collect();
-        for i in 0..bends {
-            rows[i][i] += compliance;
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[i] += compliance;
         }
         for i in 0..bends {
-            for k in i + 1..bends {
-                let factor = rows[k][i] / rows[i][i];
-                let above = rows[i].clone();
-                rows[k].iter_mut().zip(above).for_each(|(entry, pivot)| *entry -= factor * pivot);
+            let (above, below) = rows.split_at_mut(i + 1);
+            for (k, row) in (i + 1..).zip(below) {
+                let factor = row[i] / above[i][i];
+                row.iter_mut().zip(&above[i]).for_each(|(entry, pivot)| *entry -= factor * pivot);
                 let moved = right[i] * factor;
                 right[k] -= moved;
             }

@@ -231,7 +231,7 @@ mod tests {
 
     use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
     use crate::constraint::projection::Exact;
-    use crate::random::dice;
+    use crate::parallel::testing::dice;
     use crate::simd::isa::{Isa, Kernel};
 
     const REST: f32 = 0.1;
