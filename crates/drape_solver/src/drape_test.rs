@@ -46,25 +46,36 @@ const SETTLING: [f32; 2] = [2.0, 6.0];
 /// # Errors
 /// [`StepError`] if material or settings are out of range.
 pub fn drape_coefficient(material: ClothMaterial, settings: BodySettings) -> Result<f32, StepError> {
-    // Strong drag, so that the cloth does not swing.
-    let settings = BodySettings { drag: 4.0, thickness: 0.002, ..settings };
-    let bad = |source| StepError::BadSettings { body: 0, source };
+    let settings = hanging(settings);
     let cloth = ClothBuilder::new(SIDE, SIDE, 16, 16)
         .placed(Vec3::new(-0.5 * SIDE, settings.thickness, -0.5 * SIDE), Vec3::X, Vec3::Z)
         .material(material);
     coefficient(cloth.build(settings).map_err(bad)?, SIDE * SIDE)
 }
 
+fn bad(source: BuildError) -> StepError {
+    StepError::BadSettings { body: 0, source }
+}
+
+/// Area of a circle of this diameter.
+fn circle(diameter: f32) -> f32 {
+    core::f32::consts::PI * diameter * diameter / 4.0
+}
+
+/// These settings with a strong drag, so that the cloth does not swing.
+fn hanging(settings: BodySettings) -> BodySettings {
+    BodySettings { drag: 4.0, thickness: 0.002, ..settings }
+}
+
 /// Hangs a cloth of this area over the disc, and measures its shadow.
 fn coefficient(cloth: Body, area: f32) -> Result<f32, StepError> {
-    let bad = |source| StepError::BadSettings { body: 0, source };
     let mut island = Island::of_body(cloth);
     let disc = Shape::from_parry(SharedShape::cylinder(0.01, 0.5 * DISC)).map_err(bad)?;
     let place = Placement { translation: Vec3::NEG_Y * 0.01, rotation: Quat::IDENTITY };
     let disc = Obstacle::new(disc, place, 0.5).map_err(bad)?;
     let environment = Environment { obstacles: vec![disc].into(), ..Environment::default() };
     settle(&mut island, &environment, SETTLING[0])?;
-    let disc = core::f32::consts::PI * DISC * DISC / 4.0;
+    let disc = circle(DISC);
     Ok((shadow(&island) - disc) / (area - disc))
 }
 
@@ -77,17 +88,14 @@ pub fn round_drape_coefficient(
     settings: BodySettings,
     rings: u32,
 ) -> Result<f32, StepError> {
-    let settings = BodySettings { drag: 4.0, thickness: 0.002, ..settings };
+    let settings = hanging(settings);
     let (places, faces) = specimen(rings, settings.thickness);
     let cloth = MeshClothBuilder::new(places, faces).material(material).build(settings);
     let cloth = cloth.map_err(|error| match error {
-        MeshError::Build(source) => StepError::BadSettings { body: 0, source },
-        _ => StepError::BadSettings {
-            body: 0,
-            source: BuildError::BadShape { reason: "a specimen needs rings" },
-        },
+        MeshError::Build(source) => bad(source),
+        _ => bad(BuildError::BadShape { reason: "a specimen needs rings" }),
     })?;
-    coefficient(cloth, core::f32::consts::PI * SIDE * SIDE / 4.0)
+    coefficient(cloth, circle(SIDE))
 }
 
 /// A round specimen of `rings` rings, of 6, 12, 18 .. vertices.
@@ -133,13 +141,19 @@ pub fn bending_length(
         .placed(Vec3::new(-overhang, 0.0, -2.0 * spacing), Vec3::X, Vec3::Z)
         .material(material)
         .pin_where(|column, _, _| column == sticks);
-    let strip = strip.build(settings).map_err(|source| StepError::BadSettings { body: 0, source })?;
+    let strip = strip.build(settings).map_err(bad)?;
     let mut island = Island::of_body(strip);
     settle(&mut island, &Environment::default(), SETTLING[1])?;
     // In the middle of the free end.
     let end = island.bodies[0].particles.position((3 * (2 * sticks + 1) - 1) as usize);
+    Ok(bending_length_of(overhang, end))
+}
+
+/// Peirce's bending length in metres of a strip that overhangs its support, which is at the origin, by `overhang` metres along X, and
+/// whose end hangs at `end`.
+pub fn bending_length_of(overhang: f32, end: Vec3) -> f32 {
     let angle = libm::atan2(f64::from(-end.y), f64::from(end.x));
-    Ok(overhang * libm::cbrt(libm::cos(0.5 * angle) / (8.0 * libm::tan(angle))) as f32)
+    overhang * libm::cbrt(libm::cos(0.5 * angle) / (8.0 * libm::tan(angle))) as f32
 }
 
 /// Stretch of a curtain of 1 m x 1 m and 21 x 21 particles under its own weight, in parts of its length.
@@ -149,7 +163,7 @@ pub fn bending_length(
 pub fn stretch_by_weight(material: ClothMaterial, settings: BodySettings) -> Result<f32, StepError> {
     let settings = BodySettings { drag: 4.0, ..settings };
     let curtain = ClothBuilder::new(1.0, 1.0, 21, 21).material(material).pin_edge(Edge::Top);
-    let curtain = curtain.build(settings).map_err(|source| StepError::BadSettings { body: 0, source })?;
+    let curtain = curtain.build(settings).map_err(bad)?;
     let mut island = Island::of_body(curtain);
     settle(&mut island, &Environment::default(), SETTLING[1])?;
     // In the middle of the hem: at the sides a curtain draws in.

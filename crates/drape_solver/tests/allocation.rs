@@ -30,26 +30,30 @@ fn a_warm_step_allocates_nothing() {
     bend_allocating_nothing();
 }
 
+/// Warms up by the first number of steps or rounds, and asserts that the second number of them allocates nothing.
+fn assert_allocates_nothing<Count>(run: &mut impl FnMut(Count), [warm_up, counted]: [Count; 2]) {
+    run(warm_up);
+    let region = Region::new(ALLOCATOR);
+    run(counted);
+    let change = region.change();
+    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+}
+
 /// A grid and a mesh that resist bending.
 fn bend_allocating_nothing() {
     let material =
         ClothMaterial { bending_rigidity: BendingRigidity::isotropic(1e-4), ..ClothMaterial::default() };
-    let grid = || ClothBuilder::new(1.0, 1.0, 24, 24).material(material).pin_edge(Edge::Top);
-    let grid_of_mesh = grid().build(BodySettings::default()).expect("valid");
-    let places = grid_of_mesh.particles.positions().collect();
-    let mesh =
-        MeshClothBuilder::new(places, grid_of_mesh.topology.faces().to_vec()).material(material).pin(0);
+    let grid = ClothBuilder::new(1.0, 1.0, 24, 24).material(material).pin_edge(Edge::Top);
+    let grid = grid.build(BodySettings::default()).expect("valid");
+    let places = grid.particles.positions().collect();
+    let mesh = MeshClothBuilder::new(places, grid.topology.faces().to_vec()).material(material).pin(0);
     let mesh = mesh.build(BodySettings::default()).expect("valid");
-    for body in [grid_of_mesh, mesh] {
+    for body in [grid, mesh] {
         let mut island = Island::of_body(body);
         let environment = Environment::default();
         let mut steps =
             |count: u32| (0..count).for_each(|_| step(&mut island, &environment).expect("a good step"));
-        steps(10);
-        let region = Region::new(ALLOCATOR);
-        steps(10);
-        let change = region.change();
-        assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+        assert_allocates_nothing(&mut steps, [10, 10]);
     }
 }
 
@@ -109,11 +113,7 @@ fn meet_shapes_allocating_nothing() {
             touches += island.touches.len();
         }
     };
-    steps(240);
-    let region = Region::new(ALLOCATOR);
-    steps(64);
-    let change = region.change();
-    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    assert_allocates_nothing(&mut steps, [240, 64]);
     assert!(touches > 0, "the balls must have hit something");
 }
 
@@ -145,11 +145,7 @@ fn step_a_world_allocating_nothing() {
             }
         }
     };
-    rounds(8);
-    let region = Region::new(ALLOCATOR);
-    rounds(4);
-    let change = region.change();
-    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    assert_allocates_nothing(&mut rounds, [8, 4]);
     assert!(slept > 8 && woken > 8, "{slept} fell asleep, {woken} woke");
 }
 
@@ -181,11 +177,7 @@ fn follow_a_pose_allocating_nothing() {
             step(&mut island, &Environment::default()).expect("a good step");
         }
     };
-    steps(32);
-    let region = Region::new(ALLOCATOR);
-    steps(32);
-    let change = region.change();
-    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    assert_allocates_nothing(&mut steps, [32, 32]);
 }
 
 /// A cloth that has folded onto itself.
@@ -200,11 +192,7 @@ fn fold_allocating_nothing() {
     let mut steps = |count: u32| {
         (0..count).for_each(|_| step(&mut island, &environment).expect("a good step"));
     };
-    steps(240);
-    let region = Region::new(ALLOCATOR);
-    steps(60);
-    let change = region.change();
-    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    assert_allocates_nothing(&mut steps, [240, 60]);
     assert!(island.self_contact_counts().pairs > 0, "it must have come near itself");
 }
 
@@ -245,11 +233,7 @@ fn allocate_nothing(settings: BodySettings) {
         }
     };
     // The hit is in the first seconds: then every list has reached its greatest length.
-    steps(240);
-    let region = Region::new(ALLOCATOR);
-    steps(120);
-    let change = region.change();
-    assert_eq!((change.allocations, change.reallocations), (0, 0), "{change:?}");
+    assert_allocates_nothing(&mut steps, [240, 120]);
     assert!(touches > 10, "the balls must have hit something");
     assert!(contacts > 400, "the sensor must have told of the curtain: {contacts}");
 }

@@ -85,27 +85,18 @@ impl Fabric {
     }
 
     const fn new(material: ClothMaterial, surface: BodySurface, extensible: bool) -> Self {
-        let ClothMaterial {
-            areal_density,
-            stretch_stiffness,
-            shear_stiffness,
-            bend_stiffness,
-            bending_rigidity,
-            damping,
-        } = material;
-        let BodySurface { friction, static_friction, thickness, drag } = surface;
         Self {
-            areal_density,
-            stretch_stiffness,
-            shear_stiffness,
-            bend_stiffness,
-            bending_rigidity,
-            damping,
+            areal_density: material.areal_density,
+            stretch_stiffness: material.stretch_stiffness,
+            shear_stiffness: material.shear_stiffness,
+            bend_stiffness: material.bend_stiffness,
+            bending_rigidity: material.bending_rigidity,
+            damping: material.damping,
             extensible,
-            friction,
-            static_friction,
-            thickness,
-            drag,
+            friction: surface.friction,
+            static_friction: surface.static_friction,
+            thickness: surface.thickness,
+            drag: surface.drag,
         }
     }
 
@@ -143,22 +134,13 @@ impl Fabric {
 
     /// The mass and the sticks that the solver gives a cloth of it.
     pub fn material(&self) -> ClothMaterial {
-        let Self {
-            areal_density,
-            stretch_stiffness,
-            shear_stiffness,
-            bend_stiffness,
-            bending_rigidity,
-            damping,
-            ..
-        } = *self;
         ClothMaterial {
-            areal_density,
-            stretch_stiffness,
-            shear_stiffness,
-            bend_stiffness,
-            bending_rigidity,
-            damping,
+            areal_density: self.areal_density,
+            stretch_stiffness: self.stretch_stiffness,
+            shear_stiffness: self.shear_stiffness,
+            bend_stiffness: self.bend_stiffness,
+            bending_rigidity: self.bending_rigidity,
+            damping: self.damping,
         }
     }
 }

@@ -12,7 +12,8 @@
 
 use glam::DVec3;
 
-use crate::state::bends::{BendingRigidity, Bends, BentGrid, ListedBend};
+use crate::build::mesh::surface::{opposite, sides, unordered};
+use crate::state::bends::{BendingRigidity, Bends, BentGrid, ListedBend, is_at_edge};
 use crate::state::grid::GridBatch;
 use crate::state::layout::Layout;
 use crate::state::topology::{BatchSticks, StickKind, Topology};
@@ -79,9 +80,8 @@ impl Bends {
             for (column, row) in (0..grid.rows.saturating_sub(2 * down)).flat_map(first) {
                 let [a, b, c] = [0, 1, 2].map(|i| grid.slot(column + i * right, row + i * down));
                 if sticks.join([a, b]) && sticks.join([b, c]) {
-                    // At the edges of the cloth a bend is half as wide.
                     let (line, lines) = if down == 0 { (row, grid.rows) } else { (column, grid.columns) };
-                    let is_edge = line == 0 || line + 1 == lines;
+                    let is_edge = is_at_edge(line, lines);
                     self.listed.push(ListedBend {
                         slots: [a, b, c, c].map(|slot| slot as u32),
                         weights: [1.0, -2.0, 1.0, 0.0],
@@ -95,15 +95,13 @@ impl Bends {
 
     /// One bend across each edge between two triangles.
     fn add_faces(&mut self, topology: &Topology) {
-        let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * topology.faces.len());
-        for &[a, b, c] in &topology.faces {
-            for ([p, q], opposite) in [([a, b], c), ([b, c], a), ([c, a], b)] {
-                sides.push(([p.min(q), p.max(q)], opposite));
-            }
+        let mut joints: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * topology.faces.len());
+        for &face in &topology.faces {
+            joints.extend(sides(face).map(|side| (unordered(side), opposite(face, side))));
         }
-        sides.sort_unstable();
+        joints.sort_unstable();
         let rigidity = 0.5 * (f64::from(self.rigidity.warp) + f64::from(self.rigidity.weft));
-        for joint in sides.chunk_by(|p, q| p.0 == q.0) {
+        for joint in joints.chunk_by(|p, q| p.0 == q.0) {
             if let [([a, b], c), (_, d)] = *joint
                 && c != d
             {

@@ -49,14 +49,10 @@ fn solve(
     let BendScratch { residual, pull, direction, image } = scratch;
     let weight = |slot: usize| inverse_mass[slot / LANES][slot % LANES];
     residual.fill(Vec4::ZERO);
-    for bend in bends {
-        let slots = bend.slots.map(|slot| slot as usize);
-        let force = weighted_sum(bend, slots.map(|slot| position[slot / LANES].get(slot % LANES)))
-            / (bend.compliance * scale);
-        for (slot, weight) in slots.into_iter().zip(bend.weights) {
-            residual[slot] -= force.extend(0.0) * weight;
-        }
-    }
+    add_forces(residual, bends, scale, |bend, slots| {
+        let places = slots.map(|slot| position[slot / LANES].get(slot % LANES));
+        -weighted_sum(bend, places).extend(0.0)
+    });
     pull.copy_from_slice(residual);
     let mut norm: f64 =
         residual.iter().enumerate().map(|(slot, &r)| dot(r, r) * f64::from(weight(slot))).sum();
@@ -69,15 +65,7 @@ fn solve(
             *direction = pull[slot] * weight(slot);
         }
         image.copy_from_slice(pull);
-        for bend in bends {
-            let slots = bend.slots.map(|slot| slot as usize);
-            let [a, b, c, d] = slots.map(|slot| direction[slot]);
-            let [_, wb, wc, wd] = bend.weights;
-            let force = ((b - a) * wb + (c - a) * wc + (d - a) * wd) / (bend.compliance * scale);
-            for (slot, weight) in slots.into_iter().zip(bend.weights) {
-                image[slot] += force * weight;
-            }
-        }
+        add_forces(image, bends, scale, |bend, slots| bend.sum(slots.map(|slot| direction[slot])));
         let curvature: f64 = direction.iter().zip(&*image).map(|(&p, &q)| dot(p, q)).sum();
         if !(curvature > 0.0 && curvature.is_finite()) {
             break;
@@ -102,6 +90,22 @@ fn solve(
     }
 }
 
+/// Adds to `forces` those of all bends, whose weighted sums `sum` gives for their slots.
+fn add_forces(
+    forces: &mut [Vec4],
+    bends: &[ListedBend],
+    scale: f32,
+    sum: impl Fn(&ListedBend, [usize; 4]) -> Vec4,
+) {
+    for bend in bends {
+        let slots = bend.slots.map(|slot| slot as usize);
+        let force = sum(bend, slots) / (bend.compliance * scale);
+        for (slot, weight) in slots.into_iter().zip(bend.weights) {
+            forces[slot] += force * weight;
+        }
+    }
+}
+
 /// The product of the first three numbers.
 fn dot(a: Vec4, b: Vec4) -> f64 {
     let [a, b] = [a, b].map(Vec4::as_dvec4);
@@ -110,13 +114,11 @@ fn dot(a: Vec4, b: Vec4) -> f64 {
 
 /// The weighted sum of the particles' positions, less its rest.
 fn weighted_sum(bend: &ListedBend, positions: [Vec3; 4]) -> Vec3 {
-    let [a, b, c, d] = positions;
-    let [_, wb, wc, wd] = bend.weights;
-    // Differences, as positions may be large and their weighted sum small.
-    let sum = (b - a) * wb + (c - a) * wc + (d - a) * wd;
+    let sum = bend.sum(positions);
     if bend.rest == 0.0 {
         return sum;
     }
+    let [a, b, c, d] = positions;
     // Along the normal, which has a direction also where the surface is pressed flat.
     let normal = (b - a).cross(c - a) - (b - a).cross(d - a);
     sum - normal.normalize_or_zero() * bend.rest
@@ -128,7 +130,7 @@ mod tests {
 
     use super::*;
     use crate::build::topology_builder::TopologyBuilder;
-    use crate::parallel::testing::dice;
+    use crate::constraint::testing::dice;
     use crate::state::bends::BendingRigidity;
     use crate::state::particles::Particles;
     use crate::state::settings::BodySettings;
@@ -181,16 +183,8 @@ mod tests {
     fn a_solve_is_an_implicit_step() {
         let mut body = crumpled(true);
         let before = places(&body);
-        // Each projection has eight iterations at most; from where it ends, the same system is solved further.
-        let (inverse_mass, _) = body.particles.inverse_mass.as_chunks::<LANES>();
         let start = forces(&body, &before).iter().map(|force| force.length()).fold(0.0, f32::max);
-        solve(
-            &mut body.particles.position.cells,
-            inverse_mass,
-            &body.topology.bends.listed,
-            SCALE,
-            &mut body.context.bends,
-        );
+        project(&mut body, 0);
         let after = places(&body);
         let forces = forces(&body, &after);
         for (i, force) in forces.into_iter().enumerate() {

@@ -25,5 +25,7 @@ pub mod motion_limit;
 pub(crate) mod projection;
 pub mod stick;
 pub(crate) mod strain;
+#[cfg(test)]
+pub(crate) mod testing;
 pub mod tether;
 pub mod volume;

@@ -18,7 +18,7 @@ use crate::geometry::compound::CompoundShape;
 use crate::geometry::mesh::MeshShape;
 use crate::geometry::parry_surface::{is_meant_to_be_solid, is_upright, parry_surface};
 use crate::geometry::pose::Placement;
-use crate::geometry::taper::Taper;
+use crate::geometry::taper::{Taper, scaled_hull};
 
 /// Corners around a round shape that an uneven scale turns into a convex hull.
 const SCALED_SUBDIVISIONS: u32 = 24;
@@ -196,12 +196,7 @@ impl Shape {
                     return Ok(Self::TaperedCapsule { half_length, bottom_radius, top_radius });
                 }
                 let balls = [(-half_length, bottom_radius), (half_length, top_radius)];
-                let points = balls.map(|(height, radius)| {
-                    let (points, _) = Ball::new(radius).to_trimesh(SCALED_SUBDIVISIONS, SCALED_SUBDIVISIONS);
-                    points.into_iter().map(move |point| (point + Vec3::Y * height) * scale)
-                });
-                let points: Vec<Vec3> = points.into_iter().flatten().collect();
-                let hull = SharedShape::convex_hull(&points);
+                let hull = scaled_hull(balls, scale, SCALED_SUBDIVISIONS);
                 return Self::from_parry(hull.ok_or(BuildError::BadShape { reason: NO_EXTENT })?);
             }
             Self::Mesh(mesh) => {

@@ -12,6 +12,7 @@
 
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
+use parry3d::shape::{Ball, SharedShape};
 
 use crate::simd::lanes::Lanes3;
 
@@ -64,6 +65,15 @@ impl Taper {
         let radius = (height - self.low) * self.growth + self.radius;
         (Lanes3 { y: point.y - height, ..point }, radius)
     }
+}
+
+/// The hull of two balls on the Y axis, given by height and radius, after this scale. None if it has no extent.
+pub(crate) fn scaled_hull(balls: [(f32, f32); 2], scale: Vec3, subdivisions: u32) -> Option<SharedShape> {
+    let points = balls.into_iter().flat_map(|(height, radius)| {
+        let (points, _) = Ball::new(radius).to_trimesh(subdivisions, subdivisions);
+        points.into_iter().map(move |point| (point + Vec3::Y * height) * scale)
+    });
+    SharedShape::convex_hull(&points.collect::<Vec<Vec3>>())
 }
 
 #[cfg(test)]

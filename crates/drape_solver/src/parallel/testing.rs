@@ -1,4 +1,4 @@
-//! Threads and numbers for tests.
+//! Threads for the tests of this floor.
 
 use crate::parallel::threads::Threads;
 
@@ -21,14 +21,5 @@ impl Threads for Fresh {
             scope.spawn(other);
             one();
         });
-    }
-}
-
-/// Numbers from -1 to 1 that look random.
-pub(crate) fn dice(seed: u64) -> impl FnMut() -> f32 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1 << 23) as f32 - 1.0
     }
 }

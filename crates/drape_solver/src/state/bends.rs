@@ -15,6 +15,8 @@
 //!
 //! Design: `docs/design/bending.md`.
 
+use core::ops::{Add, Mul, Sub};
+
 #[cfg(feature = "bevy")]
 use bevy_reflect::std_traits::ReflectDefault;
 
@@ -113,6 +115,24 @@ impl BendScratch {
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
         4 * size_of_val(&*self.residual)
+    }
+}
+
+/// True if a row or column of `count` is at an edge of the cloth, where bends are half as wide.
+#[inline(always)]
+pub(crate) fn is_at_edge(line: usize, count: usize) -> bool {
+    line == 0 || line + 1 == count
+}
+
+impl ListedBend {
+    /// The weighted sum of four places or ways. By differences, as places may be large and their weighted sum small.
+    #[inline(always)]
+    pub fn sum<V>(&self, [a, b, c, d]: [V; 4]) -> V
+    where
+        V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f32, Output = V>,
+    {
+        let [_, wb, wc, wd] = self.weights;
+        (b - a) * wb + (c - a) * wc + (d - a) * wd
     }
 }
 

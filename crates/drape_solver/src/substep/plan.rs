@@ -88,8 +88,8 @@ pub(crate) struct Plan {
     lags: Vec<usize>,
     /// For each stage of the [order](crate::substep::order), the index of its first strip stage; one more at the end.
     first_of_stage: Vec<u32>,
-    /// Lines that are solved directly, and the indices of the stages before
-    /// which they are solved. Lines run through all strips, so no sweep crosses a line solve.
+    /// Lines that are solved directly, and the indices of the stages before which they are solved. Lines run through all
+    /// strips, so no sweep crosses a line solve.
     pub lines: Vec<(Lines, Solved)>,
     pub places_of_lines: Vec<usize>,
     /// Index of [`StripStage::Update`], at which displacements follow positions.

@@ -1,6 +1,6 @@
 //! Bending in units: a cloth of some rigidity shows what a textile laboratory measures on a fabric of that rigidity.
 
-use drape_solver::drape_test::{bending_length, round_drape_coefficient};
+use drape_solver::drape_test::{bending_length, bending_length_of, round_drape_coefficient};
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
@@ -40,7 +40,7 @@ fn strip(rigidity: f32, overhang: f32, sticks: u32) -> ClothBuilder {
 /// The same as a mesh.
 fn mesh_of(strip: ClothBuilder, material: ClothMaterial, settings: BodySettings) -> Body {
     let (particles, topology) = strip.build_parts().expect("valid");
-    let places: Vec<Vec3> = (0..particles.len()).map(|i| particles.position(i)).collect();
+    let places = particles.positions().collect();
     let pins = (0..particles.len()).filter(|&i| particles.is_pinned(i)).map(|i| i as u32);
     let mesh = MeshClothBuilder::new(places, topology.faces().to_vec()).material(material);
     pins.fold(mesh, MeshClothBuilder::pin).build(settings).expect("valid")
@@ -53,9 +53,7 @@ fn length_of(body: Body, overhang: f32) -> f32 {
     let body = &island.bodies[0];
     let off = |i: &usize| body.topology.rest_position(*i).distance(Vec3::X * overhang);
     let end = (0..body.particles.len()).min_by(|i, j| off(i).total_cmp(&off(j))).expect("it has particles");
-    let end = body.particles.position(end);
-    let angle = f64::from(-end.y).atan2(f64::from(end.x));
-    overhang * ((0.5 * angle).cos() / (8.0 * angle.tan())).cbrt() as f32
+    bending_length_of(overhang, body.particles.position(end))
 }
 
 /// The bending length that follows from rigidity and weight.

@@ -333,6 +333,16 @@ pub fn assert_goes_on_when_restored(bodies: [Body; 2], animate: impl Fn(&mut Bod
     assert_eq!(hash(&other), hash(&island));
 }
 
+/// Signed distance from a tapered capsule: the farthest of the planes that touch the hull of two balls, in the plane of the axis.
+pub fn to_tapered_capsule(p: Vec3, half_length: f32, bottom: f32, top: f32) -> f32 {
+    let out = p.truncate().with_y(p.z).length();
+    let planes = (-500..=500).map(|index| (index as f32 * core::f32::consts::PI / 1000.0).sin_cos());
+    let beyond = planes.map(|(up, across)| {
+        across * out + up * p.y - (bottom - up * half_length).max(top + up * half_length)
+    });
+    beyond.fold(f32::NEG_INFINITY, f32::max)
+}
+
 /// The bits of all bodies, then of all balls.
 pub fn hash(island: &Island) -> u64 {
     let mut hasher = StateHasher::new();

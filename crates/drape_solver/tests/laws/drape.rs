@@ -43,16 +43,6 @@ fn to_capsule(p: Vec3, half_length: f32, radius: f32) -> f32 {
     (p - Vec3::Y * p.y.clamp(-half_length, half_length)).length() - radius
 }
 
-/// The farthest of the planes that touch the hull of two balls, in the plane of the axis.
-fn to_tapered_capsule(p: Vec3, half_length: f32, bottom: f32, top: f32) -> f32 {
-    let out = p.truncate().with_y(p.z).length();
-    let planes = (-500..=500).map(|index| (index as f32 * core::f32::consts::PI / 1000.0).sin_cos());
-    let beyond = planes.map(|(up, across)| {
-        across * out + up * p.y - (bottom - up * half_length).max(top + up * half_length)
-    });
-    beyond.fold(f32::NEG_INFINITY, f32::max)
-}
-
 /// Signed distance in the plane of the axis. `q` is (distance from the axis, height).
 fn to_cylinder(p: Vec3, half_height: f32, radius: f32) -> f32 {
     let q = Vec3::new(p.truncate().with_y(p.z).length() - radius, p.y.abs() - half_height, 0.0);

@@ -137,7 +137,9 @@ fn distance(shape: &Shape, p: Vec3) -> f32 {
         Shape::Capsule { half_length, radius } => {
             (p - Vec3::Y * p.y.clamp(-half_length, *half_length)).length() - radius
         }
-        Shape::TaperedCapsule { .. } => shape.distance(p),
+        &Shape::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+            to_tapered_capsule(p, half_length, bottom_radius, top_radius)
+        }
         Shape::Cuboid { half_extents } => {
             let beyond = p.abs() - *half_extents;
             beyond.max(Vec3::ZERO).length() + beyond.max_element().min(0.0)

@@ -125,12 +125,14 @@ impl From<&Cloth> for Fabric {
             stretch_stiffness: cloth.stretch_stiffness.get(),
             shear_stiffness: cloth.shear_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
-            bending_rigidity: BendingRigidity {
-                warp: cloth.bending_rigidity.0.get(),
-                weft: cloth.bending_rigidity.1.get(),
-            },
+            bending_rigidity: rigidity(cloth.bending_rigidity),
             damping: cloth.damping.get(),
             ..Self::default()
         }
     }
+}
+
+/// Rigidity in bending along warp and weft.
+pub(super) fn rigidity((warp, weft): (NonNegative, NonNegative)) -> BendingRigidity {
+    BendingRigidity { warp: warp.get(), weft: weft.get() }
 }

@@ -3,11 +3,12 @@
 use bevy::prelude::*;
 use bevy_drape as drape;
 use bevy_drape::drape_solver::MeshCloth;
-use bevy_drape::prelude::{BendingRigidity, Fabric};
+use bevy_drape::prelude::Fabric;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::mesh::MeshFiles;
+use crate::scene::bodies::cloth::rigidity;
 use crate::scene::bracketed;
 use crate::scene::{
     Fraction, Layers, MeshSource, NonNegative, PaintChannel, Positive, Pressure, Solver, Surface, Tearable,
@@ -129,10 +130,7 @@ impl From<&ClothMesh> for Fabric {
             areal_density: cloth.areal_density.get(),
             stretch_stiffness: cloth.stretch_stiffness.get(),
             bend_stiffness: cloth.bend_stiffness.get(),
-            bending_rigidity: BendingRigidity {
-                warp: cloth.bending_rigidity.0.get(),
-                weft: cloth.bending_rigidity.1.get(),
-            },
+            bending_rigidity: rigidity(cloth.bending_rigidity),
             damping: cloth.damping.get(),
             ..Self::default()
         }

@@ -196,15 +196,15 @@ fn is_empty(corners: [Vec3; 3]) -> bool {
     double_area(corners) <= LEAST_HEIGHT * longest
 }
 
-fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+pub(crate) fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-fn unordered([a, b]: [u32; 2]) -> [u32; 2] {
+pub(crate) fn unordered([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
 /// The corner of a triangle opposite to `edge`.
-fn opposite(face: [u32; 3], edge: [u32; 2]) -> u32 {
+pub(crate) fn opposite(face: [u32; 3], edge: [u32; 2]) -> u32 {
     face.into_iter().find(|corner| !edge.contains(corner)).unwrap_or(face[0])
 }

@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use glam::{DVec3, Vec3};
 
-    use crate::parallel::testing::dice;
+    use crate::constraint::testing::{self, dice};
     use crate::simd::isa::{Isa, Kernel};
     use crate::simd::miri::unless_miri;
 
@@ -162,26 +162,11 @@ mod tests {
                 (0..bends).map(|k| all.clone().map(|p| weights(i, p) * w[p] * weights(k, p)).sum()).collect()
             })
             .collect();
-        let mut right: Vec<DVec3> =
-            (0..bends).map(|i| -(position[i] - position[i + 1] * 2.0 + position[i + 2])).collect();
+        let right = (0..bends).map(|i| -(position[i] - position[i + 1] * 2.0 + position[i + 2])).collect();
         for (i, row) in rows.iter_mut().enumerate() {
             row[i] += compliance;
         }
-        for i in 0..bends {
-            let (above, below) = rows.split_at_mut(i + 1);
-            for (k, row) in (i + 1..).zip(below) {
-                let factor = row[i] / above[i][i];
-                row.iter_mut().zip(&above[i]).for_each(|(entry, pivot)| *entry -= factor * pivot);
-                let moved = right[i] * factor;
-                right[k] -= moved;
-            }
-        }
-        let mut multipliers = vec![DVec3::ZERO; bends];
-        for i in (0..bends).rev() {
-            let known: DVec3 = (i + 1..bends).map(|k| multipliers[k] * rows[i][k]).sum();
-            multipliers[i] = (right[i] - known) / rows[i][i];
-        }
-        for (bend, multiplier) in multipliers.into_iter().enumerate() {
+        for (bend, multiplier) in testing::solved(rows, right).into_iter().enumerate() {
             for i in bend..bend + 3 {
                 position[i] += multiplier * (w[i] * weights(bend, i));
             }

@@ -231,7 +231,7 @@ mod tests {
 
     use crate::constraint::direct::lone_chain::{LoneChain, LoneStick};
     use crate::constraint::projection::Exact;
-    use crate::parallel::testing::dice;
+    use crate::constraint::testing::{self, dice};
     use crate::simd::isa::{Isa, Kernel};
 
     const REST: f32 = 0.1;
@@ -243,30 +243,18 @@ mod tests {
         let sticks = position.len() - 1;
         let delta = |i: usize| position[i + 1] - position[i];
         let n: Vec<DVec3> = (0..sticks).map(|i| delta(i).normalize_or_zero()).collect();
-        // Gaussian elimination of the whole matrix: slow, and without regard to its shape.
-        let mut rows = vec![vec![0.0; sticks + 1]; sticks];
+        let (mut rows, mut right) = (vec![vec![0.0; sticks]; sticks], vec![0.0; sticks]);
         for i in 0..sticks {
             let weight = w[i] + w[i + 1];
             let is_alive = weight > 0.0 && n[i] != DVec3::ZERO;
             rows[i][i] = if weight > 0.0 { weight * (1.0 + f64::from(CHAIN_REGULARISER)) } else { 1.0 };
-            rows[i][sticks] = if is_alive { delta(i).length() - f64::from(REST) } else { 0.0 };
+            right[i] = if is_alive { delta(i).length() - f64::from(REST) } else { 0.0 };
             if i > 0 {
                 rows[i][i - 1] = -w[i] * n[i - 1].dot(n[i]);
                 rows[i - 1][i] = rows[i][i - 1];
             }
         }
-        for i in 0..sticks {
-            let (above, below) = rows.split_at_mut(i + 1);
-            for row in below {
-                let factor = row[i] / above[i][i];
-                row.iter_mut().zip(&above[i]).for_each(|(entry, pivot)| *entry -= factor * pivot);
-            }
-        }
-        let mut lambda = vec![0.0; sticks];
-        for i in (0..sticks).rev() {
-            let known: f64 = (i + 1..sticks).map(|k| rows[i][k] * lambda[k]).sum();
-            lambda[i] = (rows[i][sticks] - known) / rows[i][i];
-        }
+        let lambda = testing::solved(rows, right);
         for i in 0..sticks {
             position[i] += n[i] * (w[i] * lambda[i]);
             position[i + 1] -= n[i] * (w[i + 1] * lambda[i]);

@@ -20,7 +20,7 @@ use crate::simd::columns::{Cell, LANES};
 use crate::simd::isa::{Isa, Kernel};
 use crate::simd::lanes::load;
 use crate::simd::transpose::transpose;
-use crate::state::bends::BentGrid;
+use crate::state::bends::{BentGrid, is_at_edge};
 use crate::state::body::Body;
 use crate::state::layout::{Grid, Layout};
 use crate::state::settings::{BodySettings, StickProjection, StructuralSolve};
@@ -210,23 +210,22 @@ fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
     values.resize(count.max(values.len()), T::default());
 }
 
-/// Bit mask of the lanes whose line, of `count` side by side, is at an edge of the cloth.
-fn edges(count: usize, line: impl Fn(usize) -> usize) -> u16 {
-    let is_edge = |lane: usize| line(lane) == 0 || line(lane) + 1 == count;
-    (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_edge(lane)) << lane))
-}
-
+/// Solves chains whose sticks or bends resist alike, but for those of lanes at an edge of the cloth.
 #[inline(always)]
 fn solve_chains<S: Simd>(
     simd: S,
     mut chains: Chains,
-    (chain, bends, edges): (&mut ChainScratch, &mut [ChainBend], u16),
+    (chain, bends): (&mut ChainScratch, &mut [ChainBend]),
     solved: Solved,
+    is_edge: impl Fn(usize) -> bool,
     projection: impl Projection,
 ) {
     match solved {
         Solved::Sticks(rest) => chains.solve(simd, chain, rest, projection),
-        Solved::Bends(compliance) => chains.bend(simd, bends, compliance, edges),
+        Solved::Bends(compliance) => {
+            let edges = (0..LANES).fold(0, |bits, lane| bits | (u16::from(is_edge(lane)) << lane));
+            chains.bend(simd, bends, compliance, edges);
+        }
     }
 }
 
@@ -336,8 +335,8 @@ impl LineSolve<'_> {
         let LineScratch { chain, bends, .. } = &mut **scratch;
         for first in 0..patches.width {
             let chains = Chains { position, inverse_mass, first, stride: patches.width, count: grid.rows };
-            let edges = edges(grid.columns, |lane| lane * patches.width + first);
-            solve_chains(simd, chains, (chain, bends, edges), solved, projection);
+            let is_edge = |lane| is_at_edge(lane * patches.width + first, grid.columns);
+            solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
         }
     }
 
@@ -353,8 +352,8 @@ impl LineSolve<'_> {
             self.transpose_rows(simd, patches, first);
             let LineScratch { chain, bends, position, inverse_mass, .. } = &mut *self.scratch;
             let chains = Chains { position, inverse_mass, first: 0, stride: 1, count: self.grid.columns };
-            let edges = edges(self.grid.rows, |lane| first + lane);
-            solve_chains(simd, chains, (chain, bends, edges), solved, projection);
+            let is_edge = |lane| is_at_edge(first + lane, self.grid.rows);
+            solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
             self.transpose_back(simd, patches, first);
         }
     }
@@ -447,8 +446,8 @@ impl LineSolve<'_> {
             }
             let chains =
                 Chains { position: gathered, inverse_mass: gathered_mass, first: 0, stride: 1, count };
-            let edges = edges(number, |lane| first + lane);
-            solve_chains(simd, chains, (chain, bends, edges), solved, projection);
+            let is_edge = |lane| is_at_edge(first + lane, number);
+            solve_chains(simd, chains, (chain, bends), solved, is_edge, projection);
             for (i, slots) in bundle.chunks_exact(lanes).enumerate() {
                 for (lane, &slot) in slots.iter().enumerate() {
                     position[slot as usize / LANES].set(slot as usize % LANES, gathered[i].get(lane));
