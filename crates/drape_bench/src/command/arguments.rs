@@ -11,6 +11,8 @@ use crate::experiments::broad::BroadArguments;
 use crate::experiments::contact::report::ContactRuns;
 use crate::experiments::contact_cost::ContactArguments;
 use crate::experiments::fabrics::FabricArguments;
+#[cfg(feature = "gpu")]
+use crate::experiments::gpu::GpuArguments;
 use crate::experiments::shots::ShotArguments;
 #[cfg(feature = "plugin")]
 use crate::experiments::street::StreetArguments;
@@ -63,6 +65,9 @@ pub enum Task {
     Presets,
     /// Measures bending and drape of fabrics that a laboratory has measured.
     Fabrics(FabricArguments),
+    /// Measures the solver on the GPU beside the one on the processor.
+    #[cfg(feature = "gpu")]
+    Gpu(GpuArguments),
     /// Prints hashes of the final states of scenes, which are equal on every machine.
     Hashes {
         /// Also compare them with those in this file.

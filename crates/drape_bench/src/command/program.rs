@@ -9,6 +9,8 @@ use drape_solver::Isa;
 use crate::command::arguments::{Arguments, Command, Task};
 #[cfg(feature = "plugin")]
 use crate::experiments::{broad, street};
+#[cfg(feature = "gpu")]
+use crate::experiments::gpu;
 use crate::experiments::{contact, contact_cost, fabrics, golden, presets, shots, stability, torn};
 use crate::failure::Failure;
 use crate::measure::job::Job;
@@ -42,6 +44,8 @@ fn run(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Torn(cuts) => torn::report(cuts)?,
         Task::Presets => presets::report()?,
         Task::Fabrics(arguments) => fabrics::report(arguments)?,
+        #[cfg(feature = "gpu")]
+        Task::Gpu(arguments) => gpu::report(arguments)?,
         Task::Hashes { golden, threads } => {
             let hashes = golden::hashes(Isa::detected(), *threads)?;
             print!("{hashes}");

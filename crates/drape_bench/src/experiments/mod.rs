@@ -10,6 +10,8 @@ pub mod contact;
 pub mod contact_cost;
 pub mod fabrics;
 pub mod golden;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod oracle;
 pub mod presets;
 pub mod shots;

@@ -105,7 +105,11 @@ pub fn settings(options: &SolverOptions) -> BodySettings {
     }
 }
 
-fn environment() -> Result<Environment, BuildError> {
+/// Gravity and the sphere of all scenes.
+///
+/// # Errors
+/// [`BuildError`] if the solver refuses them.
+pub fn environment() -> Result<Environment, BuildError> {
     let shape = Shape::Sphere { radius: SPHERE_RADIUS };
     let sphere = Obstacle::new(shape, Placement::at(SPHERE_CENTRE), 0.0)?;
     Ok(Environment { dt: STEP, gravity: GRAVITY, obstacles: vec![sphere].into(), ..Environment::default() })

@@ -96,25 +96,35 @@ impl Default for Turbulence {
 }
 
 /// The number of waves in a gust, each shorter than the one before.
-const WAVES: usize = 6;
+pub const WAVES: usize = 6;
 
 /// The length of each wave in parts of that of the one before.
 const SHORTER: f64 = 0.7;
 
 /// One wave of a gust: the air moves at right angles to the wave's direction.
 #[derive(Clone, Copy, Debug, Default)]
-struct Wave {
+pub struct Wave {
     /// Radians per metre.
-    number: DVec3,
+    pub number: DVec3,
     /// Metres per second.
-    amplitude: DVec3,
+    pub amplitude: DVec3,
     /// Radians per second, in air that stands still.
-    frequency: f64,
-    phase: f64,
+    pub frequency: f64,
+    /// Radians at the origin of the world and of time.
+    pub phase: f64,
+}
+
+impl Wave {
+    /// The phase in radians at the origin of the world, `time` seconds after the start, in a wind of `velocity` (m/s) that carries the wave
+    /// along. A place `p` adds `number . p`.
+    pub fn phase_at_origin(&self, velocity: Vec3, time: f64) -> f64 {
+        self.frequency * time + self.phase - self.number.dot(velocity.as_dvec3() * time)
+    }
 }
 
 impl Turbulence {
-    fn waves(&self) -> [Wave; WAVES] {
+    /// The waves, the longest first.
+    pub fn waves(&self) -> [Wave; WAVES] {
         let mut random = SplitMix64(u64::from(self.seed));
         let mut length = f64::from(self.length);
         let speed = f64::from(self.speed) * (2.0 / WAVES as f64).sqrt();

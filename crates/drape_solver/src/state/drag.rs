@@ -29,9 +29,19 @@ impl Drag {
         Self { decay: (1.0 - lost) as f32, gain: (lost / exponent) as f32 }
     }
 
+    /// The part of a displacement that is left after the substep.
+    pub fn decay(self) -> f32 {
+        self.decay
+    }
+
+    /// The displacement by an acceleration, in parts of that without drag.
+    pub fn gain(self) -> f32 {
+        self.gain
+    }
+
     /// The substep in seconds that soft sticks use. Drag scales the displacement by an acceleration, so it must scale
     /// the restoring displacement of a soft stick alike; else drag would change the stretch under a load.
-    pub(crate) fn effective_substep(self, substep: f32) -> f32 {
+    pub fn effective_substep(self, substep: f32) -> f32 {
         substep * self.gain.sqrt()
     }
 

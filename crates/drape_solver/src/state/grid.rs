@@ -42,6 +42,11 @@ impl GridBatch {
         (whole * width + rest.saturating_sub(self.phase * width).min(width), width)
     }
 
+    /// 0 for the sticks that begin at even places, 1 for the others.
+    pub fn phase(self) -> usize {
+        self.phase
+    }
+
     /// Columns to the right and rows down from one end of a stick to the other.
     pub fn offset(self) -> (isize, usize) {
         (self.right, self.down)

@@ -296,6 +296,16 @@ impl Obstacle {
         self.friction.kinetic
     }
 
+    /// The coefficient of static friction, at least that of kinetic friction.
+    pub fn static_friction(&self) -> f32 {
+        self.friction.sticking
+    }
+
+    /// The rule by which its friction and that of what touches it become one.
+    pub fn friction_rule(&self) -> CombineRule {
+        self.friction_rule
+    }
+
     /// The coefficient of restitution.
     pub fn restitution(&self) -> f32 {
         self.restitution

@@ -93,6 +93,21 @@ pub struct StickBatch {
     pub(crate) sticks: BatchSticks,
 }
 
+/// Equal sticks of a grid: from each particle at (column, row) to the one at (column + right, row + down). A family is split in two, by
+/// columns if its sticks lie along the rows, and else by rows: into sticks that begin at even places and at odd ones. Places of
+/// skip-one sticks count in pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridFamily {
+    /// Columns to the right from one end to the other; negative to the left.
+    pub right: i32,
+    /// Rows down from one end to the other.
+    pub down: u32,
+    /// 0 for sticks that begin at even places, 1 for the others.
+    pub phase: u32,
+    /// Metres.
+    pub rest_length: f32,
+}
+
 /// The storage of a batch's sticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BatchSticks {
@@ -117,6 +132,13 @@ impl StickBatch {
     /// The index of stick `i` in its whole family, if these sticks of the family are `severed`.
     pub(crate) fn place_in_family(&self, i: usize, severed: &[u32]) -> usize {
         index_in_family(i - self.first, severed)
+    }
+
+    /// The family of a grid to which the sticks belong, unless they are listed one by one.
+    pub fn family(&self) -> Option<GridFamily> {
+        let BatchSticks::Grid { batch, rest_length, .. } = &self.sticks else { return None };
+        let (right, down) = batch.offset();
+        Some(GridFamily { right: right as i32, down: down as u32, phase: batch.phase() as u32, rest_length: *rest_length })
     }
 
     /// The indices of the batch's sticks.
@@ -280,6 +302,18 @@ impl Topology {
     /// The tethers, each as (particle, pin, length in metres).
     pub fn tethers(&self) -> Vec<(u32, u32, f32)> {
         self.tethers.list(&self.layout)
+    }
+
+    /// Columns and rows of a grid that is not torn, and whose sticks are all of whole families.
+    pub fn grid_size(&self) -> Option<[usize; 2]> {
+        let Layout::Grid(Grid { columns, rows, .. }) = self.layout else { return None };
+        let is_whole = |batch: &StickBatch| matches!(&batch.sticks, BatchSticks::Grid { severed, .. } if severed.is_empty());
+        self.batches.iter().all(is_whole).then_some([columns, rows])
+    }
+
+    /// True if it resists bending by a [rigidity](crate::BendingRigidity).
+    pub fn has_bending_rigidity(&self) -> bool {
+        self.bends != Bends::default()
     }
 
     /// True if the particles are in one line.

@@ -1,0 +1,163 @@
+//! The buffers of a world, and the bind groups made of them.
+
+use crate::error::GpuError;
+use crate::gpu::Gpu;
+use crate::growing_buffer::GrowingBuffer;
+use crate::kernels::{Kernels, SIZE_CLASSES};
+use crate::layout::{RunData, StepData};
+
+/// Buffers that shaders read and write.
+#[derive(Debug)]
+pub(crate) struct Buffers {
+    pub step: wgpu::Buffer,
+    pub obstacles: GrowingBuffer,
+    pub bodies: GrowingBuffer,
+    pub batches: GrowingBuffer,
+    pub pairs: GrowingBuffer,
+    /// Positions of all bodies. Tiles of grids write to the second buffer what they have read from the first, and the other
+    /// way round.
+    pub positions: [GrowingBuffer; 2],
+    pub displacements: GrowingBuffer,
+    pub statuses: GrowingBuffer,
+    pub integrated: GrowingBuffer,
+    pub contacts: GrowingBuffer,
+    pub accelerations: GrowingBuffer,
+    /// The bodies of each size class.
+    pub runs: [wgpu::Buffer; SIZE_CLASSES.len()],
+    /// What each dispatch of a large body reads.
+    pub passes: wgpu::Buffer,
+    groups: Option<Groups>,
+}
+
+/// Bind groups, until a buffer moves.
+#[derive(Debug)]
+pub(crate) struct Groups {
+    /// Group 0, by the buffer of positions.
+    pub common: [wgpu::BindGroup; 2],
+    pub small: [wgpu::BindGroup; SIZE_CLASSES.len()],
+    pub large: wgpu::BindGroup,
+    /// By the buffer of positions that is read.
+    pub grid: [wgpu::BindGroup; 2],
+}
+
+impl Buffers {
+    pub fn new(gpu: &Gpu) -> Self {
+        let growing = |label| GrowingBuffer::new(gpu, label);
+        Self {
+            step: uniform(gpu, "step", size_of::<StepData>() as u64),
+            obstacles: growing("obstacles"),
+            bodies: growing("bodies"),
+            batches: growing("batches of sticks"),
+            pairs: growing("sticks, tethers and faces"),
+            positions: [growing("positions"), growing("positions of grids")],
+            displacements: growing("displacements"),
+            statuses: growing("statuses"),
+            integrated: growing("integrated positions"),
+            contacts: growing("contacts"),
+            accelerations: growing("accelerations"),
+            runs: core::array::from_fn(|_| uniform(gpu, "run", size_of::<RunData>() as u64)),
+            passes: uniform(gpu, "passes", 256),
+            groups: None,
+        }
+    }
+
+    /// Makes room for so many bytes in a buffer that `choose` names.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] if the device has no buffers of that size.
+    pub fn reserve(
+        &mut self,
+        gpu: &Gpu,
+        bytes: u64,
+        choose: impl FnOnce(&mut Self) -> &mut GrowingBuffer,
+    ) -> Result<(), GpuError> {
+        if choose(self).reserve(gpu, bytes)? {
+            self.groups = None;
+        }
+        Ok(())
+    }
+
+    /// Writes what the dispatches of large bodies read, each at a multiple of [`pass_stride`].
+    pub fn write_passes(&mut self, gpu: &Gpu, data: &[u8]) {
+        let size = (data.len() as u64).max(256);
+        if size > self.passes.size() {
+            self.passes = uniform(gpu, "passes", size);
+            self.groups = None;
+        }
+        gpu.queue.write_buffer(&self.passes, 0, data);
+    }
+
+    /// The bind groups, made anew if a buffer has moved.
+    pub fn groups(&mut self, gpu: &Gpu, kernels: &Kernels) -> &Groups {
+        if self.groups.is_none() {
+            self.groups = Some(self.make_groups(gpu, kernels));
+        }
+        self.groups.get_or_insert_with(|| unreachable!("made above"))
+    }
+
+    fn make_groups(&self, gpu: &Gpu, kernels: &Kernels) -> Groups {
+        let common = |side: usize| {
+            let bound = [
+                &self.step,
+                self.obstacles.get(),
+                self.bodies.get(),
+                self.batches.get(),
+                self.pairs.get(),
+                self.positions[side].get(),
+                self.displacements.get(),
+            ];
+            group(gpu, &kernels.common, bound.map(whole))
+        };
+        let pass = || {
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &self.passes,
+                offset: 0,
+                size: wgpu::BufferSize::new(size_of::<crate::layout::PassData>() as u64),
+            })
+        };
+        let grid = |side: usize| group(gpu, &kernels.grid, [pass(), whole(self.positions[1 - side].get())]);
+        let flights = [self.integrated.get(), self.contacts.get(), self.accelerations.get()].map(whole);
+        let [integrated, contacts, accelerations] = flights;
+        Groups {
+            common: [common(0), common(1)],
+            small: core::array::from_fn(|class| {
+                group(gpu, &kernels.small, [whole(&self.runs[class]), whole(self.statuses.get())])
+            }),
+            large: group(gpu, &kernels.large, [pass(), integrated, contacts, accelerations]),
+            grid: [grid(0), grid(1)],
+        }
+    }
+}
+
+/// Bytes from one dispatch's data to that of the next.
+pub(crate) fn pass_stride(gpu: &Gpu) -> u64 {
+    let aligned = u64::from(gpu.device.limits().min_uniform_buffer_offset_alignment);
+    (size_of::<crate::layout::PassData>() as u64).next_multiple_of(aligned)
+}
+
+fn uniform(gpu: &Gpu, label: &str, size: u64) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+fn whole(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
+    buffer.as_entire_binding()
+}
+
+fn group<const N: usize>(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    resources: [wgpu::BindingResource<'_>; N],
+) -> wgpu::BindGroup {
+    let mut binding = 0..;
+    let entries = resources.map(|resource| wgpu::BindGroupEntry {
+        binding: binding.next().unwrap_or_default(),
+        resource,
+    });
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}

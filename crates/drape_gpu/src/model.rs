@@ -1,0 +1,216 @@
+//! The rest data of bodies, as the shaders read it: batches of sticks, tethers, and the faces around each particle.
+
+use drape_solver::constraint::stick::iteration_stiffness;
+use drape_solver::state::drag::Drag;
+use drape_solver::{BodySettings, StickBound, StickMaterial, Topology};
+
+use crate::error::GpuError;
+use crate::layout::BatchData;
+
+/// The end of a list of tethers; in a fan, the third corner of a link.
+const NONE: u32 = u32::MAX;
+
+/// Columns or rows on which one iteration over a grid may carry a change.
+pub(crate) const HALO: u32 = 10;
+
+/// A topology in pairs of words. Offsets count from the first of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Model {
+    pub pairs: Vec<[u32; 2]>,
+    /// True if a workgroup steps the whole body: both ends of a stick fit into a word.
+    pub is_small: bool,
+    pub batches: Vec<ModelBatch>,
+    pub first_tether: u32,
+    pub tethers_per_particle: u32,
+    pub first_fan: u32,
+    pub particle_count: u32,
+    /// Columns and rows of a grid.
+    pub grid: Option<[u32; 2]>,
+    /// True if tiles solve the grid.
+    pub is_tiled: bool,
+}
+
+/// Sticks that share no particle, with a stiffness that the step decides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ModelBatch {
+    pub material: StickMaterial,
+    pub data: BatchData,
+}
+
+/// The ways to step a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// One workgroup takes the whole step.
+    Small,
+    /// Dispatches for each batch of sticks.
+    Listed,
+    /// Tiles if it is a grid, else as listed.
+    Tiled,
+}
+
+impl Model {
+    /// The pairs of a topology. Tiles know the sticks of a grid by their places, and need no list.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] if it has what the shaders do not solve.
+    pub fn new(topology: &Topology, kind: Kind) -> Result<Self, GpuError> {
+        if topology.has_bending_rigidity() {
+            return Err(GpuError::Unsupported("cloth with a bending rigidity"));
+        }
+        if !topology.embedded().is_empty() {
+            return Err(GpuError::Unsupported("a rigid body"));
+        }
+        if topology.batches().iter().any(|batch| batch.material.damping > 0.0) {
+            return Err(GpuError::Unsupported("a stick with damping"));
+        }
+        let count = topology.particle_count();
+        let mut model = Self {
+            pairs: Vec::new(),
+            is_small: kind == Kind::Small,
+            batches: Vec::new(),
+            first_tether: 0,
+            tethers_per_particle: 0,
+            first_fan: 0,
+            particle_count: count as u32,
+            grid: topology.grid_size().map(|size| size.map(|side| side as u32)),
+            is_tiled: false,
+        };
+        model.push_sticks(topology);
+        model.is_tiled = kind == Kind::Tiled && model.fits_tiles();
+        if model.is_tiled {
+            model.pairs.clear();
+        }
+        model.push_tethers(topology);
+        model.push_fans(topology);
+        Ok(model)
+    }
+
+    /// True if one iteration over the grid stays within a tile's halo.
+    fn fits_tiles(&self) -> bool {
+        let reach = |way: fn(&BatchData) -> u32| self.batches.iter().map(|batch| way(&batch.data)).sum::<u32>();
+        self.grid.is_some()
+            && self.batches.iter().all(|batch| batch.data.right.abs() <= 2 && batch.data.down <= 2)
+            && reach(|batch| batch.right.unsigned_abs()) <= HALO
+            && reach(|batch| batch.down.unsigned_abs()) <= HALO
+    }
+
+    fn push_sticks(&mut self, topology: &Topology) {
+        // A batch whose sticks share particles is parted into colours; grids are parted already.
+        let mut colours_at = vec![0_u64; topology.particle_count()];
+        for batch in topology.batches().iter().filter(|batch| batch.count > 0 && batch.material.stiffness > 0.0) {
+            let mut coloured: Vec<Vec<usize>> = Vec::new();
+            colours_at.fill(0);
+            let mut rest: Vec<usize> = batch.range().collect();
+            while !rest.is_empty() {
+                // Sixty-four colours at a time: the centre of a star may need more.
+                let first = coloured.len();
+                let mut left = Vec::new();
+                for stick in rest {
+                    let ends = topology.stick(stick).map(|end| end as usize);
+                    let taken = colours_at[ends[0]] | colours_at[ends[1]];
+                    let colour = taken.trailing_ones() as usize;
+                    if colour == 64 {
+                        left.push(stick);
+                        continue;
+                    }
+                    coloured.resize_with(coloured.len().max(first + colour + 1), Vec::new);
+                    coloured[first + colour].push(stick);
+                    ends.iter().for_each(|&end| colours_at[end] |= 1 << colour);
+                }
+                rest = left;
+                colours_at.fill(0);
+            }
+            for sticks in coloured {
+                self.push_batch(topology, batch.material, batch.family(), &sticks);
+            }
+        }
+    }
+
+    fn push_batch(
+        &mut self,
+        topology: &Topology,
+        material: StickMaterial,
+        family: Option<drape_solver::GridFamily>,
+        sticks: &[usize],
+    ) {
+        let first = self.pairs.len() as u32;
+        for &stick in sticks {
+            let ([a, b], rest_length) = (topology.stick(stick), topology.rest_length(stick).to_bits());
+            if self.is_small {
+                self.pairs.push([a | (b << 16), rest_length]);
+            } else {
+                self.pairs.extend([[a, b], [rest_length, 0]]);
+            }
+        }
+        let mut data = BatchData {
+            first,
+            count: sticks.len() as u32,
+            side: match material.bound {
+                StickBound::Exact => 0,
+                StickBound::AtLeast => -1,
+                StickBound::AtMost => 1,
+            },
+            ..BatchData::default()
+        };
+        if let Some(family) = family {
+            data.right = family.right;
+            data.down = family.down as i32;
+            data.phase = family.phase;
+            data.rest_length = family.rest_length;
+        }
+        self.batches.push(ModelBatch { material, data });
+    }
+
+    /// Tethers as one column of (pin, length) for the first of each particle, one for the second, and so on.
+    fn push_tethers(&mut self, topology: &Topology) {
+        let tethers = topology.tethers();
+        let count = topology.particle_count();
+        let mut of_particle: Vec<Vec<(u32, f32)>> = vec![Vec::new(); count];
+        for (particle, pin, length) in tethers {
+            of_particle[particle as usize].push((pin, length));
+        }
+        let most = of_particle.iter().map(Vec::len).max().unwrap_or(0);
+        self.first_tether = self.pairs.len() as u32;
+        self.tethers_per_particle = most as u32;
+        for tie in 0..most {
+            for own in &of_particle {
+                let tether = own.get(tie).map_or([NONE, 0], |&(pin, length)| [pin, length.to_bits()]);
+                self.pairs.push(tether);
+            }
+        }
+    }
+
+    /// For each particle the range of its fan, counted from the first pair of the list. A fan has the two other corners of each face around
+    /// the particle, in the face's order, or the other end of a link.
+    fn push_fans(&mut self, topology: &Topology) {
+        let count = topology.particle_count();
+        let mut fans: Vec<Vec<[u32; 2]>> = vec![Vec::new(); count];
+        for &[a, b, c] in topology.faces() {
+            for [first, second, third] in [[a, b, c], [b, c, a], [c, a, b]] {
+                fans[first as usize].push([second, third]);
+            }
+        }
+        for &[a, b] in topology.segments() {
+            fans[a as usize].push([b, NONE]);
+            fans[b as usize].push([a, NONE]);
+        }
+        self.first_fan = self.pairs.len() as u32;
+        let mut next = count as u32;
+        for fan in &fans {
+            self.pairs.push([next, next + fan.len() as u32]);
+            next += fan.len() as u32;
+        }
+        self.pairs.extend(fans.iter().flatten());
+    }
+
+    /// The batches for a step of `dt` seconds with these settings, in a buffer where the model's pairs begin at `first_pair`.
+    pub fn batches(&self, settings: &BodySettings, dt: f32, first_pair: u32) -> impl Iterator<Item = BatchData> {
+        let substep = dt / settings.substeps as f32;
+        let effective = Drag::new(settings.drag, substep).effective_substep(substep);
+        self.batches.iter().map(move |batch| BatchData {
+            first: first_pair + batch.data.first,
+            stiffness: iteration_stiffness(batch.material.stiffness, effective, settings.iterations),
+            ..batch.data
+        })
+    }
+}

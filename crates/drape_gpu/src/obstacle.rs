@@ -1,0 +1,88 @@
+//! Obstacles, as the shaders read them.
+
+use drape_solver::{CombineRule, Obstacle, Obstacles, Shape};
+
+use crate::error::GpuError;
+use crate::layout::ObstacleData;
+
+/// The greatest number of obstacles in a step: one bit each in a workgroup's shared memory.
+pub const MAX_OBSTACLES: usize = 1024;
+
+/// Coordinates that stand for infinity: a shader need not know it.
+const FAR: f32 = 1e30;
+
+/// Appends the obstacles that move cloth. Sensors are left out.
+///
+/// # Errors
+/// [`GpuError::Limit`] if there are too many; [`GpuError::Unsupported`] for a shape without a formula.
+pub(crate) fn list(obstacles: &Obstacles, into: &mut Vec<ObstacleData>) -> Result<(), GpuError> {
+    into.clear();
+    for obstacle in obstacles.iter().filter(|obstacle| !obstacle.is_sensor() && !obstacle.is_out_of_reach()) {
+        into.push(data(obstacle)?);
+    }
+    if into.len() > MAX_OBSTACLES {
+        return Err(GpuError::Limit {
+            what: "the list of obstacles",
+            needed: into.len() as u64,
+            limit: MAX_OBSTACLES as u64,
+            name: "MAX_OBSTACLES",
+        });
+    }
+    Ok(())
+}
+
+fn data(obstacle: &Obstacle) -> Result<ObstacleData, GpuError> {
+    let (shape, size) = match *obstacle.shape() {
+        Shape::HalfSpace { normal } => (0, [normal.x, normal.y, normal.z, 0.0]),
+        Shape::Sphere { radius } => (1, [radius, 0.0, 0.0, 0.0]),
+        Shape::Capsule { half_length, radius } => (2, [half_length, radius, 0.0, 0.0]),
+        Shape::TaperedCapsule { half_length, bottom_radius, top_radius } => {
+            (3, taper(half_length, bottom_radius, top_radius))
+        }
+        Shape::Cuboid { half_extents: h } => (4, [h.x, h.y, h.z, 0.0]),
+        Shape::Container { half_extents: h } => (5, [h.x, h.y, h.z, 0.0]),
+        Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) => {
+            return Err(GpuError::Unsupported("an obstacle of a shape without a formula"));
+        }
+    };
+    let (from, to) = (obstacle.previous_placement(), obstacle.placement());
+    let (low, high) = obstacle.swept_bounds();
+    let (start, end) = (from.rotation.normalize(), to.rotation.normalize());
+    // Opposite quaternions are the same rotation: the nearer one.
+    let start = if start.dot(end) < 0.0 { -start } else { start };
+    Ok(ObstacleData {
+        low: low.to_array().map(|c| c.max(-FAR)),
+        shape,
+        high: high.to_array().map(|c| c.min(FAR)),
+        friction: obstacle.friction(),
+        start: from.translation.to_array(),
+        static_friction: obstacle.static_friction(),
+        end: to.translation.to_array(),
+        combine_rule: match obstacle.friction_rule() {
+            CombineRule::Average => 0,
+            CombineRule::GeometricMean => 1,
+            CombineRule::Min => 2,
+            CombineRule::Multiply => 3,
+            CombineRule::Max => 4,
+            CombineRule::ClampedSum => 5,
+        },
+        start_rotation: start.to_array(),
+        end_rotation: end.to_array(),
+        size,
+        memberships: obstacle.layers().memberships,
+        filters: obstacle.layers().filters,
+        is_moving: u32::from(obstacle.is_moving()),
+        unused: 0,
+    })
+}
+
+/// Lowest and highest centre of a tapered capsule's balls, lowest radius, growth of the radius by the height.
+fn taper(half_length: f32, bottom: f32, top: f32) -> [f32; 4] {
+    let narrowing = bottom - top;
+    if narrowing.abs() < 2.0 * half_length {
+        return [-half_length, half_length, bottom, -narrowing / (2.0 * half_length)];
+    }
+    // One ball holds the other.
+    let (height, radius) = if narrowing > 0.0 { (-half_length, bottom) } else { (half_length, top) };
+    [height, height, radius, 0.0]
+}

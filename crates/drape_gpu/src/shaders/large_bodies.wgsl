@@ -1,0 +1,204 @@
+// Bodies too large for the memory of a workgroup: each stage of a substep is a dispatch of its own over all particles, or over all sticks
+// of a batch.
+
+struct Pass {
+    body: u32,
+    // Index of a batch of sticks.
+    batch: u32,
+    // The substep that begins or goes on.
+    substep: u32,
+    iteration: u32,
+    // 1 if the substep before ends in this pass, and if one begins.
+    ends: u32,
+    begins: u32,
+    unused: vec2u,
+}
+
+@group(1) @binding(0) var<uniform> pass_: Pass;
+// Position after free flight, and what may be left of an overlap.
+@group(1) @binding(1) var<storage, read_write> integrated: array<vec4f>;
+// Normal of the last contact and summed depth.
+@group(1) @binding(2) var<storage, read_write> contacts: array<vec4f>;
+// Acceleration, and the obstacle of the last contact.
+@group(1) @binding(3) var<storage, read_write> accelerations: array<vec4f>;
+
+// The index of a thread's particle or stick in the body or batch.
+fn index_of(group: vec3u, groups: vec3u, thread: u32) -> u32 {
+    return (group.y * groups.x + group.x) * WORKGROUP + thread;
+}
+
+// Before the first substep: forces, and the ways of pins.
+@compute @workgroup_size(WORKGROUP)
+fn begin(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let body = bodies[pass_.body];
+    let index = index_of(group, groups, thread);
+    if index >= body.particle_count {
+        return;
+    }
+    let particle = body.first_particle + index;
+    let place = positions[particle];
+    var acceleration = vec3f(0.0);
+    if place.w == 0.0 {
+        let moved = displacements[particle];
+        // The way of a pin in a substep, in place of its acceleration.
+        acceleration = select(vec3f(0.0), (moved.xyz - place.xyz) / f32(body.substeps), moved.w != 0.0);
+    } else {
+        acceleration = step.gravity;
+        if step.is_windy != 0u {
+            acceleration += air_acceleration(body, index);
+        }
+    }
+    accelerations[particle] = vec4f(acceleration, 0.0);
+}
+
+fn flight_of(particle: u32, displacement: vec3f) -> Flight {
+    let flown = integrated[particle];
+    let contact = contacts[particle];
+    return Flight(displacement, flown.w, flown.xyz, contact.w, contact.xyz, bitcast<u32>(accelerations[particle].w));
+}
+
+fn keep(particle: u32, flight: Flight) {
+    integrated[particle] = vec4f(flight.integrated, flight.left);
+    contacts[particle] = vec4f(flight.normal, flight.depth);
+    accelerations[particle].w = bitcast<f32>(flight.obstacle);
+}
+
+// Ends a substep (contacts, displacements, friction), begins the next one (free flight, contacts), or does both.
+@compute @workgroup_size(WORKGROUP)
+fn advance(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let body = bodies[pass_.body];
+    let index = index_of(group, groups, thread);
+    let particle = body.first_particle + min(index, body.particle_count - 1u);
+    let has_obstacles = step.obstacle_count > 0u;
+    let place = positions[particle];
+    let is_free = place.w > 0.0;
+    let acceleration = accelerations[particle].xyz;
+    var position = place.xyz;
+    var flight: Flight;
+    let rescale = select(1.0, step.rescale, pass_.substep == 0u);
+    flight.displacement = select(acceleration, displacements[particle].xyz * rescale, is_free);
+
+    if has_obstacles {
+        clear_near(thread);
+        workgroupBarrier();
+        // The way of a free substep, and the margin that holds what sticks have added.
+        include(position, length(flight.displacement) + body.thickness + CONTACT_MARGIN);
+        workgroupBarrier();
+        find_near(thread, body);
+        workgroupBarrier();
+    }
+    if index >= body.particle_count {
+        return;
+    }
+    if pass_.ends != 0u && is_free {
+        if has_obstacles {
+            flight = flight_of(particle, flight.displacement);
+            position = pushed_out_of_near(position, body, pass_.substep - 1u, &flight);
+        } else {
+            flight.integrated = integrated[particle].xyz;
+        }
+        flight.displacement += position - flight.integrated;
+        if flight.depth > 0.0 {
+            let taken = slip_taken(position, body, pass_.substep - 1u, flight);
+            flight.displacement -= taken;
+            position -= taken;
+        }
+    }
+    if pass_.begins != 0u {
+        if is_free {
+            flight.displacement = flight.displacement * body.decay + acceleration * body.gain;
+        }
+        position += flight.displacement;
+        flight.integrated = position;
+        flight.left = -1.0;
+        flight.depth = 0.0;
+        flight.normal = vec3f(0.0);
+        flight.obstacle = 0u;
+        if has_obstacles && is_free {
+            position = pushed_out_of_near(position, body, pass_.substep, &flight);
+        }
+        if has_obstacles {
+            keep(particle, flight);
+        } else {
+            integrated[particle] = vec4f(flight.integrated, -1.0);
+        }
+    }
+    positions[particle] = vec4f(position, place.w);
+    displacements[particle] = vec4f(select(vec3f(0.0), flight.displacement, is_free), 0.0);
+}
+
+// Contacts between two iterations.
+@compute @workgroup_size(WORKGROUP)
+fn project_contacts(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let body = bodies[pass_.body];
+    let index = index_of(group, groups, thread);
+    let particle = body.first_particle + min(index, body.particle_count - 1u);
+    let place = positions[particle];
+    clear_near(thread);
+    workgroupBarrier();
+    include(place.xyz, body.thickness);
+    workgroupBarrier();
+    find_near(thread, body);
+    workgroupBarrier();
+    if index >= body.particle_count || place.w == 0.0 {
+        return;
+    }
+    var flight = flight_of(particle, displacements[particle].xyz);
+    let position = pushed_out_of_near(place.xyz, body, pass_.substep, &flight);
+    keep(particle, flight);
+    positions[particle] = vec4f(position, place.w);
+    displacements[particle] = vec4f(flight.displacement, 0.0);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn project_sticks(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let body = bodies[pass_.body];
+    let batch = batches[pass_.batch];
+    let index = index_of(group, groups, thread);
+    if index >= batch.count {
+        return;
+    }
+    // The ends, and the rest length.
+    let ends = pairs[batch.first + 2u * index];
+    let rest_length = bitcast<f32>(pairs[batch.first + 2u * index + 1u].x);
+    let a = body.first_particle + ends.x;
+    let b = body.first_particle + ends.y;
+    let p = positions[a];
+    let q = positions[b];
+    let pull = stick_pull(p, q, rest_length, batch.stiffness, batch.side, body.is_square_root_free != 0u);
+    positions[a] = vec4f(p.xyz + pull * p.w, p.w);
+    positions[b] = vec4f(q.xyz - pull * q.w, q.w);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn project_tethers(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let body = bodies[pass_.body];
+    let index = index_of(group, groups, thread);
+    if index >= body.particle_count {
+        return;
+    }
+    let place = positions[body.first_particle + index];
+    if place.w > 0.0 {
+        positions[body.first_particle + index] = vec4f(held_by_tethers(place.xyz, index, body), place.w);
+    }
+}

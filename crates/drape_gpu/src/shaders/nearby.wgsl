@@ -1,0 +1,75 @@
+// The obstacles that the particles of a workgroup may touch in a step. The bits of `near` come from integer minima and maxima, so
+// that no order of threads can change them.
+
+const OBSTACLE_WORDS: u32 = {OBSTACLE_WORDS};
+// Metres.
+const CONTACT_MARGIN: f32 = {CONTACT_MARGIN};
+
+// Least and greatest coordinates of the workgroup's particles, as ordered integers, and their greatest way in the step.
+var<workgroup> low: array<atomic<u32>, 3>;
+var<workgroup> high: array<atomic<u32>, 3>;
+var<workgroup> near: array<atomic<u32>, OBSTACLE_WORDS>;
+
+// Maps floats to integers of the same order.
+fn ordered(value: f32) -> u32 {
+    let bits = bitcast<u32>(value);
+    return select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
+}
+
+fn unordered(key: u32) -> f32 {
+    return bitcast<f32>(select(~key, key & 0x7fffffffu, (key & 0x80000000u) != 0u));
+}
+
+fn clear_near(thread: u32) {
+    if thread < 3u {
+        atomicStore(&low[thread], 0xffffffffu);
+        atomicStore(&high[thread], 0u);
+    }
+    for (var word = thread; word < OBSTACLE_WORDS; word += WORKGROUP) {
+        atomicStore(&near[word], 0u);
+    }
+}
+
+// Widens the box by a particle that may move so far in the step.
+fn include(position: vec3f, way: f32) {
+    for (var axis = 0u; axis < 3u; axis++) {
+        atomicMin(&low[axis], ordered(position[axis] - way));
+        atomicMax(&high[axis], ordered(position[axis] + way));
+    }
+}
+
+// Twice the way of a particle that nothing stops, because sticks pull it along with faster ones.
+fn reach(displacement: vec3f, body: Body) -> f32 {
+    let speed = length(displacement) / body.substep + length(step.gravity) * step.duration;
+    return 2.0 * speed * step.duration + body.thickness + CONTACT_MARGIN;
+}
+
+// To be called between two barriers after all particles were included.
+fn find_near(thread: u32, body: Body) {
+    let least = body.origin + vec3f(
+        unordered(atomicLoad(&low[0])), unordered(atomicLoad(&low[1])), unordered(atomicLoad(&low[2])));
+    let greatest = body.origin + vec3f(
+        unordered(atomicLoad(&high[0])), unordered(atomicLoad(&high[1])), unordered(atomicLoad(&high[2])));
+    for (var i = thread; i < step.obstacle_count; i += WORKGROUP) {
+        let obstacle = obstacles[i];
+        let is_apart = any(obstacle.low > greatest) || any(obstacle.high < least);
+        if !is_apart && interacts(body, obstacle) {
+            atomicOr(&near[i / 32u], 1u << (i % 32u));
+        }
+    }
+}
+
+// Moves a particle out of all near obstacles, in their order. Returns the position.
+fn pushed_out_of_near(start: vec3f, body: Body, substep: u32, flight: ptr<function, Flight>) -> vec3f {
+    var position = start;
+    let word_count = (step.obstacle_count + 31u) / 32u;
+    for (var word = 0u; word < word_count; word++) {
+        var bits = atomicLoad(&near[word]);
+        while bits != 0u {
+            let bit = firstTrailingBit(bits);
+            bits &= bits - 1u;
+            position = pushed_out(position, 32u * word + bit, body, substep, flight);
+        }
+    }
+    return position;
+}

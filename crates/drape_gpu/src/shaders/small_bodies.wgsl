@@ -1,0 +1,208 @@
+// Bodies that fit the memory of a workgroup: the whole step of a body in one workgroup, thousands side by side. Each thread owns some
+// particles, whose motion it keeps to itself; positions lie in shared memory, where sticks find both ends.
+//
+// `WORKGROUP` threads own `PER_THREAD` particles each.
+
+const CAPACITY: u32 = WORKGROUP * PER_THREAD;
+
+struct Run {
+    first_body: u32,
+    body_count: u32,
+    unused: vec2u,
+}
+
+// What the processor may read back.
+struct Status {
+    low: vec3f,
+    // 1 if a particle of the body would not be finite: the body stays where it was.
+    is_broken: u32,
+    high: vec3f,
+    // Square of the greatest displacement in a substep, in square metres.
+    fastest: f32,
+}
+
+@group(1) @binding(0) var<uniform> run: Run;
+@group(1) @binding(1) var<storage, read_write> statuses: array<Status>;
+
+var<workgroup> places: array<vec4f, CAPACITY>;
+var<workgroup> is_broken: atomic<u32>;
+var<workgroup> fastest: atomic<u32>;
+
+fn project_sticks(batch: Batch, thread: u32, is_square_root_free: bool) {
+    for (var i = thread; i < batch.count; i += WORKGROUP) {
+        let stick = pairs[batch.first + i];
+        // Both ends fit into one word.
+        let a = stick.x & 0xffffu;
+        let b = stick.x >> 16u;
+        let p = places[a];
+        let q = places[b];
+        let pull = stick_pull(p, q, bitcast<f32>(stick.y), batch.stiffness, batch.side, is_square_root_free);
+        places[a] = vec4f(p.xyz + pull * p.w, p.w);
+        places[b] = vec4f(q.xyz - pull * q.w, q.w);
+    }
+}
+
+fn project_tethers(body: Body, index: u32, is_square_root_free: bool) {
+    let place = places[index];
+    if place.w == 0.0 {
+        return;
+    }
+    var position = place.xyz;
+    for (var tie = 0u; tie < body.tethers_per_particle; tie++) {
+        let tether = pairs[body.first_tether + tie * body.particle_count + index];
+        if tether.x == NONE {
+            break;
+        }
+        let anchor = places[tether.x];
+        if anchor.w == 0.0 {
+            let length = bitcast<f32>(tether.y);
+            position = tethered(position, anchor.xyz, length, body.tether_pull, is_square_root_free);
+        }
+    }
+    places[index] = vec4f(position, place.w);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn step_body(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let place = group.y * groups.x + group.x;
+    if place >= run.body_count {
+        return;
+    }
+    let number = run.first_body + place;
+    let body = bodies[number];
+    let is_square_root_free = body.is_square_root_free != 0u;
+    var flights: array<Flight, PER_THREAD>;
+    var accelerations: array<vec3f, PER_THREAD>;
+
+    clear_near(thread);
+    if thread == 0u {
+        atomicStore(&is_broken, 0u);
+        atomicStore(&fastest, 0u);
+    }
+    workgroupBarrier();
+    for (var k = 0u; k < PER_THREAD; k++) {
+        let index = thread + k * WORKGROUP;
+        if index < body.particle_count {
+            let place = positions[body.first_particle + index];
+            let moved = displacements[body.first_particle + index];
+            places[index] = place;
+            flights[k].displacement = moved.xyz * step.rescale;
+            accelerations[k] = step.gravity;
+            if place.w == 0.0 {
+                // Pins go to their targets in equal parts.
+                flights[k].displacement = select(vec3f(0.0), (moved.xyz - place.xyz) / f32(body.substeps), moved.w != 0.0);
+            } else if step.is_windy != 0u {
+                accelerations[k] += air_acceleration(body, index);
+            }
+            include(place.xyz, reach(flights[k].displacement, body));
+        }
+    }
+    workgroupBarrier();
+    find_near(thread, body);
+    workgroupBarrier();
+
+    for (var substep = 0u; substep < body.substeps; substep++) {
+        for (var k = 0u; k < PER_THREAD; k++) {
+            let index = thread + k * WORKGROUP;
+            if index < body.particle_count {
+                let place = places[index];
+                if place.w > 0.0 {
+                    flights[k].displacement = flights[k].displacement * body.decay + accelerations[k] * body.gain;
+                }
+                flights[k].integrated = place.xyz + flights[k].displacement;
+                flights[k].depth = 0.0;
+                flights[k].left = -1.0;
+                places[index] = vec4f(flights[k].integrated, place.w);
+            }
+        }
+        for (var iteration = 0u; iteration < body.iterations; iteration++) {
+            project_contacts(thread, body, substep, &flights);
+            workgroupBarrier();
+            for (var i = 0u; i < body.batch_count; i++) {
+                // Odd iterations run in reverse, so that an even number makes symmetric pairs.
+                let batch = select(i, body.batch_count - 1u - i, iteration % 2u == 1u);
+                project_sticks(batches[body.first_batch + batch], thread, is_square_root_free);
+                workgroupBarrier();
+            }
+            if body.tethers_per_particle > 0u {
+                for (var k = 0u; k < PER_THREAD; k++) {
+                    let index = thread + k * WORKGROUP;
+                    if index < body.particle_count {
+                        project_tethers(body, index, is_square_root_free);
+                    }
+                }
+            }
+        }
+        project_contacts(thread, body, substep, &flights);
+        // Displacements follow positions, then friction takes its part.
+        for (var k = 0u; k < PER_THREAD; k++) {
+            let index = thread + k * WORKGROUP;
+            if index < body.particle_count {
+                let place = places[index];
+                if place.w > 0.0 {
+                    flights[k].displacement += place.xyz - flights[k].integrated;
+                    if flights[k].depth > 0.0 {
+                        let taken = slip_taken(place.xyz, body, substep, flights[k]);
+                        flights[k].displacement -= taken;
+                        places[index] = vec4f(place.xyz - taken, place.w);
+                    }
+                }
+            }
+        }
+    }
+
+    for (var k = 0u; k < PER_THREAD; k++) {
+        let index = thread + k * WORKGROUP;
+        if index < body.particle_count && !(is_finite(places[index].xyz) && is_finite(flights[k].displacement)) {
+            atomicOr(&is_broken, 1u);
+        }
+    }
+    clear_near(thread);
+    workgroupBarrier();
+    let stays = atomicLoad(&is_broken) != 0u;
+    for (var k = 0u; k < PER_THREAD; k++) {
+        let index = thread + k * WORKGROUP;
+        if index < body.particle_count && !stays {
+            let place = places[index];
+            let displacement = flights[k].displacement;
+            positions[body.first_particle + index] = place;
+            displacements[body.first_particle + index] = vec4f(select(vec3f(0.0), displacement, place.w > 0.0), 0.0);
+            include(place.xyz, 0.0);
+            atomicMax(&fastest, bitcast<u32>(dot(displacement, displacement)));
+        }
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        if stays {
+            statuses[number].is_broken = 1u;
+        } else {
+            let least = vec3f(
+                unordered(atomicLoad(&low[0])), unordered(atomicLoad(&low[1])), unordered(atomicLoad(&low[2])));
+            let greatest = vec3f(
+                unordered(atomicLoad(&high[0])), unordered(atomicLoad(&high[1])), unordered(atomicLoad(&high[2])));
+            let speed = bitcast<f32>(atomicLoad(&fastest));
+            statuses[number] = Status(body.origin + least, 0u, body.origin + greatest, speed);
+        }
+    }
+}
+
+fn project_contacts(thread: u32, body: Body, substep: u32, flights: ptr<function, array<Flight, PER_THREAD>>) {
+    if step.obstacle_count == 0u {
+        return;
+    }
+    for (var k = 0u; k < PER_THREAD; k++) {
+        let index = thread + k * WORKGROUP;
+        if index < body.particle_count {
+            let place = places[index];
+            if place.w > 0.0 {
+                var flight = (*flights)[k];
+                places[index] = vec4f(pushed_out_of_near(place.xyz, body, substep, &flight), place.w);
+                (*flights)[k] = flight;
+            }
+        }
+    }
+}
