@@ -123,7 +123,11 @@ impl Buffers {
             small: core::array::from_fn(|class| {
                 group(gpu, &kernels.small, [whole(&self.runs[class]), whole(self.statuses.get())])
             }),
-            large: group(gpu, &kernels.large, [pass(), integrated, contacts, accelerations]),
+            large: group(
+                gpu,
+                &kernels.large,
+                [pass(), integrated, contacts, accelerations, whole(self.statuses.get())],
+            ),
             grid: [grid(0), grid(1)],
         }
     }
@@ -155,9 +159,7 @@ fn group<const N: usize>(
     resources: [wgpu::BindingResource<'_>; N],
 ) -> wgpu::BindGroup {
     let mut binding = 0..;
-    let entries = resources.map(|resource| wgpu::BindGroupEntry {
-        binding: binding.next().unwrap_or_default(),
-        resource,
-    });
+    let entries = resources
+        .map(|resource| wgpu::BindGroupEntry { binding: binding.next().unwrap_or_default(), resource });
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

@@ -7,7 +7,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum GpuError {
     /// There is no graphics adapter, neither hardware nor software.
-    #[error("no graphics adapter with compute shaders; on Linux, Mesa's software driver will do (package mesa-vulkan-drivers)")]
+    #[error(
+        "no graphics adapter with compute shaders; on Linux, Mesa's software driver will do (package mesa-vulkan-drivers)"
+    )]
     NoAdapter,
     /// The adapter opens no device.
     #[error("the graphics adapter opens no device: {0}")]

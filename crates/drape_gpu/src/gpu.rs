@@ -38,10 +38,14 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| GpuError::NoDevice(error.to_string()))?;
-        Self::new(device, queue)
+        let gpu = Self::new(device, queue)?;
+        // Else wgpu panics.
+        let failure = Arc::clone(&gpu.failure);
+        gpu.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&failure, error.to_string())));
+        Ok(gpu)
     }
 
-    /// Uses a device that is open already, such as that of a renderer.
+    /// Uses a device that is open already, such as that of a renderer. Replaces its callback for the loss of the device.
     ///
     /// # Errors
     /// [`GpuError::Limit`] if it allows too few storage buffers.
@@ -58,10 +62,13 @@ impl Gpu {
         let adapter = device.adapter_info().name;
         let failure = Arc::new(Mutex::new(None));
         let noted = Arc::clone(&failure);
-        device.set_device_lost_callback(move |reason, message| {
-            *noted.lock().unwrap_or_else(PoisonError::into_inner) = Some(format!("{reason:?}: {message}"));
-        });
+        device.set_device_lost_callback(move |reason, message| note(&noted, format!("{reason:?} {message}")));
         Ok(Self { device, queue, adapter, failure })
+    }
+
+    /// The device.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
     }
 
     /// Name of the adapter.
@@ -87,6 +94,7 @@ impl Gpu {
 
     /// Reads a part of a buffer, once all that was submitted is done.
     pub(crate) fn read(&self, buffer: &wgpu::Buffer, first: u64, bytes: u64) -> Result<Vec<u8>, GpuError> {
+        self.check()?;
         let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),
             size: bytes,
@@ -103,11 +111,13 @@ impl Gpu {
         });
         self.wait()?;
         let lost = |reason: String| GpuError::Lost(reason);
-        receiver
-            .recv()
-            .map_err(|error| lost(error.to_string()))?
-            .map_err(|error| lost(error.to_string()))?;
+        receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
         let view = staging.slice(..).get_mapped_range().map_err(|error| lost(error.to_string()))?;
         Ok(view.to_vec())
     }
+}
+
+/// Notes the first failure.
+fn note(failure: &Mutex<Option<String>>, reason: String) {
+    failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
 }

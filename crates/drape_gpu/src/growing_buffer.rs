@@ -11,9 +11,8 @@ pub(crate) struct GrowingBuffer {
 }
 
 impl GrowingBuffer {
-    const USAGES: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
-        .union(wgpu::BufferUsages::COPY_DST)
-        .union(wgpu::BufferUsages::COPY_SRC);
+    const USAGES: wgpu::BufferUsages =
+        wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_DST).union(wgpu::BufferUsages::COPY_SRC);
 
     /// A buffer of a few bytes: bindings may not be empty.
     pub fn new(gpu: &Gpu, label: &'static str) -> Self {

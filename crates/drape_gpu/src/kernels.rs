@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use drape_solver::constants::{CONTACT_MARGIN, PUSH_OUT_SPEED};
+use drape_solver::constants::{CONTACT_MARGIN, MAX_MAGNITUDE, PUSH_OUT_SPEED};
 
 use crate::gpu::Gpu;
 use crate::model::HALO;
@@ -25,8 +25,8 @@ impl SizeClass {
 /// Sizes of bodies that one workgroup steps, the smallest first.
 pub(crate) const SIZE_CLASSES: [SizeClass; 5] = [
     SizeClass { threads: 64, per_thread: 1 },
-    SizeClass { threads: 128, per_thread: 1 },
-    SizeClass { threads: 256, per_thread: 1 },
+    SizeClass { threads: 64, per_thread: 2 },
+    SizeClass { threads: 128, per_thread: 2 },
     SizeClass { threads: 256, per_thread: 2 },
     SizeClass { threads: 256, per_thread: 4 },
 ];
@@ -79,6 +79,7 @@ pub(crate) struct Kernels {
 pub(crate) struct LargeKernels {
     pub begin: wgpu::ComputePipeline,
     pub advance: wgpu::ComputePipeline,
+    pub drift: wgpu::ComputePipeline,
     pub contacts: wgpu::ComputePipeline,
     pub sticks: wgpu::ComputePipeline,
     pub tethers: wgpu::ComputePipeline,
@@ -94,10 +95,10 @@ impl Kernels {
         Self {
             common: layout(gpu, "common", &common),
             small: layout(gpu, "small bodies", &[Uniform, Changed]),
-            large: layout(gpu, "large bodies", &[DynamicUniform, Changed, Changed, Changed]),
+            large: layout(gpu, "large bodies", &[DynamicUniform, Changed, Changed, Changed, Changed]),
             grid: layout(gpu, "grids", &[DynamicUniform, Changed]),
             tile,
-            tile_threads: limits.max_compute_invocations_per_workgroup.min(std::env::var("DRAPE_TILE").map_or(TILE_WORKGROUP, |t| t.parse().unwrap())),
+            tile_threads: limits.max_compute_invocations_per_workgroup.min(TILE_WORKGROUP),
             small_steps: Default::default(),
             large_steps: OnceLock::new(),
             grid_step: OnceLock::new(),
@@ -121,7 +122,7 @@ impl Kernels {
     /// The kernel that steps small bodies of a size class.
     pub fn small_step(&self, gpu: &Gpu, class: usize) -> &wgpu::ComputePipeline {
         self.small_steps[class].get_or_init(|| {
-            let module = module(gpu, "small bodies", &small_source({let mut c = SIZE_CLASSES[class]; let d: u32 = std::env::var("DRAPE_DIV").map_or(1, |t| t.parse().unwrap()); c.threads /= d; c.per_thread *= d; c}));
+            let module = module(gpu, "small bodies", &small_source(SIZE_CLASSES[class]));
             pipeline(gpu, &module, "step_body", &[&self.common, &self.small])
         })
     }
@@ -134,6 +135,7 @@ impl Kernels {
             LargeKernels {
                 begin: pipeline("begin"),
                 advance: pipeline("advance"),
+                drift: pipeline("note_drift"),
                 contacts: pipeline("project_contacts"),
                 sticks: pipeline("project_sticks"),
                 tethers: pipeline("project_tethers"),
@@ -152,7 +154,7 @@ impl Kernels {
 }
 
 /// Threads of a tile's workgroup, where the device allows as many.
-const TILE_WORKGROUP: u32 = 256;
+const TILE_WORKGROUP: u32 = 1024;
 
 /// The whole source of the kernel of small bodies.
 pub(crate) fn small_source(class: SizeClass) -> String {
@@ -180,6 +182,7 @@ fn with_constants(parts: &[&str]) -> String {
     let words = MAX_OBSTACLES.div_ceil(32);
     parts
         .concat()
+        .replace("{MAX_MAGNITUDE}", &format!("{MAX_MAGNITUDE:?}"))
         .replace("{PUSH_OUT_SPEED}", &format!("{PUSH_OUT_SPEED:?}"))
         .replace("{CONTACT_MARGIN}", &format!("{CONTACT_MARGIN:?}"))
         .replace("{OBSTACLE_WORDS}", &format!("{words}u"))
@@ -226,12 +229,10 @@ fn layout(gpu: &Gpu, label: &str, kinds: &[BindingKind]) -> wgpu::BindGroupLayou
 }
 
 fn module(gpu: &Gpu, label: &str, source: &str) -> wgpu::ShaderModule {
-    let descriptor = wgpu::ShaderModuleDescriptor { label: Some(label), source: wgpu::ShaderSource::Wgsl(source.into()) };
-    if std::env::var("DRAPE_UNCHECKED").is_ok() {
-        #[allow(unsafe_code)]
-        return unsafe { gpu.device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) };
-    }
-    gpu.device.create_shader_module(descriptor)
+    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    })
 }
 
 fn pipeline(
@@ -258,4 +259,33 @@ fn pipeline(
         },
         cache: None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    use super::*;
+
+    /// All sources are valid WGSL within WebGPU: nothing here needs an adapter.
+    #[test]
+    fn every_kernel_is_valid() {
+        let small = SIZE_CLASSES.map(small_source);
+        let grids = TILES.map(|tile| grid_source(tile, TILE_WORKGROUP));
+        for source in small.into_iter().chain(grids).chain([large_source()]) {
+            let module = naga::front::wgsl::parse_str(&source)
+                .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+            validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+        }
+    }
+
+    /// A tile without its halo has a multiple of four columns and rows, as the families of sticks repeat after four places.
+    #[test]
+    fn tiles_begin_where_families_repeat() {
+        for [width, height] in TILES {
+            assert!((width - 2 * HALO).is_multiple_of(4) && (height - 2 * HALO).is_multiple_of(4));
+            assert!(width.is_multiple_of(4) && height.is_multiple_of(4));
+        }
+    }
 }

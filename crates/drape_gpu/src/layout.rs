@@ -78,6 +78,8 @@ pub(crate) struct BodyData {
     pub tether_pull: f32,
     pub columns: u32,
     pub rows: u32,
+    pub inverse_mass: f32,
+    pub unused: [u32; 3],
 }
 
 /// `Batch`: sticks that share no particle.
@@ -103,14 +105,23 @@ pub(crate) struct RunData {
     pub unused: [u32; 2],
 }
 
-/// `Status` of `small_bodies.wgsl`.
+/// `Status`. Coordinates are [ordered](StatusData::coordinate) integers.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct StatusData {
-    pub low: [f32; 3],
+    pub low: [u32; 3],
     pub is_broken: u32,
-    pub high: [f32; 3],
-    pub fastest: f32,
+    pub high: [u32; 3],
+    pub fastest: u32,
+    pub drift: [i32; 6],
+    pub unused: [u32; 2],
+}
+
+impl StatusData {
+    /// The coordinate that an integer of the same order stands for.
+    pub fn coordinate(key: u32) -> f32 {
+        f32::from_bits(if key >> 31 == 1 { key & 0x7fff_ffff } else { !key })
+    }
 }
 
 /// `Pass` of `large_bodies.wgsl`: one stage of one body.

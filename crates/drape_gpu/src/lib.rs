@@ -33,7 +33,7 @@ mod world;
 pub use error::GpuError;
 pub use gpu::Gpu;
 pub use obstacle::MAX_OBSTACLES;
-pub use world::{GpuBodyId, GpuWorld};
+pub use world::{BodyStatus, GpuBodyId, GpuWorld};
 
 pub use drape_solver;
 pub use wgpu;

@@ -87,7 +87,8 @@ impl Model {
 
     /// True if one iteration over the grid stays within a tile's halo.
     fn fits_tiles(&self) -> bool {
-        let reach = |way: fn(&BatchData) -> u32| self.batches.iter().map(|batch| way(&batch.data)).sum::<u32>();
+        let reach =
+            |way: fn(&BatchData) -> u32| self.batches.iter().map(|batch| way(&batch.data)).sum::<u32>();
         self.grid.is_some()
             && self.batches.iter().all(|batch| batch.data.right.abs() <= 2 && batch.data.down <= 2)
             && reach(|batch| batch.right.unsigned_abs()) <= HALO
@@ -97,7 +98,9 @@ impl Model {
     fn push_sticks(&mut self, topology: &Topology) {
         // A batch whose sticks share particles is parted into colours; grids are parted already.
         let mut colours_at = vec![0_u64; topology.particle_count()];
-        for batch in topology.batches().iter().filter(|batch| batch.count > 0 && batch.material.stiffness > 0.0) {
+        for batch in
+            topology.batches().iter().filter(|batch| batch.count > 0 && batch.material.stiffness > 0.0)
+        {
             let mut coloured: Vec<Vec<usize>> = Vec::new();
             colours_at.fill(0);
             let mut rest: Vec<usize> = batch.range().collect();
@@ -204,7 +207,12 @@ impl Model {
     }
 
     /// The batches for a step of `dt` seconds with these settings, in a buffer where the model's pairs begin at `first_pair`.
-    pub fn batches(&self, settings: &BodySettings, dt: f32, first_pair: u32) -> impl Iterator<Item = BatchData> {
+    pub fn batches(
+        &self,
+        settings: &BodySettings,
+        dt: f32,
+        first_pair: u32,
+    ) -> impl Iterator<Item = BatchData> {
         let substep = dt / settings.substeps as f32;
         let effective = Drag::new(settings.drag, substep).effective_substep(substep);
         self.batches.iter().map(move |batch| BatchData {

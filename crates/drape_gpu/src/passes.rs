@@ -9,6 +9,8 @@ use crate::model::Model;
 pub(crate) enum Stage {
     Begin,
     Advance,
+    /// Only of free bodies.
+    Drift,
     /// Left out if there is no obstacle.
     Contacts,
     Sticks,
@@ -63,6 +65,9 @@ pub(crate) fn push(
             if body.tethers_per_particle > 0 {
                 add(Stage::Tethers, by_particle, side, pass);
             }
+        }
+        if body.inverse_mass > 0.0 {
+            add(Stage::Drift, by_particle, side, pass);
         }
     }
     let last = PassData { substep: body.substeps, ends: 1, begins: 0, ..pass };

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use drape_solver::constants::TETHER_SPEED;
 use drape_solver::glam::Vec3;
 use drape_solver::state::drag::Drag;
-use drape_solver::{Body, BodySettings, Environment, Layers, Particles, StepError, StickProjection, Topology};
+use drape_solver::{
+    Body, BodySettings, Environment, Layers, Particles, StepError, StickProjection, Topology,
+};
 
 use crate::air::step_data;
 use crate::buffers::{Buffers, pass_stride};
@@ -21,6 +23,20 @@ use crate::timer::Timer;
 /// The number of a body in its [`GpuWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct GpuBodyId(u32);
+
+/// What the GPU finds of a body in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyStatus {
+    /// Least corner of the box around the particles (world, metres).
+    pub low: Vec3,
+    /// Greatest corner.
+    pub high: Vec3,
+    /// Speed of the fastest particle in m/s.
+    pub greatest_speed: f32,
+    /// True if a particle would not have been finite. A small body has then not moved at all, and the other figures are of an earlier
+    /// step; of a large one, such particles rest where they were before sticks moved them.
+    pub is_broken: bool,
+}
 
 /// Bytes of the position or displacement of a particle.
 const PARTICLE: u64 = 16;
@@ -81,7 +97,9 @@ struct Member {
     origin: Vec3,
     first_particle: u32,
     /// Its place in the table of bodies, once it is there.
-    number: u32,
+    number: Option<u32>,
+    /// 1 over the mass of all particles in 1/kg; 0 if some are pinned.
+    inverse_mass: f32,
     /// Particles that are pinned, in ascending order.
     pins: Vec<u32>,
 }
@@ -142,7 +160,8 @@ impl GpuWorld {
             layers: body.layers,
             origin: body.particles.origin(),
             first_particle,
-            number: u32::MAX,
+            number: None,
+            inverse_mass: inverse_mass(&body.particles),
             pins: (0..count).filter(|&i| body.particles.is_pinned(i as usize)).collect(),
         }));
         self.arriving.push((id, body.particles.clone()));
@@ -181,7 +200,9 @@ impl GpuWorld {
     pub fn set_pin_target(&mut self, id: GpuBodyId, particle: u32, target: Vec3) -> Result<(), GpuError> {
         let member = self.member(id)?;
         if !target.is_finite() || member.pins.binary_search(&particle).is_err() {
-            return Err(GpuError::Unsupported("a target of a particle that is not pinned, or that is not finite,"));
+            return Err(GpuError::Unsupported(
+                "a target of a particle that is not pinned, or that is not finite,",
+            ));
         }
         self.targets.push((id, particle, target));
         Ok(())
@@ -193,6 +214,8 @@ impl GpuWorld {
     /// [`GpuError::Step`] if the environment is invalid; [`GpuError::Unsupported`] if an obstacle has a shape without a formula;
     /// [`GpuError::Limit`] if something does not fit; [`GpuError::Lost`]. Nothing has moved then.
     pub fn step(&mut self, environment: &Environment) -> Result<(), GpuError> {
+        // Learns of a loss of the device.
+        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
         self.gpu.check()?;
         let dt = environment.dt;
         if !(dt > 0.0 && dt.is_finite()) {
@@ -243,20 +266,24 @@ impl GpuWorld {
         Ok(bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(&bytes).into_iter().map(place).collect())
     }
 
-    /// Least and greatest corner (world, metres) of a small body after all steps that were started, as the GPU has computed them. None if
-    /// it is large, has not been stepped, or if the last step would have made it not finite, in which case it has not moved.
+    /// What the GPU has found of a body in the last step that was started. None if it has not been stepped. Waits for the step.
     ///
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
-    pub fn read_bounds(&self, id: GpuBodyId) -> Result<Option<(Vec3, Vec3)>, GpuError> {
-        let number = self.member(id)?.number;
-        if number >= self.runs.iter().sum() {
-            return Ok(None);
-        }
+    pub fn read_status(&self, id: GpuBodyId) -> Result<Option<BodyStatus>, GpuError> {
+        let member = self.member(id)?;
+        let Some(number) = member.number else { return Ok(None) };
         let size = size_of::<StatusData>() as u64;
         let bytes = self.gpu.read(self.buffers.statuses.get(), u64::from(number) * size, size)?;
         let status: StatusData = bytemuck::pod_read_unaligned(&bytes);
-        Ok((status.is_broken == 0).then(|| (Vec3::from(status.low), Vec3::from(status.high))))
+        let corner = |keys: [u32; 3]| member.origin + Vec3::from(keys.map(StatusData::coordinate));
+        let substep = self.dt / member.settings.substeps as f32;
+        Ok(Some(BodyStatus {
+            low: corner(status.low),
+            high: corner(status.high),
+            greatest_speed: f32::from_bits(status.fastest).sqrt() / substep,
+            is_broken: status.is_broken != 0,
+        }))
     }
 
     /// Seconds that the GPU took for the last step, once it is done; none if the device has no clock. Waits for the step.
@@ -330,7 +357,7 @@ impl GpuWorld {
                 let number = table.len() as u32;
                 table.push(*data);
                 let Some(member) = &mut members[*place] else { continue };
-                member.number = number;
+                member.number = Some(number);
                 if class == SIZE_CLASSES.len() {
                     let model = &models[member.model].1;
                     if passes::push(&mut self.dispatches, number, data, model, kernels.inner()) == 1 {
@@ -426,6 +453,7 @@ impl GpuWorld {
             let offset = [index as u32 * stride];
             pass.set_pipeline(match stage {
                 Stage::Begin => &kernels.large_steps(gpu).begin,
+                Stage::Drift => &kernels.large_steps(gpu).drift,
                 Stage::Advance => &kernels.large_steps(gpu).advance,
                 Stage::Contacts => &kernels.large_steps(gpu).contacts,
                 Stage::Sticks => &kernels.large_steps(gpu).sticks,
@@ -451,6 +479,12 @@ impl GpuWorld {
 
 /// Workgroups along an axis that WebGPU allows.
 const MOST_GROUPS: u32 = 65_535;
+
+/// 1 over the mass of all particles in 1/kg; 0 if some are pinned.
+fn inverse_mass(particles: &Particles) -> f32 {
+    let mass = (0..particles.len()).map(|i| 1.0 / f64::from(particles.inverse_mass(i))).sum::<f64>();
+    (1.0 / mass) as f32
+}
 
 fn body_data(member: &Member, model: &Model, dt: f32, first_pair: u32, first_batch: u32) -> BodyData {
     let settings = &member.settings;
@@ -480,5 +514,7 @@ fn body_data(member: &Member, model: &Model, dt: f32, first_pair: u32, first_bat
         tether_pull: TETHER_SPEED * substep,
         columns,
         rows,
+        inverse_mass: member.inverse_mass,
+        unused: [0; 3],
     }
 }

@@ -92,7 +92,9 @@ pub use state::rigid_body::RigidBody;
 pub use state::settings::{BodySettings, Quality, SelfContact, StickProjection, StructuralSolve};
 pub use state::snapshot::{BallSnapshot, ParticlesSnapshot};
 pub use state::tethers::Tethers;
-pub use state::topology::{EmbeddedPoint, GridFamily, StickBatch, StickBound, StickKind, StickMaterial, Topology};
+pub use state::topology::{
+    EmbeddedPoint, GridFamily, StickBatch, StickBound, StickKind, StickMaterial, Topology,
+};
 pub use state::volume::volume;
 pub use step::{step, step_on};
 pub use tearing::pieces::Piece;

@@ -7,10 +7,10 @@ use clap::Parser;
 use drape_solver::Isa;
 
 use crate::command::arguments::{Arguments, Command, Task};
-#[cfg(feature = "plugin")]
-use crate::experiments::{broad, street};
 #[cfg(feature = "gpu")]
 use crate::experiments::gpu;
+#[cfg(feature = "plugin")]
+use crate::experiments::{broad, street};
 use crate::experiments::{contact, contact_cost, fabrics, golden, presets, shots, stability, torn};
 use crate::failure::Failure;
 use crate::measure::job::Job;

@@ -85,7 +85,17 @@ pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
     println!("{}, {} substeps x {} sweeps", gpu.adapter(), arguments.substeps, arguments.sweeps);
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
-    table.set_header(["scene", "n", "particles", "GPU, ms", "least", "step to step, ms", "start, ms", "stretch", "processor, ms"]);
+    table.set_header([
+        "scene",
+        "n",
+        "particles",
+        "GPU, ms",
+        "least",
+        "step to step, ms",
+        "start, ms",
+        "stretch",
+        "processor, ms",
+    ]);
     let mut all = Vec::new();
     for (kind, n) in scenes(arguments) {
         let cost = measure(arguments, &gpu, &Scene::new(kind, n, Pins::Corners)?)?;
@@ -99,7 +109,11 @@ pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
             ms(Some(cost.wall_ms)),
             ms(Some(cost.start_ms)),
             format!("{:.2} %", cost.stretch),
-            cost.cpu_ms.iter().map(|(threads, ms)| format!("{threads}: {ms:.2}")).collect::<Vec<_>>().join(", "),
+            cost.cpu_ms
+                .iter()
+                .map(|(threads, ms)| format!("{threads}: {ms:.2}"))
+                .collect::<Vec<_>>()
+                .join(", "),
         ]);
         all.push(cost);
     }
@@ -182,7 +196,11 @@ fn measure(arguments: &GpuArguments, gpu: &Gpu, scene: &Scene) -> Result<GpuCost
 }
 
 /// Milliseconds of a step of the solver on the processor, for each number of threads.
-fn on_processor(arguments: &GpuArguments, scene: &Scene, options: &SolverOptions) -> Result<Vec<(u32, f64)>, Failure> {
+fn on_processor(
+    arguments: &GpuArguments,
+    scene: &Scene,
+    options: &SolverOptions,
+) -> Result<Vec<(u32, f64)>, Failure> {
     let counts = arguments.threads.iter().copied().filter(|&threads| threads > 0);
     let time = |threads| {
         let options = SolverOptions { threads, ..*options };

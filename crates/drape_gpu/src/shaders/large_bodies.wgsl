@@ -21,6 +21,7 @@ struct Pass {
 @group(1) @binding(2) var<storage, read_write> contacts: array<vec4f>;
 // Acceleration, and the obstacle of the last contact.
 @group(1) @binding(3) var<storage, read_write> accelerations: array<vec4f>;
+@group(1) @binding(4) var<storage, read_write> statuses: array<Status>;
 
 // The index of a thread's particle or stick in the body or batch.
 fn index_of(group: vec3u, groups: vec3u, thread: u32) -> u32 {
@@ -36,6 +37,13 @@ fn begin(
 ) {
     let body = bodies[pass_.body];
     let index = index_of(group, groups, thread);
+    if index < 3u {
+        atomicStore(&statuses[pass_.body].drift[index], 0);
+        atomicStore(&statuses[pass_.body].low[index], 0xffffffffu);
+        atomicStore(&statuses[pass_.body].high[index], 0u);
+        atomicStore(&statuses[pass_.body].fastest, 0u);
+        atomicStore(&statuses[pass_.body].is_broken, 0u);
+    }
     if index >= body.particle_count {
         return;
     }
@@ -53,6 +61,39 @@ fn begin(
         }
     }
     accelerations[particle] = vec4f(acceleration, 0.0);
+}
+
+var<workgroup> drift_sum: array<atomic<i32>, 3>;
+
+// Sums up the drift of a free body, after the last projection of sticks in a substep.
+@compute @workgroup_size(WORKGROUP)
+fn note_drift(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let body = bodies[pass_.body];
+    let index = index_of(group, groups, thread);
+    if thread < 3u {
+        atomicStore(&drift_sum[thread], 0);
+    }
+    workgroupBarrier();
+    if index < body.particle_count {
+        let place = positions[body.first_particle + index];
+        let part = drift_by(place.xyz - integrated[body.first_particle + index].xyz, place.w, body);
+        for (var axis = 0u; axis < 3u; axis++) {
+            atomicAdd(&drift_sum[axis], part[axis]);
+        }
+    }
+    workgroupBarrier();
+    if thread < 3u {
+        let even = 3u * (pass_.substep % 2u);
+        atomicAdd(&statuses[pass_.body].drift[even + thread], atomicLoad(&drift_sum[thread]));
+        if index < 3u {
+            // That of the substep before has been used.
+            atomicStore(&statuses[pass_.body].drift[3u - even + thread], 0);
+        }
+    }
 }
 
 fn flight_of(particle: u32, displacement: vec3f) -> Flight {
@@ -95,24 +136,35 @@ fn advance(
         find_near(thread, body);
         workgroupBarrier();
     }
-    if index >= body.particle_count {
-        return;
-    }
-    if pass_.ends != 0u && is_free {
+    let is_there = index < body.particle_count;
+    if is_there && pass_.ends != 0u && is_free {
         if has_obstacles {
             flight = flight_of(particle, flight.displacement);
             position = pushed_out_of_near(position, body, pass_.substep - 1u, &flight);
         } else {
             flight.integrated = integrated[particle].xyz;
         }
-        flight.displacement += position - flight.integrated;
+        let even = 3u * ((pass_.substep - 1u) % 2u);
+        let drift = vec3i(
+            atomicLoad(&statuses[pass_.body].drift[even]),
+            atomicLoad(&statuses[pass_.body].drift[even + 1u]),
+            atomicLoad(&statuses[pass_.body].drift[even + 2u]),
+        );
+        flight.displacement += position - flight.integrated - vec3f(drift) / DRIFT_UNITS;
         if flight.depth > 0.0 {
             let taken = slip_taken(position, body, pass_.substep - 1u, flight);
             flight.displacement -= taken;
             position -= taken;
         }
+        if !(is_finite(position) && is_finite(flight.displacement)) {
+            // It rests where free flight had taken it, so that the fault does not spread.
+            let flown = integrated[particle].xyz;
+            position = select(vec3f(0.0), flown, is_finite(flown));
+            flight.displacement = vec3f(0.0);
+            atomicStore(&statuses[pass_.body].is_broken, 1u);
+        }
     }
-    if pass_.begins != 0u {
+    if is_there && pass_.begins != 0u {
         if is_free {
             flight.displacement = flight.displacement * body.decay + acceleration * body.gain;
         }
@@ -131,8 +183,25 @@ fn advance(
             integrated[particle] = vec4f(flight.integrated, -1.0);
         }
     }
-    positions[particle] = vec4f(position, place.w);
-    displacements[particle] = vec4f(select(vec3f(0.0), flight.displacement, is_free), 0.0);
+    if is_there {
+        positions[particle] = vec4f(position, place.w);
+        displacements[particle] = vec4f(select(vec3f(0.0), flight.displacement, is_free), 0.0);
+    }
+    if pass_.begins == 0u {
+        workgroupBarrier();
+        clear_near(thread);
+        workgroupBarrier();
+        if is_there {
+            include(position, 0.0);
+            atomicMax(&fastest, bitcast<u32>(dot(flight.displacement, flight.displacement)));
+        }
+        workgroupBarrier();
+        if thread < 3u {
+            atomicMin(&statuses[pass_.body].low[thread], atomicLoad(&low[thread]));
+            atomicMax(&statuses[pass_.body].high[thread], atomicLoad(&high[thread]));
+            atomicMax(&statuses[pass_.body].fastest, atomicLoad(&fastest));
+        }
+    }
 }
 
 // Contacts between two iterations.

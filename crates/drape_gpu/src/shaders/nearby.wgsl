@@ -1,29 +1,25 @@
-// The obstacles that the particles of a workgroup may touch in a step. The bits of `near` come from integer minima and maxima, so
-// that no order of threads can change them.
+// The obstacles that the particles of a workgroup may touch in a step.
 
 const OBSTACLE_WORDS: u32 = {OBSTACLE_WORDS};
 // Metres.
 const CONTACT_MARGIN: f32 = {CONTACT_MARGIN};
 
-// Least and greatest coordinates of the workgroup's particles, as ordered integers, and their greatest way in the step.
+// Least and greatest coordinates of the workgroup's particles, as ordered integers; bits of the square of their greatest displacement.
 var<workgroup> low: array<atomic<u32>, 3>;
 var<workgroup> high: array<atomic<u32>, 3>;
+var<workgroup> fastest: atomic<u32>;
+var<workgroup> is_broken: atomic<u32>;
 var<workgroup> near: array<atomic<u32>, OBSTACLE_WORDS>;
 
-// Maps floats to integers of the same order.
-fn ordered(value: f32) -> u32 {
-    let bits = bitcast<u32>(value);
-    return select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
-}
-
-fn unordered(key: u32) -> f32 {
-    return bitcast<f32>(select(~key, key & 0x7fffffffu, (key & 0x80000000u) != 0u));
-}
-
+// To be called before a barrier.
 fn clear_near(thread: u32) {
     if thread < 3u {
         atomicStore(&low[thread], 0xffffffffu);
         atomicStore(&high[thread], 0u);
+    }
+    if thread == 0u {
+        atomicStore(&fastest, 0u);
+        atomicStore(&is_broken, 0u);
     }
     for (var word = thread; word < OBSTACLE_WORDS; word += WORKGROUP) {
         atomicStore(&near[word], 0u);

@@ -11,34 +11,32 @@ struct Run {
     unused: vec2u,
 }
 
-// What the processor may read back.
-struct Status {
-    low: vec3f,
-    // 1 if a particle of the body would not be finite: the body stays where it was.
-    is_broken: u32,
-    high: vec3f,
-    // Square of the greatest displacement in a substep, in square metres.
-    fastest: f32,
-}
-
 @group(1) @binding(0) var<uniform> run: Run;
 @group(1) @binding(1) var<storage, read_write> statuses: array<Status>;
 
 var<workgroup> places: array<vec4f, CAPACITY>;
-var<workgroup> is_broken: atomic<u32>;
-var<workgroup> fastest: atomic<u32>;
+var<workgroup> drift_sum: array<atomic<i32>, 3>;
 
+fn project_stick(i: u32, batch: Batch, is_square_root_free: bool) {
+    if i >= batch.count {
+        return;
+    }
+    let stick = pairs[batch.first + i];
+    // Both ends fit into one word.
+    let a = stick.x & 0xffffu;
+    let b = stick.x >> 16u;
+    let p = places[a];
+    let q = places[b];
+    let pull = stick_pull(p, q, bitcast<f32>(stick.y), batch.stiffness, batch.side, is_square_root_free);
+    places[a] = vec4f(p.xyz + pull * p.w, p.w);
+    places[b] = vec4f(q.xyz - pull * q.w, q.w);
+}
+
+// Each particle is an end of one stick at most: there are no more sticks than half of the particles.
 fn project_sticks(batch: Batch, thread: u32, is_square_root_free: bool) {
-    for (var i = thread; i < batch.count; i += WORKGROUP) {
-        let stick = pairs[batch.first + i];
-        // Both ends fit into one word.
-        let a = stick.x & 0xffffu;
-        let b = stick.x >> 16u;
-        let p = places[a];
-        let q = places[b];
-        let pull = stick_pull(p, q, bitcast<f32>(stick.y), batch.stiffness, batch.side, is_square_root_free);
-        places[a] = vec4f(p.xyz + pull * p.w, p.w);
-        places[b] = vec4f(q.xyz - pull * q.w, q.w);
+    project_stick(thread, batch, is_square_root_free);
+    if PER_THREAD > 2u {
+        project_stick(thread + WORKGROUP, batch, is_square_root_free);
     }
 }
 
@@ -79,10 +77,6 @@ fn step_body(
     var accelerations: array<vec3f, PER_THREAD>;
 
     clear_near(thread);
-    if thread == 0u {
-        atomicStore(&is_broken, 0u);
-        atomicStore(&fastest, 0u);
-    }
     workgroupBarrier();
     for (var k = 0u; k < PER_THREAD; k++) {
         let index = thread + k * WORKGROUP;
@@ -138,13 +132,14 @@ fn step_body(
             }
         }
         project_contacts(thread, body, substep, &flights);
+        let drift = drift_of(thread, body, &flights);
         // Displacements follow positions, then friction takes its part.
         for (var k = 0u; k < PER_THREAD; k++) {
             let index = thread + k * WORKGROUP;
             if index < body.particle_count {
                 let place = places[index];
                 if place.w > 0.0 {
-                    flights[k].displacement += place.xyz - flights[k].integrated;
+                    flights[k].displacement += place.xyz - flights[k].integrated - drift;
                     if flights[k].depth > 0.0 {
                         let taken = slip_taken(place.xyz, body, substep, flights[k]);
                         flights[k].displacement -= taken;
@@ -161,9 +156,12 @@ fn step_body(
             atomicOr(&is_broken, 1u);
         }
     }
+    workgroupBarrier();
+    // A body with a particle that would not be finite stays where it was.
+    let stays = atomicLoad(&is_broken) != 0u;
+    workgroupBarrier();
     clear_near(thread);
     workgroupBarrier();
-    let stays = atomicLoad(&is_broken) != 0u;
     for (var k = 0u; k < PER_THREAD; k++) {
         let index = thread + k * WORKGROUP;
         if index < body.particle_count && !stays {
@@ -177,17 +175,36 @@ fn step_body(
     }
     workgroupBarrier();
     if thread == 0u {
-        if stays {
-            statuses[number].is_broken = 1u;
-        } else {
-            let least = vec3f(
-                unordered(atomicLoad(&low[0])), unordered(atomicLoad(&low[1])), unordered(atomicLoad(&low[2])));
-            let greatest = vec3f(
-                unordered(atomicLoad(&high[0])), unordered(atomicLoad(&high[1])), unordered(atomicLoad(&high[2])));
-            let speed = bitcast<f32>(atomicLoad(&fastest));
-            statuses[number] = Status(body.origin + least, 0u, body.origin + greatest, speed);
+        atomicStore(&statuses[number].is_broken, u32(stays));
+    }
+    if thread < 3u && !stays {
+        atomicStore(&statuses[number].low[thread], atomicLoad(&low[thread]));
+        atomicStore(&statuses[number].high[thread], atomicLoad(&high[thread]));
+        atomicStore(&statuses[number].fastest, atomicLoad(&fastest));
+    }
+}
+
+// Metres by which rounding has moved the centre of mass of a free body in this substep.
+fn drift_of(thread: u32, body: Body, flights: ptr<function, array<Flight, PER_THREAD>>) -> vec3f {
+    if body.inverse_mass == 0.0 {
+        return vec3f(0.0);
+    }
+    if thread < 3u {
+        atomicStore(&drift_sum[thread], 0);
+    }
+    workgroupBarrier();
+    for (var k = 0u; k < PER_THREAD; k++) {
+        let index = thread + k * WORKGROUP;
+        if index < body.particle_count {
+            let part = drift_by(places[index].xyz - (*flights)[k].integrated, places[index].w, body);
+            for (var axis = 0u; axis < 3u; axis++) {
+                atomicAdd(&drift_sum[axis], part[axis]);
+            }
         }
     }
+    workgroupBarrier();
+    let sum = vec3i(atomicLoad(&drift_sum[0]), atomicLoad(&drift_sum[1]), atomicLoad(&drift_sum[2]));
+    return vec3f(sum) / DRIFT_UNITS;
 }
 
 fn project_contacts(thread: u32, body: Body, substep: u32, flights: ptr<function, array<Flight, PER_THREAD>>) {

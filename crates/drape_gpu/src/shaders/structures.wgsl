@@ -77,6 +77,11 @@ struct Body {
     tether_pull: f32,
     columns: u32,
     rows: u32,
+    // 1 over the mass of all particles in 1/kg; 0 if some are pinned.
+    inverse_mass: f32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 // Sticks that share no particle.
@@ -93,6 +98,19 @@ struct Batch {
     // On a grid: 0 if the sticks begin at even places, 1 if at odd ones.
     phase: u32,
     rest_length: f32,
+}
+
+// What the processor may read back. Coordinates are ordered integers.
+struct Status {
+    low: array<atomic<u32>, 3>,
+    // 1 if a particle would not have been finite.
+    is_broken: atomic<u32>,
+    high: array<atomic<u32>, 3>,
+    // Bits of the square of the greatest displacement in a substep, in square metres.
+    fastest: atomic<u32>,
+    // Drift of a free large body's centre of mass by rounding, for even and for odd substeps.
+    drift: array<atomic<i32>, 6>,
+    unused: array<u32, 2>,
 }
 
 struct Place {
@@ -113,7 +131,30 @@ const NONE: u32 = 0xffffffffu;
 // Displacement in the last substep. For a pinned particle, its target, and 1 if there is one.
 @group(0) @binding(6) var<storage, read_write> displacements: array<vec4f>;
 
+// Maps floats to integers of the same order, whose minima and maxima no order of threads can change.
+fn ordered(value: f32) -> u32 {
+    let bits = bitcast<u32>(value);
+    return select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
+}
+
+fn unordered(key: u32) -> f32 {
+    return bitcast<f32>(select(~key, key & 0x7fffffffu, (key & 0x80000000u) != 0u));
+}
+
+// Sticks cannot move the centre of mass of a free body: what they seem to move it by is rounding, in the same direction in substep after
+// substep. Its sum is taken in integers of so many a metre, in which no order of threads can change it.
+const DRIFT_UNITS: f32 = 4294967296.0;
+
+// The part of a particle that sticks have moved in the drift of its body.
+fn drift_by(moved: vec3f, inverse_mass: f32, body: Body) -> vec3i {
+    return vec3i(round(moved * (body.inverse_mass / inverse_mass * DRIFT_UNITS)));
+}
+
+// Greatest coordinate that counts as finite, in metres: its square is far from the end of single precision.
+const MAX_MAGNITUDE: f32 = {MAX_MAGNITUDE};
+
+// Compares bits, as a shader may take it for granted that there are no infinities.
 fn is_finite(v: vec3f) -> bool {
-    let exponents = bitcast<vec3u>(v) & vec3u(0x7f800000u);
-    return all(exponents != vec3u(0x7f800000u));
+    let sizes = bitcast<vec3u>(v) & vec3u(0x7fffffffu);
+    return all(sizes <= vec3u(bitcast<u32>(MAX_MAGNITUDE)));
 }

@@ -138,7 +138,12 @@ impl StickBatch {
     pub fn family(&self) -> Option<GridFamily> {
         let BatchSticks::Grid { batch, rest_length, .. } = &self.sticks else { return None };
         let (right, down) = batch.offset();
-        Some(GridFamily { right: right as i32, down: down as u32, phase: batch.phase() as u32, rest_length: *rest_length })
+        Some(GridFamily {
+            right: right as i32,
+            down: down as u32,
+            phase: batch.phase() as u32,
+            rest_length: *rest_length,
+        })
     }
 
     /// The indices of the batch's sticks.

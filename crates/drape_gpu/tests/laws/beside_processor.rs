@@ -1,0 +1,93 @@
+//! The same scenes on the processor.
+
+use drape_solver::glam::Vec3;
+use drape_solver::state::measure;
+use drape_solver::{
+    Body, BodySettings, ClothBuilder, Edge, Environment, Island, MeshClothBuilder, RopeBuilder, Shape, step,
+};
+
+use crate::common::*;
+
+/// In the first tenth of a second, before small differences grow, particles are where the processor has them: sticks are relaxed in the same
+/// order, in workgroups, tiles and batches.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn the_first_steps_are_those_of_the_processor() {
+    let gusty = Environment { gravity: Vec3::new(3.0, -9.81, 2.0), ..gravity() };
+    let mut windy = gusty.clone();
+    windy.wind =
+        drape_solver::Wind { lift_coefficient: 0.5, ..drape_solver::Wind::new(Vec3::new(2.0, 0.0, 5.0)) };
+    for environment in [gusty, windy] {
+        for (columns, rows) in [(16, 16), (30, 30), (70, 60), (33, 200)] {
+            for iterations in [1, 2, 3] {
+                let settings = BodySettings { iterations, ..BodySettings::default() };
+                let cloth = ClothBuilder::new(1.0, 1.0, columns, rows).pin_edge(Edge::Top);
+                let body = cloth.build(settings).expect("valid");
+                let (mut world, id) = world_of(&body);
+                let mut island = Island::of_body(body);
+                run(&mut world, &environment, 6);
+                (0..6).for_each(|_| step(&mut island, &environment).expect("a good step"));
+                let ours = positions(&world, id);
+                let theirs = island.bodies[0].particles.positions();
+                let worst =
+                    ours.iter().zip(theirs).map(|(ours, theirs)| ours.distance(theirs)).fold(0.0, f32::max);
+                assert!(worst < 2e-5, "{columns} x {rows}, {iterations} iterations: {worst} m apart");
+            }
+        }
+    }
+}
+
+/// Ten seconds later stretch, height of the centre (the potential energy) and bounds agree within 2 %.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn after_six_hundred_steps_figures_are_those_of_the_processor() {
+    let settings = BodySettings::default();
+    let sheet = |n| ClothBuilder::new(1.0, 1.0, n, n).pin(0).pin(n - 1).build(settings).expect("valid");
+    let rope = RopeBuilder::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0), 64)
+        .pin_start()
+        .build(settings)
+        .expect("valid");
+    let scenes = [("many", sheet(16)), ("sheet", sheet(40)), ("ropes", rope), ("mesh", mesh(settings))];
+    for (name, body) in scenes {
+        let environment = Environment {
+            obstacles: vec![obstacle(Shape::Sphere { radius: 0.3 }, Vec3::new(0.5, -0.6, 0.15), 0.5)].into(),
+            ..gravity()
+        };
+        let (mut world, id) = world_of(&body);
+        let mut island = Island::of_body(body.clone());
+        run(&mut world, &environment, 600);
+        (0..600).for_each(|_| step(&mut island, &environment).expect("a good step"));
+        let ours = positions(&world, id);
+        let theirs: Vec<Vec3> = island.bodies[0].particles.positions().collect();
+        let size = measure::mass(&body.particles).max(1.0);
+        assert!(size.is_finite());
+        let stretches = [stretch(&body, &ours), stretch(&body, &theirs)];
+        assert!(
+            (stretches[0] - stretches[1]).abs() < 2e-3 + 0.02 * stretches[1],
+            "{name}: stretch {stretches:?}"
+        );
+        let centres = [centre(&ours), centre(&theirs)];
+        assert!(centres[0].distance(centres[1]) < 0.02, "{name}: centres {centres:?}");
+        let corner =
+            |places: &[Vec3], of: fn(Vec3, Vec3) -> Vec3| places.iter().copied().reduce(of).expect("some");
+        for of in [Vec3::min, Vec3::max] {
+            let corners = [corner(&ours, of), corner(&theirs, of)];
+            assert!(corners[0].distance(corners[1]) < 0.02 * 3.0_f32.sqrt(), "{name}: corners {corners:?}");
+        }
+    }
+}
+
+/// A mesh of triangles whose corners lie unevenly, held at two corners.
+fn mesh(settings: BodySettings) -> Body {
+    let n = 36_u32;
+    let uneven = |i: u32, j: u32| {
+        let inner = |i| i > 0 && i + 1 < n;
+        let shift = if inner(i) && inner(j) { 0.3 } else { 0.0 };
+        let [x, z] = [(7 * i + 3 * j) % 5, (2 * i + 11 * j) % 7].map(|k| shift * (k as f32 / 6.0 - 0.4));
+        Vec3::new(i as f32 + x, 0.0, j as f32 + z) / (n - 1) as f32
+    };
+    let places = (0..n * n).map(|k| uneven(k % n, k / n)).collect();
+    let squares = (0..n * n).filter(|k| k % n + 1 < n && k / n + 1 < n);
+    let faces: Vec<[u32; 3]> = squares.flat_map(|k| [[k, k + n, k + 1], [k + 1, k + n, k + n + 1]]).collect();
+    MeshClothBuilder::new(places, faces).pin(0).pin(n - 1).build(settings).expect("a mesh")
+}

@@ -1,0 +1,107 @@
+//! Worlds and measures that the tests share.
+
+use std::sync::{Arc, OnceLock};
+
+use drape_gpu::{Gpu, GpuBodyId, GpuWorld};
+use drape_solver::glam::{DVec3, Vec3};
+use drape_solver::{
+    Body, BodySettings, ClothBuilder, Environment, Obstacle, Particles, Placement, Shape, StickKind,
+    StickMaterial, TopologyBuilder,
+};
+
+/// Standard gravity of the tests in m/s^2.
+pub const G: f32 = 9.81;
+
+/// A frame of a 60 Hz game in seconds.
+pub const FRAME: f32 = 1.0 / 60.0;
+
+/// The adapter that all tests share.
+pub fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Gpu> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::open().expect("an adapter: install mesa-vulkan-drivers"))
+}
+
+/// A world with one body.
+pub fn world_of(body: &Body) -> (GpuWorld, GpuBodyId) {
+    let mut world = GpuWorld::new(gpu());
+    let id = world.add(body).expect("a body for the GPU");
+    (world, id)
+}
+
+/// Settings with every feature off, for tests to switch on.
+pub fn bare() -> BodySettings {
+    BodySettings {
+        substeps: 1,
+        iterations: 1,
+        drag: 0.0,
+        friction: 0.0,
+        thickness: 0.0,
+        tethers: false,
+        ..BodySettings::default()
+    }
+}
+
+/// Gravity and nothing else, in frames.
+pub fn gravity() -> Environment {
+    Environment { dt: FRAME, gravity: Vec3::NEG_Y * G, ..Environment::default() }
+}
+
+/// Particles with these inverse masses, joined by rigid sticks at their distances.
+pub fn joined(
+    positions: &[Vec3],
+    inverse_masses: &[f32],
+    sticks: &[[u32; 2]],
+    settings: BodySettings,
+) -> Body {
+    let particles = Particles::new(Vec3::ZERO, positions, inverse_masses).expect("valid particles");
+    let mut builder = TopologyBuilder::new(positions);
+    if !sticks.is_empty() {
+        builder
+            .family(StickMaterial::rigid(StickKind::Structural), sticks.iter().copied())
+            .expect("valid sticks");
+    }
+    Body::new(particles, Arc::new(builder.build().expect("valid topology")), settings)
+}
+
+/// A level cloth of 1 m with its corner at `origin`.
+pub fn level(n: u32, origin: Vec3, settings: BodySettings) -> Body {
+    ClothBuilder::new(1.0, 1.0, n, n).placed(origin, Vec3::X, Vec3::Z).build(settings).expect("valid")
+}
+
+/// An obstacle at rest.
+pub fn obstacle(shape: Shape, place: Vec3, friction: f32) -> Obstacle {
+    Obstacle::new(shape, Placement::at(place), friction).expect("valid")
+}
+
+/// Takes `steps` steps.
+pub fn run(world: &mut GpuWorld, environment: &Environment, steps: usize) {
+    let mut environment = environment.clone();
+    for _ in 0..steps {
+        world.step(&environment).expect("a good step");
+        environment.time += f64::from(environment.dt);
+    }
+}
+
+/// Positions of a body.
+pub fn positions(world: &GpuWorld, id: GpuBodyId) -> Vec<Vec3> {
+    world.read_positions(id).expect("a body")
+}
+
+/// Mean of positions.
+pub fn centre(positions: &[Vec3]) -> DVec3 {
+    positions.iter().map(|position| position.as_dvec3()).sum::<DVec3>() / positions.len() as f64
+}
+
+/// Root mean square of the strain of a body's structural sticks.
+pub fn stretch(body: &Body, positions: &[Vec3]) -> f64 {
+    let topology = &body.topology;
+    let structural = topology.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
+    let strains: Vec<f64> = structural
+        .flat_map(|batch| batch.range())
+        .map(|stick| {
+            let [a, b] = topology.stick(stick).map(|end| positions[end as usize].as_dvec3());
+            a.distance(b) / f64::from(topology.rest_length(stick)) - 1.0
+        })
+        .collect();
+    (strains.iter().map(|strain| strain * strain).sum::<f64>() / strains.len() as f64).sqrt()
+}

@@ -1,0 +1,101 @@
+//! Bad input, faults of the device, and limits.
+
+use drape_gpu::{Gpu, GpuError, GpuWorld, MAX_OBSTACLES};
+use drape_solver::glam::Vec3;
+use drape_solver::parry3d::shape::SharedShape;
+use drape_solver::{
+    BendingRigidity, BodySettings, ClothBuilder, ClothMaterial, Environment, SelfContact, Shape,
+    SoftBallBuilder,
+};
+
+use crate::common::*;
+
+/// A body whose particle flies to infinity stays finite, and is reported; the others go on.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn a_particle_that_is_not_finite_is_kept_in_quarantine() {
+    for n in [8, 40] {
+        let mut sick = level(n, Vec3::ZERO, BodySettings::default());
+        sick.particles.set_velocity(3, Vec3::splat(3e38));
+        let mut world = GpuWorld::new(gpu());
+        let [sick, sound] = [sick, level(n, Vec3::ZERO, BodySettings::default())]
+            .map(|body| world.add(&body).expect("a body"));
+        let mut was_noticed = false;
+        for _ in 0..30 {
+            run(&mut world, &gravity(), 1);
+            was_noticed |= world.read_status(sick).expect("a body").expect("stepped").is_broken;
+            assert!(positions(&world, sick).iter().all(|place| place.length() < 1e7));
+        }
+        assert!(was_noticed, "{n}");
+        let fallen = centre(&positions(&world, sound)).y;
+        assert!((fallen + 1.0).abs() < 0.2, "{n}: the sound one fell to {fallen}");
+        assert!(!world.read_status(sound).expect("a body").expect("stepped").is_broken);
+    }
+}
+
+/// What the shaders do not solve is refused by name, and so is bad input; nothing moves.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn what_cannot_be_solved_is_refused_by_name() {
+    let mut world = GpuWorld::new(gpu());
+    let sheet = level(8, Vec3::ZERO, BodySettings::default());
+    let mut touching = sheet.clone();
+    touching.settings.self_contact = SelfContact::On;
+    let mut bad = sheet.clone();
+    bad.settings.substeps = 0;
+    let rigid =
+        ClothMaterial { bending_rigidity: BendingRigidity::isotropic(1e-5), ..ClothMaterial::default() };
+    let rigid =
+        ClothBuilder::new(1.0, 1.0, 20, 20).material(rigid).build(BodySettings::default()).expect("valid");
+    let damped = ClothMaterial { damping: 1.0, ..ClothMaterial::default() };
+    let damped =
+        ClothBuilder::new(1.0, 1.0, 20, 20).material(damped).build(BodySettings::default()).expect("valid");
+    let mut ball = SoftBallBuilder::new(Vec3::ZERO, 0.3, 2).build(BodySettings::default()).expect("valid");
+    ball.pressure = 1.0;
+    for (body, word) in [
+        (touching, "self-contact"),
+        (bad, "substeps"),
+        (rigid, "rigidity"),
+        (damped, "damping"),
+        (ball, "pressure"),
+    ] {
+        let error = world.add(&body).expect_err(word).to_string();
+        assert!(error.contains(word), "{error}");
+    }
+    let id = world.add(&sheet).expect("a body");
+    let hull = Shape::from_parry(SharedShape::cone(1.0, 1.0)).expect("a shape");
+    let environment = Environment { obstacles: vec![obstacle(hull, Vec3::ZERO, 0.5)].into(), ..gravity() };
+    assert!(matches!(world.step(&environment), Err(GpuError::Unsupported(_))));
+    for environment in [
+        Environment { dt: 0.0, ..gravity() },
+        Environment { dt: f32::NAN, ..gravity() },
+        Environment { gravity: Vec3::NAN, ..gravity() },
+    ] {
+        assert!(matches!(world.step(&environment), Err(GpuError::Step(_))));
+    }
+    let ball = || obstacle(Shape::Sphere { radius: 0.1 }, Vec3::ZERO, 0.5);
+    let crowd: Vec<_> = (0..=MAX_OBSTACLES).map(|_| ball()).collect();
+    let error =
+        world.step(&Environment { obstacles: crowd.into(), ..gravity() }).expect_err("too many").to_string();
+    assert!(error.contains("MAX_OBSTACLES") && error.contains("1024"), "{error}");
+    assert_eq!(positions(&world, id), sheet.particles.positions().collect::<Vec<_>>());
+    world.remove(id).expect("it is there");
+    assert_eq!(world.read_positions(id), Err(GpuError::NoSuchBody));
+    assert_eq!(world.remove(id), Err(GpuError::NoSuchBody));
+    run(&mut world, &gravity(), 2);
+    assert!(world.is_empty());
+}
+
+/// After a loss of the device each call fails with a word, and none panics.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn a_lost_device_is_an_error() {
+    let gpu = Gpu::open().expect("an adapter");
+    let mut world = GpuWorld::new(&gpu);
+    let id = world.add(&level(8, Vec3::ZERO, BodySettings::default())).expect("a body");
+    run(&mut world, &gravity(), 2);
+    gpu.device().destroy();
+    assert!(matches!(gpu.wait(), Err(GpuError::Lost(_))));
+    assert!(matches!(world.step(&gravity()), Err(GpuError::Lost(_))));
+    assert!(matches!(world.read_positions(id), Err(GpuError::Lost(_))));
+}

@@ -1,0 +1,10 @@
+//! Laws of physics on the GPU, with the tolerances of the processor's laws times two, and figures beside the processor's own. They need a
+//! graphics adapter, software included: `.ci/gpu` runs them.
+
+mod beside_processor;
+mod common;
+mod contact;
+mod faults;
+mod motion;
+mod same_bits;
+mod stability;

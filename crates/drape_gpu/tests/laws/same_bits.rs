@@ -1,0 +1,88 @@
+//! The same device gives the same bits, run after run, whatever else is in the world.
+
+use drape_gpu::GpuWorld;
+use drape_solver::glam::Vec3;
+use drape_solver::{Body, BodySettings, ClothBuilder, Edge, Environment, Shape, Turbulence, Wind};
+
+use crate::common::*;
+
+fn stormy() -> Environment {
+    let obstacles = vec![
+        obstacle(Shape::Sphere { radius: 0.3 }, Vec3::new(0.5, -0.4, 0.3), 0.5),
+        obstacle(Shape::HalfSpace { normal: Vec3::Y }, Vec3::NEG_Y, 0.5),
+    ];
+    let turbulence = Turbulence { speed: 3.0, ..Turbulence::default() };
+    let wind = Wind { turbulence, lift_coefficient: 0.7, ..Wind::new(Vec3::new(2.0, 0.0, 4.0)) };
+    Environment { obstacles: obstacles.into(), wind, ..gravity() }
+}
+
+fn flags() -> Vec<Body> {
+    // One in a workgroup, one by tiles, and a mesh too large for either.
+    let settings = BodySettings::default();
+    let flag = |n| ClothBuilder::new(1.0, 1.0, n, n).pin_edge(Edge::Left).build(settings).expect("valid");
+    vec![flag(16), flag(50), mesh(40)]
+}
+
+/// A grid whose sticks are listed one by one, as those of a mesh.
+fn mesh(n: u32) -> Body {
+    let grid =
+        ClothBuilder::new(1.0, 1.0, n, n).pin_edge(Edge::Top).build(BodySettings::default()).expect("valid");
+    let places: Vec<Vec3> = grid.particles.positions().collect();
+    let masses: Vec<f32> = (0..places.len()).map(|i| grid.particles.inverse_mass(i)).collect();
+    let topology = &grid.topology;
+    let structural = topology.batches().iter().take(4).flat_map(|batch| batch.range());
+    let sticks: Vec<[u32; 2]> = structural.map(|stick| topology.stick(stick)).collect();
+    joined(&places, &masses, &sticks, BodySettings::default())
+}
+
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn two_runs_give_the_same_bits() {
+    for body in flags() {
+        let end = |others: usize| {
+            let mut world = GpuWorld::new(gpu());
+            for _ in 0..others {
+                world.add(&level(9, Vec3::Y, BodySettings::default())).expect("a body");
+            }
+            let id = world.add(&body).expect("a body");
+            run(&mut world, &stormy(), 60);
+            positions(&world, id)
+        };
+        let once = end(0);
+        assert_eq!(once, end(0), "{} particles", body.particles.len());
+        assert_eq!(once, end(3), "{} particles among others", body.particles.len());
+    }
+}
+
+/// Bodies that come and go in the middle leave the others alone.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn bodies_come_and_go() {
+    let bodies = flags();
+    let alone: Vec<_> = bodies
+        .iter()
+        .map(|body| {
+            let (mut world, id) = world_of(body);
+            run(&mut world, &stormy(), 40);
+            positions(&world, id)
+        })
+        .collect();
+    let mut world = GpuWorld::new(gpu());
+    let ids: Vec<_> = bodies.iter().map(|body| world.add(body).expect("a body")).collect();
+    let mut environment = stormy();
+    let mut guests = Vec::new();
+    for step in 0..40 {
+        if step % 3 == 0 {
+            guests.push(world.add(&level(8 + step, Vec3::Z * 5.0, BodySettings::default())).expect("a body"));
+        }
+        if step % 4 == 3 {
+            world.remove(guests.remove(0)).expect("it is there");
+        }
+        world.step(&environment).expect("a good step");
+        environment.time += f64::from(environment.dt);
+    }
+    assert_eq!(world.len(), bodies.len() + guests.len());
+    for (id, alone) in ids.into_iter().zip(alone) {
+        assert_eq!(positions(&world, id), alone);
+    }
+}
