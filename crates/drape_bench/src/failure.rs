@@ -70,6 +70,10 @@ pub enum Failure {
     /// The solver refused the step.
     #[error("{0}")]
     Step(#[from] StepError),
+    /// The GPU cannot run the scene.
+    #[cfg(feature = "gpu")]
+    #[error("{0}")]
+    Gpu(#[from] drape_gpu::GpuError),
     /// A peer cannot run the scene with these options.
     #[error("{0}")]
     Peer(String),

@@ -19,9 +19,11 @@ pub(crate) struct Buffers {
     pub positions: [GrowingBuffer; 2],
     pub displacements: GrowingBuffer,
     pub statuses: GrowingBuffer,
-    pub integrated: GrowingBuffer,
-    pub contacts: GrowingBuffer,
+    /// What large bodies keep of each particle within a substep.
+    pub flights: GrowingBuffer,
     pub accelerations: GrowingBuffer,
+    /// Sums of pushes on obstacles.
+    pub reactions: GrowingBuffer,
     /// The bodies of each size class.
     pub runs: [wgpu::Buffer; SIZE_CLASSES.len()],
     /// What each dispatch of a large body reads.
@@ -52,9 +54,9 @@ impl Buffers {
             positions: [growing("positions"), growing("positions of grids")],
             displacements: growing("displacements"),
             statuses: growing("statuses"),
-            integrated: growing("integrated positions"),
-            contacts: growing("contacts"),
+            flights: growing("flights"),
             accelerations: growing("accelerations"),
+            reactions: growing("reactions"),
             runs: core::array::from_fn(|_| uniform(gpu, "run", size_of::<RunData>() as u64)),
             passes: uniform(gpu, "passes", 256),
             groups: None,
@@ -116,18 +118,20 @@ impl Buffers {
             })
         };
         let grid = |side: usize| group(gpu, &kernels.grid, [pass(), whole(self.positions[1 - side].get())]);
-        let flights = [self.integrated.get(), self.contacts.get(), self.accelerations.get()].map(whole);
-        let [integrated, contacts, accelerations] = flights;
         Groups {
             common: [common(0), common(1)],
             small: core::array::from_fn(|class| {
-                group(gpu, &kernels.small, [whole(&self.runs[class]), whole(self.statuses.get())])
+                group(
+                    gpu,
+                    &kernels.small,
+                    [&self.runs[class], self.statuses.get(), self.reactions.get()].map(whole),
+                )
             }),
-            large: group(
-                gpu,
-                &kernels.large,
-                [pass(), integrated, contacts, accelerations, whole(self.statuses.get())],
-            ),
+            large: {
+                let flights = [&self.flights, &self.accelerations, &self.statuses, &self.reactions];
+                let [a, b, c, d] = flights.map(|buffer| whole(buffer.get()));
+                group(gpu, &kernels.large, [pass(), a, b, c, d])
+            },
             grid: [grid(0), grid(1)],
         }
     }

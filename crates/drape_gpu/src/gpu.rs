@@ -38,18 +38,21 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| GpuError::NoDevice(error.to_string()))?;
-        let gpu = Self::new(device, queue)?;
+        let gpu = Self::sharing(device, queue)?;
+        let failure = Arc::clone(&gpu.failure);
+        gpu.device
+            .set_device_lost_callback(move |reason, message| note(&failure, format!("{reason:?} {message}")));
         // Else wgpu panics.
         let failure = Arc::clone(&gpu.failure);
         gpu.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&failure, error.to_string())));
         Ok(gpu)
     }
 
-    /// Uses a device that is open already, such as that of a renderer. Replaces its callback for the loss of the device.
+    /// Shares a device that is open already, such as that of a renderer. Its owner hears of a loss or an error, not the worlds here.
     ///
     /// # Errors
     /// [`GpuError::Limit`] if it allows too few storage buffers.
-    pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
+    pub fn sharing(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
         let limit = device.limits().max_storage_buffers_per_shader_stage;
         if limit < STORAGE_BUFFERS {
             return Err(GpuError::Limit {
@@ -60,10 +63,7 @@ impl Gpu {
             });
         }
         let adapter = device.adapter_info().name;
-        let failure = Arc::new(Mutex::new(None));
-        let noted = Arc::clone(&failure);
-        device.set_device_lost_callback(move |reason, message| note(&noted, format!("{reason:?} {message}")));
-        Ok(Self { device, queue, adapter, failure })
+        Ok(Self { device, queue, adapter, failure: Arc::default() })
     }
 
     /// The device.

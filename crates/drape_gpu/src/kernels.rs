@@ -50,6 +50,7 @@ const AIR: &str = include_str!("shaders/air.wgsl");
 const OBSTACLE: &str = include_str!("shaders/obstacle.wgsl");
 const NEARBY: &str = include_str!("shaders/nearby.wgsl");
 const TETHER: &str = include_str!("shaders/tether.wgsl");
+const REACTION: &str = include_str!("shaders/reaction.wgsl");
 const SMALL: &str = include_str!("shaders/small_bodies.wgsl");
 const LARGE: &str = include_str!("shaders/large_bodies.wgsl");
 const GRID: &str = include_str!("shaders/grid_sticks.wgsl");
@@ -94,7 +95,7 @@ impl Kernels {
         let common = [Uniform, Read, Read, Read, Read, Changed, Changed];
         Self {
             common: layout(gpu, "common", &common),
-            small: layout(gpu, "small bodies", &[Uniform, Changed]),
+            small: layout(gpu, "small bodies", &[Uniform, Changed, Changed]),
             large: layout(gpu, "large bodies", &[DynamicUniform, Changed, Changed, Changed, Changed]),
             grid: layout(gpu, "grids", &[DynamicUniform, Changed]),
             tile,
@@ -160,13 +161,13 @@ const TILE_WORKGROUP: u32 = 1024;
 pub(crate) fn small_source(class: SizeClass) -> String {
     let SizeClass { threads, per_thread } = class;
     let sizes = format!("const WORKGROUP: u32 = {threads}u;\nconst PER_THREAD: u32 = {per_thread}u;\n");
-    with_constants(&[&sizes, STRUCTURES, STICK, AIR, OBSTACLE, NEARBY, SMALL])
+    with_constants(&[&sizes, STRUCTURES, STICK, AIR, REACTION, OBSTACLE, NEARBY, SMALL])
 }
 
 /// The whole source of the kernels of large bodies.
 pub(crate) fn large_source() -> String {
     let sizes = format!("const WORKGROUP: u32 = {LARGE_WORKGROUP}u;\n");
-    with_constants(&[&sizes, STRUCTURES, STICK, TETHER, AIR, OBSTACLE, NEARBY, LARGE])
+    with_constants(&[&sizes, STRUCTURES, STICK, TETHER, AIR, REACTION, OBSTACLE, NEARBY, LARGE])
 }
 
 /// The whole source of the kernel of tiles.

@@ -49,7 +49,7 @@ pub(crate) struct ObstacleData {
     pub memberships: u32,
     pub filters: u32,
     pub is_moving: u32,
-    pub unused: u32,
+    pub is_asking: u32,
 }
 
 /// `Body`.

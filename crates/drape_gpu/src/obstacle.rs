@@ -11,14 +11,22 @@ pub const MAX_OBSTACLES: usize = 1024;
 /// Coordinates that stand for infinity: a shader need not know it.
 const FAR: f32 = 1e30;
 
-/// Appends the obstacles that move cloth. Sensors are left out.
+/// Lists the obstacles that move cloth, and their indices in the environment. Sensors are left out.
 ///
 /// # Errors
 /// [`GpuError::Limit`] if there are too many; [`GpuError::Unsupported`] for a shape without a formula.
-pub(crate) fn list(obstacles: &Obstacles, into: &mut Vec<ObstacleData>) -> Result<(), GpuError> {
+pub(crate) fn list(
+    obstacles: &Obstacles,
+    into: &mut Vec<ObstacleData>,
+    indices: &mut Vec<u32>,
+) -> Result<(), GpuError> {
     into.clear();
-    for obstacle in obstacles.iter().filter(|obstacle| !obstacle.is_sensor() && !obstacle.is_out_of_reach()) {
-        into.push(data(obstacle)?);
+    indices.clear();
+    for (index, obstacle) in obstacles.iter().enumerate() {
+        if !obstacle.is_sensor() && !obstacle.is_out_of_reach() {
+            into.push(data(obstacle)?);
+            indices.push(index as u32);
+        }
     }
     if into.len() > MAX_OBSTACLES {
         return Err(GpuError::Limit {
@@ -72,7 +80,7 @@ fn data(obstacle: &Obstacle) -> Result<ObstacleData, GpuError> {
         memberships: obstacle.layers().memberships,
         filters: obstacle.layers().filters,
         is_moving: u32::from(obstacle.is_moving()),
-        unused: 0,
+        is_asking: u32::from(obstacle.reports_reaction()),
     })
 }
 

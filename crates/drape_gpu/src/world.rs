@@ -6,7 +6,7 @@ use drape_solver::constants::TETHER_SPEED;
 use drape_solver::glam::Vec3;
 use drape_solver::state::drag::Drag;
 use drape_solver::{
-    Body, BodySettings, Environment, Layers, Particles, StepError, StickProjection, Topology,
+    Body, BodySettings, Environment, Layers, Particles, Reaction, StepError, StickProjection, Topology,
 };
 
 use crate::air::step_data;
@@ -40,6 +40,12 @@ pub struct BodyStatus {
 
 /// Bytes of the position or displacement of a particle.
 const PARTICLE: u64 = 16;
+
+/// Bytes of the sums of an obstacle's reactions: six numbers of 64 bits.
+const REACTION: u64 = 48;
+
+/// Units of those sums in a newton second, or a newton metre second.
+const IMPULSE_UNITS: f64 = 1_073_741_824.0;
 
 /// Bytes of a pair of words.
 const PAIR: u64 = 8;
@@ -81,6 +87,8 @@ pub struct GpuWorld {
     obstacles: Vec<ObstacleData>,
     /// Those of the last step.
     known_obstacles: Vec<ObstacleData>,
+    /// Index of each in the environment.
+    obstacle_indices: Vec<u32>,
     /// The number of small bodies of each size class.
     runs: [u32; SIZE_CLASSES.len()],
     dispatches: Vec<Dispatch>,
@@ -122,6 +130,7 @@ impl GpuWorld {
             dt: 0.0,
             obstacles: Vec::new(),
             known_obstacles: Vec::new(),
+            obstacle_indices: Vec::new(),
             runs: [0; SIZE_CLASSES.len()],
             dispatches: Vec::new(),
             moved_over: Vec::new(),
@@ -225,7 +234,7 @@ impl GpuWorld {
             return Err(StepError::BadEnvironment("gravity").into());
         }
         environment.wind.validate()?;
-        obstacle::list(&environment.obstacles, &mut self.obstacles)?;
+        obstacle::list(&environment.obstacles, &mut self.obstacles, &mut self.obstacle_indices)?;
         let mut step = step_data(environment);
         step.obstacle_count = self.obstacles.len() as u32;
         if dt != self.dt {
@@ -243,6 +252,8 @@ impl GpuWorld {
             let data: &[u8] = bytemuck::cast_slice(&self.obstacles);
             self.buffers.reserve(&self.gpu, data.len() as u64, |buffers| &mut buffers.obstacles)?;
             self.buffers.obstacles.write(&self.gpu, 0, data);
+            let sums = self.obstacles.len() as u64 * REACTION;
+            self.buffers.reserve(&self.gpu, sums, |buffers| &mut buffers.reactions)?;
             self.known_obstacles.clone_from(&self.obstacles);
         }
         self.gpu.queue.write_buffer(&self.buffers.step, 0, bytemuck::bytes_of(&step));
@@ -284,6 +295,31 @@ impl GpuWorld {
             greatest_speed: f32::from_bits(status.fastest).sqrt() / substep,
             is_broken: status.is_broken != 0,
         }))
+    }
+
+    /// The opposite of all impulses that each obstacle which [asks for them](drape_solver::Obstacle::reporting_reaction) has given to bodies in
+    /// the last step that was started; obstacles that touched nothing are left out. Waits for the step.
+    ///
+    /// The coupling is explicit: the caller moves the obstacle by them before the next step. Momentum is kept.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`].
+    pub fn read_reactions(&self) -> Result<Vec<Reaction>, GpuError> {
+        if self.known_obstacles.iter().all(|obstacle| obstacle.is_asking == 0) {
+            return Ok(Vec::new());
+        }
+        let bytes = self.known_obstacles.len() as u64 * REACTION;
+        let sums = self.gpu.read(self.buffers.reactions.get(), 0, bytes)?;
+        let sums: Vec<[i64; 6]> = bytemuck::pod_collect_to_vec(&sums);
+        let vector =
+            |sum: &[i64]| Vec3::from_array([0, 1, 2].map(|k| (sum[k] as f64 / IMPULSE_UNITS) as f32));
+        let touched = sums.iter().zip(&self.obstacle_indices).filter(|(sum, _)| **sum != [0; 6]);
+        let reaction = |(sum, &index): (&[i64; 6], &u32)| Reaction {
+            obstacle: index as usize,
+            impulse: vector(&sum[..3]),
+            angular_impulse: vector(&sum[3..]),
+        };
+        Ok(touched.map(reaction).collect())
     }
 
     /// Seconds that the GPU took for the last step, once it is done; none if the device has no clock. Waits for the step.
@@ -382,8 +418,7 @@ impl GpuWorld {
             let is_tiled = members.iter().flatten().any(|member| models[member.model].1.is_tiled);
             let of_grids = if is_tiled { particles } else { 0 };
             buffers.reserve(gpu, of_grids, |buffers| &mut buffers.positions[1])?;
-            buffers.reserve(gpu, particles, |buffers| &mut buffers.integrated)?;
-            buffers.reserve(gpu, particles, |buffers| &mut buffers.contacts)?;
+            buffers.reserve(gpu, 2 * particles, |buffers| &mut buffers.flights)?;
             buffers.reserve(gpu, particles, |buffers| &mut buffers.accelerations)?;
         }
         buffers.bodies.write(gpu, 0, bodies);
@@ -434,6 +469,9 @@ impl GpuWorld {
         let stride = pass_stride(gpu) as u32;
         let has_obstacles = !self.obstacles.is_empty();
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        if self.obstacles.iter().any(|obstacle| obstacle.is_asking != 0) {
+            encoder.clear_buffer(buffers.reactions.get(), 0, None);
+        }
         let groups = buffers.groups(gpu, kernels);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("step"),

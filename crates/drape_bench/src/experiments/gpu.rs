@@ -3,21 +3,19 @@
 use std::error::Error;
 use std::fs::File;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use drape_gpu::{Gpu, GpuWorld};
-use drape_solver::Body;
+use drape_gpu::Gpu;
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::measure::median::median;
-use crate::measure::stretch::StretchGauge;
 use crate::scenes::model::Pins;
 use crate::scenes::scene::{Scene, SceneKind};
-use crate::solvers::drape;
+use crate::solvers::drape::Drape;
+use crate::solvers::gpu::{DrapeGpu, adapter};
 use crate::solvers::options::SolverOptions;
 use crate::solvers::simulation::Simulation;
 use crate::solvers::threads::on_threads;
@@ -70,8 +68,6 @@ struct GpuCost {
     wall_ms: f64,
     /// Milliseconds that the thread needs to start a step.
     start_ms: f64,
-    /// Root mean square of the strain of structural sticks in percent.
-    stretch: f64,
     /// Threads and milliseconds of a step on the processor.
     cpu_ms: Vec<(u32, f64)>,
 }
@@ -81,7 +77,7 @@ struct GpuCost {
 /// # Errors
 /// If there is no adapter, or a scene does not fit the device.
 pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
-    let gpu = Gpu::open()?;
+    let gpu = adapter()?;
     println!("{}, {} substeps x {} sweeps", gpu.adapter(), arguments.substeps, arguments.sweeps);
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
@@ -93,7 +89,6 @@ pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
         "least",
         "step to step, ms",
         "start, ms",
-        "stretch",
         "processor, ms",
     ]);
     let mut all = Vec::new();
@@ -108,7 +103,6 @@ pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
             ms(cost.gpu_ms.map(|[_, least]| least)),
             ms(Some(cost.wall_ms)),
             ms(Some(cost.start_ms)),
-            format!("{:.2} %", cost.stretch),
             cost.cpu_ms
                 .iter()
                 .map(|(threads, ms)| format!("{threads}: {ms:.2}"))
@@ -140,45 +134,33 @@ fn scenes(arguments: &GpuArguments) -> Vec<(SceneKind, u32)> {
     }
 }
 
-fn measure(arguments: &GpuArguments, gpu: &Gpu, scene: &Scene) -> Result<GpuCost, Box<dyn Error>> {
+fn measure(arguments: &GpuArguments, gpu: &Gpu, scene: &Scene) -> Result<GpuCost, Failure> {
     let options =
         SolverOptions { substeps: arguments.substeps, sweeps: arguments.sweeps, ..SolverOptions::default() };
-    let topology = Arc::new(drape::topology(&scene.model)?);
-    let mut world = GpuWorld::new(gpu);
-    let mut first = None;
-    for i in 0..scene.bodies {
-        let particles = drape::particles(&scene.model, scene.offset(i))?;
-        let id = world.add(&Body::new(particles, Arc::clone(&topology), drape::settings(&options)))?;
-        first.get_or_insert(id);
-    }
-    let environment = drape::environment()?;
+    let mut simulation = DrapeGpu::new(scene, &options)?;
     let start = Instant::now();
     while start.elapsed() < WARM_UP {
         for _ in 0..IN_FLIGHT {
-            world.step(&environment)?;
+            simulation.start_step()?;
         }
         gpu.wait()?;
     }
     let mut on_gpu = Vec::new();
     for _ in 0..arguments.steps {
-        world.step(&environment)?;
-        on_gpu.extend(world.read_seconds()?);
+        simulation.start_step()?;
+        on_gpu.extend(simulation.world().read_seconds()?);
     }
     let (mut rounds, mut starts) = (Vec::new(), Vec::new());
     for _ in 0..arguments.steps as usize / IN_FLIGHT {
         let round = Instant::now();
         for _ in 0..IN_FLIGHT {
             let start = Instant::now();
-            world.step(&environment)?;
+            simulation.start_step()?;
             starts.push(start.elapsed());
         }
         gpu.wait()?;
         rounds.push(round.elapsed() / IN_FLIGHT as u32);
     }
-    let positions = match first {
-        Some(id) => world.read_positions(id)?,
-        None => Vec::new(),
-    };
     on_gpu.sort_by(f64::total_cmp);
     Ok(GpuCost {
         scene: scene.kind.name(),
@@ -190,7 +172,6 @@ fn measure(arguments: &GpuArguments, gpu: &Gpu, scene: &Scene) -> Result<GpuCost
         gpu_ms: on_gpu.first().map(|&least| [on_gpu[on_gpu.len() / 2], least].map(|seconds| seconds * 1e3)),
         wall_ms: in_ms(median(&mut rounds)),
         start_ms: in_ms(median(&mut starts)),
-        stretch: StretchGauge::new(&scene.model).read(&positions).rms * 100.0,
         cpu_ms: on_processor(arguments, scene, &options)?,
     })
 }
@@ -206,7 +187,7 @@ fn on_processor(
         let options = SolverOptions { threads, ..*options };
         let steps = arguments.steps as usize / 2;
         let mut times = on_threads(threads, || -> Result<Vec<Duration>, Failure> {
-            let mut simulation = drape::Drape::new(scene, &options)?;
+            let mut simulation = Drape::new(scene, &options)?;
             (0..steps + SKIPPED).map(|_| simulation.step()).collect()
         })??;
         Ok((threads, in_ms(median(&mut times[SKIPPED..]))))

@@ -6,6 +6,8 @@ use crate::failure::Failure;
 use crate::scenes::scene::{Scene, SceneKind};
 use crate::solvers::coloured::coloured;
 use crate::solvers::drape::Drape;
+#[cfg(feature = "gpu")]
+use crate::solvers::gpu::DrapeGpu;
 use crate::solvers::naive::naive;
 use crate::solvers::options::SolverOptions;
 #[cfg(feature = "plugin")]
@@ -32,6 +34,7 @@ pub struct Solver {
 /// - `naive`: a sequential Jakobsen loop in natural order, as a reader of the paper would write it.
 /// - `coloured`: the same scalar code in independent order, with real substeps.
 /// - `plugin`: this project's, in Bevy.
+/// - `gpu`: this project's on the GPU, from the start of a step until it is done.
 pub const OWN: &[Solver] = &[
     Solver {
         name: "drape",
@@ -62,6 +65,15 @@ pub const OWN: &[Solver] = &[
         name: "plugin",
         has_threads: true,
         load: |scene, options| Ok(Box::new(Plugin::new(scene, options)?)),
+    },
+    #[cfg(feature = "gpu")]
+    Solver {
+        name: "gpu",
+        has_threads: false,
+        load: |scene, options| {
+            refuse_sleepers("gpu", scene)?;
+            Ok(Box::new(DrapeGpu::new(scene, options)?))
+        },
     },
 ];
 

@@ -15,13 +15,12 @@ struct Pass {
 }
 
 @group(1) @binding(0) var<uniform> pass_: Pass;
-// Position after free flight, and what may be left of an overlap.
-@group(1) @binding(1) var<storage, read_write> integrated: array<vec4f>;
-// Normal of the last contact and summed depth.
-@group(1) @binding(2) var<storage, read_write> contacts: array<vec4f>;
+// Two for each particle: position after free flight, and what may be left of an overlap; normal of the last contact, and summed depth.
+@group(1) @binding(1) var<storage, read_write> flights: array<vec4f>;
 // Acceleration, and the obstacle of the last contact.
-@group(1) @binding(3) var<storage, read_write> accelerations: array<vec4f>;
-@group(1) @binding(4) var<storage, read_write> statuses: array<Status>;
+@group(1) @binding(2) var<storage, read_write> accelerations: array<vec4f>;
+@group(1) @binding(3) var<storage, read_write> statuses: array<Status>;
+@group(1) @binding(4) var<storage, read_write> reactions: array<atomic<u32>>;
 
 // The index of a thread's particle or stick in the body or batch.
 fn index_of(group: vec3u, groups: vec3u, thread: u32) -> u32 {
@@ -80,7 +79,7 @@ fn note_drift(
     workgroupBarrier();
     if index < body.particle_count {
         let place = positions[body.first_particle + index];
-        let part = drift_by(place.xyz - integrated[body.first_particle + index].xyz, place.w, body);
+        let part = drift_by(place.xyz - flights[2u * (body.first_particle + index)].xyz, place.w, body);
         for (var axis = 0u; axis < 3u; axis++) {
             atomicAdd(&drift_sum[axis], part[axis]);
         }
@@ -97,14 +96,14 @@ fn note_drift(
 }
 
 fn flight_of(particle: u32, displacement: vec3f) -> Flight {
-    let flown = integrated[particle];
-    let contact = contacts[particle];
+    let flown = flights[2u * particle];
+    let contact = flights[2u * particle + 1u];
     return Flight(displacement, flown.w, flown.xyz, contact.w, contact.xyz, bitcast<u32>(accelerations[particle].w));
 }
 
 fn keep(particle: u32, flight: Flight) {
-    integrated[particle] = vec4f(flight.integrated, flight.left);
-    contacts[particle] = vec4f(flight.normal, flight.depth);
+    flights[2u * particle] = vec4f(flight.integrated, flight.left);
+    flights[2u * particle + 1u] = vec4f(flight.normal, flight.depth);
     accelerations[particle].w = bitcast<f32>(flight.obstacle);
 }
 
@@ -140,9 +139,9 @@ fn advance(
     if is_there && pass_.ends != 0u && is_free {
         if has_obstacles {
             flight = flight_of(particle, flight.displacement);
-            position = pushed_out_of_near(position, body, pass_.substep - 1u, &flight);
+            position = pushed_out_of_near(position, place.w, body, pass_.substep - 1u, &flight);
         } else {
-            flight.integrated = integrated[particle].xyz;
+            flight.integrated = flights[2u * particle].xyz;
         }
         let even = 3u * ((pass_.substep - 1u) % 2u);
         let drift = vec3i(
@@ -152,13 +151,13 @@ fn advance(
         );
         flight.displacement += position - flight.integrated - vec3f(drift) / DRIFT_UNITS;
         if flight.depth > 0.0 {
-            let taken = slip_taken(position, body, pass_.substep - 1u, flight);
+            let taken = slip_taken(position, place.w, body, pass_.substep - 1u, flight);
             flight.displacement -= taken;
             position -= taken;
         }
         if !(is_finite(position) && is_finite(flight.displacement)) {
             // It rests where free flight had taken it, so that the fault does not spread.
-            let flown = integrated[particle].xyz;
+            let flown = flights[2u * particle].xyz;
             position = select(vec3f(0.0), flown, is_finite(flown));
             flight.displacement = vec3f(0.0);
             atomicStore(&statuses[pass_.body].is_broken, 1u);
@@ -175,12 +174,12 @@ fn advance(
         flight.normal = vec3f(0.0);
         flight.obstacle = 0u;
         if has_obstacles && is_free {
-            position = pushed_out_of_near(position, body, pass_.substep, &flight);
+            position = pushed_out_of_near(position, place.w, body, pass_.substep, &flight);
         }
         if has_obstacles {
             keep(particle, flight);
         } else {
-            integrated[particle] = vec4f(flight.integrated, -1.0);
+            flights[2u * particle] = vec4f(flight.integrated, -1.0);
         }
     }
     if is_there {
@@ -225,7 +224,7 @@ fn project_contacts(
         return;
     }
     var flight = flight_of(particle, displacements[particle].xyz);
-    let position = pushed_out_of_near(place.xyz, body, pass_.substep, &flight);
+    let position = pushed_out_of_near(place.xyz, place.w, body, pass_.substep, &flight);
     keep(particle, flight);
     positions[particle] = vec4f(position, place.w);
     displacements[particle] = vec4f(flight.displacement, 0.0);

@@ -56,7 +56,13 @@ fn find_near(thread: u32, body: Body) {
 }
 
 // Moves a particle out of all near obstacles, in their order. Returns the position.
-fn pushed_out_of_near(start: vec3f, body: Body, substep: u32, flight: ptr<function, Flight>) -> vec3f {
+fn pushed_out_of_near(
+    start: vec3f,
+    inverse_mass: f32,
+    body: Body,
+    substep: u32,
+    flight: ptr<function, Flight>,
+) -> vec3f {
     var position = start;
     let word_count = (step.obstacle_count + 31u) / 32u;
     for (var word = 0u; word < word_count; word++) {
@@ -64,7 +70,7 @@ fn pushed_out_of_near(start: vec3f, body: Body, substep: u32, flight: ptr<functi
         while bits != 0u {
             let bit = firstTrailingBit(bits);
             bits &= bits - 1u;
-            position = pushed_out(position, 32u * word + bit, body, substep, flight);
+            position = pushed_out(position, inverse_mass, 32u * word + bit, body, substep, flight);
         }
     }
     return position;

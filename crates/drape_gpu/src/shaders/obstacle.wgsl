@@ -125,7 +125,14 @@ fn left_of(initial: f32, body: Body, substep: u32) -> f32 {
 }
 
 // Moves a particle out of an obstacle, along the normal to the nearest point of its surface. Returns the position.
-fn pushed_out(position: vec3f, index: u32, body: Body, substep: u32, flight: ptr<function, Flight>) -> vec3f {
+fn pushed_out(
+    position: vec3f,
+    inverse_mass: f32,
+    index: u32,
+    body: Body,
+    substep: u32,
+    flight: ptr<function, Flight>,
+) -> vec3f {
     let obstacle = obstacles[index];
     let count = f32(body.substeps);
     let now = place_at(obstacle, f32(substep + 1u) / count, body.origin);
@@ -156,6 +163,7 @@ fn pushed_out(position: vec3f, index: u32, body: Body, substep: u32, flight: ptr
         out = with_velocity + max(initial - (*flight).left, 0.0);
     }
     (*flight).displacement += normal * with_velocity;
+    note_push(index, normal * with_velocity, position, inverse_mass, body);
     (*flight).integrated += normal * out;
     (*flight).depth += with_velocity;
     (*flight).normal = normal;
@@ -176,7 +184,7 @@ fn combined(rule: u32, a: f32, b: f32) -> f32 {
 
 // The displacement that friction takes from a particle, along the surface of the obstacle that it touched last: at most the
 // coefficient times the depth, and never more than the slip (Jakobsen 2001).
-fn slip_taken(position: vec3f, body: Body, substep: u32, flight: Flight) -> vec3f {
+fn slip_taken(position: vec3f, inverse_mass: f32, body: Body, substep: u32, flight: Flight) -> vec3f {
     let obstacle = obstacles[flight.obstacle];
     var slip = flight.displacement;
     if obstacle.is_moving != 0u {
@@ -189,7 +197,9 @@ fn slip_taken(position: vec3f, body: Body, substep: u32, flight: Flight) -> vec3
     let way = length(tangential);
     let kinetic = combined(obstacle.combine_rule, body.friction, obstacle.friction);
     let sticking = combined(obstacle.combine_rule, body.static_friction, obstacle.static_friction);
-    return tangential * select(1.0, kinetic * flight.depth / way, way > sticking * flight.depth);
+    let taken = tangential * select(1.0, kinetic * flight.depth / way, way > sticking * flight.depth);
+    note_push(flight.obstacle, -taken, position, inverse_mass, body);
+    return taken;
 }
 
 // True if a body in these layers collides with an obstacle.

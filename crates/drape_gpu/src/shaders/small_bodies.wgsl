@@ -13,6 +13,7 @@ struct Run {
 
 @group(1) @binding(0) var<uniform> run: Run;
 @group(1) @binding(1) var<storage, read_write> statuses: array<Status>;
+@group(1) @binding(2) var<storage, read_write> reactions: array<atomic<u32>>;
 
 var<workgroup> places: array<vec4f, CAPACITY>;
 var<workgroup> drift_sum: array<atomic<i32>, 3>;
@@ -141,7 +142,7 @@ fn step_body(
                 if place.w > 0.0 {
                     flights[k].displacement += place.xyz - flights[k].integrated - drift;
                     if flights[k].depth > 0.0 {
-                        let taken = slip_taken(place.xyz, body, substep, flights[k]);
+                        let taken = slip_taken(place.xyz, place.w, body, substep, flights[k]);
                         flights[k].displacement -= taken;
                         places[index] = vec4f(place.xyz - taken, place.w);
                     }
@@ -217,7 +218,7 @@ fn project_contacts(thread: u32, body: Body, substep: u32, flights: ptr<function
             let place = places[index];
             if place.w > 0.0 {
                 var flight = (*flights)[k];
-                places[index] = vec4f(pushed_out_of_near(place.xyz, body, substep, &flight), place.w);
+                places[index] = vec4f(pushed_out_of_near(place.xyz, place.w, body, substep, &flight), place.w);
                 (*flights)[k] = flight;
             }
         }

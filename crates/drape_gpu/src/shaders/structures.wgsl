@@ -45,7 +45,8 @@ struct Obstacle {
     memberships: u32,
     filters: u32,
     is_moving: u32,
-    unused: u32,
+    // 1 if its reactions are summed up.
+    is_asking: u32,
 }
 
 struct Body {

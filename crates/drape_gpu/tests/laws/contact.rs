@@ -1,7 +1,9 @@
 //! Obstacles: nothing passes, friction obeys Coulomb's law.
 
 use drape_solver::glam::{Quat, Vec3};
-use drape_solver::{BodySettings, Environment, Island, Layers, Obstacle, Placement, Shape, step};
+use drape_solver::{
+    BodySettings, ClothBuilder, Environment, Island, Layers, Obstacle, Placement, Shape, step,
+};
 
 use crate::common::*;
 
@@ -81,7 +83,7 @@ fn friction_on_a_slope_obeys_coulombs_law() {
             let environment =
                 Environment { obstacles: vec![obstacle(ground, Vec3::ZERO, 0.5)].into(), ..gravity() };
             let settings = BodySettings { friction: 0.5, thickness: 0.005, substeps: 8, ..bare() };
-            let cloth = drape_solver::ClothBuilder::new(1.0, 1.0, n, n);
+            let cloth = ClothBuilder::new(1.0, 1.0, n, n);
             let cloth = cloth
                 .placed(slope * (Vec3::Y * 0.005), slope * Vec3::X, Vec3::Z)
                 .build(settings)
@@ -177,5 +179,76 @@ fn each_sheet_meets_the_obstacles_of_its_place_and_layer() {
         let height = centre(&positions(&world, id)).y;
         let is_held = (height + 0.295).abs() < 0.01;
         assert_eq!(is_held, i % 2 == 0, "sheet {i} at {height} m");
+    }
+}
+
+/// A ball that flies into a free sheet gives it the momentum that it loses.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn a_ball_gives_the_momentum_that_it_loses() {
+    for n in [20, 40] {
+        let (mass, radius) = (0.5_f32, 0.2_f32);
+        let still = Environment { gravity: Vec3::ZERO, ..gravity() };
+        let settings = BodySettings { drag: 0.0, substeps: 16, ..BodySettings::default() };
+        let body = ClothBuilder::new(1.0, 1.0, n, n).build(settings).expect("valid");
+        let masses: Vec<f32> =
+            (0..body.particles.len()).map(|i| 1.0 / body.particles.inverse_mass(i)).collect();
+        let (mut world, id) = world_of(&body);
+        let mut place = Vec3::new(0.45, -0.55, -0.5);
+        let mut velocity = Vec3::new(0.3, 0.2, 6.0);
+        let start = velocity * mass;
+        let ball = obstacle(Shape::Sphere { radius }, place, 0.5).reporting_reaction();
+        let mut environment = Environment { obstacles: vec![ball].into(), ..still.clone() };
+        let mut hits = 0;
+        for _ in 0..40 {
+            place += velocity * FRAME;
+            environment.obstacles[0].move_to(Placement::at(place), FRAME);
+            run(&mut world, &environment, 1);
+            for reaction in world.read_reactions().expect("a step") {
+                assert_eq!(reaction.obstacle, 0);
+                velocity += reaction.impulse / mass;
+                hits += 1;
+            }
+        }
+        // The momentum of the sheet, in free flight without the ball.
+        let [first, second] = [0, 1].map(|_| {
+            run(&mut world, &still, 1);
+            positions(&world, id)
+        });
+        let moved =
+            second.iter().zip(&first).zip(&masses).map(|((now, before), mass)| (*now - *before) * *mass);
+        let sum = moved.sum::<Vec3>() / FRAME + velocity * mass;
+        assert!(hits > 3 && velocity.z < 5.5, "{n}: {hits} steps with a hit, {velocity} m/s");
+        assert!((sum - start).length() < 1e-3 * start.length(), "{n}: {sum} instead of {start}");
+    }
+}
+
+/// A sheet that lies on a table presses it down by its weight.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn a_table_bears_the_weight_of_what_lies_on_it() {
+    for n in [12, 40] {
+        let table = Shape::Cuboid { half_extents: Vec3::new(1.0, 0.1, 1.0) };
+        let table = obstacle(table, Vec3::new(0.3, -0.1, 0.5), 0.5).reporting_reaction();
+        let bystander = obstacle(Shape::Sphere { radius: 0.1 }, Vec3::X * 9.0, 0.5);
+        let environment = Environment { obstacles: vec![bystander, table].into(), ..gravity() };
+        let (mut world, id) = world_of(&level(n, Vec3::Y * 0.005, BodySettings::default()));
+        run(&mut world, &environment, 60);
+        let [mut impulse, mut moment] = [Vec3::ZERO; 2];
+        for _ in 0..30 {
+            run(&mut world, &environment, 1);
+            for reaction in world.read_reactions().expect("a step") {
+                assert_eq!(reaction.obstacle, 1);
+                impulse += reaction.impulse;
+                moment += reaction.angular_impulse;
+            }
+        }
+        let weight = 0.25 * G * 0.5;
+        let down = Vec3::NEG_Y * weight;
+        assert!((impulse - down).length() < 0.01 * weight, "{n}: {impulse} instead of {weight} N s");
+        // The sheet's middle lies 0.2 m beside that of the table.
+        let middle = centre(&positions(&world, id)).as_vec3() - Vec3::new(0.3, -0.1, 0.5);
+        let expected = middle.cross(down);
+        assert!((moment - expected).length() < 0.01 * weight, "{n}: {moment} instead of {expected}");
     }
 }
