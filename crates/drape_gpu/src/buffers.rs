@@ -3,8 +3,9 @@
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::growing_buffer::GrowingBuffer;
-use crate::kernels::{Kernels, SIZE_CLASSES};
+use crate::kernels::{Kernels, bind};
 use crate::layout::{RunData, StepData};
+use crate::source::SIZE_CLASSES;
 
 /// Buffers that shaders read and write.
 #[derive(Debug)]
@@ -108,7 +109,7 @@ impl Buffers {
                 self.positions[side].get(),
                 self.displacements.get(),
             ];
-            group(gpu, &kernels.common, bound.map(whole))
+            bind(gpu, &kernels.common, bound.map(whole))
         };
         let pass = || {
             wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -117,11 +118,11 @@ impl Buffers {
                 size: wgpu::BufferSize::new(size_of::<crate::layout::PassData>() as u64),
             })
         };
-        let grid = |side: usize| group(gpu, &kernels.grid, [pass(), whole(self.positions[1 - side].get())]);
+        let grid = |side: usize| bind(gpu, &kernels.grid, [pass(), whole(self.positions[1 - side].get())]);
         Groups {
             common: [common(0), common(1)],
             small: core::array::from_fn(|class| {
-                group(
+                bind(
                     gpu,
                     &kernels.small,
                     [&self.runs[class], self.statuses.get(), self.reactions.get()].map(whole),
@@ -130,7 +131,7 @@ impl Buffers {
             large: {
                 let flights = [&self.flights, &self.accelerations, &self.statuses, &self.reactions];
                 let [a, b, c, d] = flights.map(|buffer| whole(buffer.get()));
-                group(gpu, &kernels.large, [pass(), a, b, c, d])
+                bind(gpu, &kernels.large, [pass(), a, b, c, d])
             },
             grid: [grid(0), grid(1)],
         }
@@ -155,15 +156,4 @@ fn uniform(gpu: &Gpu, label: &str, size: u64) -> wgpu::Buffer {
 
 fn whole(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
     buffer.as_entire_binding()
-}
-
-fn group<const N: usize>(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    resources: [wgpu::BindingResource<'_>; N],
-) -> wgpu::BindGroup {
-    let mut binding = 0..;
-    let entries = resources
-        .map(|resource| wgpu::BindGroupEntry { binding: binding.next().unwrap_or_default(), resource });
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

@@ -71,6 +71,11 @@ impl Gpu {
         &self.device
     }
 
+    /// Its queue.
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
     /// Name of the adapter.
     pub fn adapter(&self) -> &str {
         &self.adapter

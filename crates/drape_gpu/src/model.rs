@@ -6,12 +6,10 @@ use drape_solver::{BodySettings, StickBound, StickMaterial, Topology};
 
 use crate::error::GpuError;
 use crate::layout::BatchData;
+use crate::source::HALO;
 
 /// The end of a list of tethers; in a fan, the third corner of a link.
 const NONE: u32 = u32::MAX;
-
-/// Columns or rows on which one iteration over a grid may carry a change.
-pub(crate) const HALO: u32 = 10;
 
 /// A topology in pairs of words. Offsets count from the first of them.
 #[derive(Clone, Debug)]

@@ -4,9 +4,7 @@ use drape_solver::{CombineRule, Obstacle, Obstacles, Shape};
 
 use crate::error::GpuError;
 use crate::layout::ObstacleData;
-
-/// The greatest number of obstacles in a step: one bit each in a workgroup's shared memory.
-pub const MAX_OBSTACLES: usize = 1024;
+use crate::source::MAX_OBSTACLES;
 
 /// Coordinates that stand for infinity: a shader need not know it.
 const FAR: f32 = 1e30;

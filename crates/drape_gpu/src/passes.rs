@@ -1,8 +1,9 @@
 //! The dispatches of large bodies in one step, in order.
 
-use crate::kernels::LARGE_WORKGROUP;
+use crate::kernels::spread;
 use crate::layout::{BodyData, PassData};
 use crate::model::Model;
+use crate::source::LARGE_WORKGROUP;
 
 /// The kernel of a dispatch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,9 +76,7 @@ pub(crate) fn push(
     side
 }
 
-/// Workgroups for so many threads. WebGPU allows 65,535 along an axis.
+/// Workgroups for so many threads.
 fn groups(threads: u32) -> [u32; 2] {
-    let all = threads.div_ceil(LARGE_WORKGROUP).max(1);
-    let down = all.div_ceil(65_535);
-    [all.div_ceil(down), down]
+    spread(threads.div_ceil(LARGE_WORKGROUP))
 }

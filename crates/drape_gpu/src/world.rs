@@ -13,16 +13,27 @@ use crate::air::step_data;
 use crate::buffers::{Buffers, pass_stride};
 use crate::error::GpuError;
 use crate::gpu::Gpu;
-use crate::kernels::{Kernels, SIZE_CLASSES};
+use crate::kernels::{Kernels, spread};
 use crate::layout::{BodyData, ObstacleData, PassData, RunData, StatusData};
 use crate::model::{Kind, Model};
 use crate::obstacle;
 use crate::passes::{self, Dispatch, Stage};
+use crate::snapshots::Snapshots;
+use crate::source::SIZE_CLASSES;
 use crate::timer::Timer;
 
 /// The number of a body in its [`GpuWorld`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct GpuBodyId(u32);
+
+/// The place of a body in the buffers of its world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyPlace {
+    pub origin: Vec3,
+    pub first_particle: u32,
+    pub particle_count: u32,
+    pub first_fan: u32,
+}
 
 /// What the GPU finds of a body in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,6 +106,7 @@ pub struct GpuWorld {
     /// Ranges of particles that a step leaves in the second buffer of positions, in bytes.
     moved_over: Vec<(u64, u64)>,
     timer: Option<Timer>,
+    snapshots: Option<Snapshots>,
 }
 
 #[derive(Debug)]
@@ -135,6 +147,7 @@ impl GpuWorld {
             dispatches: Vec::new(),
             moved_over: Vec::new(),
             timer: Timer::new(gpu),
+            snapshots: None,
         }
     }
 
@@ -215,6 +228,38 @@ impl GpuWorld {
         }
         self.targets.push((id, particle, target));
         Ok(())
+    }
+
+    /// From the next step on, keeps the positions before and after each step, for a [`SurfaceWriter`](crate::SurfaceWriter): 64 bytes a
+    /// particle, and two copies of all positions a step.
+    pub fn keep_snapshots(&mut self) {
+        self.snapshots.get_or_insert_with(|| Snapshots::new(&self.gpu));
+        self.is_stale = true;
+    }
+
+    /// Begins a frame that is drawn: its steps leave alone what the frame before draws from.
+    pub fn begin_frame(&mut self) {
+        if let Some(snapshots) = &mut self.snapshots {
+            snapshots.begin_frame();
+        }
+    }
+
+    /// Pairs of words, and positions before and after the last step; none without snapshots.
+    pub(crate) fn shown(&self) -> Option<[&wgpu::Buffer; 3]> {
+        let [before, after] = self.snapshots.as_ref()?.last();
+        Some([self.buffers.pairs.get(), before, after])
+    }
+
+    /// The place of a body in the buffers; none if it has not been stepped.
+    pub(crate) fn place_of(&self, id: GpuBodyId) -> Result<Option<BodyPlace>, GpuError> {
+        let member = self.member(id)?;
+        let (_, model, first_pair) = &self.models[member.model];
+        Ok(member.number.map(|_| BodyPlace {
+            origin: member.origin,
+            first_particle: member.first_particle,
+            particle_count: model.particle_count,
+            first_fan: first_pair + model.first_fan,
+        }))
     }
 
     /// Starts a step of all bodies, and returns before it is done. The environment's shelter and wind zones are not heeded.
@@ -414,6 +459,9 @@ impl GpuWorld {
         buffers.reserve(gpu, body_count * size_of::<StatusData>() as u64, |buffers| &mut buffers.statuses)?;
         buffers.reserve(gpu, particles, |buffers| &mut buffers.positions[0])?;
         buffers.reserve(gpu, particles, |buffers| &mut buffers.displacements)?;
+        if let Some(snapshots) = &mut self.snapshots {
+            snapshots.reserve(gpu, particles)?;
+        }
         if !self.dispatches.is_empty() {
             let is_tiled = members.iter().flatten().any(|member| models[member.model].1.is_tiled);
             let of_grids = if is_tiled { particles } else { 0 };
@@ -472,6 +520,10 @@ impl GpuWorld {
         if self.obstacles.iter().any(|obstacle| obstacle.is_asking != 0) {
             encoder.clear_buffer(buffers.reactions.get(), 0, None);
         }
+        let particles = u64::from(self.particle_count) * PARTICLE;
+        if let Some(snapshots) = &mut self.snapshots {
+            snapshots.note_before(&mut encoder, buffers.positions[0].get(), particles);
+        }
         let groups = buffers.groups(gpu, kernels);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("step"),
@@ -481,7 +533,8 @@ impl GpuWorld {
             pass.set_pipeline(kernels.small_step(gpu, class));
             pass.set_bind_group(0, &groups.common[0], &[]);
             pass.set_bind_group(1, &groups.small[class], &[]);
-            pass.dispatch_workgroups(count.min(MOST_GROUPS), count.div_ceil(MOST_GROUPS), 1);
+            let [across, down] = spread(count);
+            pass.dispatch_workgroups(across, down, 1);
         }
         for (index, dispatch) in self.dispatches.iter().enumerate() {
             let &Dispatch { stage, groups: [across, down], side, .. } = dispatch;
@@ -508,15 +561,15 @@ impl GpuWorld {
             let [to, from] = &buffers.positions;
             encoder.copy_buffer_to_buffer(from.get(), first, to.get(), first, size);
         }
+        if let Some(snapshots) = &self.snapshots {
+            snapshots.note_after(&mut encoder, buffers.positions[0].get(), particles);
+        }
         if let Some(timer) = &self.timer {
             timer.resolve(&mut encoder);
         }
         gpu.queue.submit([encoder.finish()]);
     }
 }
-
-/// Workgroups along an axis that WebGPU allows.
-const MOST_GROUPS: u32 = 65_535;
 
 /// 1 over the mass of all particles in 1/kg; 0 if some are pinned.
 fn inverse_mass(particles: &Particles) -> f32 {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use drape_gpu::Gpu;
+use drape_gpu::{Gpu, wgpu};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -22,6 +22,8 @@ use crate::solvers::threads::on_threads;
 
 /// Time before timing begins: a GPU that was idle is slow at first.
 const WARM_UP: Duration = Duration::from_millis(300);
+/// Bytes of a copy that measures the memory: more than caches hold.
+const COPIED: u64 = 1 << 28;
 /// Steps of the solver on the processor before timing begins.
 const SKIPPED: usize = 5;
 /// Steps that are submitted before one waits for them: what a game does whose frames the GPU limits.
@@ -78,7 +80,13 @@ struct GpuCost {
 /// If there is no adapter, or a scene does not fit the device.
 pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
     let gpu = adapter()?;
-    println!("{}, {} substeps x {} sweeps", gpu.adapter(), arguments.substeps, arguments.sweeps);
+    println!(
+        "{}, {:.0} GB/s read and written by a copy; {} substeps x {} sweeps",
+        gpu.adapter(),
+        bandwidth(&gpu)? * 1e-9,
+        arguments.substeps,
+        arguments.sweeps
+    );
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -116,6 +124,25 @@ pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
         serde_json::to_writer_pretty(File::create(path)?, &all)?;
     }
     Ok(())
+}
+
+/// Bytes a second that a copy from buffer to buffer reads and writes.
+fn bandwidth(gpu: &Gpu) -> Result<f64, Failure> {
+    let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    let size = gpu.device().limits().max_buffer_size.min(COPIED);
+    let buffer = || wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+    let [from, to] = [buffer(), buffer()].map(|buffer| gpu.device().create_buffer(&buffer));
+    let copy = |times: u32| {
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        (0..times).for_each(|_| encoder.copy_buffer_to_buffer(&from, 0, &to, 0, size));
+        let start = Instant::now();
+        gpu.queue().submit([encoder.finish()]);
+        gpu.wait().map(|()| start.elapsed().as_secs_f64())
+    };
+    copy(1)?;
+    // Two lengths, so that what a submission costs cancels out.
+    let [short, long] = [copy(4)?, copy(24)?];
+    Ok(40.0 * size as f64 / (long - short))
 }
 
 fn scenes(arguments: &GpuArguments) -> Vec<(SceneKind, u32)> {

@@ -97,7 +97,7 @@ pub fn stretch(body: &Body, positions: &[Vec3]) -> f64 {
     let topology = &body.topology;
     let structural = topology.batches().iter().filter(|batch| batch.material.kind == StickKind::Structural);
     let strains: Vec<f64> = structural
-        .flat_map(|batch| batch.range())
+        .flat_map(drape_solver::StickBatch::range)
         .map(|stick| {
             let [a, b] = topology.stick(stick).map(|end| positions[end as usize].as_dvec3());
             a.distance(b) / f64::from(topology.rest_length(stick)) - 1.0

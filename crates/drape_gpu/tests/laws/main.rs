@@ -8,3 +8,4 @@ mod faults;
 mod motion;
 mod same_bits;
 mod stability;
+mod surface;

@@ -30,7 +30,7 @@ fn mesh(n: u32) -> Body {
     let places: Vec<Vec3> = grid.particles.positions().collect();
     let masses: Vec<f32> = (0..places.len()).map(|i| grid.particles.inverse_mass(i)).collect();
     let topology = &grid.topology;
-    let structural = topology.batches().iter().take(4).flat_map(|batch| batch.range());
+    let structural = topology.batches().iter().take(4).flat_map(drape_solver::StickBatch::range);
     let sticks: Vec<[u32; 2]> = structural.map(|stick| topology.stick(stick)).collect();
     joined(&places, &masses, &sticks, BodySettings::default())
 }

@@ -1,0 +1,124 @@
+//! The sources of the shaders: parts of WGSL, joined, with the sizes and constants that the processor decides.
+
+use drape_solver::constants::{CONTACT_MARGIN, MAX_MAGNITUDE, PUSH_OUT_SPEED};
+
+/// The greatest number of obstacles in a step: one bit each in a workgroup's shared memory.
+pub const MAX_OBSTACLES: usize = 1024;
+
+/// Columns or rows on which one iteration over a grid may carry a change.
+pub(crate) const HALO: u32 = 10;
+
+/// Threads of a workgroup, and particles for each of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SizeClass {
+    pub threads: u32,
+    pub per_thread: u32,
+}
+
+impl SizeClass {
+    /// The greatest number of particles.
+    pub fn capacity(self) -> u32 {
+        self.threads * self.per_thread
+    }
+}
+
+/// Sizes of bodies that one workgroup steps, the smallest first.
+pub(crate) const SIZE_CLASSES: [SizeClass; 5] = [
+    SizeClass { threads: 64, per_thread: 1 },
+    SizeClass { threads: 64, per_thread: 2 },
+    SizeClass { threads: 128, per_thread: 2 },
+    SizeClass { threads: 256, per_thread: 2 },
+    SizeClass { threads: 256, per_thread: 4 },
+];
+
+/// Threads of a workgroup that steps a part of a large body.
+pub(crate) const LARGE_WORKGROUP: u32 = 256;
+
+/// Threads of a workgroup that writes vertices.
+pub(crate) const SURFACE_WORKGROUP: u32 = 64;
+
+/// Columns and rows of tiles of a grid, the largest first: the shared memory of a device decides. Without their halo they have a multiple of
+/// four.
+pub(crate) const TILES: [[u32; 2]; 2] = [[64, 44], [64, 32]];
+
+/// Threads of a tile's workgroup, where the device allows as many.
+pub(crate) const TILE_WORKGROUP: u32 = 1024;
+
+const STRUCTURES: &str = include_str!("shaders/structures.wgsl");
+const STICK: &str = include_str!("shaders/stick.wgsl");
+const AIR: &str = include_str!("shaders/air.wgsl");
+const OBSTACLE: &str = include_str!("shaders/obstacle.wgsl");
+const NEARBY: &str = include_str!("shaders/nearby.wgsl");
+const TETHER: &str = include_str!("shaders/tether.wgsl");
+const REACTION: &str = include_str!("shaders/reaction.wgsl");
+const SMALL: &str = include_str!("shaders/small_bodies.wgsl");
+const LARGE: &str = include_str!("shaders/large_bodies.wgsl");
+const SURFACE: &str = include_str!("shaders/surface.wgsl");
+const GRID: &str = include_str!("shaders/grid_sticks.wgsl");
+
+/// The whole source of the kernel of small bodies.
+pub(crate) fn small_source(class: SizeClass) -> String {
+    let SizeClass { threads, per_thread } = class;
+    let sizes = format!("const WORKGROUP: u32 = {threads}u;\nconst PER_THREAD: u32 = {per_thread}u;\n");
+    with_constants(&[&sizes, STRUCTURES, STICK, AIR, REACTION, OBSTACLE, NEARBY, SMALL])
+}
+
+/// The whole source of the kernels of large bodies.
+pub(crate) fn large_source() -> String {
+    let sizes = format!("const WORKGROUP: u32 = {LARGE_WORKGROUP}u;\n");
+    with_constants(&[&sizes, STRUCTURES, STICK, TETHER, AIR, REACTION, OBSTACLE, NEARBY, LARGE])
+}
+
+/// The whole source of the kernel that writes vertices.
+pub(crate) fn surface_source() -> String {
+    with_constants(&[&format!("const WORKGROUP: u32 = {SURFACE_WORKGROUP}u;\n"), SURFACE])
+}
+
+/// The whole source of the kernel of tiles.
+pub(crate) fn grid_source([width, height]: [u32; 2], threads: u32) -> String {
+    let sizes = format!(
+        "const WORKGROUP: u32 = {threads}u;\nconst TILE_WIDTH: u32 = {width}u;\nconst TILE_HEIGHT: u32 = {height}u;\n"
+    );
+    with_constants(&[&sizes, STRUCTURES, STICK, TETHER, GRID])
+}
+
+/// Joins parts of a source, and fills in the constants that the solver has too.
+fn with_constants(parts: &[&str]) -> String {
+    let words = MAX_OBSTACLES.div_ceil(32);
+    parts
+        .concat()
+        .replace("{MAX_MAGNITUDE}", &format!("{MAX_MAGNITUDE:?}"))
+        .replace("{PUSH_OUT_SPEED}", &format!("{PUSH_OUT_SPEED:?}"))
+        .replace("{CONTACT_MARGIN}", &format!("{CONTACT_MARGIN:?}"))
+        .replace("{OBSTACLE_WORDS}", &format!("{words}u"))
+        .replace("{HALO}", &HALO.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    use super::*;
+
+    /// All sources are valid WGSL within WebGPU: nothing here needs an adapter.
+    #[test]
+    fn every_kernel_is_valid() {
+        let small = SIZE_CLASSES.map(small_source);
+        let grids = TILES.map(|tile| grid_source(tile, TILE_WORKGROUP));
+        for source in small.into_iter().chain(grids).chain([large_source(), surface_source()]) {
+            let module = naga::front::wgsl::parse_str(&source)
+                .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+            validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+        }
+    }
+
+    /// A tile without its halo has a multiple of four columns and rows, as the families of sticks repeat after four places.
+    #[test]
+    fn tiles_begin_where_families_repeat() {
+        for [width, height] in TILES {
+            assert!((width - 2 * HALO).is_multiple_of(4) && (height - 2 * HALO).is_multiple_of(4));
+            assert!(width.is_multiple_of(4) && height.is_multiple_of(4));
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Writes positions and normals of bodies into a buffer of vertices, such as that of a renderer, without a detour by the processor.
+
+use bytemuck::{Pod, Zeroable};
+use drape_solver::glam::{Mat3, Vec3};
+
+use crate::error::GpuError;
+use crate::gpu::Gpu;
+use crate::growing_buffer::GrowingBuffer;
+use crate::kernels::SurfaceKernel;
+use crate::source::SURFACE_WORKGROUP;
+use crate::world::{GpuBodyId, GpuWorld};
+
+/// The vertices of one body: one for each particle, in the order of the particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyVertices {
+    /// The body.
+    pub body: GpuBodyId,
+    /// Turns directions of the world into those of the vertices.
+    pub to_local: Mat3,
+    /// The place in the world that is the origin of the vertices, in metres.
+    pub origin: Vec3,
+    /// From 0, the state before the last step, to 1, that after it.
+    pub fraction: f32,
+    /// Index of the 32-bit word with the x of the first vertex's position in the buffer.
+    pub first_position: u32,
+    /// The same of its normal.
+    pub first_normal: u32,
+    /// Words from one vertex to the next.
+    pub stride: u32,
+}
+
+/// `Surface` of `surface.wgsl`.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+struct SurfaceData {
+    axis_x: [f32; 3],
+    first_particle: u32,
+    axis_y: [f32; 3],
+    particle_count: u32,
+    axis_z: [f32; 3],
+    first_fan: u32,
+    offset: [f32; 3],
+    fraction: f32,
+    first_position: u32,
+    first_normal: u32,
+    stride: u32,
+    orientation: f32,
+}
+
+/// Writes the vertices of some bodies in one dispatch.
+///
+/// [`set`](Self::set) says which, from where the world is known; [`encode`](Self::encode) needs no world, so that a renderer may
+/// call it from another thread.
+#[derive(Debug)]
+pub struct SurfaceWriter {
+    gpu: Gpu,
+    kernel: SurfaceKernel,
+    shares: GrowingBuffer,
+    surfaces: GrowingBuffer,
+    share_count: u32,
+    /// Pairs of words of the world, and its positions before and after its last step.
+    read: Option<[wgpu::Buffer; 3]>,
+}
+
+impl SurfaceWriter {
+    /// A writer of no bodies.
+    pub fn new(gpu: &Gpu) -> Self {
+        Self {
+            gpu: gpu.clone(),
+            kernel: SurfaceKernel::new(gpu),
+            shares: GrowingBuffer::new(gpu, "shares of vertices"),
+            surfaces: GrowingBuffer::new(gpu, "surfaces"),
+            share_count: 0,
+            read: None,
+        }
+    }
+
+    /// Sets the bodies to write, as they were in the last step of `world`. Bodies that have not been stepped are left out.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSuchBody`]; [`GpuError::Unsupported`] if the world does not [keep snapshots](GpuWorld::keep_snapshots);
+    /// [`GpuError::Limit`] if the device has no room.
+    pub fn set(&mut self, world: &GpuWorld, bodies: &[BodyVertices]) -> Result<(), GpuError> {
+        let read = world.shown().ok_or(GpuError::Unsupported("a surface of a world without snapshots"))?;
+        let (mut shares, mut surfaces) = (vec![[0; 2]], Vec::new());
+        for vertices in bodies {
+            let Some(place) = world.place_of(vertices.body)? else { continue };
+            let firsts = (0..place.particle_count).step_by(SURFACE_WORKGROUP as usize);
+            shares.extend(firsts.map(|first| [surfaces.len() as u32, first]));
+            let axes = vertices.to_local;
+            surfaces.push(SurfaceData {
+                axis_x: axes.x_axis.to_array(),
+                first_particle: place.first_particle,
+                axis_y: axes.y_axis.to_array(),
+                particle_count: place.particle_count,
+                axis_z: axes.z_axis.to_array(),
+                first_fan: place.first_fan,
+                offset: (place.origin - vertices.origin).to_array(),
+                fraction: vertices.fraction,
+                first_position: vertices.first_position,
+                first_normal: vertices.first_normal,
+                stride: vertices.stride,
+                orientation: axes.determinant().signum(),
+            });
+        }
+        self.share_count = shares.len() as u32 - 1;
+        shares[0][0] = self.share_count;
+        self.read = Some(read.map(wgpu::Buffer::clone));
+        for (buffer, data) in [
+            (&mut self.shares, bytemuck::cast_slice::<_, u8>(&shares)),
+            (&mut self.surfaces, bytemuck::cast_slice(&surfaces)),
+        ] {
+            buffer.reserve(&self.gpu, data.len() as u64)?;
+            buffer.write(&self.gpu, 0, data);
+        }
+        Ok(())
+    }
+
+    /// Writes the vertices into `target`, a buffer that may be used as storage, when the encoder's commands run.
+    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Buffer) {
+        let Some([pairs, before, after]) = &self.read else { return };
+        if self.share_count > 0 {
+            let bound = [self.shares.get(), self.surfaces.get(), pairs, before, after, target];
+            self.kernel.encode(&self.gpu, encoder, bound, self.share_count);
+        }
+    }
+}
