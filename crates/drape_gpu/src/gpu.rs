@@ -97,9 +97,18 @@ impl Gpu {
         self.check()
     }
 
-    /// Reads a part of a buffer, once all that was submitted is done.
-    pub(crate) fn read(&self, buffer: &wgpu::Buffer, first: u64, bytes: u64) -> Result<Vec<u8>, GpuError> {
-        self.check()?;
+    /// Notices what has finished, without waiting.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`].
+    pub fn poll(&self) -> Result<(), GpuError> {
+        let polled = self.device.poll(wgpu::PollType::Poll);
+        polled.map_err(|error| GpuError::Lost(error.to_string()))?;
+        self.check()
+    }
+
+    /// Copies a part of a buffer to one that can be mapped.
+    pub(crate) fn copy_to_staging(&self, buffer: &wgpu::Buffer, first: u64, bytes: u64) -> wgpu::Buffer {
         let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),
             size: bytes,
@@ -109,6 +118,13 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, first, &staging, 0, bytes);
         self.queue.submit([encoder.finish()]);
+        staging
+    }
+
+    /// Reads a part of a buffer, once all that was submitted is done.
+    pub(crate) fn read(&self, buffer: &wgpu::Buffer, first: u64, bytes: u64) -> Result<Vec<u8>, GpuError> {
+        self.check()?;
+        let staging = self.copy_to_staging(buffer, first, bytes);
         let (sender, receiver) = std::sync::mpsc::channel();
         staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
             // Nobody listens any more if waiting has failed.

@@ -8,8 +8,7 @@
 //!
 //! ```text
 //! surface_writer positions and normals of bodies in a buffer of vertices
-//! world          bodies on the GPU, stepped together: start here
-//! passes         the dispatches of large bodies in one step, in order
+//! world/         bodies on the GPU, stepped together: start here
 //! buffers        the buffers of a world, and the bind groups made of them
 //! kernels        the compute pipelines, and what they bind
 //! model          the rest data of bodies, as the shaders read it
@@ -42,8 +41,6 @@ mod layout;
 mod model;
 #[cfg(feature = "wgpu")]
 mod obstacle;
-#[cfg(feature = "wgpu")]
-mod passes;
 // Its tests need no backend.
 #[cfg(feature = "wgpu")]
 mod snapshots;
@@ -65,7 +62,7 @@ pub use source::MAX_OBSTACLES;
 #[cfg(feature = "wgpu")]
 pub use surface_writer::{BodyVertices, SurfaceWriter};
 #[cfg(feature = "wgpu")]
-pub use world::{BodyStatus, GpuBodyId, GpuWorld};
+pub use world::{BodyStatus, GpuBodyId, GpuWorld, PendingPositions};
 
 pub use drape_solver;
 #[cfg(feature = "wgpu")]

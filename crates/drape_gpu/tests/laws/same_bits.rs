@@ -86,3 +86,17 @@ fn bodies_come_and_go() {
         assert_eq!(positions(&world, id), alone);
     }
 }
+
+/// Positions that were asked for come later, without a wait, and are those of the step after which they were asked for.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn positions_that_were_asked_for_come_later() {
+    let (mut world, id) = world_of(&level(20, Vec3::ZERO, BodySettings::default()));
+    assert!(world.request_positions(id).is_err(), "it has not been stepped");
+    run(&mut world, &gravity(), 5);
+    let now = positions(&world, id);
+    let pending = world.request_positions(id).expect("a body");
+    run(&mut world, &gravity(), 3);
+    let taken = (0..10_000).find_map(|_| pending.try_take().expect("a device"));
+    assert_eq!(taken, Some(now));
+}

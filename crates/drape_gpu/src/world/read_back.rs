@@ -1,0 +1,156 @@
+//! What a caller reads of a world, at once or later.
+
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use drape_solver::Reaction;
+use drape_solver::glam::Vec3;
+
+use crate::error::GpuError;
+use crate::gpu::Gpu;
+use crate::layout::StatusData;
+use crate::world::gpu_world::{GpuWorld, PARTICLE};
+use crate::world::member::GpuBodyId;
+
+/// What the GPU finds of a body in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyStatus {
+    /// Least corner of the box around the particles (world, metres).
+    pub low: Vec3,
+    /// Greatest corner.
+    pub high: Vec3,
+    /// Speed of the fastest particle in m/s.
+    pub greatest_speed: f32,
+    /// True if a particle would not have been finite. A small body has then not moved at all, and the other figures are of an earlier
+    /// step; of a large one, such particles rest where they were before sticks moved them.
+    pub is_broken: bool,
+}
+
+/// Bytes of the sums of an obstacle's reactions: six numbers of 64 bits.
+pub(super) const REACTION: u64 = 48;
+
+/// Units of those sums in a newton second, or a newton metre second.
+const IMPULSE_UNITS: f64 = 1_073_741_824.0;
+
+impl GpuWorld {
+    /// Positions of a body's particles (world, metres), after all steps that were started. Waits for them.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
+    pub fn read_positions(&self, id: GpuBodyId) -> Result<Vec<Vec3>, GpuError> {
+        let member = self.member(id)?;
+        if let Some((_, particles)) = self.arriving.iter().find(|(other, _)| *other == id) {
+            return Ok(particles.positions().collect());
+        }
+        let count = self.models[member.model].1.particle_count;
+        let first = u64::from(member.first_particle) * PARTICLE;
+        let bytes = self.gpu.read(self.buffers.positions[0].get(), first, u64::from(count) * PARTICLE)?;
+        Ok(places(&bytes, member.origin))
+    }
+
+    /// What the GPU has found of a body in the last step that was started. None if it has not been stepped. Waits for the step.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
+    pub fn read_status(&self, id: GpuBodyId) -> Result<Option<BodyStatus>, GpuError> {
+        let member = self.member(id)?;
+        let Some(number) = member.number else { return Ok(None) };
+        let size = size_of::<StatusData>() as u64;
+        let bytes = self.gpu.read(self.buffers.statuses.get(), u64::from(number) * size, size)?;
+        let status: StatusData = bytemuck::pod_read_unaligned(&bytes);
+        let corner = |keys: [u32; 3]| member.origin + Vec3::from(keys.map(StatusData::coordinate));
+        let substep = self.dt / member.settings.substeps as f32;
+        Ok(Some(BodyStatus {
+            low: corner(status.low),
+            high: corner(status.high),
+            greatest_speed: f32::from_bits(status.fastest).sqrt() / substep,
+            is_broken: status.is_broken != 0,
+        }))
+    }
+
+    /// The opposite of all impulses that each obstacle which [asks for them](drape_solver::Obstacle::reporting_reaction) has given to bodies in
+    /// the last step that was started; obstacles that touched nothing are left out. Waits for the step.
+    ///
+    /// The coupling is explicit: the caller moves the obstacle by them before the next step. Momentum is kept.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`].
+    pub fn read_reactions(&self) -> Result<Vec<Reaction>, GpuError> {
+        if self.known_obstacles.iter().all(|obstacle| obstacle.is_asking == 0) {
+            return Ok(Vec::new());
+        }
+        let bytes = self.known_obstacles.len() as u64 * REACTION;
+        let sums = self.gpu.read(self.buffers.reactions.get(), 0, bytes)?;
+        let sums: Vec<[i64; 6]> = bytemuck::pod_collect_to_vec(&sums);
+        let vector =
+            |sum: &[i64]| Vec3::from_array([0, 1, 2].map(|k| (sum[k] as f64 / IMPULSE_UNITS) as f32));
+        let touched = sums.iter().zip(&self.obstacle_indices).filter(|(sum, _)| **sum != [0; 6]);
+        let reaction = |(sum, &index): (&[i64; 6], &u32)| Reaction {
+            obstacle: index as usize,
+            impulse: vector(&sum[..3]),
+            angular_impulse: vector(&sum[3..]),
+        };
+        Ok(touched.map(reaction).collect())
+    }
+
+    /// Seconds that the GPU took for the last step, once it is done; none if the device has no clock. Waits for the step.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`].
+    pub fn read_seconds(&self) -> Result<Option<f64>, GpuError> {
+        self.timer.as_ref().map(|timer| timer.read_seconds(&self.gpu)).transpose()
+    }
+
+    /// Asks for the positions of a body after all steps that were started, and does not wait: a game looks for them in a later frame.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSuchBody`]; [`GpuError::Unsupported`] if the body has not been stepped; [`GpuError::Lost`].
+    pub fn request_positions(&self, id: GpuBodyId) -> Result<PendingPositions, GpuError> {
+        let place =
+            self.place_of(id)?.ok_or(GpuError::Unsupported("reading of a body before its first step"))?;
+        self.gpu.check()?;
+        let bytes = u64::from(place.particle_count) * PARTICLE;
+        let positions = self.buffers.positions[0].get();
+        let staging = self.gpu.copy_to_staging(positions, u64::from(place.first_particle) * PARTICLE, bytes);
+        let (sender, mapped) = channel();
+        staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            // Nobody listens any more if the request was dropped.
+            let _ = sender.send(result);
+        });
+        Ok(PendingPositions { gpu: self.gpu.clone(), staging, mapped, origin: place.origin })
+    }
+}
+
+/// Positions that a game has [asked](GpuWorld::request_positions) for.
+#[derive(Debug)]
+pub struct PendingPositions {
+    gpu: Gpu,
+    staging: wgpu::Buffer,
+    mapped: Receiver<Result<(), wgpu::BufferAsyncError>>,
+    origin: Vec3,
+}
+
+impl PendingPositions {
+    /// The positions (world, metres), once the GPU has come so far. Never waits.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`].
+    pub fn try_take(&self) -> Result<Option<Vec<Vec3>>, GpuError> {
+        self.gpu.poll()?;
+        match self.mapped.try_recv() {
+            Err(TryRecvError::Empty) => Ok(None),
+            Err(TryRecvError::Disconnected) => Err(GpuError::Lost("the positions were taken already".into())),
+            Ok(Err(error)) => Err(GpuError::Lost(error.to_string())),
+            Ok(Ok(())) => {
+                let view = self.staging.slice(..).get_mapped_range();
+                let view = view.map_err(|error| GpuError::Lost(error.to_string()))?;
+                Ok(Some(places(&view, self.origin)))
+            }
+        }
+    }
+}
+
+/// Positions in the world from those relative to a body's origin.
+fn places(bytes: &[u8], origin: Vec3) -> Vec<Vec3> {
+    let place = |place: [f32; 4]| origin + Vec3::new(place[0], place[1], place[2]);
+    bytemuck::pod_collect_to_vec::<u8, [f32; 4]>(bytes).into_iter().map(place).collect()
+}
