@@ -81,13 +81,24 @@ impl Buffers {
     }
 
     /// Writes what the dispatches of large bodies read, each at a multiple of [`pass_stride`].
-    pub fn write_passes(&mut self, gpu: &Gpu, data: &[u8]) {
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] if there are too many.
+    pub fn write_passes(&mut self, gpu: &Gpu, data: &[u8]) -> Result<(), GpuError> {
+        // Offsets have 32 bits.
+        let limit = gpu.device.limits().max_buffer_size.min(u64::from(u32::MAX));
+        if data.len() as u64 > limit {
+            let (what, name) =
+                ("the list of dispatches: substeps times iterations of large bodies", "maxBufferSize");
+            return Err(GpuError::Limit { what, needed: data.len() as u64, limit, name });
+        }
         let size = (data.len() as u64).max(256);
         if size > self.passes.size() {
             self.passes = uniform(gpu, "passes", size);
             self.groups = None;
         }
         gpu.queue.write_buffer(&self.passes, 0, data);
+        Ok(())
     }
 
     /// The bind groups, made anew if a buffer has moved.

@@ -125,6 +125,7 @@ impl GpuWorld {
         let first_particle = match self.free.iter().position(|&(size, _)| size == count) {
             Some(place) => self.free.swap_remove(place).1,
             None => {
+                self.reserve_particles(self.particle_count + count)?;
                 self.particle_count += count;
                 self.particle_count - count
             }
@@ -177,9 +178,12 @@ impl GpuWorld {
 
     /// From the next step on, keeps the positions before and after each step, for a [`SurfaceWriter`](crate::SurfaceWriter): 64 bytes a
     /// particle, and two copies of all positions a step.
-    pub fn keep_snapshots(&mut self) {
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] if the device has no room.
+    pub fn keep_snapshots(&mut self) -> Result<(), GpuError> {
         self.snapshots.get_or_insert_with(|| Snapshots::new(&self.gpu));
-        self.is_stale = true;
+        self.reserve_particles(self.particle_count)
     }
 
     /// Begins a frame that is drawn: its steps leave alone what the frame before draws from.
@@ -267,8 +271,9 @@ impl GpuWorld {
         };
         let model = Model::new(topology, kind)?;
         let first = self.pair_count;
-        self.pair_count += model.pairs.len() as u32;
-        self.buffers.reserve(&self.gpu, PAIR * u64::from(self.pair_count), |buffers| &mut buffers.pairs)?;
+        let end = first + model.pairs.len() as u32;
+        self.buffers.reserve(&self.gpu, PAIR * u64::from(end), |buffers| &mut buffers.pairs)?;
+        self.pair_count = end;
         self.buffers.pairs.write(&self.gpu, PAIR * u64::from(first), bytemuck::cast_slice(&model.pairs));
         self.models.push((Arc::clone(topology), Model { pairs: Vec::new(), ..model }, first));
         Ok(self.models.len() - 1)

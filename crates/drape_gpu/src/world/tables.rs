@@ -62,23 +62,10 @@ impl GpuWorld {
     }
 
     fn write_buffers(&mut self, bodies: &[u8], batches: &[u8], body_count: u64) -> Result<(), GpuError> {
-        let Self { gpu, buffers, models, bodies: members, .. } = self;
-        let particles = u64::from(self.particle_count) * PARTICLE;
+        let Self { gpu, buffers, .. } = self;
         buffers.reserve(gpu, bodies.len() as u64, |buffers| &mut buffers.bodies)?;
         buffers.reserve(gpu, batches.len() as u64, |buffers| &mut buffers.batches)?;
         buffers.reserve(gpu, body_count * size_of::<StatusData>() as u64, |buffers| &mut buffers.statuses)?;
-        buffers.reserve(gpu, particles, |buffers| &mut buffers.positions[0])?;
-        buffers.reserve(gpu, particles, |buffers| &mut buffers.displacements)?;
-        if let Some(snapshots) = &mut self.snapshots {
-            snapshots.reserve(gpu, particles)?;
-        }
-        if !self.dispatches.is_empty() {
-            let is_tiled = members.values().any(|member| models[member.model].1.is_tiled);
-            let of_grids = if is_tiled { particles } else { 0 };
-            buffers.reserve(gpu, of_grids, |buffers| &mut buffers.positions[1])?;
-            buffers.reserve(gpu, 2 * particles, |buffers| &mut buffers.flights)?;
-            buffers.reserve(gpu, particles, |buffers| &mut buffers.accelerations)?;
-        }
         buffers.bodies.write(gpu, 0, bodies);
         buffers.batches.write(gpu, 0, batches);
         let stride = pass_stride(gpu) as usize;
@@ -86,7 +73,28 @@ impl GpuWorld {
         for (slot, dispatch) in data.chunks_mut(stride.max(1)).zip(&self.dispatches) {
             slot[..size_of::<PassData>()].copy_from_slice(bytemuck::bytes_of(&dispatch.data));
         }
-        buffers.write_passes(gpu, &data);
+        buffers.write_passes(gpu, &data)
+    }
+
+    /// Makes room for so many particles.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] if the device has none.
+    pub(super) fn reserve_particles(&mut self, count: u32) -> Result<(), GpuError> {
+        let Self { gpu, buffers, models, snapshots, .. } = self;
+        let bytes = u64::from(count) * PARTICLE;
+        buffers.reserve(gpu, bytes, |buffers| &mut buffers.positions[0])?;
+        buffers.reserve(gpu, bytes, |buffers| &mut buffers.displacements)?;
+        if let Some(snapshots) = snapshots {
+            snapshots.reserve(gpu, bytes)?;
+        }
+        if models.iter().any(|(_, model, _)| model.is_tiled) {
+            buffers.reserve(gpu, bytes, |buffers| &mut buffers.positions[1])?;
+        }
+        if models.iter().any(|(_, model, _)| !model.is_small) {
+            buffers.reserve(gpu, 2 * bytes, |buffers| &mut buffers.flights)?;
+            buffers.reserve(gpu, bytes, |buffers| &mut buffers.accelerations)?;
+        }
         Ok(())
     }
 }

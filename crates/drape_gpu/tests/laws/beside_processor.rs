@@ -1,5 +1,6 @@
 //! The same scenes on the processor.
 
+use drape_gpu::GpuWorld;
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
@@ -34,6 +35,29 @@ fn the_first_steps_are_those_of_the_processor() {
                 assert!(worst < 2e-5, "{columns} x {rows}, {iterations} iterations: {worst} m apart");
             }
         }
+    }
+}
+
+/// So they are on a device with the least shared memory that there is, where a grid of 40 x 40 takes a dispatch for each batch.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn batches_move_a_grid_as_tiles_do() {
+    let gpu = limited(|limits| limits.max_compute_workgroup_storage_size = 16_384).expect("a device");
+    let environment = Environment { gravity: Vec3::new(3.0, -9.81, 2.0), ..gravity() };
+    for n in [16, 27, 40] {
+        let body = ClothBuilder::new(1.0, 1.0, n, n)
+            .pin_edge(Edge::Top)
+            .build(BodySettings::default())
+            .expect("valid");
+        let mut world = GpuWorld::new(&gpu);
+        let id = world.add(&body).expect("a body");
+        let (mut tiled, other) = world_of(&body);
+        for world in [&mut world, &mut tiled] {
+            run(world, &environment, 6);
+        }
+        let pairs = positions(&world, id).into_iter().zip(positions(&tiled, other));
+        let worst = pairs.map(|(batched, tiled)| batched.distance(tiled)).fold(0.0, f32::max);
+        assert!(worst < 1e-5, "{n} x {n}: {worst} m apart");
     }
 }
 

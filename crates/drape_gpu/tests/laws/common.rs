@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use drape_gpu::{Gpu, GpuBodyId, GpuWorld};
+use drape_gpu::{Gpu, GpuBodyId, GpuError, GpuWorld, wgpu};
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
     Body, BodySettings, ClothBuilder, Environment, Obstacle, Particles, Placement, Shape, StickKind,
@@ -19,6 +19,18 @@ pub const FRAME: f32 = 1.0 / 60.0;
 pub fn gpu() -> &'static Gpu {
     static GPU: OnceLock<Gpu> = OnceLock::new();
     GPU.get_or_init(|| Gpu::open().expect("an adapter: install mesa-vulkan-drivers"))
+}
+
+/// The same adapter with limits that `lower` has lowered.
+pub fn limited(lower: impl FnOnce(&mut wgpu::Limits)) -> Result<Gpu, GpuError> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+    let adapter = adapter.expect("an adapter: install mesa-vulkan-drivers");
+    let mut required_limits = adapter.limits();
+    lower(&mut required_limits);
+    let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
+    Gpu::sharing(device, queue)
 }
 
 /// A world with one body.

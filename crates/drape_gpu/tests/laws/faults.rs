@@ -99,3 +99,23 @@ fn a_lost_device_is_an_error() {
     assert!(matches!(world.step(&gravity()), Err(GpuError::Lost(_))));
     assert!(matches!(world.read_positions(id), Err(GpuError::Lost(_))));
 }
+
+/// What a device has too little of is named, with its limit.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn a_limit_of_the_device_is_named() {
+    let few = limited(|limits| limits.max_storage_buffers_per_shader_stage = 8).map(drop);
+    assert!(matches!(
+        few,
+        Err(GpuError::Limit { needed: 10, limit: 8, name: "maxStorageBuffersPerShaderStage", .. })
+    ));
+    let small = limited(|limits| limits.max_storage_buffer_binding_size = 1 << 20).expect("a device");
+    let mut world = GpuWorld::new(&small);
+    let error =
+        world.add(&level(300, Vec3::ZERO, BodySettings::default())).expect_err("too large").to_string();
+    assert!(error.contains("maxStorageBufferBindingSize") && error.contains("1048576"), "{error}");
+    assert!(world.is_empty());
+    let id = world.add(&level(30, Vec3::ZERO, BodySettings::default())).expect("there is room for this one");
+    run(&mut world, &gravity(), 2);
+    assert!(positions(&world, id)[0].y < 0.0);
+}

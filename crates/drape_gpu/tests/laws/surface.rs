@@ -50,7 +50,7 @@ fn vertices_are_those_of_the_processor() {
     };
     let bodies = [flag(12, Vec3::splat(50.0)), flag(40, Vec3::new(-3.0, 2.0, 1.0))];
     let mut world = GpuWorld::new(gpu());
-    world.keep_snapshots();
+    world.keep_snapshots().expect("room");
     let ids = bodies.each_ref().map(|body| world.add(body).expect("a body"));
     run(&mut world, &gravity(), 20);
     let before = ids.map(|id| positions(&world, id));
@@ -112,7 +112,7 @@ fn vertices_are_those_of_the_processor() {
 fn a_new_frame_does_not_disturb_the_one_before() {
     let body = level(10, Vec3::ZERO, BodySettings::default());
     let (mut world, id) = world_of(&body);
-    world.keep_snapshots();
+    world.keep_snapshots().expect("room");
     run(&mut world, &gravity(), 3);
     let shown = positions(&world, id);
     let vertices = BodyVertices {
