@@ -4,7 +4,8 @@ use drape_gpu::GpuWorld;
 use drape_solver::glam::Vec3;
 use drape_solver::state::measure;
 use drape_solver::{
-    Body, BodySettings, ClothBuilder, Edge, Environment, Island, MeshClothBuilder, RopeBuilder, Shape, step,
+    Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island, MeshClothBuilder,
+    RopeBuilder, Shape, Wind, step,
 };
 
 use crate::common::*;
@@ -34,6 +35,37 @@ fn the_first_steps_are_those_of_the_processor() {
                     ours.iter().zip(theirs).map(|(ours, theirs)| ours.distance(theirs)).fold(0.0, f32::max);
                 assert!(worst < 2e-5, "{columns} x {rows}, {iterations} iterations: {worst} m apart");
             }
+        }
+    }
+}
+
+/// A storm on thin cloth, which would be torn out of shape if it could get faster than the air, and particles far beyond their tethers, which would
+/// leap back at once, begin as on the processor too.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn storms_and_leaps_begin_as_on_the_processor() {
+    let thin = ClothMaterial { areal_density: 0.01, ..ClothMaterial::default() };
+    let storm = Environment {
+        wind: Wind { lift_coefficient: 1.0, ..Wind::new(Vec3::new(20.0, 0.0, 40.0)) },
+        ..gravity()
+    };
+    for n in [14, 40] {
+        let cloth = || ClothBuilder::new(1.0, 1.0, n, n).material(thin).pin_edge(Edge::Left);
+        let blown = cloth().build(BodySettings::default()).expect("valid");
+        let mut torn = cloth().build(BodySettings::default()).expect("valid");
+        torn.particles.set_position(2 * n as usize - 1, Vec3::new(4.0, 0.0, 1.0));
+        for (body, environment) in [(blown, &storm), (torn, &gravity())] {
+            let (mut world, id) = world_of(&body);
+            let mut island = Island::of_body(body);
+            for _ in 0..2 {
+                run(&mut world, environment, 1);
+                step(&mut island, environment).expect("a good step");
+            }
+            let theirs = island.bodies[0].particles.positions();
+            let apart =
+                positions(&world, id).into_iter().zip(theirs).map(|(ours, theirs)| ours.distance(theirs));
+            let worst = apart.fold(0.0, f32::max);
+            assert!(worst < 1e-3, "{n}: {worst} m apart");
         }
     }
 }
