@@ -7,6 +7,9 @@ use crate::kernels::{Kernels, bind};
 use crate::layout::{RunData, StepData};
 use crate::source::SIZE_CLASSES;
 
+/// Bytes of a pair of words.
+const PAIR: u64 = 8;
+
 /// Buffers that shaders read and write.
 #[derive(Debug)]
 pub(crate) struct Buffers {
@@ -15,6 +18,8 @@ pub(crate) struct Buffers {
     pub bodies: GrowingBuffer,
     pub batches: GrowingBuffer,
     pub pairs: GrowingBuffer,
+    /// The number of pairs that are in use.
+    pair_count: u32,
     /// Positions of all bodies. Tiles of grids write to the second buffer what they have read from the first, and the other
     /// way round.
     pub positions: [GrowingBuffer; 2],
@@ -51,7 +56,8 @@ impl Buffers {
             obstacles: growing("obstacles"),
             bodies: growing("bodies"),
             batches: growing("batches of sticks"),
-            pairs: growing("sticks, tethers and faces"),
+            pairs: growing("sticks, tethers, faces and distances"),
+            pair_count: 0,
             positions: [growing("positions"), growing("positions of grids")],
             displacements: growing("displacements"),
             statuses: growing("statuses"),
@@ -78,6 +84,19 @@ impl Buffers {
             self.groups = None;
         }
         Ok(())
+    }
+
+    /// Appends pairs of words, which stay. Returns the index of the first.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] if the device has no buffers of that size.
+    pub fn push_pairs(&mut self, gpu: &Gpu, pairs: &[[u32; 2]]) -> Result<u32, GpuError> {
+        let first = self.pair_count;
+        let end = u64::from(first) + pairs.len() as u64;
+        self.reserve(gpu, PAIR * end, |buffers| &mut buffers.pairs)?;
+        self.pairs.write(gpu, PAIR * u64::from(first), bytemuck::cast_slice(pairs));
+        self.pair_count = end as u32;
+        Ok(first)
     }
 
     /// Writes what the dispatches of large bodies read, each at a multiple of [`pass_stride`].

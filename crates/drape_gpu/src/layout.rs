@@ -50,6 +50,10 @@ pub(crate) struct ObstacleData {
     pub filters: u32,
     pub is_moving: u32,
     pub is_asking: u32,
+    pub cell: [f32; 3],
+    pub first_pair: u32,
+    pub corners: [u32; 3],
+    pub unused: u32,
 }
 
 /// `Body`.

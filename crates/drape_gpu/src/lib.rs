@@ -13,6 +13,7 @@
 //! kernels        the compute pipelines, and what they bind
 //! model          the rest data of bodies, as the shaders read it
 //! obstacle       obstacles, as the shaders read them
+//! distance_field signed distances of shapes without a formula, sampled once on a lattice
 //! air            gravity and wind of a step, as the shaders read them
 //! snapshots      positions before and after the last step
 //! timer          times a step on the GPU's own clock
@@ -27,6 +28,8 @@
 mod air;
 #[cfg(feature = "wgpu")]
 mod buffers;
+#[cfg(feature = "wgpu")]
+mod distance_field;
 #[cfg(feature = "wgpu")]
 mod error;
 #[cfg(feature = "wgpu")]

@@ -2,6 +2,7 @@
 
 use drape_solver::{CombineRule, Obstacle, Obstacles, Shape};
 
+use crate::distance_field::Field;
 use crate::error::GpuError;
 use crate::layout::ObstacleData;
 use crate::source::MAX_OBSTACLES;
@@ -9,12 +10,14 @@ use crate::source::MAX_OBSTACLES;
 /// Coordinates that stand for infinity: a shader need not know it.
 const FAR: f32 = 1e30;
 
-/// Lists the obstacles that move cloth, and their indices in the environment. Sensors are left out.
+/// Lists the obstacles that move cloth, and their indices in the environment. Sensors are left out. `field_of` finds the field of a shape
+/// without a formula.
 ///
 /// # Errors
-/// [`GpuError::Limit`] if there are too many; [`GpuError::Unsupported`] for a shape without a formula.
+/// [`GpuError::Limit`] if there are too many; what `field_of` returns.
 pub(crate) fn list(
     obstacles: &Obstacles,
+    mut field_of: impl FnMut(&Shape) -> Result<Field, GpuError>,
     into: &mut Vec<ObstacleData>,
     indices: &mut Vec<u32>,
 ) -> Result<(), GpuError> {
@@ -22,7 +25,7 @@ pub(crate) fn list(
     indices.clear();
     for (index, obstacle) in obstacles.iter().enumerate() {
         if !obstacle.is_sensor() && !obstacle.is_out_of_reach() {
-            into.push(data(obstacle)?);
+            into.push(data(obstacle, &mut field_of)?);
             indices.push(index as u32);
         }
     }
@@ -37,7 +40,11 @@ pub(crate) fn list(
     Ok(())
 }
 
-fn data(obstacle: &Obstacle) -> Result<ObstacleData, GpuError> {
+fn data(
+    obstacle: &Obstacle,
+    field_of: impl FnOnce(&Shape) -> Result<Field, GpuError>,
+) -> Result<ObstacleData, GpuError> {
+    let mut field = Field::default();
     let (shape, size) = match *obstacle.shape() {
         Shape::HalfSpace { normal } => (0, [normal.x, normal.y, normal.z, 0.0]),
         Shape::Sphere { radius } => (1, [radius, 0.0, 0.0, 0.0]),
@@ -48,7 +55,9 @@ fn data(obstacle: &Obstacle) -> Result<ObstacleData, GpuError> {
         Shape::Cuboid { half_extents: h } => (4, [h.x, h.y, h.z, 0.0]),
         Shape::Container { half_extents: h } => (5, [h.x, h.y, h.z, 0.0]),
         Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) => {
-            return Err(GpuError::Unsupported("an obstacle of a shape without a formula"));
+            field = field_of(obstacle.shape())?;
+            let low = field.lattice.low;
+            (6, [low.x, low.y, low.z, f32::from(u8::from(field.is_bottomless))])
         }
     };
     let (from, to) = (obstacle.previous_placement(), obstacle.placement());
@@ -79,6 +88,10 @@ fn data(obstacle: &Obstacle) -> Result<ObstacleData, GpuError> {
         filters: obstacle.layers().filters,
         is_moving: u32::from(obstacle.is_moving()),
         is_asking: u32::from(obstacle.reports_reaction()),
+        cell: field.lattice.cell.to_array(),
+        first_pair: field.first_pair,
+        corners: field.lattice.corners,
+        unused: 0,
     })
 }
 

@@ -7,6 +7,7 @@ const CAPSULE: u32 = 2u;
 const TAPERED_CAPSULE: u32 = 3u;
 const CUBOID: u32 = 4u;
 const CONTAINER: u32 = 5u;
+const FIELD: u32 = 6u;
 
 // Overlaps of less than so many metres at the start of a substep count as none.
 const LEAST_OVERLAP: f32 = 1e-6;
@@ -74,6 +75,57 @@ fn container(point: vec3f, half_extents: vec3f) -> vec4f {
     return vec4f(0.0, 0.0, -side.z, room.z);
 }
 
+// A distance of an obstacle's field.
+fn distance_at(obstacle: Obstacle, corner: vec3u) -> f32 {
+    let index = (corner.z * obstacle.corners.y + corner.y) * obstacle.corners.x + corner.x;
+    let pair = pairs[obstacle.first_pair + index / 2u];
+    return bitcast<f32>(select(pair.x, pair.y, index % 2u == 1u));
+}
+
+// Interpolates between the corners of a cell.
+fn in_field(obstacle: Obstacle, point: vec3f) -> vec4f {
+    var unclamped = (point - obstacle.size.xyz) / obstacle.cell;
+    if obstacle.size.w != 0.0 {
+        unclamped.y = max(unclamped.y, 0.0);
+    }
+    let place = clamp(unclamped, vec3f(0.0), vec3f(obstacle.corners - 1u));
+    let first = min(vec3u(place), obstacle.corners - 2u);
+    let part = place - vec3f(first);
+    // The four edges along x, by y and z.
+    let starts = vec4f(
+        distance_at(obstacle, first),
+        distance_at(obstacle, first + vec3u(0u, 1u, 0u)),
+        distance_at(obstacle, first + vec3u(0u, 0u, 1u)),
+        distance_at(obstacle, first + vec3u(0u, 1u, 1u)),
+    );
+    let ends = vec4f(
+        distance_at(obstacle, first + vec3u(1u, 0u, 0u)),
+        distance_at(obstacle, first + vec3u(1u, 1u, 0u)),
+        distance_at(obstacle, first + vec3u(1u, 0u, 1u)),
+        distance_at(obstacle, first + vec3u(1u, 1u, 1u)),
+    );
+    let on_edges = mix(starts, ends, part.x);
+    let on_faces = mix(on_edges.xz, on_edges.yw, part.y);
+    let slopes_x = mix((ends - starts).xz, (ends - starts).yw, part.y);
+    let slopes_y = on_edges.yw - on_edges.xz;
+    let gradient = vec3f(
+        mix(slopes_x.x, slopes_x.y, part.z),
+        mix(slopes_y.x, slopes_y.y, part.z),
+        on_faces.y - on_faces.x,
+    ) / obstacle.cell;
+    let slope = length(gradient);
+    let normal = select(vec3f(0.0, 1.0, 0.0), gradient / slope, slope > 0.0);
+    let distance = mix(on_faces.x, on_faces.y, part.z);
+    let beyond = (unclamped - place) * obstacle.cell;
+    if all(beyond == vec3f(0.0)) {
+        return vec4f(normal, distance);
+    }
+    // Outside the lattice: to the point of the surface that is nearest to the lattice's border.
+    let way = beyond + normal * distance;
+    let signed_length = select(length(way), -length(way), distance < 0.0);
+    return vec4f(way / signed_length, signed_length);
+}
+
 // Outward unit normal and distance, negative inside, of the surface nearest to a point in the obstacle's coordinates.
 fn surface_at(obstacle: Obstacle, point: vec3f) -> vec4f {
     let size = obstacle.size;
@@ -96,6 +148,9 @@ fn surface_at(obstacle: Obstacle, point: vec3f) -> vec4f {
         }
         case CONTAINER: {
             return container(point, size.xyz);
+        }
+        case FIELD: {
+            return in_field(obstacle, point);
         }
         default: {
             return vec4f(size.xyz, dot(size.xyz, point));

@@ -47,6 +47,12 @@ struct Obstacle {
     is_moving: u32,
     // 1 if its reactions are summed up.
     is_asking: u32,
+    // Of a field: the sides of a cell in metres, the pair that holds the first two distances, and corners along each axis. Its least corner
+    // is `size.xyz`; `size.w` is 1 if it goes on below.
+    cell: vec3f,
+    first_pair: u32,
+    corners: vec3u,
+    unused: u32,
 }
 
 struct Body {
@@ -125,7 +131,8 @@ const NONE: u32 = 0xffffffffu;
 @group(0) @binding(1) var<storage, read> obstacles: array<Obstacle>;
 @group(0) @binding(2) var<storage, read> bodies: array<Body>;
 @group(0) @binding(3) var<storage, read> batches: array<Batch>;
-// Pairs of words: sticks as (both ends, rest length), tethers as (pin, length), fans as (second corner, third corner).
+// Pairs of words: sticks as (both ends, rest length), tethers as (pin, length), fans as (second corner, third corner), fields as two
+// distances.
 @group(0) @binding(4) var<storage, read> pairs: array<vec2u>;
 // Position relative to the body's origin, and inverse mass.
 @group(0) @binding(5) var<storage, read_write> positions: array<vec4f>;

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use drape_solver::glam::Vec3;
-use drape_solver::{Body, Environment, Particles, StepError, Topology};
+use drape_solver::{Body, Environment, Particles, Shape, StepError, Topology};
 
 use crate::air::step_data;
 use crate::buffers::{Buffers, pass_stride};
+use crate::distance_field::DistanceFields;
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::kernels::{Kernels, spread};
@@ -23,9 +24,6 @@ use crate::world::read_back::REACTION;
 
 /// Bytes of the position or displacement of a particle.
 pub(super) const PARTICLE: u64 = 16;
-
-/// Bytes of a pair of words.
-const PAIR: u64 = 8;
 
 /// Bodies whose particles live on the GPU.
 ///
@@ -49,7 +47,8 @@ pub struct GpuWorld {
     pub(super) buffers: Buffers,
     /// Topologies with their pairs of words in the buffer, each with the index of its first pair.
     pub(super) models: Vec<(Arc<Topology>, Model, u32)>,
-    pub(super) pair_count: u32,
+    /// Of shapes without a formula.
+    pub(super) fields: DistanceFields,
     /// By the numbers of their ids.
     pub(super) bodies: BTreeMap<u32, Member>,
     pub(super) next_id: u32,
@@ -85,7 +84,7 @@ impl GpuWorld {
             kernels: Kernels::new(gpu),
             buffers: Buffers::new(gpu),
             models: Vec::new(),
-            pair_count: 0,
+            fields: DistanceFields::default(),
             bodies: BTreeMap::new(),
             next_id: 0,
             free: Vec::new(),
@@ -213,9 +212,13 @@ impl GpuWorld {
 
     /// Starts a step of all bodies, and returns before it is done. The environment's shelter and wind zones are not heeded.
     ///
+    /// The first step with an obstacle of a shape without a formula (a mesh, a compound, another shape of parry's) waits until its distances
+    /// are sampled on a lattice of 48 cells along its longest side: some tenths of a second, and up to 0.75 MB that stay while the world
+    /// lives. Keep such a shape and clone it: one that is made anew counts as another.
+    ///
     /// # Errors
-    /// [`GpuError::Step`] if the environment is invalid; [`GpuError::Unsupported`] if an obstacle has a shape without a formula;
-    /// [`GpuError::Limit`] if something does not fit; [`GpuError::Lost`]. Nothing has moved then.
+    /// [`GpuError::Step`] if the environment is invalid; [`GpuError::Unsupported`] if an obstacle has neither a formula nor an inside, or
+    /// is too thin for the lattice; [`GpuError::Limit`] if something does not fit; [`GpuError::Lost`]. Nothing has moved then.
     pub fn step(&mut self, environment: &Environment) -> Result<(), GpuError> {
         self.gpu.poll()?;
         let dt = environment.dt;
@@ -226,7 +229,9 @@ impl GpuWorld {
             return Err(StepError::BadEnvironment("gravity").into());
         }
         environment.wind.validate()?;
-        obstacle::list(&environment.obstacles, &mut self.obstacles, &mut self.obstacle_indices)?;
+        let Self { gpu, buffers, fields, .. } = self;
+        let field_of = |shape: &Shape| fields.field(shape, |pairs| buffers.push_pairs(gpu, pairs));
+        obstacle::list(&environment.obstacles, field_of, &mut self.obstacles, &mut self.obstacle_indices)?;
         let mut step = step_data(environment);
         step.obstacle_count = self.obstacles.len() as u32;
         if self.dt > 0.0 {
@@ -270,11 +275,7 @@ impl GpuWorld {
             None => Kind::Listed,
         };
         let model = Model::new(topology, kind)?;
-        let first = self.pair_count;
-        let end = first + model.pairs.len() as u32;
-        self.buffers.reserve(&self.gpu, PAIR * u64::from(end), |buffers| &mut buffers.pairs)?;
-        self.pair_count = end;
-        self.buffers.pairs.write(&self.gpu, PAIR * u64::from(first), bytemuck::cast_slice(&model.pairs));
+        let first = self.buffers.push_pairs(&self.gpu, &model.pairs)?;
         self.models.push((Arc::clone(topology), Model { pairs: Vec::new(), ..model }, first));
         Ok(self.models.len() - 1)
     }

@@ -4,6 +4,7 @@
 mod beside_processor;
 mod common;
 mod contact;
+mod distance_fields;
 mod faults;
 mod motion;
 mod same_bits;

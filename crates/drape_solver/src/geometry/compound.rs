@@ -76,6 +76,11 @@ impl CompoundShape {
         (self.low, self.high)
     }
 
+    /// True if all of its parts have an inside.
+    pub(crate) fn is_solid(&self) -> bool {
+        self.parts.iter().all(|part| part.shape.is_solid())
+    }
+
     /// The surface of the part in which the point is deepest, or that is nearest to it.
     pub(crate) fn surface(&self, point: Vec3) -> Surface {
         let mut nearest = Surface { distance: f32::INFINITY, normal: Vec3::Y };

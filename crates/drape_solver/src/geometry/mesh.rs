@@ -58,6 +58,16 @@ impl MeshShape {
         self.sides == Sides::Hull
     }
 
+    /// True if it has an inside: it is closed, or a height field.
+    pub(crate) fn is_solid(&self) -> bool {
+        self.sides != Sides::Both
+    }
+
+    /// True for a height field.
+    pub(crate) fn is_bottomless(&self) -> bool {
+        self.sides == Sides::Top
+    }
+
     pub(crate) fn of_voxels(voxels: &Voxels) -> Result<Self, BuildError> {
         let (vertices, indices) = voxels.to_trimesh();
         Self::new(vertices, indices, |_| Sides::Solid)

@@ -7,7 +7,7 @@ use parry3d::query::PointProjection;
 use parry3d::shape::{Capsule, ShapeType, SharedShape};
 
 use crate::constants::SURFACE_NOISE;
-use crate::geometry::shape::Surface;
+use crate::geometry::shape::{Shape, Surface};
 
 /// Distance in metres at which parry is asked again beside a point that it cannot project well: too small to be seen.
 const BESIDE: f32 = 1.0e-3;
@@ -44,6 +44,28 @@ fn parry_projection(shape: &SharedShape, point: Vec3) -> PointProjection {
 pub(crate) fn is_upright(capsule: &Capsule) -> bool {
     let (a, b) = (capsule.segment.a, capsule.segment.b);
     a == -b && a.x == 0.0 && a.z == 0.0 && a.y != 0.0
+}
+
+impl Shape {
+    /// True if it has an inside, where its [`distance`](Self::distance) is negative: if it is no open mesh, triangle or line, and holds none.
+    pub fn is_solid(&self) -> bool {
+        use ShapeType as T;
+        match self {
+            Self::Mesh(mesh) => mesh.is_solid(),
+            Self::Compound(compound) => compound.is_solid(),
+            Self::Parry(shape) => !matches!(shape.shape_type(), T::Segment | T::Triangle | T::Polyline),
+            _ => true,
+        }
+    }
+
+    /// True if it is a height field, or holds one: all below is solid within the field's sides, however deep.
+    pub fn is_bottomless(&self) -> bool {
+        match self {
+            Self::Mesh(mesh) => mesh.is_bottomless(),
+            Self::Compound(compound) => compound.parts().any(|(part, _)| part.is_bottomless()),
+            _ => false,
+        }
+    }
 }
 
 /// True if the shape must have a thickness.
