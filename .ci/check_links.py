@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = Path(sys.argv[1])
 # READMEs in folders of these are those of crates.
 CRATES = [ROOT / "crates", ROOT / "bridges"]
-OURS = re.compile(r"https://docs\.rs/(?:bevy_drape|bevy_drape_script|drape_solver)/latest/([^#]*)(?:#(.*))?")
+OURS = re.compile(r"https://docs\.rs/(?:bevy_drape|bevy_drape_script|drape_gpu|drape_solver)/latest/([^#]*)(?:#(.*))?")
 FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 TARGET = re.compile(r"\]\(([^()\s]+)\)|^\[[^\]]+\]: (\S+)|(?:href|src)=\"([^\"]+)\"", re.MULTILINE)
 # A label in code, unless it is the text of a link or its definition.

@@ -4,7 +4,7 @@ use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::growing_buffer::GrowingBuffer;
 use crate::kernels::{Kernels, bind};
-use crate::layout::{RunData, StepData};
+use crate::layout::{SizeClassData, StepData};
 use crate::source::SIZE_CLASSES;
 
 /// Bytes of a pair of words.
@@ -31,9 +31,9 @@ pub(crate) struct Buffers {
     /// Sums of pushes on obstacles.
     pub reactions: GrowingBuffer,
     /// The bodies of each size class.
-    pub runs: [wgpu::Buffer; SIZE_CLASSES.len()],
+    pub size_classes: [wgpu::Buffer; SIZE_CLASSES.len()],
     /// What each dispatch of a large body reads.
-    pub passes: wgpu::Buffer,
+    pub dispatches: wgpu::Buffer,
     groups: Option<Groups>,
 }
 
@@ -64,8 +64,10 @@ impl Buffers {
             flights: growing("flights"),
             accelerations: growing("accelerations"),
             reactions: growing("reactions"),
-            runs: core::array::from_fn(|_| uniform(gpu, "run", size_of::<RunData>() as u64)),
-            passes: uniform(gpu, "passes", 256),
+            size_classes: core::array::from_fn(|_| {
+                uniform(gpu, "size class", size_of::<SizeClassData>() as u64)
+            }),
+            dispatches: uniform(gpu, "dispatches", 256),
             groups: None,
         }
     }
@@ -99,24 +101,21 @@ impl Buffers {
         Ok(first)
     }
 
-    /// Writes what the dispatches of large bodies read, each at a multiple of [`pass_stride`].
+    /// Makes room for what the dispatches of large bodies read, each at a multiple of [`dispatch_stride`].
     ///
     /// # Errors
     /// [`GpuError::Limit`] if there are too many.
-    pub fn write_passes(&mut self, gpu: &Gpu, data: &[u8]) -> Result<(), GpuError> {
+    pub fn reserve_dispatches(&mut self, gpu: &Gpu, bytes: u64) -> Result<(), GpuError> {
         // Offsets have 32 bits.
         let limit = gpu.device.limits().max_buffer_size.min(u64::from(u32::MAX));
-        if data.len() as u64 > limit {
-            let (what, name) =
-                ("the list of dispatches: substeps times iterations of large bodies", "maxBufferSize");
-            return Err(GpuError::Limit { what, needed: data.len() as u64, limit, name });
+        if bytes > limit {
+            let what = "the list of dispatches: substeps times iterations of large bodies";
+            return Err(GpuError::Limit { what, needed: bytes, limit, name: "maxBufferSize" });
         }
-        let size = (data.len() as u64).max(256);
-        if size > self.passes.size() {
-            self.passes = uniform(gpu, "passes", size);
+        if bytes > self.dispatches.size() {
+            self.dispatches = uniform(gpu, "dispatches", bytes);
             self.groups = None;
         }
-        gpu.queue.write_buffer(&self.passes, 0, data);
         Ok(())
     }
 
@@ -141,27 +140,28 @@ impl Buffers {
             ];
             bind(gpu, &kernels.common, bound.map(whole))
         };
-        let pass = || {
+        let dispatch = || {
             wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &self.passes,
+                buffer: &self.dispatches,
                 offset: 0,
-                size: wgpu::BufferSize::new(size_of::<crate::layout::PassData>() as u64),
+                size: wgpu::BufferSize::new(size_of::<crate::layout::DispatchData>() as u64),
             })
         };
-        let grid = |side: usize| bind(gpu, &kernels.grid, [pass(), whole(self.positions[1 - side].get())]);
+        let grid =
+            |side: usize| bind(gpu, &kernels.grid, [dispatch(), whole(self.positions[1 - side].get())]);
         Groups {
             common: [common(0), common(1)],
             small: core::array::from_fn(|class| {
                 bind(
                     gpu,
                     &kernels.small,
-                    [&self.runs[class], self.statuses.get(), self.reactions.get()].map(whole),
+                    [&self.size_classes[class], self.statuses.get(), self.reactions.get()].map(whole),
                 )
             }),
             large: {
                 let flights = [&self.flights, &self.accelerations, &self.statuses, &self.reactions];
                 let [a, b, c, d] = flights.map(|buffer| whole(buffer.get()));
-                bind(gpu, &kernels.large, [pass(), a, b, c, d])
+                bind(gpu, &kernels.large, [dispatch(), a, b, c, d])
             },
             grid: [grid(0), grid(1)],
         }
@@ -169,9 +169,9 @@ impl Buffers {
 }
 
 /// Bytes from one dispatch's data to that of the next.
-pub(crate) fn pass_stride(gpu: &Gpu) -> u64 {
+pub(crate) fn dispatch_stride(gpu: &Gpu) -> u64 {
     let aligned = u64::from(gpu.device.limits().min_uniform_buffer_offset_alignment);
-    (size_of::<crate::layout::PassData>() as u64).next_multiple_of(aligned)
+    (size_of::<crate::layout::DispatchData>() as u64).next_multiple_of(aligned)
 }
 
 fn uniform(gpu: &Gpu, label: &str, size: u64) -> wgpu::Buffer {

@@ -26,18 +26,30 @@ pub enum GpuError {
         needed: u64,
         /// The most that the device allows.
         limit: u64,
-        /// The limit's name in WebGPU.
+        /// Name of the limit: WebGPU's, or `MAX_OBSTACLES`.
         name: &'static str,
     },
     /// The body has something that the GPU does not solve.
     #[error("{0} cannot be solved on the GPU")]
     Unsupported(&'static str),
-    /// The step, the environment or the settings are invalid.
+    /// The step or the environment is invalid.
     #[error(transparent)]
     Step(#[from] drape_solver::StepError),
     /// Settings of a body are out of range.
     #[error(transparent)]
     Settings(#[from] drape_solver::BuildError),
+    /// The particle is not pinned.
+    #[error("particle {0} is not pinned")]
+    NotPinned(u32),
+    /// A value is not finite.
+    #[error("{0} is not finite")]
+    NotFinite(&'static str),
+    /// The body has not been stepped since it was added.
+    #[error("the body has not been stepped yet")]
+    NotStepped,
+    /// The world does not keep the positions of its last step.
+    #[error("the world does not keep the positions of its last step: call `keep_last_positions` before it")]
+    NoLastPositions,
     /// There is no body with this number, or it was removed.
     #[error("no such body")]
     NoSuchBody,

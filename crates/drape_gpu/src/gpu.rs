@@ -7,6 +7,9 @@ use crate::error::GpuError;
 /// Storage buffers that the kernels of large bodies bind at once. WebGPU allows 8 everywhere and 10 almost everywhere.
 const STORAGE_BUFFERS: u32 = 10;
 
+/// Threads of the largest workgroup that every device has to have.
+const THREADS: u32 = 256;
+
 /// A device and its queue. Clones share them.
 #[derive(Clone, Debug)]
 pub struct Gpu {
@@ -17,7 +20,8 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens the fastest adapter there is, software included.
+    /// Opens the fastest adapter there is, software included. Not in a browser, where nothing may wait: there, [share](Self::sharing) the device of a
+    /// renderer.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] or [`GpuError::NoDevice`].
@@ -48,19 +52,26 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Shares a device that is open already, such as that of a renderer. Its owner hears of a loss or an error, not the worlds here.
+    /// Shares a device that is open already, such as that of a renderer. Its owner hears of a loss or an error; here
+    /// nothing is ever [lost](GpuError::Lost).
     ///
     /// # Errors
-    /// [`GpuError::Limit`] if it allows too few storage buffers.
+    /// [`GpuError::Limit`] if it allows too few storage buffers or threads.
     pub fn sharing(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
-        let limit = device.limits().max_storage_buffers_per_shader_stage;
-        if limit < STORAGE_BUFFERS {
-            return Err(GpuError::Limit {
-                what: "a kernel",
-                needed: STORAGE_BUFFERS.into(),
-                limit: limit.into(),
-                name: "maxStorageBuffersPerShaderStage",
-            });
+        let limits = device.limits();
+        for (needed, limit, name) in [
+            (STORAGE_BUFFERS, limits.max_storage_buffers_per_shader_stage, "maxStorageBuffersPerShaderStage"),
+            (THREADS, limits.max_compute_invocations_per_workgroup, "maxComputeInvocationsPerWorkgroup"),
+            (THREADS, limits.max_compute_workgroup_size_x, "maxComputeWorkgroupSizeX"),
+        ] {
+            if limit < needed {
+                return Err(GpuError::Limit {
+                    what: "a kernel",
+                    needed: needed.into(),
+                    limit: limit.into(),
+                    name,
+                });
+            }
         }
         let adapter = device.adapter_info().name;
         Ok(Self { device, queue, adapter, failure: Arc::default() })
@@ -77,7 +88,7 @@ impl Gpu {
     }
 
     /// Name of the adapter.
-    pub fn adapter(&self) -> &str {
+    pub fn adapter_name(&self) -> &str {
         &self.adapter
     }
 

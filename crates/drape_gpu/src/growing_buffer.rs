@@ -48,6 +48,7 @@ impl GrowingBuffer {
         } else {
             (limits.max_buffer_size, "maxBufferSize")
         };
+        let limit = limit - limit % 16;
         if bytes > limit {
             return Err(GpuError::Limit { what: self.label, needed: bytes, limit, name });
         }

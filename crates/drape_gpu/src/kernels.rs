@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use crate::gpu::Gpu;
 use crate::source::{
-    HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, small_source,
+    Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, small_source,
     surface_source,
 };
 
@@ -29,8 +29,9 @@ pub(crate) struct Kernels {
     pub tile: Option<[u32; 2]>,
     /// Threads of a tile's workgroup.
     tile_threads: u32,
-    small_steps: [OnceLock<wgpu::ComputePipeline>; SIZE_CLASSES.len()],
-    large_steps: OnceLock<LargeKernels>,
+    /// By size class, without extras and with them.
+    small_steps: [[OnceLock<wgpu::ComputePipeline>; 2]; SIZE_CLASSES.len()],
+    large_steps: [OnceLock<LargeKernels>; 2],
     grid_step: OnceLock<wgpu::ComputePipeline>,
 }
 
@@ -58,9 +59,12 @@ impl Kernels {
             large: layout(gpu, "large bodies", &[DynamicUniform, Changed, Changed, Changed, Changed]),
             grid: layout(gpu, "grids", &[DynamicUniform, Changed]),
             tile,
-            tile_threads: limits.max_compute_invocations_per_workgroup.min(TILE_WORKGROUP),
+            tile_threads: limits
+                .max_compute_invocations_per_workgroup
+                .min(limits.max_compute_workgroup_size_x)
+                .min(TILE_WORKGROUP),
             small_steps: Default::default(),
-            large_steps: OnceLock::new(),
+            large_steps: Default::default(),
             grid_step: OnceLock::new(),
         }
     }
@@ -74,23 +78,24 @@ impl Kernels {
     pub fn size_class(&self, gpu: &Gpu, particles: u32) -> Option<usize> {
         let shared = gpu.device.limits().max_compute_workgroup_storage_size;
         let fits = |class: &SizeClass| {
-            particles <= class.capacity() && class.capacity() * POSITION + SHARED_BESIDES <= shared
+            let capacity = class.threads * class.per_thread;
+            particles <= capacity && capacity * POSITION + SHARED_BESIDES <= shared
         };
         SIZE_CLASSES.iter().position(fits)
     }
 
     /// The kernel that steps small bodies of a size class.
-    pub fn small_step(&self, gpu: &Gpu, class: usize) -> &wgpu::ComputePipeline {
-        self.small_steps[class].get_or_init(|| {
-            let module = module(gpu, "small bodies", &small_source(SIZE_CLASSES[class]));
+    pub fn small_step(&self, gpu: &Gpu, class: usize, extras: Extras) -> &wgpu::ComputePipeline {
+        self.small_steps[class][extras as usize].get_or_init(|| {
+            let module = module(gpu, "small bodies", &small_source(SIZE_CLASSES[class], extras));
             pipeline(gpu, &module, "step_body", &[&self.common, &self.small])
         })
     }
 
     /// The kernels that step large bodies.
-    pub fn large_steps(&self, gpu: &Gpu) -> &LargeKernels {
-        self.large_steps.get_or_init(|| {
-            let module = module(gpu, "large bodies", &large_source());
+    pub fn large_steps(&self, gpu: &Gpu, extras: Extras) -> &LargeKernels {
+        self.large_steps[extras as usize].get_or_init(|| {
+            let module = module(gpu, "large bodies", &large_source(extras));
             let pipeline = |entry| pipeline(gpu, &module, entry, &[&self.common, &self.large]);
             LargeKernels {
                 begin: pipeline("begin"),

@@ -1,9 +1,7 @@
 //! What the shaders read, field by field as `shaders/structures.wgsl` declares it.
 
 use bytemuck::{Pod, Zeroable};
-
-/// The waves of a gust.
-pub(crate) const WAVES: usize = 6;
+use drape_solver::motion::wind::WAVES;
 
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
@@ -56,6 +54,16 @@ pub(crate) struct ObstacleData {
     pub unused: u32,
 }
 
+impl ObstacleData {
+    /// True if it has a field of distances, or asks for its reactions.
+    pub fn needs_extras(&self) -> bool {
+        self.shape == FIELD || self.is_asking != 0
+    }
+}
+
+/// The number of a shape with a field of distances.
+pub(crate) const FIELD: u32 = 6;
+
 /// `Body`.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
@@ -103,7 +111,7 @@ pub(crate) struct BatchData {
 /// `Run` of `small_bodies.wgsl`: the bodies of one dispatch.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct RunData {
+pub(crate) struct SizeClassData {
     pub first_body: u32,
     pub body_count: u32,
     pub unused: [u32; 2],
@@ -131,7 +139,7 @@ impl StatusData {
 /// `Pass` of `large_bodies.wgsl`: one stage of one body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct PassData {
+pub(crate) struct DispatchData {
     pub body: u32,
     pub batch: u32,
     pub substep: u32,

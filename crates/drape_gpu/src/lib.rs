@@ -44,9 +44,9 @@ mod layout;
 mod model;
 #[cfg(feature = "wgpu")]
 mod obstacle;
-// Its tests need no backend.
 #[cfg(feature = "wgpu")]
 mod snapshots;
+// Its tests need no backend.
 #[cfg(any(test, feature = "wgpu"))]
 mod source;
 #[cfg(feature = "wgpu")]

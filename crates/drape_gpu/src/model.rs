@@ -88,7 +88,10 @@ impl Model {
         let reach =
             |way: fn(&BatchData) -> u32| self.batches.iter().map(|batch| way(&batch.data)).sum::<u32>();
         self.grid.is_some()
-            && self.batches.iter().all(|batch| batch.data.right.abs() <= 2 && batch.data.down <= 2)
+            && self.batches.iter().all(|ModelBatch { data: BatchData { right, down, .. }, .. }| {
+                // Sticks along a row begin at their left ends.
+                right.abs() <= 2 && (*down == 1 || *down == 2 || (*down == 0 && *right > 0))
+            })
             && reach(|batch| batch.right.unsigned_abs()) <= HALO
             && reach(|batch| batch.down.unsigned_abs()) <= HALO
     }

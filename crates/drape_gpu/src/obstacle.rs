@@ -4,7 +4,7 @@ use drape_solver::{CombineRule, Obstacle, Obstacles, Shape};
 
 use crate::distance_field::Field;
 use crate::error::GpuError;
-use crate::layout::ObstacleData;
+use crate::layout::{FIELD, ObstacleData};
 use crate::source::MAX_OBSTACLES;
 
 /// Coordinates that stand for infinity: a shader need not know it.
@@ -18,26 +18,22 @@ const FAR: f32 = 1e30;
 pub(crate) fn list(
     obstacles: &Obstacles,
     mut field_of: impl FnMut(&Shape) -> Result<Field, GpuError>,
-    into: &mut Vec<ObstacleData>,
-    indices: &mut Vec<u32>,
-) -> Result<(), GpuError> {
-    into.clear();
-    indices.clear();
-    for (index, obstacle) in obstacles.iter().enumerate() {
-        if !obstacle.is_sensor() && !obstacle.is_out_of_reach() {
-            into.push(data(obstacle, &mut field_of)?);
-            indices.push(index as u32);
-        }
+) -> Result<(Vec<ObstacleData>, Vec<u32>), GpuError> {
+    let is_met = |obstacle: &&Obstacle| !obstacle.is_sensor() && !obstacle.is_out_of_reach();
+    let (mut list, mut indices) = (Vec::new(), Vec::new());
+    for (index, obstacle) in obstacles.iter().enumerate().filter(|(_, obstacle)| is_met(obstacle)) {
+        list.push(data(obstacle, &mut field_of)?);
+        indices.push(index as u32);
     }
-    if into.len() > MAX_OBSTACLES {
+    if list.len() > MAX_OBSTACLES {
         return Err(GpuError::Limit {
             what: "the list of obstacles",
-            needed: into.len() as u64,
+            needed: list.len() as u64,
             limit: MAX_OBSTACLES as u64,
             name: "MAX_OBSTACLES",
         });
     }
-    Ok(())
+    Ok((list, indices))
 }
 
 fn data(
@@ -57,7 +53,7 @@ fn data(
         Shape::Mesh(_) | Shape::Compound(_) | Shape::Parry(_) => {
             field = field_of(obstacle.shape())?;
             let low = field.lattice.low;
-            (6, [low.x, low.y, low.z, f32::from(u8::from(field.is_bottomless))])
+            (FIELD, [low.x, low.y, low.z, f32::from(u8::from(field.is_bottomless))])
         }
     };
     let (from, to) = (obstacle.previous_placement(), obstacle.placement());

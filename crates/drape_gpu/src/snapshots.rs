@@ -21,13 +21,15 @@ pub(crate) struct Snapshots {
     current: usize,
     /// True until the first step of a frame.
     is_new_frame: bool,
+    /// True once there was a step.
+    has_step: bool,
 }
 
 impl Snapshots {
     pub fn new(gpu: &Gpu) -> Self {
         let pair =
             || ["positions before a step", "positions after it"].map(|label| GrowingBuffer::new(gpu, label));
-        Self { pairs: [pair(), pair()], current: 0, is_new_frame: true }
+        Self { pairs: [pair(), pair()], current: 0, is_new_frame: true, has_step: false }
     }
 
     /// The next step uses the other pair.
@@ -48,6 +50,7 @@ impl Snapshots {
         if core::mem::take(&mut self.is_new_frame) {
             self.current = 1 - self.current;
         }
+        self.has_step = true;
         encoder.copy_buffer_to_buffer(positions, 0, self.pairs[self.current][0].get(), 0, bytes);
     }
 
@@ -56,8 +59,8 @@ impl Snapshots {
         encoder.copy_buffer_to_buffer(positions, 0, self.pairs[self.current][1].get(), 0, bytes);
     }
 
-    /// Positions before and after the last step.
-    pub fn last(&self) -> [&wgpu::Buffer; 2] {
-        self.pairs[self.current].each_ref().map(GrowingBuffer::get)
+    /// Positions before and after the last step; none before the first step.
+    pub fn last(&self) -> Option<[&wgpu::Buffer; 2]> {
+        self.has_step.then(|| self.pairs[self.current].each_ref().map(GrowingBuffer::get))
     }
 }

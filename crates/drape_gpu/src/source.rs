@@ -1,9 +1,13 @@
 //! The sources of the shaders: parts of WGSL, joined, with the sizes and constants that the processor decides.
 
-use drape_solver::constants::{CONTACT_MARGIN, MAX_MAGNITUDE, PUSH_OUT_SPEED};
+use drape_solver::constants::{CONTACT_MARGIN, LEAST_OVERLAP, MAX_MAGNITUDE, PUSH_OUT_SPEED, REFERENCE_STEP};
+use drape_solver::motion::wind::WAVES;
 
 /// The greatest number of obstacles in a step: one bit each in a workgroup's shared memory.
 pub const MAX_OBSTACLES: usize = 1024;
+
+/// Units of the sums of reactions in a newton second, or a newton metre second.
+pub(crate) const IMPULSE_UNITS: f32 = 1_073_741_824.0;
 
 /// Columns or rows on which one iteration over a grid may carry a change.
 pub(crate) const HALO: u32 = 10;
@@ -13,13 +17,6 @@ pub(crate) const HALO: u32 = 10;
 pub(crate) struct SizeClass {
     pub threads: u32,
     pub per_thread: u32,
-}
-
-impl SizeClass {
-    /// The greatest number of particles.
-    pub fn capacity(self) -> u32 {
-        self.threads * self.per_thread
-    }
 }
 
 /// Sizes of bodies that one workgroup steps, the smallest first.
@@ -50,23 +47,66 @@ const AIR: &str = include_str!("shaders/air.wgsl");
 const OBSTACLE: &str = include_str!("shaders/obstacle.wgsl");
 const NEARBY: &str = include_str!("shaders/nearby.wgsl");
 const TETHER: &str = include_str!("shaders/tether.wgsl");
+const DISPATCH: &str = include_str!("shaders/dispatch.wgsl");
+const OWN_POSITIONS: &str = include_str!("shaders/own_positions.wgsl");
 const REACTION: &str = include_str!("shaders/reaction.wgsl");
 const SMALL: &str = include_str!("shaders/small_bodies.wgsl");
 const LARGE: &str = include_str!("shaders/large_bodies.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
 const GRID: &str = include_str!("shaders/grid_sticks.wgsl");
 
+/// What a kernel can do besides. Its code costs registers even where it does not run: a crowd of small bodies is a third slower with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extras {
+    None,
+    /// Obstacles with a field of distances, and those that ask for their reactions.
+    FieldsAndReactions,
+}
+
+impl Extras {
+    fn source(self) -> &'static str {
+        match self {
+            Self::None => "const HAS_EXTRAS: bool = false;\n",
+            Self::FieldsAndReactions => "const HAS_EXTRAS: bool = true;\n",
+        }
+    }
+}
+
 /// The whole source of the kernel of small bodies.
-pub(crate) fn small_source(class: SizeClass) -> String {
+pub(crate) fn small_source(class: SizeClass, extras: Extras) -> String {
     let SizeClass { threads, per_thread } = class;
     let sizes = format!("const WORKGROUP: u32 = {threads}u;\nconst PER_THREAD: u32 = {per_thread}u;\n");
-    with_constants(&[&sizes, STRUCTURES, STICK, AIR, REACTION, OBSTACLE, NEARBY, SMALL])
+    with_constants(&[
+        &sizes,
+        extras.source(),
+        STRUCTURES,
+        STICK,
+        TETHER,
+        AIR,
+        REACTION,
+        OBSTACLE,
+        NEARBY,
+        SMALL,
+    ])
 }
 
 /// The whole source of the kernels of large bodies.
-pub(crate) fn large_source() -> String {
+pub(crate) fn large_source(extras: Extras) -> String {
     let sizes = format!("const WORKGROUP: u32 = {LARGE_WORKGROUP}u;\n");
-    with_constants(&[&sizes, STRUCTURES, STICK, TETHER, AIR, REACTION, OBSTACLE, NEARBY, LARGE])
+    with_constants(&[
+        &sizes,
+        extras.source(),
+        STRUCTURES,
+        DISPATCH,
+        OWN_POSITIONS,
+        STICK,
+        TETHER,
+        AIR,
+        REACTION,
+        OBSTACLE,
+        NEARBY,
+        LARGE,
+    ])
 }
 
 /// The whole source of the kernel that writes vertices.
@@ -79,7 +119,7 @@ pub(crate) fn grid_source([width, height]: [u32; 2], threads: u32) -> String {
     let sizes = format!(
         "const WORKGROUP: u32 = {threads}u;\nconst TILE_WIDTH: u32 = {width}u;\nconst TILE_HEIGHT: u32 = {height}u;\n"
     );
-    with_constants(&[&sizes, STRUCTURES, STICK, TETHER, GRID])
+    with_constants(&[&sizes, STRUCTURES, DISPATCH, OWN_POSITIONS, STICK, TETHER, GRID])
 }
 
 /// Joins parts of a source, and fills in the constants that the solver has too.
@@ -87,6 +127,10 @@ fn with_constants(parts: &[&str]) -> String {
     let words = MAX_OBSTACLES.div_ceil(32);
     parts
         .concat()
+        .replace("{WAVES}", &format!("{WAVES}"))
+        .replace("{LEAST_OVERLAP}", &format!("{LEAST_OVERLAP:?}"))
+        .replace("{REFERENCE_STEP}", &format!("{REFERENCE_STEP:?}"))
+        .replace("{IMPULSE_UNITS}", &format!("{IMPULSE_UNITS:?}"))
         .replace("{MAX_MAGNITUDE}", &format!("{MAX_MAGNITUDE:?}"))
         .replace("{PUSH_OUT_SPEED}", &format!("{PUSH_OUT_SPEED:?}"))
         .replace("{CONTACT_MARGIN}", &format!("{CONTACT_MARGIN:?}"))
@@ -100,12 +144,16 @@ mod tests {
 
     use super::*;
 
+    const ALL_EXTRAS: [Extras; 2] = [Extras::None, Extras::FieldsAndReactions];
+
     /// All sources are valid WGSL within WebGPU: nothing here needs an adapter.
     #[test]
     fn every_kernel_is_valid() {
-        let small = SIZE_CLASSES.map(small_source);
+        let small =
+            ALL_EXTRAS.into_iter().flat_map(|extras| SIZE_CLASSES.map(|class| small_source(class, extras)));
+        let large = ALL_EXTRAS.map(large_source);
         let grids = TILES.map(|tile| grid_source(tile, TILE_WORKGROUP));
-        for source in small.into_iter().chain(grids).chain([large_source(), surface_source()]) {
+        for source in small.chain(large).chain(grids).chain([surface_source()]) {
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
             let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());

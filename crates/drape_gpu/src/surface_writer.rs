@@ -15,7 +15,7 @@ use crate::world::{GpuBodyId, GpuWorld};
 pub struct BodyVertices {
     /// The body.
     pub body: GpuBodyId,
-    /// Turns directions of the world into those of the vertices.
+    /// Turns directions of the world into those of the vertices; invertible.
     pub to_local: Mat3,
     /// The place in the world that is the origin of the vertices, in metres.
     pub origin: Vec3,
@@ -25,7 +25,7 @@ pub struct BodyVertices {
     pub first_position: u32,
     /// The same of its normal.
     pub first_normal: u32,
-    /// Words from one vertex to the next.
+    /// Words from one vertex to the next, at least 3.
     pub stride: u32,
 }
 
@@ -49,7 +49,7 @@ struct SurfaceData {
 
 /// Writes the vertices of some bodies in one dispatch.
 ///
-/// [`set`](Self::set) says which, from where the world is known; [`encode`](Self::encode) needs no world, so that a renderer may
+/// [`set_bodies`](Self::set_bodies) says which, from where the world is known; [`encode`](Self::encode) needs no world, so that a renderer may
 /// call it from another thread.
 #[derive(Debug)]
 pub struct SurfaceWriter {
@@ -75,13 +75,15 @@ impl SurfaceWriter {
         }
     }
 
-    /// Sets the bodies to write, as they were in the last step of `world`. Bodies that have not been stepped are left out.
+    /// Sets the bodies to write, as they were in the last step of `world`: to be called in each frame, after its steps. Bodies that have not been
+    /// stepped are left out.
     ///
     /// # Errors
-    /// [`GpuError::NoSuchBody`]; [`GpuError::Unsupported`] if the world does not [keep snapshots](GpuWorld::keep_snapshots);
+    /// [`GpuError::NoSuchBody`]; [`GpuError::NoLastPositions`] if the world does not [keep them](GpuWorld::keep_last_positions), or has not
+    /// been stepped since;
     /// [`GpuError::Limit`] if the device has no room.
-    pub fn set(&mut self, world: &GpuWorld, bodies: &[BodyVertices]) -> Result<(), GpuError> {
-        let read = world.shown().ok_or(GpuError::Unsupported("a surface of a world without snapshots"))?;
+    pub fn set_bodies(&mut self, world: &GpuWorld, bodies: &[BodyVertices]) -> Result<(), GpuError> {
+        let read = world.shown().ok_or(GpuError::NoLastPositions)?;
         let (mut shares, mut surfaces) = (vec![[0; 2]], Vec::new());
         for vertices in bodies {
             let Some(place) = world.place_of(vertices.body)? else { continue };
@@ -103,9 +105,8 @@ impl SurfaceWriter {
                 orientation: axes.determinant().signum(),
             });
         }
-        self.share_count = shares.len() as u32 - 1;
-        shares[0][0] = self.share_count;
-        self.read = Some(read.map(wgpu::Buffer::clone));
+        let count = shares.len() as u32 - 1;
+        shares[0][0] = count;
         for (buffer, data) in [
             (&mut self.shares, bytemuck::cast_slice::<_, u8>(&shares)),
             (&mut self.surfaces, bytemuck::cast_slice(&surfaces)),
@@ -113,10 +114,15 @@ impl SurfaceWriter {
             buffer.reserve(&self.gpu, data.len() as u64)?;
             buffer.write(&self.gpu, 0, data);
         }
+        self.share_count = count;
+        self.read = Some(read.map(wgpu::Buffer::clone));
         Ok(())
     }
 
-    /// Writes the vertices into `target`, a buffer that may be used as storage, when the encoder's commands run.
+    /// Writes the vertices into `target` when the encoder's commands run. Words beyond its end are not written.
+    ///
+    /// # Panics
+    /// By wgpu, if `target` may not be used as storage, or is larger than the device lets a shader see.
     pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Buffer) {
         let Some([pairs, before, after]) = &self.read else { return };
         if self.share_count > 0 {

@@ -1,5 +1,7 @@
 //! Times a step on the GPU's own clock.
 
+use std::time::Duration;
+
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 
@@ -46,9 +48,10 @@ impl Timer {
         encoder.resolve_query_set(&self.times, 0..2, &self.buffer, 0);
     }
 
-    pub fn read_seconds(&self, gpu: &Gpu) -> Result<f64, GpuError> {
+    /// The time between the two.
+    pub fn read(&self, gpu: &Gpu) -> Result<Duration, GpuError> {
         let bytes = gpu.read(&self.buffer, 0, 16)?;
         let [begin, end]: [u64; 2] = bytemuck::pod_read_unaligned(&bytes);
-        Ok(end.wrapping_sub(begin) as f64 * self.tick)
+        Ok(Duration::from_secs_f64(end.saturating_sub(begin) as f64 * self.tick))
     }
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
-use drape_gpu::{Gpu, wgpu};
+use drape_gpu::Gpu;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -22,8 +22,6 @@ use crate::solvers::threads::on_threads;
 
 /// Time before timing begins: a GPU that was idle is slow at first.
 const WARM_UP: Duration = Duration::from_millis(300);
-/// Bytes of a copy that measures the memory: more than caches hold.
-const COPIED: u64 = 1 << 28;
 /// Steps of the solver on the processor before timing begins.
 const SKIPPED: usize = 5;
 /// Steps that are submitted before one waits for them: what a game does whose frames the GPU limits.
@@ -36,7 +34,7 @@ pub struct GpuArguments {
     #[arg(long, value_enum)]
     scene: Option<SceneKind>,
     /// Sizes of the scene.
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', requires = "scene")]
     sizes: Vec<u32>,
     /// Substeps in a step of 1/60 s.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=256))]
@@ -74,19 +72,13 @@ struct GpuCost {
     cpu_ms: Vec<(u32, f64)>,
 }
 
-/// Measures all scenes, and prints a table.
+/// Measures the chosen scenes, and prints a table.
 ///
 /// # Errors
 /// If there is no adapter, or a scene does not fit the device.
 pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
     let gpu = adapter()?;
-    println!(
-        "{}, {:.0} GB/s read and written by a copy; {} substeps x {} sweeps",
-        gpu.adapter(),
-        bandwidth(&gpu)? * 1e-9,
-        arguments.substeps,
-        arguments.sweeps
-    );
+    println!("{}, {} substeps x {} sweeps", gpu.adapter_name(), arguments.substeps, arguments.sweeps);
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_header([
@@ -126,25 +118,6 @@ pub fn report(arguments: &GpuArguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Bytes a second that a copy from buffer to buffer reads and writes.
-fn bandwidth(gpu: &Gpu) -> Result<f64, Failure> {
-    let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-    let size = gpu.device().limits().max_buffer_size.min(COPIED);
-    let buffer = || wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
-    let [from, to] = [buffer(), buffer()].map(|buffer| gpu.device().create_buffer(&buffer));
-    let copy = |times: u32| {
-        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        (0..times).for_each(|_| encoder.copy_buffer_to_buffer(&from, 0, &to, 0, size));
-        let start = Instant::now();
-        gpu.queue().submit([encoder.finish()]);
-        gpu.wait().map(|()| start.elapsed().as_secs_f64())
-    };
-    copy(1)?;
-    // Two lengths, so that what a submission costs cancels out.
-    let [short, long] = [copy(4)?, copy(24)?];
-    Ok(40.0 * size as f64 / (long - short))
-}
-
 fn scenes(arguments: &GpuArguments) -> Vec<(SceneKind, u32)> {
     let usual: &[(SceneKind, &[u32])] = &[
         (SceneKind::Sheet, &[16, 32, 64, 128, 256, 512, 1024, 2048]),
@@ -175,7 +148,7 @@ fn measure(arguments: &GpuArguments, gpu: &Gpu, scene: &Scene) -> Result<GpuCost
     let mut on_gpu = Vec::new();
     for _ in 0..arguments.steps {
         simulation.start_step()?;
-        on_gpu.extend(simulation.world().read_seconds()?);
+        on_gpu.extend(simulation.world().read_step_time()?);
     }
     let (mut rounds, mut starts) = (Vec::new(), Vec::new());
     for _ in 0..arguments.steps as usize / IN_FLIGHT {
@@ -188,15 +161,15 @@ fn measure(arguments: &GpuArguments, gpu: &Gpu, scene: &Scene) -> Result<GpuCost
         gpu.wait()?;
         rounds.push(round.elapsed() / IN_FLIGHT as u32);
     }
-    on_gpu.sort_by(f64::total_cmp);
+    on_gpu.sort_unstable();
     Ok(GpuCost {
         scene: scene.kind.name(),
         n: scene.n,
         particles: scene.particle_count(),
         substeps: arguments.substeps,
         sweeps: arguments.sweeps,
-        adapter: gpu.adapter().to_string(),
-        gpu_ms: on_gpu.first().map(|&least| [on_gpu[on_gpu.len() / 2], least].map(|seconds| seconds * 1e3)),
+        adapter: gpu.adapter_name().to_string(),
+        gpu_ms: on_gpu.first().map(|&least| [on_gpu[on_gpu.len() / 2], least].map(in_ms)),
         wall_ms: in_ms(median(&mut rounds)),
         start_ms: in_ms(median(&mut starts)),
         cpu_ms: on_processor(arguments, scene, &options)?,

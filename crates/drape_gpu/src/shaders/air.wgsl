@@ -25,12 +25,19 @@ fn air_force(relative: vec3f, normal: vec3f, area: f32, by_force: f32, has_lift:
     return force;
 }
 
+// The displacement in a substep that the wind finds. A pin that has a target moves towards it.
+fn moved_in_substep(body: Body, index: u32) -> vec3f {
+    let moved = displacements[body.first_particle + index];
+    let way = (moved.xyz - positions[body.first_particle + index].xyz) / f32(body.substeps);
+    return select(moved.xyz * step.rescale, way, moved.w != 0.0);
+}
+
 // Acceleration of a particle by the air, in m/s^2: the sum over the faces and links around it. `index` counts from the
 // body's first particle.
 fn air_acceleration(body: Body, index: u32) -> vec3f {
     let here = positions[body.first_particle + index];
-    let own = displacements[body.first_particle + index].xyz;
-    let per_second = step.rescale / body.substep;
+    let own = moved_in_substep(body, index);
+    let per_second = 1.0 / body.substep;
     var sum = vec3f(0.0);
     let fan = pairs[body.first_fan + index];
     for (var i = fan.x; i < fan.y; i++) {
@@ -38,9 +45,7 @@ fn air_acceleration(body: Body, index: u32) -> vec3f {
         let second = corners.x;
         let third = corners.y;
         let q = positions[body.first_particle + second];
-        let moved = displacements[body.first_particle + second].xyz;
-        // Pins count as resting, whatever their targets.
-        let q_moved = select(vec3f(0.0), moved, q.w > 0.0);
+        let q_moved = moved_in_substep(body, second);
         if third == NONE {
             let along = q.xyz - here.xyz;
             let velocity = air_velocity(body.origin + 0.5 * (here.xyz + q.xyz));
@@ -55,7 +60,7 @@ fn air_acceleration(body: Body, index: u32) -> vec3f {
             continue;
         }
         let r = positions[body.first_particle + third];
-        let r_moved = select(vec3f(0.0), displacements[body.first_particle + third].xyz, r.w > 0.0);
+        let r_moved = moved_in_substep(body, third);
         let double_area = cross(q.xyz - here.xyz, r.xyz - here.xyz);
         let size = length(double_area);
         if size > 0.0 {

@@ -11,17 +11,6 @@
 const HALO: u32 = {HALO}u;
 const INNER: vec2u = vec2u(TILE_WIDTH, TILE_HEIGHT) - 2u * HALO;
 
-struct Pass {
-    body: u32,
-    batch: u32,
-    substep: u32,
-    iteration: u32,
-    ends: u32,
-    begins: u32,
-    unused: vec2u,
-}
-
-@group(1) @binding(0) var<uniform> pass_: Pass;
 @group(1) @binding(1) var<storage, read_write> next_positions: array<vec4f>;
 
 var<workgroup> places: array<vec4f, TILE_WIDTH * TILE_HEIGHT>;
@@ -67,7 +56,7 @@ fn project_batch(batch: Batch, thread: u32, rows: vec2u, least: vec2i, most: vec
 
 @compute @workgroup_size(WORKGROUP)
 fn project_grid(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) thread: u32) {
-    let body = bodies[pass_.body];
+    let body = bodies[dispatch.body];
     let is_square_root_free = body.is_square_root_free != 0u;
     let origin = vec2i(group.xy * INNER) - vec2i(i32(HALO));
     let size = vec2i(i32(body.columns), i32(body.rows));
@@ -85,7 +74,7 @@ fn project_grid(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_i
     // The farther the iteration, the fewer rows of the halo can still reach the inner part.
     var reach = HALO;
     for (var i = 0u; i < body.batch_count; i++) {
-        let index = select(i, body.batch_count - 1u - i, pass_.iteration % 2u == 1u);
+        let index = select(i, body.batch_count - 1u - i, dispatch.iteration % 2u == 1u);
         let batch = batches[body.first_batch + index];
         let rows = vec2u(HALO - reach, TILE_HEIGHT - HALO + reach);
         project_batch(batch, thread, rows, least, most, is_square_root_free);

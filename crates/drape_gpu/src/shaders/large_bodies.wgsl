@@ -1,21 +1,6 @@
 // Bodies too large for the memory of a workgroup: each stage of a substep is a dispatch of its own over all particles, or over all sticks
 // of a batch.
 
-struct Pass {
-    body: u32,
-    // Index of a batch of sticks.
-    batch: u32,
-    // The substep that begins or goes on.
-    substep: u32,
-    iteration: u32,
-    // 1 if the substep before ends in this pass, and if one begins.
-    ends: u32,
-    begins: u32,
-    unused: vec2u,
-}
-
-@group(1) @binding(0) var<uniform> pass_: Pass;
-// Two for each particle: position after free flight, and what may be left of an overlap; normal of the last contact, and summed depth.
 @group(1) @binding(1) var<storage, read_write> flights: array<vec4f>;
 // Acceleration, and the obstacle of the last contact.
 @group(1) @binding(2) var<storage, read_write> accelerations: array<vec4f>;
@@ -34,14 +19,15 @@ fn begin(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let body = bodies[pass_.body];
+    let body = bodies[dispatch.body];
     let index = index_of(group, groups, thread);
     if index < 3u {
-        atomicStore(&statuses[pass_.body].drift[index], 0);
-        atomicStore(&statuses[pass_.body].low[index], 0xffffffffu);
-        atomicStore(&statuses[pass_.body].high[index], 0u);
-        atomicStore(&statuses[pass_.body].fastest, 0u);
-        atomicStore(&statuses[pass_.body].is_broken, 0u);
+        atomicStore(&statuses[dispatch.body].drift[index], 0);
+        atomicStore(&statuses[dispatch.body].drift[3u + index], 0);
+        atomicStore(&statuses[dispatch.body].low[index], 0xffffffffu);
+        atomicStore(&statuses[dispatch.body].high[index], 0u);
+        atomicStore(&statuses[dispatch.body].fastest, 0u);
+        atomicStore(&statuses[dispatch.body].is_broken, 0u);
     }
     if index >= body.particle_count {
         return;
@@ -71,7 +57,7 @@ fn note_drift(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let body = bodies[pass_.body];
+    let body = bodies[dispatch.body];
     let index = index_of(group, groups, thread);
     if thread < 3u {
         atomicStore(&drift_sum[thread], 0);
@@ -86,11 +72,11 @@ fn note_drift(
     }
     workgroupBarrier();
     if thread < 3u {
-        let even = 3u * (pass_.substep % 2u);
-        atomicAdd(&statuses[pass_.body].drift[even + thread], atomicLoad(&drift_sum[thread]));
+        let even = 3u * (dispatch.substep % 2u);
+        atomicAdd(&statuses[dispatch.body].drift[even + thread], atomicLoad(&drift_sum[thread]));
         if index < 3u {
             // That of the substep before has been used.
-            atomicStore(&statuses[pass_.body].drift[3u - even + thread], 0);
+            atomicStore(&statuses[dispatch.body].drift[3u - even + thread], 0);
         }
     }
 }
@@ -98,13 +84,13 @@ fn note_drift(
 fn flight_of(particle: u32, displacement: vec3f) -> Flight {
     let flown = flights[2u * particle];
     let contact = flights[2u * particle + 1u];
-    return Flight(displacement, flown.w, flown.xyz, contact.w, contact.xyz, bitcast<u32>(accelerations[particle].w));
+    return Flight(displacement, flown.w, flown.xyz, contact.w, contact.xyz, u32(accelerations[particle].w));
 }
 
 fn keep(particle: u32, flight: Flight) {
     flights[2u * particle] = vec4f(flight.integrated, flight.left);
     flights[2u * particle + 1u] = vec4f(flight.normal, flight.depth);
-    accelerations[particle].w = bitcast<f32>(flight.obstacle);
+    accelerations[particle].w = f32(flight.obstacle);
 }
 
 // Ends a substep (contacts, displacements, friction), begins the next one (free flight, contacts), or does both.
@@ -114,7 +100,7 @@ fn advance(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let body = bodies[pass_.body];
+    let body = bodies[dispatch.body];
     let index = index_of(group, groups, thread);
     let particle = body.first_particle + min(index, body.particle_count - 1u);
     let has_obstacles = step.obstacle_count > 0u;
@@ -123,7 +109,7 @@ fn advance(
     let acceleration = accelerations[particle].xyz;
     var position = place.xyz;
     var flight: Flight;
-    let rescale = select(1.0, step.rescale, pass_.substep == 0u);
+    let rescale = select(1.0, step.rescale, dispatch.substep == 0u);
     flight.displacement = select(acceleration, displacements[particle].xyz * rescale, is_free);
 
     if has_obstacles {
@@ -136,45 +122,49 @@ fn advance(
         workgroupBarrier();
     }
     let is_there = index < body.particle_count;
-    if is_there && pass_.ends != 0u && is_free {
+    if is_there && dispatch.ends != 0u && is_free {
         if has_obstacles {
             flight = flight_of(particle, flight.displacement);
-            position = pushed_out_of_near(position, place.w, body, pass_.substep - 1u, &flight);
+            position = pushed_out_of_near(position, place.w, body, dispatch.substep - 1u, &flight);
         } else {
             flight.integrated = flights[2u * particle].xyz;
         }
-        let even = 3u * ((pass_.substep - 1u) % 2u);
+        let even = 3u * ((dispatch.substep - 1u) % 2u);
         let drift = vec3i(
-            atomicLoad(&statuses[pass_.body].drift[even]),
-            atomicLoad(&statuses[pass_.body].drift[even + 1u]),
-            atomicLoad(&statuses[pass_.body].drift[even + 2u]),
+            atomicLoad(&statuses[dispatch.body].drift[even]),
+            atomicLoad(&statuses[dispatch.body].drift[even + 1u]),
+            atomicLoad(&statuses[dispatch.body].drift[even + 2u]),
         );
         flight.displacement += position - flight.integrated - vec3f(drift) / DRIFT_UNITS;
         if flight.depth > 0.0 {
-            let taken = slip_taken(position, place.w, body, pass_.substep - 1u, flight);
+            let taken = slip_taken(position, place.w, body, dispatch.substep - 1u, flight);
             flight.displacement -= taken;
             position -= taken;
         }
         if !(is_finite(position) && is_finite(flight.displacement)) {
             // It rests where free flight had taken it, so that the fault does not spread.
-            let flown = flights[2u * particle].xyz;
-            position = select(vec3f(0.0), flown, is_finite(flown));
+            position = flights[2u * particle].xyz;
             flight.displacement = vec3f(0.0);
-            atomicStore(&statuses[pass_.body].is_broken, 1u);
+            atomicStore(&statuses[dispatch.body].is_broken, 1u);
         }
     }
-    if is_there && pass_.begins != 0u {
+    if is_there && dispatch.begins != 0u {
         if is_free {
             flight.displacement = flight.displacement * body.decay + acceleration * body.gain;
         }
-        position += flight.displacement;
+        if is_finite(position + flight.displacement) {
+            position += flight.displacement;
+        } else {
+            flight.displacement = vec3f(0.0);
+            atomicStore(&statuses[dispatch.body].is_broken, 1u);
+        }
         flight.integrated = position;
         flight.left = -1.0;
         flight.depth = 0.0;
         flight.normal = vec3f(0.0);
         flight.obstacle = 0u;
         if has_obstacles && is_free {
-            position = pushed_out_of_near(position, place.w, body, pass_.substep, &flight);
+            position = pushed_out_of_near(position, place.w, body, dispatch.substep, &flight);
         }
         if has_obstacles {
             keep(particle, flight);
@@ -184,9 +174,9 @@ fn advance(
     }
     if is_there {
         positions[particle] = vec4f(position, place.w);
-        displacements[particle] = vec4f(select(vec3f(0.0), flight.displacement, is_free), 0.0);
+        displacements[particle] = vec4f(flight.displacement, 0.0);
     }
-    if pass_.begins == 0u {
+    if dispatch.begins == 0u {
         workgroupBarrier();
         clear_near(thread);
         workgroupBarrier();
@@ -196,9 +186,9 @@ fn advance(
         }
         workgroupBarrier();
         if thread < 3u {
-            atomicMin(&statuses[pass_.body].low[thread], atomicLoad(&low[thread]));
-            atomicMax(&statuses[pass_.body].high[thread], atomicLoad(&high[thread]));
-            atomicMax(&statuses[pass_.body].fastest, atomicLoad(&fastest));
+            atomicMin(&statuses[dispatch.body].low[thread], atomicLoad(&low[thread]));
+            atomicMax(&statuses[dispatch.body].high[thread], atomicLoad(&high[thread]));
+            atomicMax(&statuses[dispatch.body].fastest, atomicLoad(&fastest));
         }
     }
 }
@@ -210,7 +200,7 @@ fn project_contacts(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let body = bodies[pass_.body];
+    let body = bodies[dispatch.body];
     let index = index_of(group, groups, thread);
     let particle = body.first_particle + min(index, body.particle_count - 1u);
     let place = positions[particle];
@@ -224,7 +214,7 @@ fn project_contacts(
         return;
     }
     var flight = flight_of(particle, displacements[particle].xyz);
-    let position = pushed_out_of_near(place.xyz, place.w, body, pass_.substep, &flight);
+    let position = pushed_out_of_near(place.xyz, place.w, body, dispatch.substep, &flight);
     keep(particle, flight);
     positions[particle] = vec4f(position, place.w);
     displacements[particle] = vec4f(flight.displacement, 0.0);
@@ -236,8 +226,8 @@ fn project_sticks(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let body = bodies[pass_.body];
-    let batch = batches[pass_.batch];
+    let body = bodies[dispatch.body];
+    let batch = batches[dispatch.batch];
     let index = index_of(group, groups, thread);
     if index >= batch.count {
         return;
@@ -260,7 +250,7 @@ fn project_tethers(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let body = bodies[pass_.body];
+    let body = bodies[dispatch.body];
     let index = index_of(group, groups, thread);
     if index >= body.particle_count {
         return;

@@ -10,11 +10,11 @@ const CONTAINER: u32 = 5u;
 const FIELD: u32 = 6u;
 
 // Overlaps of less than so many metres at the start of a substep count as none.
-const LEAST_OVERLAP: f32 = 1e-6;
+const LEAST_OVERLAP: f32 = {LEAST_OVERLAP};
 // Speed in m/s at which an overlap that no motion made is taken out at least.
 const PUSH_OUT_SPEED: f32 = {PUSH_OUT_SPEED};
 // Seconds.
-const REFERENCE_STEP: f32 = 0.016666667;
+const REFERENCE_STEP: f32 = {REFERENCE_STEP};
 
 fn rotated(rotation: vec4f, v: vec3f) -> vec3f {
     let t = 2.0 * cross(rotation.xyz, v);
@@ -129,6 +129,9 @@ fn in_field(obstacle: Obstacle, point: vec3f) -> vec4f {
 // Outward unit normal and distance, negative inside, of the surface nearest to a point in the obstacle's coordinates.
 fn surface_at(obstacle: Obstacle, point: vec3f) -> vec4f {
     let size = obstacle.size;
+    if HAS_EXTRAS && obstacle.shape == FIELD {
+        return in_field(obstacle, point);
+    }
     switch obstacle.shape {
         case SPHERE: {
             return around_core(point, size.x);
@@ -149,9 +152,6 @@ fn surface_at(obstacle: Obstacle, point: vec3f) -> vec4f {
         case CONTAINER: {
             return container(point, size.xyz);
         }
-        case FIELD: {
-            return in_field(obstacle, point);
-        }
         default: {
             return vec4f(size.xyz, dot(size.xyz, point));
         }
@@ -165,7 +165,7 @@ struct Flight {
     left: f32,
     // Position after free flight, from which projections are measured.
     integrated: vec3f,
-    // Depth that motion made, summed over the projections of the substep.
+    // Depth in the obstacle that presses most, as far as motion made it, summed over the projections of the substep.
     depth: f32,
     normal: vec3f,
     obstacle: u32,
@@ -220,9 +220,13 @@ fn pushed_out(
     (*flight).displacement += normal * with_velocity;
     note_push(index, normal * with_velocity, position, inverse_mass, body);
     (*flight).integrated += normal * out;
-    (*flight).depth += with_velocity;
-    (*flight).normal = normal;
-    (*flight).obstacle = index;
+    // Friction is that of the obstacle that presses most.
+    let is_same = index == (*flight).obstacle;
+    if is_same || with_velocity > (*flight).depth {
+        (*flight).depth = select(with_velocity, (*flight).depth + with_velocity, is_same);
+        (*flight).normal = normal;
+        (*flight).obstacle = index;
+    }
     return position + normal * out;
 }
 
@@ -237,7 +241,7 @@ fn combined(rule: u32, a: f32, b: f32) -> f32 {
     }
 }
 
-// The displacement that friction takes from a particle, along the surface of the obstacle that it touched last: at most the
+// The displacement that friction takes from a particle, along the surface of the obstacle that presses it most: at most the
 // coefficient times the depth, and never more than the slip (Jakobsen 2001).
 fn slip_taken(position: vec3f, inverse_mass: f32, body: Body, substep: u32, flight: Flight) -> vec3f {
     let obstacle = obstacles[flight.obstacle];

@@ -2,7 +2,7 @@
 // displacement by `d`, and so the momentum by `m d / h` with the substep `h`.
 
 // Sums are integers of 64 bits, of so many a newton second, in which no order of threads can change them.
-const IMPULSE_UNITS: f32 = 1073741824.0;
+const IMPULSE_UNITS: f32 = {IMPULSE_UNITS};
 const TWO_TO_32: f32 = 4294967296.0;
 
 // Adds a number to the sum whose lower word is at `word`.
@@ -23,7 +23,7 @@ fn add_exactly(word: u32, value: f32) {
 
 // Notes that an obstacle has changed the displacement of a particle at `position`.
 fn note_push(index: u32, change: vec3f, position: vec3f, inverse_mass: f32, body: Body) {
-    if obstacles[index].is_asking == 0u {
+    if !HAS_EXTRAS || obstacles[index].is_asking == 0u {
         return;
     }
     let impulse = -change / (body.substep * inverse_mass);

@@ -5,13 +5,14 @@
 
 const CAPACITY: u32 = WORKGROUP * PER_THREAD;
 
-struct Run {
+// The bodies of one dispatch.
+struct SizeClass {
     first_body: u32,
     body_count: u32,
     unused: vec2u,
 }
 
-@group(1) @binding(0) var<uniform> run: Run;
+@group(1) @binding(0) var<uniform> size_class: SizeClass;
 @group(1) @binding(1) var<storage, read_write> statuses: array<Status>;
 @group(1) @binding(2) var<storage, read_write> reactions: array<atomic<u32>>;
 
@@ -41,24 +42,8 @@ fn project_sticks(batch: Batch, thread: u32, is_square_root_free: bool) {
     }
 }
 
-fn project_tethers(body: Body, index: u32, is_square_root_free: bool) {
-    let place = places[index];
-    if place.w == 0.0 {
-        return;
-    }
-    var position = place.xyz;
-    for (var tie = 0u; tie < body.tethers_per_particle; tie++) {
-        let tether = pairs[body.first_tether + tie * body.particle_count + index];
-        if tether.x == NONE {
-            break;
-        }
-        let anchor = places[tether.x];
-        if anchor.w == 0.0 {
-            let length = bitcast<f32>(tether.y);
-            position = tethered(position, anchor.xyz, length, body.tether_pull, is_square_root_free);
-        }
-    }
-    places[index] = vec4f(position, place.w);
+fn position_of(body: Body, index: u32) -> vec4f {
+    return places[index];
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -67,11 +52,11 @@ fn step_body(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let place = group.y * groups.x + group.x;
-    if place >= run.body_count {
+    let order = group.y * groups.x + group.x;
+    if order >= size_class.body_count {
         return;
     }
-    let number = run.first_body + place;
+    let number = size_class.first_body + order;
     let body = bodies[number];
     let is_square_root_free = body.is_square_root_free != 0u;
     var flights: array<Flight, PER_THREAD>;
@@ -127,9 +112,14 @@ fn step_body(
                 for (var k = 0u; k < PER_THREAD; k++) {
                     let index = thread + k * WORKGROUP;
                     if index < body.particle_count {
-                        project_tethers(body, index, is_square_root_free);
+                        let place = places[index];
+                        if place.w > 0.0 {
+                            places[index] = vec4f(held_by_tethers(place.xyz, index, body), place.w);
+                        }
                     }
                 }
+                // Else a pin could go one substep further while others are still held by it.
+                workgroupBarrier();
             }
         }
         project_contacts(thread, body, substep, &flights);
@@ -158,18 +148,23 @@ fn step_body(
         }
     }
     workgroupBarrier();
-    // A body with a particle that would not be finite stays where it was.
+    // A body with a particle that would not be finite rests where it was.
     let stays = atomicLoad(&is_broken) != 0u;
     workgroupBarrier();
     clear_near(thread);
     workgroupBarrier();
     for (var k = 0u; k < PER_THREAD; k++) {
         let index = thread + k * WORKGROUP;
-        if index < body.particle_count && !stays {
-            let place = places[index];
-            let displacement = flights[k].displacement;
-            positions[body.first_particle + index] = place;
-            displacements[body.first_particle + index] = vec4f(select(vec3f(0.0), displacement, place.w > 0.0), 0.0);
+        if index < body.particle_count {
+            var place = places[index];
+            var displacement = flights[k].displacement;
+            if stays {
+                place = positions[body.first_particle + index];
+                displacement = vec3f(0.0);
+            } else {
+                positions[body.first_particle + index] = place;
+            }
+            displacements[body.first_particle + index] = vec4f(displacement, 0.0);
             include(place.xyz, 0.0);
             atomicMax(&fastest, bitcast<u32>(dot(displacement, displacement)));
         }
@@ -178,7 +173,7 @@ fn step_body(
     if thread == 0u {
         atomicStore(&statuses[number].is_broken, u32(stays));
     }
-    if thread < 3u && !stays {
+    if thread < 3u {
         atomicStore(&statuses[number].low[thread], atomicLoad(&low[thread]));
         atomicStore(&statuses[number].high[thread], atomicLoad(&high[thread]));
         atomicStore(&statuses[number].fastest, atomicLoad(&fastest));

@@ -1,6 +1,6 @@
-// Sticks and tethers: `projection.rs` and `tether.rs` of the solver have the same formulas.
+// Sticks: `projection.rs` of the solver has the same formulas.
 
-// The relative error of a stick: with a square root, or without (Jakobsen 2001, section 5).
+// The relative error of a stick or tether: with a square root, or without (Jakobsen 2001, section 5).
 fn stick_error(length_squared: f32, rest_length: f32, is_square_root_free: bool) -> f32 {
     if is_square_root_free {
         let rest_squared = rest_length * rest_length;
@@ -35,18 +35,4 @@ fn stick_pull(
     let divisor = whole * (p.w + q.w);
     let acts = divisor > 0.0 && excess * f32(side) >= 0.0;
     return delta * select(0.0, excess * stiffness / divisor, acts);
-}
-
-// The position that a particle gets from a tether to `pin`: within its length, but moved by no more than `most` metres.
-fn tethered(position: vec3f, pin: vec3f, length: f32, most: f32, is_square_root_free: bool) -> vec3f {
-    let delta = position - pin;
-    let distance_squared = dot(delta, delta);
-    if distance_squared <= length * length {
-        return position;
-    }
-    var part = stick_error(distance_squared, length, is_square_root_free);
-    if part * part * distance_squared > most * most {
-        part = most / sqrt(distance_squared);
-    }
-    return position - delta * part;
 }

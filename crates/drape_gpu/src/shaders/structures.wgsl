@@ -26,7 +26,7 @@ struct Step {
     unused_a: f32,
     unused_b: f32,
     unused_c: f32,
-    waves: array<Wave, 6>,
+    waves: array<Wave, {WAVES}>,
 }
 
 struct Obstacle {
@@ -155,7 +155,9 @@ const DRIFT_UNITS: f32 = 4294967296.0;
 
 // The part of a particle that sticks have moved in the drift of its body.
 fn drift_by(moved: vec3f, inverse_mass: f32, body: Body) -> vec3i {
-    return vec3i(round(moved * (body.inverse_mass / inverse_mass * DRIFT_UNITS)));
+    let part = round(moved * (body.inverse_mass / inverse_mass * DRIFT_UNITS));
+    // What is beyond half a metre is no rounding.
+    return select(vec3i(0), vec3i(part), abs(part) < vec3f(2147483520.0));
 }
 
 // Greatest coordinate that counts as finite, in metres: its square is far from the end of single precision.

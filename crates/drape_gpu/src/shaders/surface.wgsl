@@ -68,6 +68,10 @@ fn write_surface(
     let normal = select(vec3f(0.0, 0.0, 1.0), normalize(sum / size) * surface.orientation, size > 0.0);
     let position_word = surface.first_position + index * surface.stride;
     let normal_word = surface.first_normal + index * surface.stride;
+    let end = arrayLength(&vertices);
+    if position_word + 3u > end || normal_word + 3u > end {
+        return;
+    }
     for (var axis = 0u; axis < 3u; axis++) {
         vertices[position_word + axis] = here[axis];
         vertices[normal_word + axis] = normal[axis];

@@ -7,7 +7,7 @@ use drape_solver::glam::Vec3;
 use drape_solver::{Body, Environment, Particles, Shape, StepError, Topology};
 
 use crate::air::step_data;
-use crate::buffers::{Buffers, pass_stride};
+use crate::buffers::{Buffers, dispatch_stride};
 use crate::distance_field::DistanceFields;
 use crate::error::GpuError;
 use crate::gpu::Gpu;
@@ -16,10 +16,10 @@ use crate::layout::ObstacleData;
 use crate::model::{Kind, Model};
 use crate::obstacle;
 use crate::snapshots::Snapshots;
-use crate::source::SIZE_CLASSES;
+use crate::source::{Extras, SIZE_CLASSES};
 use crate::timer::Timer;
-use crate::world::member::{BodyPlace, GpuBodyId, Member};
-use crate::world::passes::{Dispatch, Stage};
+use crate::world::body_record::{BodyPlace, BodyRecord, GpuBodyId};
+use crate::world::dispatches::{Dispatch, Stage};
 use crate::world::read_back::REACTION;
 
 /// Bytes of the position or displacement of a particle.
@@ -50,7 +50,7 @@ pub struct GpuWorld {
     /// Of shapes without a formula.
     pub(super) fields: DistanceFields,
     /// By the numbers of their ids.
-    pub(super) bodies: BTreeMap<u32, Member>,
+    pub(super) bodies: BTreeMap<u32, BodyRecord>,
     pub(super) next_id: u32,
     /// Ranges of particles that no body uses, as (count, first).
     pub(super) free: Vec<(u32, u32)>,
@@ -62,13 +62,12 @@ pub struct GpuWorld {
     /// True if the tables of bodies and batches have to be written.
     pub(super) is_stale: bool,
     pub(super) dt: f32,
+    /// Obstacles of the last step.
     pub(super) obstacles: Vec<ObstacleData>,
-    /// Those of the last step.
-    pub(super) known_obstacles: Vec<ObstacleData>,
     /// Index of each in the environment.
     pub(super) obstacle_indices: Vec<u32>,
     /// The number of small bodies of each size class.
-    pub(super) runs: [u32; SIZE_CLASSES.len()],
+    pub(super) class_counts: [u32; SIZE_CLASSES.len()],
     pub(super) dispatches: Vec<Dispatch>,
     /// Ranges of particles that a step leaves in the second buffer of positions, in bytes.
     pub(super) moved_over: Vec<(u64, u64)>,
@@ -94,9 +93,8 @@ impl GpuWorld {
             is_stale: true,
             dt: 0.0,
             obstacles: Vec::new(),
-            known_obstacles: Vec::new(),
             obstacle_indices: Vec::new(),
-            runs: [0; SIZE_CLASSES.len()],
+            class_counts: [0; SIZE_CLASSES.len()],
             dispatches: Vec::new(),
             moved_over: Vec::new(),
             timer: Timer::new(gpu),
@@ -106,7 +104,8 @@ impl GpuWorld {
 
     /// Adds a copy of a body. Bodies that share a topology share its memory here too.
     ///
-    /// [Lines](drape_solver::StructuralSolve::Lines) are swept, early stops by tolerance ignored.
+    /// [Lines](drape_solver::StructuralSolve::Lines) are swept. Not heeded are early stops by tolerance, forces and targets of pins that the particles have
+    /// been given, limits on motion, backstops, drives, joints, moving frames, and the report of contacts.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] if it has what the GPU does not solve: self-contact, a rigidity, pressure, damped sticks, rigid parts.
@@ -120,9 +119,16 @@ impl GpuWorld {
             return Err(GpuError::Unsupported("pressure"));
         }
         let count = body.particles.len() as u32;
+        if count as usize != body.topology.particle_count() {
+            return Err(GpuError::Unsupported("a body with more or fewer particles than its topology"));
+        }
         let model = self.model(&body.topology)?;
         let first_particle = match self.free.iter().position(|&(size, _)| size == count) {
-            Some(place) => self.free.swap_remove(place).1,
+            Some(place) => {
+                // A large body needs buffers that a small one has not.
+                self.reserve_particles(self.particle_count)?;
+                self.free.swap_remove(place).1
+            }
             None => {
                 self.reserve_particles(self.particle_count + count)?;
                 self.particle_count += count;
@@ -131,13 +137,13 @@ impl GpuWorld {
         };
         let id = GpuBodyId(self.next_id);
         self.next_id += 1;
-        self.bodies.insert(id.0, Member::new(body, model, first_particle));
+        self.bodies.insert(id.0, BodyRecord::new(body, model, first_particle));
         self.arriving.push((id, body.particles.clone()));
         self.is_stale = true;
         Ok(id)
     }
 
-    /// Removes a body.
+    /// Removes a body. Its memory is used again for bodies of as many particles; that of its topology is kept as long as the world.
     ///
     /// # Errors
     /// [`GpuError::NoSuchBody`].
@@ -163,13 +169,14 @@ impl GpuWorld {
     /// Moves a pinned particle to `target` (world, metres) in the coming step, in equal parts over the substeps.
     ///
     /// # Errors
-    /// [`GpuError::NoSuchBody`]; [`GpuError::Unsupported`] if the particle is not pinned or the target not finite.
+    /// [`GpuError::NoSuchBody`], [`GpuError::NotPinned`], [`GpuError::NotFinite`].
     pub fn set_pin_target(&mut self, id: GpuBodyId, particle: u32, target: Vec3) -> Result<(), GpuError> {
         let member = self.member(id)?;
-        if !target.is_finite() || member.pins.binary_search(&particle).is_err() {
-            return Err(GpuError::Unsupported(
-                "a target of a particle that is not pinned, or that is not finite,",
-            ));
+        if !target.is_finite() {
+            return Err(GpuError::NotFinite("the target of a pin"));
+        }
+        if member.pins.binary_search(&particle).is_err() {
+            return Err(GpuError::NotPinned(particle));
         }
         self.targets.push((id, particle, target));
         Ok(())
@@ -180,7 +187,7 @@ impl GpuWorld {
     ///
     /// # Errors
     /// [`GpuError::Limit`] if the device has no room.
-    pub fn keep_snapshots(&mut self) -> Result<(), GpuError> {
+    pub fn keep_last_positions(&mut self) -> Result<(), GpuError> {
         self.snapshots.get_or_insert_with(|| Snapshots::new(&self.gpu));
         self.reserve_particles(self.particle_count)
     }
@@ -194,7 +201,7 @@ impl GpuWorld {
 
     /// Pairs of words, and positions before and after the last step; none without snapshots.
     pub(crate) fn shown(&self) -> Option<[&wgpu::Buffer; 3]> {
-        let [before, after] = self.snapshots.as_ref()?.last();
+        let [before, after] = self.snapshots.as_ref()?.last()?;
         Some([self.buffers.pairs.get(), before, after])
     }
 
@@ -229,29 +236,37 @@ impl GpuWorld {
             return Err(StepError::BadEnvironment("gravity").into());
         }
         environment.wind.validate()?;
+        if !environment.time.is_finite() {
+            return Err(StepError::BadEnvironment("time").into());
+        }
         let Self { gpu, buffers, fields, .. } = self;
         let field_of = |shape: &Shape| fields.field(shape, |pairs| buffers.push_pairs(gpu, pairs));
-        obstacle::list(&environment.obstacles, field_of, &mut self.obstacles, &mut self.obstacle_indices)?;
+        let (obstacles, indices) = obstacle::list(&environment.obstacles, field_of)?;
         let mut step = step_data(environment);
-        step.obstacle_count = self.obstacles.len() as u32;
+        step.obstacle_count = obstacles.len() as u32;
         if self.dt > 0.0 {
             step.rescale = dt / self.dt;
         }
-        if self.is_stale || dt != self.dt {
-            self.is_stale = true;
-            self.write_tables(dt)?;
-            self.is_stale = false;
+        let tables = (self.is_stale || dt != self.dt).then(|| self.make_tables(dt));
+        if let Some(tables) = &tables {
+            self.reserve_tables(tables)?;
         }
-        if self.obstacles != self.known_obstacles {
-            let data: &[u8] = bytemuck::cast_slice(&self.obstacles);
-            self.buffers.reserve(&self.gpu, data.len() as u64, |buffers| &mut buffers.obstacles)?;
-            self.buffers.obstacles.write(&self.gpu, 0, data);
-            let sums = self.obstacles.len() as u64 * REACTION;
-            self.buffers.reserve(&self.gpu, sums, |buffers| &mut buffers.reactions)?;
-            self.known_obstacles.clone_from(&self.obstacles);
-        }
+        let are_new = obstacles != self.obstacles;
+        let data: &[u8] = bytemuck::cast_slice(&obstacles);
+        self.buffers.reserve(&self.gpu, data.len() as u64, |buffers| &mut buffers.obstacles)?;
+        let sums = obstacles.len() as u64 * REACTION;
+        self.buffers.reserve(&self.gpu, sums, |buffers| &mut buffers.reactions)?;
+
         // Nothing fails from here on.
+        if let Some(tables) = tables {
+            self.write_tables(tables);
+        }
+        if are_new {
+            self.buffers.obstacles.write(&self.gpu, 0, data);
+        }
+        self.is_stale = false;
         self.dt = dt;
+        (self.obstacles, self.obstacle_indices) = (obstacles, indices);
         self.write_arriving(step.rescale);
         self.write_targets();
         self.gpu.queue.write_buffer(&self.buffers.step, 0, bytemuck::bytes_of(&step));
@@ -259,7 +274,7 @@ impl GpuWorld {
         Ok(())
     }
 
-    pub(super) fn member(&self, id: GpuBodyId) -> Result<&Member, GpuError> {
+    pub(super) fn member(&self, id: GpuBodyId) -> Result<&BodyRecord, GpuError> {
         self.bodies.get(&id.0).ok_or(GpuError::NoSuchBody)
     }
 
@@ -314,8 +329,10 @@ impl GpuWorld {
 
     fn submit(&mut self) {
         let Self { gpu, kernels, buffers, .. } = self;
-        let stride = pass_stride(gpu) as u32;
+        let stride = dispatch_stride(gpu) as u32;
         let has_obstacles = !self.obstacles.is_empty();
+        let has_extras = self.obstacles.iter().any(ObstacleData::needs_extras);
+        let extras = if has_extras { Extras::FieldsAndReactions } else { Extras::None };
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if self.obstacles.iter().any(|obstacle| obstacle.is_asking != 0) {
             encoder.clear_buffer(buffers.reactions.get(), 0, None);
@@ -329,8 +346,8 @@ impl GpuWorld {
             label: Some("step"),
             timestamp_writes: self.timer.as_ref().map(Timer::writes),
         });
-        for (class, &count) in self.runs.iter().enumerate().filter(|(_, count)| **count > 0) {
-            pass.set_pipeline(kernels.small_step(gpu, class));
+        for (class, &count) in self.class_counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+            pass.set_pipeline(kernels.small_step(gpu, class, extras));
             pass.set_bind_group(0, &groups.common[0], &[]);
             pass.set_bind_group(1, &groups.small[class], &[]);
             let [across, down] = spread(count);
@@ -343,12 +360,12 @@ impl GpuWorld {
             }
             let offset = [index as u32 * stride];
             pass.set_pipeline(match stage {
-                Stage::Begin => &kernels.large_steps(gpu).begin,
-                Stage::Drift => &kernels.large_steps(gpu).drift,
-                Stage::Advance => &kernels.large_steps(gpu).advance,
-                Stage::Contacts => &kernels.large_steps(gpu).contacts,
-                Stage::Sticks => &kernels.large_steps(gpu).sticks,
-                Stage::Tethers => &kernels.large_steps(gpu).tethers,
+                Stage::Begin => &kernels.large_steps(gpu, extras).begin,
+                Stage::Drift => &kernels.large_steps(gpu, extras).drift,
+                Stage::Advance => &kernels.large_steps(gpu, extras).advance,
+                Stage::Contacts => &kernels.large_steps(gpu, extras).contacts,
+                Stage::Sticks => &kernels.large_steps(gpu, extras).sticks,
+                Stage::Tethers => &kernels.large_steps(gpu, extras).tethers,
                 Stage::Grid => kernels.grid_step(gpu),
             });
             pass.set_bind_group(0, &groups.common[side], &[]);

@@ -1,6 +1,7 @@
 //! What a caller reads of a world, at once or later.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::Duration;
 
 use drape_solver::Reaction;
 use drape_solver::glam::Vec3;
@@ -8,8 +9,9 @@ use drape_solver::glam::Vec3;
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::layout::StatusData;
+use crate::source::IMPULSE_UNITS;
+use crate::world::body_record::GpuBodyId;
 use crate::world::gpu_world::{GpuWorld, PARTICLE};
-use crate::world::member::GpuBodyId;
 
 /// What the GPU finds of a body in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,16 +22,13 @@ pub struct BodyStatus {
     pub high: Vec3,
     /// Speed of the fastest particle in m/s.
     pub greatest_speed: f32,
-    /// True if a particle would not have been finite. A small body has then not moved at all, and the other figures are of an earlier
-    /// step; of a large one, such particles rest where they were before sticks moved them.
-    pub is_broken: bool,
+    /// True if a particle would have been farther away than [`MAX_MAGNITUDE`](drape_solver::constants::MAX_MAGNITUDE), or nowhere. A small body
+    /// then rests where it was before the step; of a large one, such particles rest where they were before sticks moved them.
+    pub has_fault: bool,
 }
 
 /// Bytes of the sums of an obstacle's reactions: six numbers of 64 bits.
 pub(super) const REACTION: u64 = 48;
-
-/// Units of those sums in a newton second, or a newton metre second.
-const IMPULSE_UNITS: f64 = 1_073_741_824.0;
 
 impl GpuWorld {
     /// Positions of a body's particles (world, metres), after all steps that were started. Waits for them.
@@ -63,7 +62,7 @@ impl GpuWorld {
             low: corner(status.low),
             high: corner(status.high),
             greatest_speed: f32::from_bits(status.fastest).sqrt() / substep,
-            is_broken: status.is_broken != 0,
+            has_fault: status.is_broken != 0,
         }))
     }
 
@@ -75,14 +74,15 @@ impl GpuWorld {
     /// # Errors
     /// [`GpuError::Lost`].
     pub fn read_reactions(&self) -> Result<Vec<Reaction>, GpuError> {
-        if self.known_obstacles.iter().all(|obstacle| obstacle.is_asking == 0) {
+        if self.obstacles.iter().all(|obstacle| obstacle.is_asking == 0) {
             return Ok(Vec::new());
         }
-        let bytes = self.known_obstacles.len() as u64 * REACTION;
+        let bytes = self.obstacles.len() as u64 * REACTION;
         let sums = self.gpu.read(self.buffers.reactions.get(), 0, bytes)?;
         let sums: Vec<[i64; 6]> = bytemuck::pod_collect_to_vec(&sums);
-        let vector =
-            |sum: &[i64]| Vec3::from_array([0, 1, 2].map(|k| (sum[k] as f64 / IMPULSE_UNITS) as f32));
+        let vector = |sum: &[i64]| {
+            Vec3::from_array([0, 1, 2].map(|k| (sum[k] as f64 / f64::from(IMPULSE_UNITS)) as f32))
+        };
         let touched = sums.iter().zip(&self.obstacle_indices).filter(|(sum, _)| **sum != [0; 6]);
         let reaction = |(sum, &index): (&[i64; 6], &u32)| Reaction {
             obstacle: index as usize,
@@ -92,21 +92,20 @@ impl GpuWorld {
         Ok(touched.map(reaction).collect())
     }
 
-    /// Seconds that the GPU took for the last step, once it is done; none if the device has no clock. Waits for the step.
+    /// The time that the GPU took for the last step, once it is done; none if the device has no clock. Waits for the step.
     ///
     /// # Errors
     /// [`GpuError::Lost`].
-    pub fn read_seconds(&self) -> Result<Option<f64>, GpuError> {
-        self.timer.as_ref().map(|timer| timer.read_seconds(&self.gpu)).transpose()
+    pub fn read_step_time(&self) -> Result<Option<Duration>, GpuError> {
+        self.timer.as_ref().map(|timer| timer.read(&self.gpu)).transpose()
     }
 
     /// Asks for the positions of a body after all steps that were started, and does not wait: a game looks for them in a later frame.
     ///
     /// # Errors
-    /// [`GpuError::NoSuchBody`]; [`GpuError::Unsupported`] if the body has not been stepped; [`GpuError::Lost`].
+    /// [`GpuError::NoSuchBody`]; [`GpuError::NotStepped`]; [`GpuError::Lost`].
     pub fn request_positions(&self, id: GpuBodyId) -> Result<PendingPositions, GpuError> {
-        let place =
-            self.place_of(id)?.ok_or(GpuError::Unsupported("reading of a body before its first step"))?;
+        let place = self.place_of(id)?.ok_or(GpuError::NotStepped)?;
         self.gpu.check()?;
         let bytes = u64::from(place.particle_count) * PARTICLE;
         let positions = self.buffers.positions[0].get();
@@ -130,20 +129,20 @@ pub struct PendingPositions {
 }
 
 impl PendingPositions {
-    /// The positions (world, metres), once the GPU has come so far. Never waits.
+    /// The positions (world, metres) once the GPU has come so far, else the request itself. Never waits.
     ///
     /// # Errors
     /// [`GpuError::Lost`].
-    pub fn try_take(&self) -> Result<Option<Vec<Vec3>>, GpuError> {
+    pub fn try_take(self) -> Result<Result<Vec<Vec3>, Self>, GpuError> {
         self.gpu.poll()?;
+        let lost = |reason: String| GpuError::Lost(reason);
         match self.mapped.try_recv() {
-            Err(TryRecvError::Empty) => Ok(None),
-            Err(TryRecvError::Disconnected) => Err(GpuError::Lost("the positions were taken already".into())),
-            Ok(Err(error)) => Err(GpuError::Lost(error.to_string())),
-            Ok(Ok(())) => {
+            Err(TryRecvError::Empty) => Ok(Err(self)),
+            Err(error) => Err(lost(error.to_string())),
+            Ok(mapped) => {
+                mapped.map_err(|error| lost(error.to_string()))?;
                 let view = self.staging.slice(..).get_mapped_range();
-                let view = view.map_err(|error| GpuError::Lost(error.to_string()))?;
-                Ok(Some(places(&view, self.origin)))
+                Ok(Ok(places(&view.map_err(|error| lost(error.to_string()))?, self.origin)))
             }
         }
     }

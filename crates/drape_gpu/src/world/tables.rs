@@ -1,79 +1,112 @@
-//! Writes the tables that the shaders read: bodies, batches of sticks, and what the dispatches of large bodies read.
+//! The tables that the shaders read: bodies, batches of sticks, and what the dispatches of large bodies read.
 
 use drape_solver::BodySettings;
 
-use crate::buffers::pass_stride;
+use crate::buffers::dispatch_stride;
 use crate::error::GpuError;
-use crate::layout::{BodyData, PassData, RunData, StatusData};
+use crate::layout::{BatchData, BodyData, DispatchData, SizeClassData, StatusData};
 use crate::source::SIZE_CLASSES;
+use crate::world::dispatches::{self, Dispatch};
 use crate::world::gpu_world::{GpuWorld, PARTICLE};
-use crate::world::passes;
+
+/// The tables of all bodies for steps of one length.
+#[derive(Debug, Default)]
+pub(super) struct Tables {
+    bodies: Vec<BodyData>,
+    /// The id of each.
+    ids: Vec<u32>,
+    batches: Vec<BatchData>,
+    /// The number of small bodies of each size class. They come first, large ones last.
+    class_counts: [u32; SIZE_CLASSES.len()],
+    dispatches: Vec<Dispatch>,
+    /// Ranges of particles that a step leaves in the second buffer of positions, in bytes.
+    moved_over: Vec<(u64, u64)>,
+}
 
 impl GpuWorld {
-    /// Writes the tables of bodies and batches for steps of `dt` seconds, and lists the dispatches of large bodies.
-    pub(super) fn write_tables(&mut self, dt: f32) -> Result<(), GpuError> {
-        let Self { gpu, kernels, models, bodies: members, .. } = self;
-        let mut batches = Vec::new();
+    /// The tables for steps of `dt` seconds.
+    pub(super) fn make_tables(&self, dt: f32) -> Tables {
+        let Self { gpu, kernels, models, bodies, .. } = self;
+        let mut tables = Tables::default();
         // Bodies of one topology with equal settings share their batches.
         let mut known: Vec<(usize, BodySettings, u32)> = Vec::new();
         let mut by_class: [Vec<(u32, BodyData)>; SIZE_CLASSES.len() + 1] = Default::default();
-        for (&id, member) in members.iter() {
-            let (_, model, first_pair) = &models[member.model];
+        for (&id, body) in bodies {
+            let (_, model, first_pair) = &models[body.model];
             let is_same = |(model, settings, _): &&(usize, BodySettings, u32)| {
-                *model == member.model && settings.has_same_bits(&member.settings)
+                *model == body.model && settings.has_same_bits(&body.settings)
             };
             let first_batch = match known.iter().find(is_same) {
                 Some(&(.., first)) => first,
                 None => {
-                    let first = batches.len() as u32;
-                    batches.extend(model.batches(&member.settings, dt, *first_pair));
-                    known.push((member.model, member.settings, first));
+                    let first = tables.batches.len() as u32;
+                    tables.batches.extend(model.batches(&body.settings, dt, *first_pair));
+                    known.push((body.model, body.settings, first));
                     first
                 }
             };
-            let data = member.data(model, dt, *first_pair, first_batch);
+            let data = body.data(model, dt, *first_pair, first_batch);
             let class = kernels.size_class(gpu, model.particle_count).unwrap_or(SIZE_CLASSES.len());
             by_class[class].push((id, data));
         }
-        let mut table = Vec::new();
-        self.dispatches.clear();
-        self.moved_over.clear();
-        for (class, list) in by_class.iter().enumerate() {
-            if let Some(run) = self.runs.get_mut(class) {
-                *run = list.len() as u32;
-                let data = RunData { first_body: table.len() as u32, body_count: *run, unused: [0; 2] };
-                gpu.queue.write_buffer(&self.buffers.runs[class], 0, bytemuck::bytes_of(&data));
-            }
-            for (id, data) in list {
-                let number = table.len() as u32;
-                table.push(*data);
-                let Some(member) = members.get_mut(id) else { continue };
-                member.number = Some(number);
-                if class == SIZE_CLASSES.len() {
-                    let model = &models[member.model].1;
-                    if passes::push(&mut self.dispatches, number, data, model, kernels.inner()) == 1 {
-                        let range = [data.first_particle, data.particle_count].map(u64::from);
-                        self.moved_over.push((range[0] * PARTICLE, range[1] * PARTICLE));
-                    }
-                }
-            }
+        let [of_classes @ .., large] = by_class;
+        for (count, list) in tables.class_counts.iter_mut().zip(of_classes) {
+            *count = list.len() as u32;
+            tables.ids.extend(list.iter().map(|(id, _)| id));
+            tables.bodies.extend(list.into_iter().map(|(_, data)| data));
         }
-        self.write_buffers(bytemuck::cast_slice(&table), bytemuck::cast_slice(&batches), table.len() as u64)
+        for (id, data) in large {
+            let number = tables.bodies.len() as u32;
+            let model = &models[bodies[&id].model].1;
+            if dispatches::push(&mut tables.dispatches, number, &data, model, kernels.inner()) == 1 {
+                let range = [data.first_particle, data.particle_count].map(u64::from);
+                tables.moved_over.push((range[0] * PARTICLE, range[1] * PARTICLE));
+            }
+            tables.ids.push(id);
+            tables.bodies.push(data);
+        }
+        tables
     }
 
-    fn write_buffers(&mut self, bodies: &[u8], batches: &[u8], body_count: u64) -> Result<(), GpuError> {
+    /// Makes room for the tables.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] if the device has none.
+    pub(super) fn reserve_tables(&mut self, tables: &Tables) -> Result<(), GpuError> {
         let Self { gpu, buffers, .. } = self;
-        buffers.reserve(gpu, bodies.len() as u64, |buffers| &mut buffers.bodies)?;
-        buffers.reserve(gpu, batches.len() as u64, |buffers| &mut buffers.batches)?;
-        buffers.reserve(gpu, body_count * size_of::<StatusData>() as u64, |buffers| &mut buffers.statuses)?;
-        buffers.bodies.write(gpu, 0, bodies);
-        buffers.batches.write(gpu, 0, batches);
-        let stride = pass_stride(gpu) as usize;
-        let mut data = vec![0; stride * self.dispatches.len()];
-        for (slot, dispatch) in data.chunks_mut(stride.max(1)).zip(&self.dispatches) {
-            slot[..size_of::<PassData>()].copy_from_slice(bytemuck::bytes_of(&dispatch.data));
+        let Tables { bodies, batches, dispatches, .. } = tables;
+        let statuses = (bodies.len() * size_of::<StatusData>()) as u64;
+        buffers.reserve(gpu, size_of_val(&**bodies) as u64, |buffers| &mut buffers.bodies)?;
+        buffers.reserve(gpu, size_of_val(&**batches) as u64, |buffers| &mut buffers.batches)?;
+        buffers.reserve(gpu, statuses, |buffers| &mut buffers.statuses)?;
+        buffers.reserve_dispatches(gpu, dispatch_stride(gpu) * dispatches.len() as u64)
+    }
+
+    /// Writes the tables, for which there is [room](Self::reserve_tables).
+    pub(super) fn write_tables(&mut self, tables: Tables) {
+        let Self { gpu, buffers, .. } = self;
+        buffers.bodies.write(gpu, 0, bytemuck::cast_slice(&tables.bodies));
+        buffers.batches.write(gpu, 0, bytemuck::cast_slice(&tables.batches));
+        let stride = dispatch_stride(gpu) as usize;
+        let mut data = vec![0; stride * tables.dispatches.len()];
+        for (slot, dispatch) in data.chunks_mut(stride).zip(&tables.dispatches) {
+            slot[..size_of::<DispatchData>()].copy_from_slice(bytemuck::bytes_of(&dispatch.data));
         }
-        buffers.write_passes(gpu, &data)
+        gpu.queue.write_buffer(&buffers.dispatches, 0, &data);
+        let mut first_body = 0;
+        for (buffer, &body_count) in buffers.size_classes.iter().zip(&tables.class_counts) {
+            let data = SizeClassData { first_body, body_count, unused: [0; 2] };
+            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&data));
+            first_body += body_count;
+        }
+        for (number, id) in tables.ids.iter().enumerate() {
+            if let Some(body) = self.bodies.get_mut(id) {
+                body.number = Some(number as u32);
+            }
+        }
+        self.class_counts = tables.class_counts;
+        self.dispatches = tables.dispatches;
+        self.moved_over = tables.moved_over;
     }
 
     /// Makes room for so many particles.

@@ -2,24 +2,34 @@
 
 use drape_gpu::GpuWorld;
 use drape_solver::glam::Vec3;
-use drape_solver::state::measure;
 use drape_solver::{
     Body, BodySettings, ClothBuilder, ClothMaterial, Edge, Environment, Island, MeshClothBuilder,
-    RopeBuilder, Shape, Wind, step,
+    RopeBuilder, Shape, Turbulence, Wind, step,
 };
 
 use crate::common::*;
+
+/// Takes `steps` steps.
+fn run_on_processor(island: &mut Island, environment: &Environment, steps: usize) {
+    let mut environment = environment.clone();
+    for _ in 0..steps {
+        step(island, &environment).expect("a good step");
+        environment.time += f64::from(environment.dt);
+    }
+}
 
 /// In the first tenth of a second, before small differences grow, particles are where the processor has them: sticks are relaxed in the same
 /// order, in workgroups, tiles and batches.
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
 fn the_first_steps_are_those_of_the_processor() {
-    let gusty = Environment { gravity: Vec3::new(3.0, -9.81, 2.0), ..gravity() };
-    let mut windy = gusty.clone();
-    windy.wind =
-        drape_solver::Wind { lift_coefficient: 0.5, ..drape_solver::Wind::new(Vec3::new(2.0, 0.0, 5.0)) };
-    for environment in [gusty, windy] {
+    let tilted = Environment { gravity: Vec3::new(3.0, -9.81, 2.0), ..gravity() };
+    let wind = Wind { lift_coefficient: 0.5, ..Wind::new(Vec3::new(2.0, 0.0, 5.0)) };
+    // The processor interpolates gusts between places: long ones, so that it makes no difference.
+    let turbulence = Turbulence { speed: 3.0, length: 3000.0, ..Turbulence::default() };
+    let [windy, gusty] =
+        [wind, Wind { turbulence, ..wind }].map(|wind| Environment { wind, ..tilted.clone() });
+    for environment in [tilted, windy, gusty] {
         for (columns, rows) in [(16, 16), (30, 30), (70, 60), (33, 200)] {
             for iterations in [1, 2, 3] {
                 let settings = BodySettings { iterations, ..BodySettings::default() };
@@ -28,12 +38,13 @@ fn the_first_steps_are_those_of_the_processor() {
                 let (mut world, id) = world_of(&body);
                 let mut island = Island::of_body(body);
                 run(&mut world, &environment, 6);
-                (0..6).for_each(|_| step(&mut island, &environment).expect("a good step"));
+                run_on_processor(&mut island, &environment, 6);
                 let ours = positions(&world, id);
                 let theirs = island.bodies[0].particles.positions();
                 let worst =
                     ours.iter().zip(theirs).map(|(ours, theirs)| ours.distance(theirs)).fold(0.0, f32::max);
-                assert!(worst < 2e-5, "{columns} x {rows}, {iterations} iterations: {worst} m apart");
+                // Rounding differs from device to device.
+                assert!(worst < 5e-4, "{columns} x {rows}, {iterations} iterations: {worst} m apart");
             }
         }
     }
@@ -93,7 +104,8 @@ fn batches_move_a_grid_as_tiles_do() {
     }
 }
 
-/// Ten seconds later stretch, height of the centre (the potential energy) and bounds agree within 2 %.
+/// Ten seconds later stretch agrees within 2 % and a tenth of a point, the centre (the potential energy) and the corners of the box within
+/// 2 cm of a body of 1 m.
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
 fn after_six_hundred_steps_figures_are_those_of_the_processor() {
@@ -112,14 +124,12 @@ fn after_six_hundred_steps_figures_are_those_of_the_processor() {
         let (mut world, id) = world_of(&body);
         let mut island = Island::of_body(body.clone());
         run(&mut world, &environment, 600);
-        (0..600).for_each(|_| step(&mut island, &environment).expect("a good step"));
+        run_on_processor(&mut island, &environment, 600);
         let ours = positions(&world, id);
         let theirs: Vec<Vec3> = island.bodies[0].particles.positions().collect();
-        let size = measure::mass(&body.particles).max(1.0);
-        assert!(size.is_finite());
         let stretches = [stretch(&body, &ours), stretch(&body, &theirs)];
         assert!(
-            (stretches[0] - stretches[1]).abs() < 2e-3 + 0.02 * stretches[1],
+            (stretches[0] - stretches[1]).abs() < 1e-3 + 0.02 * stretches[1],
             "{name}: stretch {stretches:?}"
         );
         let centres = [centre(&ours), centre(&theirs)];
@@ -128,7 +138,7 @@ fn after_six_hundred_steps_figures_are_those_of_the_processor() {
             |places: &[Vec3], of: fn(Vec3, Vec3) -> Vec3| places.iter().copied().reduce(of).expect("some");
         for of in [Vec3::min, Vec3::max] {
             let corners = [corner(&ours, of), corner(&theirs, of)];
-            assert!(corners[0].distance(corners[1]) < 0.02 * 3.0_f32.sqrt(), "{name}: corners {corners:?}");
+            assert!(corners[0].distance(corners[1]) < 0.02, "{name}: corners {corners:?}");
         }
     }
 }

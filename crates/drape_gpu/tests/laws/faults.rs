@@ -23,13 +23,13 @@ fn a_particle_that_is_not_finite_is_kept_in_quarantine() {
         let mut was_noticed = false;
         for _ in 0..30 {
             run(&mut world, &gravity(), 1);
-            was_noticed |= world.read_status(sick).expect("a body").expect("stepped").is_broken;
+            was_noticed |= world.read_status(sick).expect("a body").expect("stepped").has_fault;
             assert!(positions(&world, sick).iter().all(|place| place.length() < 1e7));
         }
         assert!(was_noticed, "{n}");
         let fallen = centre(&positions(&world, sound)).y;
         assert!((fallen + 1.0).abs() < 0.2, "{n}: the sound one fell to {fallen}");
-        assert!(!world.read_status(sound).expect("a body").expect("stepped").is_broken);
+        assert!(!world.read_status(sound).expect("a body").expect("stepped").has_fault);
     }
 }
 
@@ -90,7 +90,7 @@ fn what_cannot_be_solved_is_refused_by_name() {
     assert!(world.is_empty());
 }
 
-/// After a loss of the device each call fails with a word, and none panics.
+/// After a loss of the device steps and reading fail with a word, and nothing panics.
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
 fn a_lost_device_is_an_error() {

@@ -1,5 +1,4 @@
-//! Laws of physics on the GPU, with the tolerances of the processor's laws times two, and figures beside the processor's own. They need a
-//! graphics adapter, software included: `.ci/gpu` runs them.
+//! Laws of physics on the GPU, and figures beside the processor's own. They need a graphics adapter, software included: `.ci/gpu` runs them.
 
 mod beside_processor;
 mod common;

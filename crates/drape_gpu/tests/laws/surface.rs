@@ -50,7 +50,7 @@ fn vertices_are_those_of_the_processor() {
     };
     let bodies = [flag(12, Vec3::splat(50.0)), flag(40, Vec3::new(-3.0, 2.0, 1.0))];
     let mut world = GpuWorld::new(gpu());
-    world.keep_snapshots().expect("room");
+    world.keep_last_positions().expect("room");
     let ids = bodies.each_ref().map(|body| world.add(body).expect("a body"));
     run(&mut world, &gravity(), 20);
     let before = ids.map(|id| positions(&world, id));
@@ -80,7 +80,7 @@ fn vertices_are_those_of_the_processor() {
         mapped_at_creation: false,
     });
     let mut writer = SurfaceWriter::new(gpu());
-    writer.set(&world, &vertices).expect("a world with snapshots");
+    writer.set_bodies(&world, &vertices).expect("a world that keeps positions");
     let mut encoder = gpu().device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     writer.encode(&mut encoder, &target);
     gpu().queue().submit([encoder.finish()]);
@@ -112,7 +112,7 @@ fn vertices_are_those_of_the_processor() {
 fn a_new_frame_does_not_disturb_the_one_before() {
     let body = level(10, Vec3::ZERO, BodySettings::default());
     let (mut world, id) = world_of(&body);
-    world.keep_snapshots().expect("room");
+    world.keep_last_positions().expect("room");
     run(&mut world, &gravity(), 3);
     let shown = positions(&world, id);
     let vertices = BodyVertices {
@@ -125,7 +125,7 @@ fn a_new_frame_does_not_disturb_the_one_before() {
         stride: 6,
     };
     let mut writer = SurfaceWriter::new(gpu());
-    writer.set(&world, &[vertices]).expect("a world with snapshots");
+    writer.set_bodies(&world, &[vertices]).expect("a world that keeps positions");
     world.begin_frame();
     run(&mut world, &gravity(), 2);
     let target = gpu().device().create_buffer(&wgpu::BufferDescriptor {
@@ -139,6 +139,7 @@ fn a_new_frame_does_not_disturb_the_one_before() {
     gpu().queue().submit([encoder.finish()]);
     let words = read(&target);
     for (k, place) in shown.iter().enumerate() {
-        assert_eq!(Vec3::from_slice(&words[6 * k..6 * k + 3]), *place);
+        // A mixture of both ends may round.
+        assert!(Vec3::from_slice(&words[6 * k..6 * k + 3]).distance(*place) < 1e-6);
     }
 }

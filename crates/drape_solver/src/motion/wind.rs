@@ -101,7 +101,7 @@ pub const WAVES: usize = 6;
 /// The length of each wave in parts of that of the one before.
 const SHORTER: f64 = 0.7;
 
-/// One wave of a gust: the air moves at right angles to the wave's direction.
+/// One wave of a gust, in which the air at a place `p` moves with `amplitude cos(number . p + phase)`, at right angles to the wave's direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wave {
     /// Radians per metre.

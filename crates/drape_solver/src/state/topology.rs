@@ -134,7 +134,8 @@ impl StickBatch {
         index_in_family(i - self.first, severed)
     }
 
-    /// The family of a grid to which the sticks belong, unless they are listed one by one.
+    /// The family of a grid to which the sticks belong, unless they are listed one by one. It does not tell which of its sticks are severed:
+    /// see [`Topology::grid_size`].
     pub fn family(&self) -> Option<GridFamily> {
         let BatchSticks::Grid { batch, rest_length, .. } = &self.sticks else { return None };
         let (right, down) = batch.offset();
@@ -309,7 +310,7 @@ impl Topology {
         self.tethers.list(&self.layout)
     }
 
-    /// Columns and rows of a grid that is not torn, and whose sticks are all of whole families.
+    /// Columns and rows of a grid; none if it is no grid, if it is torn, or if it has sticks of no family.
     pub fn grid_size(&self) -> Option<[usize; 2]> {
         let Layout::Grid(Grid { columns, rows, .. }) = self.layout else { return None };
         let is_whole = |batch: &StickBatch| matches!(&batch.sticks, BatchSticks::Grid { severed, .. } if severed.is_empty());

@@ -1,7 +1,7 @@
 //! The dispatches of large bodies in one step, in order.
 
 use crate::kernels::spread;
-use crate::layout::{BodyData, PassData};
+use crate::layout::{BodyData, DispatchData};
 use crate::model::Model;
 use crate::source::LARGE_WORKGROUP;
 
@@ -27,7 +27,7 @@ pub(crate) struct Dispatch {
     pub groups: [u32; 2],
     /// The buffer of positions, of two, that it reads.
     pub side: usize,
-    pub data: PassData,
+    pub data: DispatchData,
 }
 
 /// Appends the dispatches of one body, and returns the buffer in which its positions end.
@@ -40,14 +40,14 @@ pub(crate) fn push(
 ) -> usize {
     let mut side = 0;
     let by_particle = groups(body.particle_count);
-    let pass = PassData { body: number, ..PassData::default() };
+    let pass = DispatchData { body: number, ..DispatchData::default() };
     let mut add = |stage, groups, side, data| list.push(Dispatch { stage, groups, side, data });
     add(Stage::Begin, by_particle, side, pass);
     for substep in 0..body.substeps {
-        let pass = PassData { substep, ends: u32::from(substep > 0), begins: 1, ..pass };
+        let pass = DispatchData { substep, ends: u32::from(substep > 0), begins: 1, ..pass };
         add(Stage::Advance, by_particle, side, pass);
         for iteration in 0..body.iterations {
-            let pass = PassData { iteration, ..pass };
+            let pass = DispatchData { iteration, ..pass };
             if iteration > 0 {
                 add(Stage::Contacts, by_particle, side, pass);
             }
@@ -61,7 +61,7 @@ pub(crate) fn push(
                 // Odd iterations run in reverse, so that an even number makes symmetric pairs.
                 let batch = if iteration % 2 == 1 { body.batch_count - 1 - i } else { i };
                 let sticks = groups(model.batches[batch as usize].data.count);
-                add(Stage::Sticks, sticks, side, PassData { batch: body.first_batch + batch, ..pass });
+                add(Stage::Sticks, sticks, side, DispatchData { batch: body.first_batch + batch, ..pass });
             }
             if body.tethers_per_particle > 0 {
                 add(Stage::Tethers, by_particle, side, pass);
@@ -71,7 +71,7 @@ pub(crate) fn push(
             add(Stage::Drift, by_particle, side, pass);
         }
     }
-    let last = PassData { substep: body.substeps, ends: 1, begins: 0, ..pass };
+    let last = DispatchData { substep: body.substeps, ends: 1, begins: 0, ..pass };
     add(Stage::Advance, by_particle, side, last);
     side
 }

@@ -8,7 +8,7 @@ use drape_solver::{Body, BodySettings, Layers, StickProjection};
 use crate::layout::BodyData;
 use crate::model::Model;
 
-/// The number of a body in its [`GpuWorld`](crate::GpuWorld).
+/// The name of a body in its [`GpuWorld`](crate::GpuWorld), never used again for another one. Another world cannot tell that it is not its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct GpuBodyId(pub(super) u32);
 
@@ -22,7 +22,7 @@ pub(crate) struct BodyPlace {
 }
 
 #[derive(Debug)]
-pub(super) struct Member {
+pub(super) struct BodyRecord {
     pub model: usize,
     pub settings: BodySettings,
     pub layers: Layers,
@@ -36,7 +36,7 @@ pub(super) struct Member {
     pub pins: Vec<u32>,
 }
 
-impl Member {
+impl BodyRecord {
     /// A body whose particles lie from `first_particle` on.
     pub fn new(body: &Body, model: usize, first_particle: u32) -> Self {
         let particles = &body.particles;
