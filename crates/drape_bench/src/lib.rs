@@ -8,7 +8,7 @@
 //! machine; `shots` counts the balls that pass through a curtain; `broad` measures many cloths among many obstacles,
 //! `contacts` the cost per particle of each kind of contact, `contact` cloth and ropes against themselves, with the edges that
 //! pass through triangles, `street` the savings by levels of detail, `torn` tearing and torn cloth, `presets` the named
-//! materials, `fabrics` those that a laboratory has measured.
+//! materials, `fabrics` those that a laboratory has measured, `gpu` (a feature) the solver on the GPU.
 //!
 //! This is also a library, so that the peers that need an old Bevy can be compiled separately, in `peers`: they pass their
 //! own [`Solver`](solver::Solver)s to [`main_with`].
@@ -22,7 +22,7 @@
 //! experiments/  measurements with a question of their own, and Table 1
 //! report/       results of jobs: table, CSV, JSON, plot, remarks; the progress bar
 //! measure/      runs solvers on scenes; time, stretch, memory
-//! solvers/      this project's solver, alone and in Bevy, and scalar loops
+//! solvers/      this project's solver, alone, in Bevy and on the GPU, and scalar loops
 //! failure       failures of solvers and experiments
 //! collision/    collision detection of balls and cloth by five methods
 //! scenes/       the named scenes as data
