@@ -1,8 +1,10 @@
 // Bodies too large for the memory of a workgroup: each stage of a substep is a dispatch of its own over all particles, or over all sticks
 // of a batch.
 
+// Two for each particle: position after free flight, and what may be left of an overlap; normal of the contact that presses most, and its
+// summed depth.
 @group(1) @binding(1) var<storage, read_write> flights: array<vec4f>;
-// Acceleration, and the obstacle of the last contact.
+// Acceleration, and the obstacle that presses most. Of a pin, its way in a substep.
 @group(1) @binding(2) var<storage, read_write> accelerations: array<vec4f>;
 @group(1) @binding(3) var<storage, read_write> statuses: array<Status>;
 @group(1) @binding(4) var<storage, read_write> reactions: array<atomic<u32>>;

@@ -136,7 +136,7 @@ const NONE: u32 = 0xffffffffu;
 @group(0) @binding(4) var<storage, read> pairs: array<vec2u>;
 // Position relative to the body's origin, and inverse mass.
 @group(0) @binding(5) var<storage, read_write> positions: array<vec4f>;
-// Displacement in the last substep. For a pinned particle, its target, and 1 if there is one.
+// Displacement in the last substep; of a pinned particle with 1 in w, its target.
 @group(0) @binding(6) var<storage, read_write> displacements: array<vec4f>;
 
 // Maps floats to integers of the same order, whose minima and maxima no order of threads can change.

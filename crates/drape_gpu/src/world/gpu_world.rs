@@ -148,8 +148,8 @@ impl GpuWorld {
     /// # Errors
     /// [`GpuError::NoSuchBody`].
     pub fn remove(&mut self, id: GpuBodyId) -> Result<(), GpuError> {
-        let member = self.bodies.remove(&id.0).ok_or(GpuError::NoSuchBody)?;
-        self.free.push((self.models[member.model].1.particle_count, member.first_particle));
+        let record = self.bodies.remove(&id.0).ok_or(GpuError::NoSuchBody)?;
+        self.free.push((self.models[record.model].1.particle_count, record.first_particle));
         self.arriving.retain(|(other, _)| *other != id);
         self.targets.retain(|(other, ..)| *other != id);
         self.is_stale = true;
@@ -171,11 +171,11 @@ impl GpuWorld {
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::NotPinned`], [`GpuError::NotFinite`].
     pub fn set_pin_target(&mut self, id: GpuBodyId, particle: u32, target: Vec3) -> Result<(), GpuError> {
-        let member = self.member(id)?;
+        let record = self.record(id)?;
         if !target.is_finite() {
             return Err(GpuError::NotFinite("the target of a pin"));
         }
-        if member.pins.binary_search(&particle).is_err() {
+        if record.pins.binary_search(&particle).is_err() {
             return Err(GpuError::NotPinned(particle));
         }
         self.targets.push((id, particle, target));
@@ -207,11 +207,11 @@ impl GpuWorld {
 
     /// The place of a body in the buffers; none if it has not been stepped.
     pub(crate) fn place_of(&self, id: GpuBodyId) -> Result<Option<BodyPlace>, GpuError> {
-        let member = self.member(id)?;
-        let (_, model, first_pair) = &self.models[member.model];
-        Ok(member.number.map(|_| BodyPlace {
-            origin: member.origin,
-            first_particle: member.first_particle,
+        let record = self.record(id)?;
+        let (_, model, first_pair) = &self.models[record.model];
+        Ok(record.number.map(|_| BodyPlace {
+            origin: record.origin,
+            first_particle: record.first_particle,
             particle_count: model.particle_count,
             first_fan: first_pair + model.first_fan,
         }))
@@ -274,7 +274,7 @@ impl GpuWorld {
         Ok(())
     }
 
-    pub(super) fn member(&self, id: GpuBodyId) -> Result<&BodyRecord, GpuError> {
+    pub(super) fn record(&self, id: GpuBodyId) -> Result<&BodyRecord, GpuError> {
         self.bodies.get(&id.0).ok_or(GpuError::NoSuchBody)
     }
 
@@ -298,8 +298,8 @@ impl GpuWorld {
     /// Writes the particles of bodies that are new. The shaders multiply all displacements by `rescale` in this step.
     fn write_arriving(&mut self, rescale: f32) {
         for (id, particles) in core::mem::take(&mut self.arriving) {
-            let Some(member) = self.bodies.get(&id.0) else { continue };
-            let substep = self.dt / member.settings.substeps as f32;
+            let Some(record) = self.bodies.get(&id.0) else { continue };
+            let substep = self.dt / record.settings.substeps as f32;
             let count = particles.len();
             let position = |i: usize| {
                 let place = particles.local_position(i);
@@ -311,7 +311,7 @@ impl GpuWorld {
             };
             let positions: Vec<[f32; 4]> = (0..count).map(position).collect();
             let displacements: Vec<[f32; 4]> = (0..count).map(displacement).collect();
-            let first = u64::from(member.first_particle) * PARTICLE;
+            let first = u64::from(record.first_particle) * PARTICLE;
             self.buffers.positions[0].write(&self.gpu, first, bytemuck::cast_slice(&positions));
             self.buffers.displacements.write(&self.gpu, first, bytemuck::cast_slice(&displacements));
         }
@@ -319,10 +319,10 @@ impl GpuWorld {
 
     fn write_targets(&mut self) {
         for (id, particle, target) in self.targets.drain(..) {
-            let Some(member) = self.bodies.get(&id.0) else { continue };
-            let local = target - member.origin;
+            let Some(record) = self.bodies.get(&id.0) else { continue };
+            let local = target - record.origin;
             let data = [local.x, local.y, local.z, 1.0];
-            let first = u64::from(member.first_particle + particle) * PARTICLE;
+            let first = u64::from(record.first_particle + particle) * PARTICLE;
             self.buffers.displacements.write(&self.gpu, first, bytemuck::bytes_of(&data));
         }
     }

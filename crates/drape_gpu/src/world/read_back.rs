@@ -36,14 +36,14 @@ impl GpuWorld {
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
     pub fn read_positions(&self, id: GpuBodyId) -> Result<Vec<Vec3>, GpuError> {
-        let member = self.member(id)?;
+        let record = self.record(id)?;
         if let Some((_, particles)) = self.arriving.iter().find(|(other, _)| *other == id) {
             return Ok(particles.positions().collect());
         }
-        let count = self.models[member.model].1.particle_count;
-        let first = u64::from(member.first_particle) * PARTICLE;
+        let count = self.models[record.model].1.particle_count;
+        let first = u64::from(record.first_particle) * PARTICLE;
         let bytes = self.gpu.read(self.buffers.positions[0].get(), first, u64::from(count) * PARTICLE)?;
-        Ok(places(&bytes, member.origin))
+        Ok(places(&bytes, record.origin))
     }
 
     /// What the GPU has found of a body in the last step that was started. None if it has not been stepped. Waits for the step.
@@ -51,13 +51,13 @@ impl GpuWorld {
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
     pub fn read_status(&self, id: GpuBodyId) -> Result<Option<BodyStatus>, GpuError> {
-        let member = self.member(id)?;
-        let Some(number) = member.number else { return Ok(None) };
+        let record = self.record(id)?;
+        let Some(number) = record.number else { return Ok(None) };
         let size = size_of::<StatusData>() as u64;
         let bytes = self.gpu.read(self.buffers.statuses.get(), u64::from(number) * size, size)?;
         let status: StatusData = bytemuck::pod_read_unaligned(&bytes);
-        let corner = |keys: [u32; 3]| member.origin + Vec3::from(keys.map(StatusData::coordinate));
-        let substep = self.dt / member.settings.substeps as f32;
+        let corner = |keys: [u32; 3]| record.origin + Vec3::from(keys.map(StatusData::coordinate));
+        let substep = self.dt / record.settings.substeps as f32;
         Ok(Some(BodyStatus {
             low: corner(status.low),
             high: corner(status.high),
