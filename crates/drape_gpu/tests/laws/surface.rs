@@ -2,7 +2,7 @@
 
 use drape_gpu::{BodyVertices, GpuWorld, SurfaceWriter, wgpu};
 use drape_solver::glam::{Mat3, Quat, Vec3};
-use drape_solver::{Body, BodySettings, ClothBuilder, Edge};
+use drape_solver::{Body, BodySettings, ClothBuilder};
 
 use crate::common::*;
 
@@ -44,8 +44,7 @@ fn read(target: &wgpu::Buffer) -> Vec<f32> {
 #[ignore = "needs a graphics adapter: .ci/gpu"]
 fn vertices_are_those_of_the_processor() {
     let flag = |n, origin| {
-        let cloth =
-            ClothBuilder::new(1.0, 0.7, n, n).placed(origin, Vec3::X, Vec3::NEG_Y).pin_edge(Edge::Top);
+        let cloth = ClothBuilder::new(1.0, 0.7, n, n).placed(origin, Vec3::X, Vec3::NEG_Y).pin(0);
         cloth.build(BodySettings::default()).expect("valid")
     };
     let bodies = [flag(12, Vec3::splat(50.0)), flag(40, Vec3::new(-3.0, 2.0, 1.0))];
