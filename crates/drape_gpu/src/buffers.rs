@@ -25,14 +25,14 @@ pub(crate) struct Buffers {
     pub positions: [GrowingBuffer; 2],
     pub displacements: GrowingBuffer,
     pub statuses: GrowingBuffer,
-    /// What large bodies keep of each particle within a substep.
+    /// Large bodies keep these of each particle within a substep.
     pub flights: GrowingBuffer,
     pub accelerations: GrowingBuffer,
     /// Sums of pushes on obstacles.
     pub reactions: GrowingBuffer,
     /// The bodies of each size class.
     pub size_classes: [wgpu::Buffer; SIZE_CLASSES.len()],
-    /// What each dispatch of a large body reads.
+    /// Each dispatch of a large body reads its own part.
     pub dispatches: wgpu::Buffer,
     groups: Option<Groups>,
 }
@@ -121,10 +121,8 @@ impl Buffers {
 
     /// The bind groups, made anew if a buffer has moved.
     pub fn groups(&mut self, gpu: &Gpu, kernels: &Kernels) -> &Groups {
-        if self.groups.is_none() {
-            self.groups = Some(self.make_groups(gpu, kernels));
-        }
-        self.groups.get_or_insert_with(|| unreachable!("made above"))
+        let groups = self.groups.take().unwrap_or_else(|| self.make_groups(gpu, kernels));
+        self.groups.insert(groups)
     }
 
     fn make_groups(&self, gpu: &Gpu, kernels: &Kernels) -> Groups {

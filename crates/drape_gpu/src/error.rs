@@ -54,3 +54,10 @@ pub enum GpuError {
     #[error("no such body")]
     NoSuchBody,
 }
+
+impl GpuError {
+    /// The device failed for this reason.
+    pub(crate) fn lost(reason: impl ToString) -> Self {
+        Self::Lost(reason.to_string())
+    }
+}

@@ -1,5 +1,6 @@
 //! A device with compute shaders.
 
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::GpuError;
@@ -103,9 +104,7 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::Lost`].
     pub fn wait(&self) -> Result<(), GpuError> {
-        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
-        polled.map_err(|error| GpuError::Lost(error.to_string()))?;
-        self.check()
+        self.poll_by(wgpu::PollType::wait_indefinitely())
     }
 
     /// Notices what has finished, without waiting.
@@ -113,13 +112,22 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::Lost`].
     pub fn poll(&self) -> Result<(), GpuError> {
-        let polled = self.device.poll(wgpu::PollType::Poll);
-        polled.map_err(|error| GpuError::Lost(error.to_string()))?;
+        self.poll_by(wgpu::PollType::Poll)
+    }
+
+    fn poll_by(&self, way: wgpu::PollType) -> Result<(), GpuError> {
+        self.device.poll(way).map_err(GpuError::lost)?;
         self.check()
     }
 
-    /// Copies a part of a buffer to one that can be mapped.
-    pub(crate) fn copy_to_staging(&self, buffer: &wgpu::Buffer, first: u64, bytes: u64) -> wgpu::Buffer {
+    /// Asks for a part of a buffer, after all that was submitted.
+    pub(crate) fn request(
+        &self,
+        buffer: &wgpu::Buffer,
+        first: u64,
+        bytes: u64,
+    ) -> Result<PendingBytes, GpuError> {
+        self.check()?;
         let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),
             size: bytes,
@@ -129,23 +137,43 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, first, &staging, 0, bytes);
         self.queue.submit([encoder.finish()]);
-        staging
+        let (sender, mapped) = channel();
+        staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            // Nobody listens any more if the request was dropped.
+            let _ = sender.send(result);
+        });
+        Ok(PendingBytes { staging, mapped })
     }
 
     /// Reads a part of a buffer, once all that was submitted is done.
     pub(crate) fn read(&self, buffer: &wgpu::Buffer, first: u64, bytes: u64) -> Result<Vec<u8>, GpuError> {
-        self.check()?;
-        let staging = self.copy_to_staging(buffer, first, bytes);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody listens any more if waiting has failed.
-            let _ = sender.send(result);
-        });
+        let pending = self.request(buffer, first, bytes)?;
         self.wait()?;
-        let lost = |reason: String| GpuError::Lost(reason);
-        receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
-        let view = staging.slice(..).get_mapped_range().map_err(|error| lost(error.to_string()))?;
-        Ok(view.to_vec())
+        // Another thread that waits for the device may be about to send it.
+        pending.mapped.recv().map_err(GpuError::lost)?.map_err(GpuError::lost)?;
+        pending.bytes()
+    }
+}
+
+/// A part of a buffer that will come.
+#[derive(Debug)]
+pub(crate) struct PendingBytes {
+    staging: wgpu::Buffer,
+    mapped: Receiver<Result<(), wgpu::BufferAsyncError>>,
+}
+
+impl PendingBytes {
+    /// The bytes, if they have come and were not taken yet.
+    pub fn try_take(&self) -> Result<Option<Vec<u8>>, GpuError> {
+        match self.mapped.try_recv() {
+            Err(TryRecvError::Empty) => return Ok(None),
+            mapped => mapped.map_err(GpuError::lost)?.map_err(GpuError::lost)?,
+        }
+        self.bytes().map(Some)
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, GpuError> {
+        Ok(self.staging.slice(..).get_mapped_range().map_err(GpuError::lost)?.to_vec())
     }
 }
 

@@ -17,7 +17,7 @@ const POSITION: u32 = 16;
 /// Kernels that are compiled when they are first needed.
 #[derive(Debug)]
 pub(crate) struct Kernels {
-    /// What all kernels bind as group 0.
+    /// All kernels bind it as group 0.
     pub common: wgpu::BindGroupLayout,
     /// Group 1 of the kernel of small bodies.
     pub small: wgpu::BindGroupLayout,
@@ -29,6 +29,8 @@ pub(crate) struct Kernels {
     pub tile: Option<[u32; 2]>,
     /// Threads of a tile's workgroup.
     tile_threads: u32,
+    /// Bytes of a workgroup's shared memory.
+    shared: u32,
     /// By size class, without extras and with them.
     small_steps: [[OnceLock<wgpu::ComputePipeline>; 2]; SIZE_CLASSES.len()],
     large_steps: [OnceLock<LargeKernels>; 2],
@@ -63,6 +65,7 @@ impl Kernels {
                 .max_compute_invocations_per_workgroup
                 .min(limits.max_compute_workgroup_size_x)
                 .min(TILE_WORKGROUP),
+            shared,
             small_steps: Default::default(),
             large_steps: Default::default(),
             grid_step: OnceLock::new(),
@@ -75,11 +78,10 @@ impl Kernels {
     }
 
     /// The size class of a body of so many particles; none if it is large.
-    pub fn size_class(&self, gpu: &Gpu, particles: u32) -> Option<usize> {
-        let shared = gpu.device.limits().max_compute_workgroup_storage_size;
+    pub fn size_class(&self, particles: u32) -> Option<usize> {
         let fits = |class: &SizeClass| {
             let capacity = class.threads * class.per_thread;
-            particles <= capacity && capacity * POSITION + SHARED_BESIDES <= shared
+            particles <= capacity && capacity * POSITION + SHARED_BESIDES <= self.shared
         };
         SIZE_CLASSES.iter().position(fits)
     }

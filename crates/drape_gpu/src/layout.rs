@@ -1,4 +1,4 @@
-//! What the shaders read, field by field as `shaders/structures.wgsl` declares it.
+//! Structures for the shaders, field by field as `shaders/structures.wgsl` declares it.
 
 use bytemuck::{Pod, Zeroable};
 use drape_solver::motion::wind::WAVES;

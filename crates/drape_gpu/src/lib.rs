@@ -20,7 +20,7 @@
 //! growing_buffer a buffer on the GPU that grows
 //! gpu            a device with compute shaders
 //! source         the sources of the shaders
-//! layout         what the shaders read, field by field
+//! layout         structures for the shaders, field by field
 //! error          typed errors
 //! ```
 

@@ -2,7 +2,7 @@
 
 use drape_solver::constraint::stick::iteration_stiffness;
 use drape_solver::state::drag::Drag;
-use drape_solver::{BodySettings, StickBound, StickMaterial, Topology};
+use drape_solver::{BodySettings, GridFamily, StickBatch, StickBound, StickMaterial, Topology};
 
 use crate::error::GpuError;
 use crate::layout::BatchData;
@@ -15,8 +15,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub(crate) struct Model {
     pub pairs: Vec<[u32; 2]>,
-    /// True if a workgroup steps the whole body: both ends of a stick fit into a word.
-    pub is_small: bool,
+    pub way: Way,
     pub batches: Vec<ModelBatch>,
     pub first_tether: u32,
     pub tethers_per_particle: u32,
@@ -24,8 +23,6 @@ pub(crate) struct Model {
     pub particle_count: u32,
     /// Columns and rows of a grid.
     pub grid: Option<[u32; 2]>,
-    /// True if tiles solve the grid.
-    pub is_tiled: bool,
 }
 
 /// Sticks that share no particle, with a stiffness that the step decides.
@@ -37,21 +34,21 @@ pub(crate) struct ModelBatch {
 
 /// The ways to step a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// One workgroup takes the whole step.
-    Small,
+pub(crate) enum Way {
+    /// One workgroup of this size class takes the whole step. Both ends of a stick fit into a word.
+    Small(usize),
     /// Dispatches for each batch of sticks.
     Listed,
-    /// Tiles if it is a grid, else as listed.
+    /// Tiles, which know the sticks of a grid by their places, and need no list.
     Tiled,
 }
 
 impl Model {
-    /// The pairs of a topology. Tiles know the sticks of a grid by their places, and need no list.
+    /// The pairs of a topology, for a body of this size class; none is a large one. `has_tiles` tells whether the device has memory for them.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] if it has what the shaders do not solve.
-    pub fn new(topology: &Topology, kind: Kind) -> Result<Self, GpuError> {
+    pub fn new(topology: &Topology, size_class: Option<usize>, has_tiles: bool) -> Result<Self, GpuError> {
         if topology.has_bending_rigidity() {
             return Err(GpuError::Unsupported("cloth with a bending rigidity"));
         }
@@ -64,44 +61,32 @@ impl Model {
         let count = topology.particle_count();
         let mut model = Self {
             pairs: Vec::new(),
-            is_small: kind == Kind::Small,
+            way: match size_class {
+                Some(class) => Way::Small(class),
+                None if has_tiles && fits_tiles(topology) => Way::Tiled,
+                None => Way::Listed,
+            },
             batches: Vec::new(),
             first_tether: 0,
             tethers_per_particle: 0,
             first_fan: 0,
             particle_count: count as u32,
             grid: topology.grid_size().map(|size| size.map(|side| side as u32)),
-            is_tiled: false,
         };
         model.push_sticks(topology);
-        model.is_tiled = kind == Kind::Tiled && model.fits_tiles();
-        if model.is_tiled {
-            model.pairs.clear();
-        }
         model.push_tethers(topology);
         model.push_fans(topology);
         Ok(model)
     }
 
-    /// True if one iteration over the grid stays within a tile's halo.
-    fn fits_tiles(&self) -> bool {
-        let reach =
-            |way: fn(&BatchData) -> u32| self.batches.iter().map(|batch| way(&batch.data)).sum::<u32>();
-        self.grid.is_some()
-            && self.batches.iter().all(|ModelBatch { data: BatchData { right, down, .. }, .. }| {
-                // Sticks along a row begin at their left ends.
-                right.abs() <= 2 && (*down == 1 || *down == 2 || (*down == 0 && *right > 0))
-            })
-            && reach(|batch| batch.right.unsigned_abs()) <= HALO
-            && reach(|batch| batch.down.unsigned_abs()) <= HALO
-    }
-
     fn push_sticks(&mut self, topology: &Topology) {
-        // A batch whose sticks share particles is parted into colours; grids are parted already.
+        // A batch whose sticks share particles is parted into colours; families of grids are parted already.
         let mut colours_at = vec![0_u64; topology.particle_count()];
-        for batch in
-            topology.batches().iter().filter(|batch| batch.count > 0 && batch.material.stiffness > 0.0)
-        {
+        for batch in stiff_batches(topology) {
+            if batch.family().is_some() {
+                self.push_batch(topology, batch, batch.range());
+                continue;
+            }
             let mut coloured: Vec<Vec<usize>> = Vec::new();
             colours_at.fill(0);
             let mut rest: Vec<usize> = batch.range().collect();
@@ -125,7 +110,7 @@ impl Model {
                 colours_at.fill(0);
             }
             for sticks in coloured {
-                self.push_batch(topology, batch.material, batch.family(), &sticks);
+                self.push_batch(topology, batch, sticks.into_iter());
             }
         }
     }
@@ -133,22 +118,23 @@ impl Model {
     fn push_batch(
         &mut self,
         topology: &Topology,
-        material: StickMaterial,
-        family: Option<drape_solver::GridFamily>,
-        sticks: &[usize],
+        batch: &StickBatch,
+        sticks: impl ExactSizeIterator<Item = usize>,
     ) {
-        let first = self.pairs.len() as u32;
-        for &stick in sticks {
-            let ([a, b], rest_length) = (topology.stick(stick), topology.rest_length(stick).to_bits());
-            if self.is_small {
-                self.pairs.push([a | (b << 16), rest_length]);
-            } else {
-                self.pairs.extend([[a, b], [rest_length, 0]]);
+        let material = batch.material;
+        let (first, count) = (self.pairs.len() as u32, sticks.len() as u32);
+        let words = |stick| (topology.stick(stick), topology.rest_length(stick).to_bits());
+        match self.way {
+            Way::Small(_) => {
+                self.pairs
+                    .extend(sticks.map(words).map(|([a, b], rest_length)| [a | (b << 16), rest_length]));
             }
+            Way::Listed => self.pairs.extend(sticks.map(words).flat_map(|(ends, rest)| [ends, [rest, 0]])),
+            Way::Tiled => {}
         }
         let mut data = BatchData {
             first,
-            count: sticks.len() as u32,
+            count,
             side: match material.bound {
                 StickBound::Exact => 0,
                 StickBound::AtLeast => -1,
@@ -156,7 +142,7 @@ impl Model {
             },
             ..BatchData::default()
         };
-        if let Some(family) = family {
+        if let Some(family) = batch.family() {
             data.right = family.right;
             data.down = family.down as i32;
             data.phase = family.phase;
@@ -222,4 +208,21 @@ impl Model {
             ..batch.data
         })
     }
+}
+
+/// Batches with sticks that act.
+fn stiff_batches(topology: &Topology) -> impl Iterator<Item = &StickBatch> {
+    topology.batches().iter().filter(|batch| batch.count > 0 && batch.material.stiffness > 0.0)
+}
+
+/// True if the topology is a grid on which one iteration stays within a tile's halo.
+fn fits_tiles(topology: &Topology) -> bool {
+    let families = || stiff_batches(topology).filter_map(StickBatch::family);
+    // Sticks along a row begin at their left ends.
+    let is_fit =
+        |GridFamily { right, down, .. }: GridFamily| right.abs() <= 2 && down <= 2 && (down > 0 || right > 0);
+    topology.grid_size().is_some()
+        && families().all(is_fit)
+        && families().map(|family| family.right.unsigned_abs()).sum::<u32>() <= HALO
+        && families().map(|family| family.down).sum::<u32>() <= HALO
 }

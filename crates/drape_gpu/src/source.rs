@@ -41,6 +41,7 @@ pub(crate) const TILES: [[u32; 2]; 2] = [[64, 44], [64, 32]];
 /// Threads of a tile's workgroup, where the device allows as many.
 pub(crate) const TILE_WORKGROUP: u32 = 1024;
 
+const INVOCATION: &str = include_str!("shaders/invocation.wgsl");
 const STRUCTURES: &str = include_str!("shaders/structures.wgsl");
 const STICK: &str = include_str!("shaders/stick.wgsl");
 const AIR: &str = include_str!("shaders/air.wgsl");
@@ -55,7 +56,7 @@ const LARGE: &str = include_str!("shaders/large_bodies.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
 const GRID: &str = include_str!("shaders/grid_sticks.wgsl");
 
-/// What a kernel can do besides. Its code costs registers even where it does not run: a crowd of small bodies is a third slower with it.
+/// Features of a kernel that few scenes use. Their code costs registers even if it does not run: a crowd of small bodies is a third slower with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extras {
     None,
@@ -79,6 +80,7 @@ pub(crate) fn small_source(class: SizeClass, extras: Extras) -> String {
     with_constants(&[
         &sizes,
         extras.source(),
+        INVOCATION,
         STRUCTURES,
         STICK,
         TETHER,
@@ -96,6 +98,7 @@ pub(crate) fn large_source(extras: Extras) -> String {
     with_constants(&[
         &sizes,
         extras.source(),
+        INVOCATION,
         STRUCTURES,
         DISPATCH,
         OWN_POSITIONS,
@@ -111,7 +114,7 @@ pub(crate) fn large_source(extras: Extras) -> String {
 
 /// The whole source of the kernel that writes vertices.
 pub(crate) fn surface_source() -> String {
-    with_constants(&[&format!("const WORKGROUP: u32 = {SURFACE_WORKGROUP}u;\n"), SURFACE])
+    with_constants(&[&format!("const WORKGROUP: u32 = {SURFACE_WORKGROUP}u;\n"), INVOCATION, SURFACE])
 }
 
 /// The whole source of the kernel of tiles.

@@ -34,7 +34,7 @@ impl Timer {
         Some(Self { times, buffer, tick: f64::from(gpu.queue.get_timestamp_period()) * 1e-9 })
     }
 
-    /// What a pass writes.
+    /// Has a pass write both times.
     pub fn writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
         wgpu::ComputePassTimestampWrites {
             query_set: &self.times,

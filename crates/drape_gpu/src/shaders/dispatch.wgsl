@@ -1,4 +1,4 @@
-// What a dispatch of a large body reads.
+// The data of one dispatch of a large body.
 
 struct Dispatch {
     body: u32,

@@ -10,19 +10,15 @@
 @group(1) @binding(4) var<storage, read_write> reactions: array<atomic<u32>>;
 
 // The index of a thread's particle or stick in the body or batch.
-fn index_of(group: vec3u, groups: vec3u, thread: u32) -> u32 {
-    return (group.y * groups.x + group.x) * WORKGROUP + thread;
+fn index_of(invocation: Invocation) -> u32 {
+    return number_of(invocation) * WORKGROUP + invocation.thread;
 }
 
 // Before the first substep: forces, and the ways of pins.
 @compute @workgroup_size(WORKGROUP)
-fn begin(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-) {
+fn begin(invocation: Invocation) {
     let body = bodies[dispatch.body];
-    let index = index_of(group, groups, thread);
+    let index = index_of(invocation);
     if index < 3u {
         atomicStore(&statuses[dispatch.body].drift[index], 0);
         atomicStore(&statuses[dispatch.body].drift[3u + index], 0);
@@ -54,13 +50,10 @@ var<workgroup> drift_sum: array<atomic<i32>, 3>;
 
 // Sums up the drift of a free body, after the last projection of sticks in a substep.
 @compute @workgroup_size(WORKGROUP)
-fn note_drift(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-) {
+fn note_drift(invocation: Invocation) {
+    let thread = invocation.thread;
     let body = bodies[dispatch.body];
-    let index = index_of(group, groups, thread);
+    let index = index_of(invocation);
     if thread < 3u {
         atomicStore(&drift_sum[thread], 0);
     }
@@ -83,6 +76,16 @@ fn note_drift(
     }
 }
 
+// Finds the obstacles near the workgroup's particles, one a thread.
+fn search(position: vec3f, way: f32, thread: u32, body: Body) {
+    clear_near(thread);
+    workgroupBarrier();
+    include(position, way);
+    workgroupBarrier();
+    find_near(thread, body);
+    workgroupBarrier();
+}
+
 fn flight_of(particle: u32, displacement: vec3f) -> Flight {
     let flown = flights[2u * particle];
     let contact = flights[2u * particle + 1u];
@@ -97,13 +100,10 @@ fn keep(particle: u32, flight: Flight) {
 
 // Ends a substep (contacts, displacements, friction), begins the next one (free flight, contacts), or does both.
 @compute @workgroup_size(WORKGROUP)
-fn advance(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-) {
+fn advance(invocation: Invocation) {
+    let thread = invocation.thread;
     let body = bodies[dispatch.body];
-    let index = index_of(group, groups, thread);
+    let index = index_of(invocation);
     let particle = body.first_particle + min(index, body.particle_count - 1u);
     let has_obstacles = step.obstacle_count > 0u;
     let place = positions[particle];
@@ -115,13 +115,8 @@ fn advance(
     flight.displacement = select(acceleration, displacements[particle].xyz * rescale, is_free);
 
     if has_obstacles {
-        clear_near(thread);
-        workgroupBarrier();
-        // The way of a free substep, and the margin that holds what sticks have added.
-        include(position, length(flight.displacement) + body.thickness + CONTACT_MARGIN);
-        workgroupBarrier();
-        find_near(thread, body);
-        workgroupBarrier();
+        // The way of a free substep, and a margin for the pull of sticks.
+        search(position, length(flight.displacement) + body.thickness + CONTACT_MARGIN, thread, body);
     }
     let is_there = index < body.particle_count;
     if is_there && dispatch.ends != 0u && is_free {
@@ -197,21 +192,13 @@ fn advance(
 
 // Contacts between two iterations.
 @compute @workgroup_size(WORKGROUP)
-fn project_contacts(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-) {
+fn project_contacts(invocation: Invocation) {
+    let thread = invocation.thread;
     let body = bodies[dispatch.body];
-    let index = index_of(group, groups, thread);
+    let index = index_of(invocation);
     let particle = body.first_particle + min(index, body.particle_count - 1u);
     let place = positions[particle];
-    clear_near(thread);
-    workgroupBarrier();
-    include(place.xyz, body.thickness);
-    workgroupBarrier();
-    find_near(thread, body);
-    workgroupBarrier();
+    search(place.xyz, body.thickness, thread, body);
     if index >= body.particle_count || place.w == 0.0 {
         return;
     }
@@ -223,14 +210,10 @@ fn project_contacts(
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn project_sticks(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-) {
+fn project_sticks(invocation: Invocation) {
     let body = bodies[dispatch.body];
     let batch = batches[dispatch.batch];
-    let index = index_of(group, groups, thread);
+    let index = index_of(invocation);
     if index >= batch.count {
         return;
     }
@@ -247,13 +230,9 @@ fn project_sticks(
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn project_tethers(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-) {
+fn project_tethers(invocation: Invocation) {
     let body = bodies[dispatch.body];
-    let index = index_of(group, groups, thread);
+    let index = index_of(invocation);
     if index >= body.particle_count {
         return;
     }

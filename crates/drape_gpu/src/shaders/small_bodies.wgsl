@@ -47,12 +47,9 @@ fn position_of(body: Body, index: u32) -> vec4f {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn step_body(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let order = group.y * groups.x + group.x;
+fn step_body(invocation: Invocation) {
+    let thread = invocation.thread;
+    let order = number_of(invocation);
     if order >= size_class.body_count {
         return;
     }

@@ -1,4 +1,4 @@
-// What the processor writes, and all kernels read: `layout.rs` has the same structures.
+// The processor writes these, and all kernels read them: `layout.rs` has the same structures.
 
 struct Wave {
     // Radians per metre.
@@ -107,7 +107,7 @@ struct Batch {
     rest_length: f32,
 }
 
-// What the processor may read back. Coordinates are ordered integers.
+// The processor may read it back. Coordinates are ordered integers.
 struct Status {
     low: array<atomic<u32>, 3>,
     // 1 if a particle would not have been finite.
@@ -156,7 +156,7 @@ const DRIFT_UNITS: f32 = 4294967296.0;
 // The part of a particle that sticks have moved in the drift of its body.
 fn drift_by(moved: vec3f, inverse_mass: f32, body: Body) -> vec3i {
     let part = round(moved * (body.inverse_mass / inverse_mass * DRIFT_UNITS));
-    // What is beyond half a metre is no rounding.
+    // More than half a metre is no rounding.
     return select(vec3i(0), vec3i(part), abs(part) < vec3f(2147483520.0));
 }
 

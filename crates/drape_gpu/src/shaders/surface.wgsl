@@ -39,12 +39,9 @@ fn place_of(surface: Surface, index: u32) -> vec3f {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn write_surface(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let number = group.y * groups.x + group.x;
+fn write_surface(invocation: Invocation) {
+    let thread = invocation.thread;
+    let number = number_of(invocation);
     if number >= shares[0].x {
         return;
     }

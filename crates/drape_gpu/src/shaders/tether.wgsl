@@ -14,7 +14,9 @@ fn held_by_tethers(start: vec3f, index: u32, body: Body) -> vec3f {
         let delta = position - pin.xyz;
         let distance_squared = dot(delta, delta);
         if pin.w == 0.0 && distance_squared > length * length {
-            var part = stick_error(distance_squared, length, body.is_square_root_free != 0u);
+            // It is longer than its rest length, so the denominator is above zero.
+            let error = stick_error(distance_squared, length, body.is_square_root_free != 0u);
+            var part = error.x / error.y;
             if part * part * distance_squared > body.tether_pull * body.tether_pull {
                 part = body.tether_pull / sqrt(distance_squared);
             }

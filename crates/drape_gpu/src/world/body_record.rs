@@ -53,7 +53,7 @@ impl BodyRecord {
         }
     }
 
-    /// What the shaders read of it in steps of `dt` seconds, if the pairs of its model begin at `first_pair`.
+    /// Its entry in the table of bodies, for steps of `dt` seconds, if the pairs of its model begin at `first_pair`.
     pub fn data(&self, model: &Model, dt: f32, first_pair: u32, first_batch: u32) -> BodyData {
         let settings = &self.settings;
         let substep = dt / settings.substeps as f32;

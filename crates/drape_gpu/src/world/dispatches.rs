@@ -2,7 +2,7 @@
 
 use crate::kernels::spread;
 use crate::layout::{BodyData, DispatchData};
-use crate::model::Model;
+use crate::model::{Model, Way};
 use crate::source::LARGE_WORKGROUP;
 
 /// The kernel of a dispatch.
@@ -51,7 +51,7 @@ pub(crate) fn push(
             if iteration > 0 {
                 add(Stage::Contacts, by_particle, side, pass);
             }
-            if model.is_tiled {
+            if model.way == Way::Tiled {
                 let tiles = [body.columns.div_ceil(inner[0]), body.rows.div_ceil(inner[1])];
                 add(Stage::Grid, tiles, side, pass);
                 side = 1 - side;

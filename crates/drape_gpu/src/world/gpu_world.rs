@@ -13,7 +13,7 @@ use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::kernels::{Kernels, spread};
 use crate::layout::ObstacleData;
-use crate::model::{Kind, Model};
+use crate::model::Model;
 use crate::obstacle;
 use crate::snapshots::Snapshots;
 use crate::source::{Extras, SIZE_CLASSES};
@@ -284,12 +284,8 @@ impl GpuWorld {
         if let Some(place) = known {
             return Ok(place);
         }
-        let kind = match self.kernels.size_class(&self.gpu, topology.particle_count() as u32) {
-            Some(_) => Kind::Small,
-            None if self.kernels.tile.is_some() => Kind::Tiled,
-            None => Kind::Listed,
-        };
-        let model = Model::new(topology, kind)?;
+        let size_class = self.kernels.size_class(topology.particle_count() as u32);
+        let model = Model::new(topology, size_class, self.kernels.tile.is_some())?;
         let first = self.buffers.push_pairs(&self.gpu, &model.pairs)?;
         self.models.push((Arc::clone(topology), Model { pairs: Vec::new(), ..model }, first));
         Ok(self.models.len() - 1)

@@ -1,19 +1,18 @@
-//! What a caller reads of a world, at once or later.
+//! Results of a world for the caller, at once or later.
 
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
 
 use drape_solver::Reaction;
 use drape_solver::glam::Vec3;
 
 use crate::error::GpuError;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, PendingBytes};
 use crate::layout::StatusData;
 use crate::source::IMPULSE_UNITS;
 use crate::world::body_record::GpuBodyId;
 use crate::world::gpu_world::{GpuWorld, PARTICLE};
 
-/// What the GPU finds of a body in a step.
+/// Box, speed and fault of a body in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyStatus {
     /// Least corner of the box around the particles (world, metres).
@@ -46,7 +45,7 @@ impl GpuWorld {
         Ok(places(&bytes, record.origin))
     }
 
-    /// What the GPU has found of a body in the last step that was started. None if it has not been stepped. Waits for the step.
+    /// Box, speed and fault of a body in the last step that was started. None if it has not been stepped. Waits for the step.
     ///
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
@@ -106,16 +105,9 @@ impl GpuWorld {
     /// [`GpuError::NoSuchBody`]; [`GpuError::NotStepped`]; [`GpuError::Lost`].
     pub fn request_positions(&self, id: GpuBodyId) -> Result<PendingPositions, GpuError> {
         let place = self.place_of(id)?.ok_or(GpuError::NotStepped)?;
-        self.gpu.check()?;
-        let bytes = u64::from(place.particle_count) * PARTICLE;
-        let positions = self.buffers.positions[0].get();
-        let staging = self.gpu.copy_to_staging(positions, u64::from(place.first_particle) * PARTICLE, bytes);
-        let (sender, mapped) = channel();
-        staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody listens any more if the request was dropped.
-            let _ = sender.send(result);
-        });
-        Ok(PendingPositions { gpu: self.gpu.clone(), staging, mapped, origin: place.origin })
+        let (first, count) = (u64::from(place.first_particle), u64::from(place.particle_count));
+        let bytes = self.gpu.request(self.buffers.positions[0].get(), first * PARTICLE, count * PARTICLE)?;
+        Ok(PendingPositions { gpu: self.gpu.clone(), bytes, origin: place.origin })
     }
 }
 
@@ -123,8 +115,7 @@ impl GpuWorld {
 #[derive(Debug)]
 pub struct PendingPositions {
     gpu: Gpu,
-    staging: wgpu::Buffer,
-    mapped: Receiver<Result<(), wgpu::BufferAsyncError>>,
+    bytes: PendingBytes,
     origin: Vec3,
 }
 
@@ -135,16 +126,10 @@ impl PendingPositions {
     /// [`GpuError::Lost`].
     pub fn try_take(self) -> Result<Result<Vec<Vec3>, Self>, GpuError> {
         self.gpu.poll()?;
-        let lost = |reason: String| GpuError::Lost(reason);
-        match self.mapped.try_recv() {
-            Err(TryRecvError::Empty) => Ok(Err(self)),
-            Err(error) => Err(lost(error.to_string())),
-            Ok(mapped) => {
-                mapped.map_err(|error| lost(error.to_string()))?;
-                let view = self.staging.slice(..).get_mapped_range();
-                Ok(Ok(places(&view.map_err(|error| lost(error.to_string()))?, self.origin)))
-            }
-        }
+        Ok(match self.bytes.try_take()? {
+            Some(bytes) => Ok(places(&bytes, self.origin)),
+            None => Err(self),
+        })
     }
 }
 

@@ -5,6 +5,7 @@ use drape_solver::BodySettings;
 use crate::buffers::dispatch_stride;
 use crate::error::GpuError;
 use crate::layout::{BatchData, BodyData, DispatchData, SizeClassData, StatusData};
+use crate::model::Way;
 use crate::source::SIZE_CLASSES;
 use crate::world::dispatches::{self, Dispatch};
 use crate::world::gpu_world::{GpuWorld, PARTICLE};
@@ -26,11 +27,12 @@ pub(super) struct Tables {
 impl GpuWorld {
     /// The tables for steps of `dt` seconds.
     pub(super) fn make_tables(&self, dt: f32) -> Tables {
-        let Self { gpu, kernels, models, bodies, .. } = self;
+        let Self { kernels, models, bodies, .. } = self;
         let mut tables = Tables::default();
         // Bodies of one topology with equal settings share their batches.
         let mut known: Vec<(usize, BodySettings, u32)> = Vec::new();
-        let mut by_class: [Vec<(u32, BodyData)>; SIZE_CLASSES.len() + 1] = Default::default();
+        let mut of_classes: [Vec<(u32, BodyData)>; SIZE_CLASSES.len()] = Default::default();
+        let mut large: Vec<(u32, BodyData)> = Vec::new();
         for (&id, body) in bodies {
             let (_, model, first_pair) = &models[body.model];
             let is_same = |(model, settings, _): &&(usize, BodySettings, u32)| {
@@ -46,10 +48,12 @@ impl GpuWorld {
                 }
             };
             let data = body.data(model, dt, *first_pair, first_batch);
-            let class = kernels.size_class(gpu, model.particle_count).unwrap_or(SIZE_CLASSES.len());
-            by_class[class].push((id, data));
+            let list = match model.way {
+                Way::Small(class) => &mut of_classes[class],
+                Way::Listed | Way::Tiled => &mut large,
+            };
+            list.push((id, data));
         }
-        let [of_classes @ .., large] = by_class;
         for (count, list) in tables.class_counts.iter_mut().zip(of_classes) {
             *count = list.len() as u32;
             tables.ids.extend(list.iter().map(|(id, _)| id));
@@ -121,10 +125,10 @@ impl GpuWorld {
         if let Some(snapshots) = snapshots {
             snapshots.reserve(gpu, bytes)?;
         }
-        if models.iter().any(|(_, model, _)| model.is_tiled) {
+        if models.iter().any(|(_, model, _)| model.way == Way::Tiled) {
             buffers.reserve(gpu, bytes, |buffers| &mut buffers.positions[1])?;
         }
-        if models.iter().any(|(_, model, _)| !model.is_small) {
+        if models.iter().any(|(_, model, _)| !matches!(model.way, Way::Small(_))) {
             buffers.reserve(gpu, 2 * bytes, |buffers| &mut buffers.flights)?;
             buffers.reserve(gpu, bytes, |buffers| &mut buffers.accelerations)?;
         }

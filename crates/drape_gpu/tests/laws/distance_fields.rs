@@ -100,7 +100,7 @@ fn nothing_passes_a_shape_without_a_formula() {
             let allowed = part * cell(shape);
             assert!(deepest > THICKNESS - allowed, "{n} on {name}: {deepest} m, {allowed} m allowed");
             assert!(last < THICKNESS + allowed, "{n} hovers over {name}: nearest at {last} m");
-            // What passes falls for a second, by 5 m.
+            // A sheet that passes falls for a second, by 5 m.
             assert!(middle > -0.8, "{n} fell past {name}: its middle is at {middle} m");
         }
     }

@@ -33,7 +33,7 @@ fn a_particle_that_is_not_finite_is_kept_in_quarantine() {
     }
 }
 
-/// What the shaders do not solve is refused by name, and so is bad input; nothing moves.
+/// Bodies that the shaders do not solve are refused by name, and so is bad input; nothing moves.
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
 fn what_cannot_be_solved_is_refused_by_name() {
@@ -104,7 +104,7 @@ fn a_lost_device_is_an_error() {
     assert!(matches!(world.read_positions(id), Err(GpuError::Lost(_))));
 }
 
-/// What a device has too little of is named, with its limit.
+/// A limit of the device that is too low is named, with its value.
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
 fn a_limit_of_the_device_is_named() {

@@ -1,6 +1,6 @@
 //! The same device gives the same bits, run after run, whatever else is in the world.
 
-use drape_gpu::GpuWorld;
+use drape_gpu::{Gpu, GpuWorld};
 use drape_solver::glam::Vec3;
 use drape_solver::{Body, BodySettings, ClothBuilder, Edge, Environment, Shape, Turbulence, Wind};
 
@@ -95,12 +95,15 @@ fn bodies_come_and_go() {
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
 fn positions_that_were_asked_for_come_later() {
-    let (mut world, id) = world_of(&level(20, Vec3::ZERO, BodySettings::default()));
+    // A device of its own: another test that waits for a shared one could take what has come for it.
+    let gpu = Gpu::open().expect("an adapter");
+    let mut world = GpuWorld::new(&gpu);
+    let id = world.add(&level(20, Vec3::ZERO, BodySettings::default())).expect("a body");
     assert!(world.request_positions(id).is_err(), "it has not been stepped");
     run(&mut world, &gravity(), 5);
     let now = positions(&world, id);
     let pending = world.request_positions(id).expect("a body");
     run(&mut world, &gravity(), 3);
-    gpu().wait().expect("a device");
+    gpu.wait().expect("a device");
     assert_eq!(pending.try_take().expect("a device").ok(), Some(now));
 }
