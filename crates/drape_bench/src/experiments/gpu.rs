@@ -11,7 +11,7 @@ use drape_gpu::Gpu;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::measure::median::median;
+use crate::measure::median::{in_ms, median};
 use crate::scenes::model::Pins;
 use crate::scenes::scene::{Scene, SceneKind};
 use crate::solvers::drape::Drape;
@@ -193,8 +193,4 @@ fn on_processor(
         Ok((threads, in_ms(median(&mut times[SKIPPED..]))))
     };
     counts.map(time).collect()
-}
-
-fn in_ms(time: Duration) -> f64 {
-    time.as_secs_f64() * 1e3
 }

@@ -15,7 +15,7 @@ use comfy_table::{Table, presets::UTF8_FULL_CONDENSED};
 use drape_solver::glam::Vec3;
 
 use crate::failure::Failure;
-use crate::measure::median::median;
+use crate::measure::median::{in_ms, median};
 use crate::scenes::world::STEP;
 use crate::solvers::plugin;
 
@@ -119,7 +119,6 @@ fn measure(street: &StreetArguments, flags: u32, has_levels: bool, walk: f32) ->
         }
     }
     let median = median(&mut times);
-    let in_ms = |time: Duration| time.as_secs_f64() * 1e3;
     let world = app.world();
     let level = |body: &Entity| world.get::<CurrentDetail>(*body).map_or(0, CurrentDetail::level);
     let deepest = bodies.iter().map(level).max().unwrap_or(0);

@@ -18,3 +18,8 @@ pub fn median(times: &mut [Duration]) -> Duration {
 pub fn median_us(mut times: Vec<Duration>) -> f64 {
     median(&mut times).as_secs_f64() * 1e6
 }
+
+/// A time in milliseconds.
+pub fn in_ms(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}

@@ -18,6 +18,11 @@ fn run_on_processor(island: &mut Island, environment: &Environment, steps: usize
     }
 }
 
+/// Positions of the island's body.
+fn on_processor(island: &Island) -> Vec<Vec3> {
+    island.bodies[0].particles.positions().collect()
+}
+
 /// In the first tenth of a second, before small differences grow, particles are where the processor has them: sticks are relaxed in the same
 /// order, in workgroups, tiles and batches.
 #[test]
@@ -39,10 +44,7 @@ fn the_first_steps_are_those_of_the_processor() {
                 let mut island = Island::of_body(body);
                 run(&mut world, &environment, 6);
                 run_on_processor(&mut island, &environment, 6);
-                let ours = positions(&world, id);
-                let theirs = island.bodies[0].particles.positions();
-                let worst =
-                    ours.iter().zip(theirs).map(|(ours, theirs)| ours.distance(theirs)).fold(0.0, f32::max);
+                let worst = farthest_apart(&positions(&world, id), &on_processor(&island));
                 // Rounding differs from device to device.
                 assert!(worst < 5e-4, "{columns} x {rows}, {iterations} iterations: {worst} m apart");
             }
@@ -72,10 +74,7 @@ fn storms_and_leaps_begin_as_on_the_processor() {
                 run(&mut world, environment, 1);
                 step(&mut island, environment).expect("a good step");
             }
-            let theirs = island.bodies[0].particles.positions();
-            let apart =
-                positions(&world, id).into_iter().zip(theirs).map(|(ours, theirs)| ours.distance(theirs));
-            let worst = apart.fold(0.0, f32::max);
+            let worst = farthest_apart(&positions(&world, id), &on_processor(&island));
             assert!(worst < 1e-3, "{n}: {worst} m apart");
         }
     }
@@ -98,8 +97,7 @@ fn batches_move_a_grid_as_tiles_do() {
         for world in [&mut world, &mut tiled] {
             run(world, &environment, 6);
         }
-        let pairs = positions(&world, id).into_iter().zip(positions(&tiled, other));
-        let worst = pairs.map(|(batched, tiled)| batched.distance(tiled)).fold(0.0, f32::max);
+        let worst = farthest_apart(&positions(&world, id), &positions(&tiled, other));
         assert!(worst < 1e-5, "{n} x {n}: {worst} m apart");
     }
 }
@@ -126,7 +124,7 @@ fn after_six_hundred_steps_figures_are_those_of_the_processor() {
         run(&mut world, &environment, 600);
         run_on_processor(&mut island, &environment, 600);
         let ours = positions(&world, id);
-        let theirs: Vec<Vec3> = island.bodies[0].particles.positions().collect();
+        let theirs = on_processor(&island);
         let stretches = [stretch(&body, &ours), stretch(&body, &theirs)];
         assert!(
             (stretches[0] - stretches[1]).abs() < 1e-3 + 0.02 * stretches[1],

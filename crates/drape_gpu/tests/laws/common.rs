@@ -117,3 +117,8 @@ pub fn stretch(body: &Body, positions: &[Vec3]) -> f64 {
         .collect();
     (strains.iter().map(|strain| strain * strain).sum::<f64>() / strains.len() as f64).sqrt()
 }
+
+/// The greatest distance between two lists of positions, in metres.
+pub fn farthest_apart(one: &[Vec3], other: &[Vec3]) -> f32 {
+    one.iter().zip(other).map(|(one, other)| one.distance(*other)).fold(0.0, f32::max)
+}

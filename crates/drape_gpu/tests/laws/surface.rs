@@ -23,19 +23,22 @@ fn expected(body: &Body, places: &[Vec3], vertices: &BodyVertices) -> Vec<[Vec3;
     local.into_iter().zip(normals).map(|(place, normal)| [place, normal.normalize() * side]).collect()
 }
 
-fn read(target: &wgpu::Buffer) -> Vec<f32> {
+/// The words of a buffer of so many bytes to which `writer` has written.
+fn written(writer: &SurfaceWriter, size: u64) -> Vec<f32> {
     let device = gpu().device();
-    let staging = device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: target.size(),
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
+    let buffer = |usage| {
+        device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+    };
+    let target = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let staging = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    encoder.copy_buffer_to_buffer(target, 0, &staging, 0, target.size());
+    writer.encode(&mut encoder, &target);
+    encoder.copy_buffer_to_buffer(&target, 0, &staging, 0, size);
     gpu().queue().submit([encoder.finish()]);
-    staging.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
+    let (sender, mapped) = std::sync::mpsc::channel();
+    staging.slice(..).map_async(wgpu::MapMode::Read, move |result| sender.send(result).expect("heard"));
     gpu().wait().expect("a device");
+    mapped.recv().expect("sent").expect("mapped");
     let view = staging.slice(..).get_mapped_range().expect("mapped");
     view.chunks_exact(4).map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }
@@ -72,19 +75,10 @@ fn vertices_are_those_of_the_processor() {
         })
         .collect();
     let size = u64::from(4 * (firsts[1] + 1600 * STRIDE));
-    let target = gpu().device().create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size,
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    });
     let mut writer = SurfaceWriter::new(gpu());
     writer.set_bodies(&world, &vertices).expect("a world that keeps positions");
-    let mut encoder = gpu().device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    writer.encode(&mut encoder, &target);
-    gpu().queue().submit([encoder.finish()]);
 
-    let words = read(&target);
+    let words = written(&writer, size);
     let vector = |first: usize| Vec3::from_slice(&words[first..first + 3]);
     for i in 0..2 {
         let between: Vec<Vec3> = before[i].iter().zip(&after[i]).map(|(a, b)| a.lerp(*b, 0.25)).collect();
@@ -127,16 +121,7 @@ fn a_new_frame_does_not_disturb_the_one_before() {
     writer.set_bodies(&world, &[vertices]).expect("a world that keeps positions");
     world.begin_frame();
     run(&mut world, &gravity(), 2);
-    let target = gpu().device().create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: 100 * 24,
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu().device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    writer.encode(&mut encoder, &target);
-    gpu().queue().submit([encoder.finish()]);
-    let words = read(&target);
+    let words = written(&writer, 100 * 24);
     for (k, place) in shown.iter().enumerate() {
         // A mixture of both ends may round.
         assert!(Vec3::from_slice(&words[6 * k..6 * k + 3]).distance(*place) < 1e-6);

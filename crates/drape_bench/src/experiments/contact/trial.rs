@@ -11,6 +11,7 @@ use crate::experiments::contact::scene::ContactScene;
 use crate::experiments::contact::setup::Setup;
 use crate::failure::Failure;
 use crate::measure::cpu_time::cpu_time;
+use crate::measure::median::in_ms;
 use crate::scenes::world::STEP;
 use crate::solvers::threads::{RayonPool, on_threads};
 
@@ -187,7 +188,7 @@ impl Trial {
         let crossings = (setup.triangle_count() > 0).then_some(counts.as_slice());
         times.sort_unstable();
         let mean = times.iter().sum::<Duration>() / times.len().max(1) as u32;
-        let at = |place: usize| times.get(place).copied().map_or(0.0, milliseconds);
+        let at = |place: usize| times.get(place).copied().map_or(0.0, in_ms);
         Ok(Figures {
             scene: name_of(&self.scene),
             mode: name_of(&self.mode),
@@ -197,10 +198,10 @@ impl Trial {
             steps: self.steps,
             particles: setup.particle_count(),
             triangles: setup.triangle_count(),
-            ms_mean: milliseconds(mean),
+            ms_mean: in_ms(mean),
             ms_p99: at((times.len() * 99).div_ceil(100).saturating_sub(1)),
             ms_max: at(times.len().saturating_sub(1)),
-            cpu_ms_mean: cpu.sum.map(|sum| milliseconds(sum) / self.steps as f64),
+            cpu_ms_mean: cpu.sum.map(|sum| in_ms(sum) / self.steps as f64),
             pairs,
             rebuilds,
             truncated,
@@ -234,10 +235,6 @@ impl CpuClock {
     fn go_on(&mut self) {
         self.since = cpu_time();
     }
-}
-
-fn milliseconds(time: Duration) -> f64 {
-    time.as_secs_f64() * 1e3
 }
 
 /// The name of a value on the command line.
