@@ -16,7 +16,7 @@ use showcase::FEATURES;
 const TOO_FAST: f32 = 100.0;
 
 /// Examples that are no features of their own: they have other tests.
-const OTHERS: [&str; 5] = ["cannon", "models", "readme", "scene", "showcase"];
+const OTHERS: [&str; 6] = ["cannon", "models", "readme", "scene", "showcase", "stadium"];
 /// Examples that need the feature `gltf`.
 const OF_GLTF: [&str; 2] = ["cape_gltf", "dust_sheets"];
 

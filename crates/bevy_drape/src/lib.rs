@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! plugin             the plugin group, and the features in the order of a step
+//! gpu/               bodies that are solved and drawn on the GPU
 //! snapshot/          saves and restores a running world
 //! tools/             picking, gestures, spatial queries, gizmos, diagnostics
 //! tear/              parts bodies, and makes entities of the pieces
@@ -42,6 +43,8 @@ pub mod contact;
 pub mod detail;
 mod entity_events;
 pub mod environment;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod pending_messages;
 pub mod plugin;
 pub mod refusal;

@@ -74,6 +74,8 @@ impl PluginGroup for DrapePlugins {
             .add(MovedByFramePlugin);
         #[cfg(feature = "mesh")]
         let plugins = plugins.add(crate::render::plugin::MeshPlugin::new(self.schedule));
+        #[cfg(feature = "gpu")]
+        let plugins = plugins.add(crate::gpu::GpuPlugin);
         #[cfg(feature = "picking")]
         let plugins = plugins.add(crate::tools::picking::DrapePickingPlugin);
         #[cfg(feature = "gizmos")]

@@ -10,30 +10,45 @@ use crate::source::MAX_OBSTACLES;
 /// Coordinates that stand for infinity: a shader need not know it.
 const FAR: f32 = 1e30;
 
-/// Lists the obstacles that move cloth, and their indices in the environment. Sensors are left out. `field_of` finds the field of a shape
-/// without a formula.
+/// The obstacles that move cloth in a step.
+#[derive(Debug, Default)]
+pub(crate) struct List {
+    pub obstacles: Vec<ObstacleData>,
+    /// The index of each in the environment.
+    pub indices: Vec<u32>,
+    /// Indices of those that cannot be sampled, and why.
+    pub left_out: Vec<(usize, GpuError)>,
+}
+
+/// Lists the obstacles that move cloth, which sensors do not. `field_of` finds the field of a shape without a formula.
 ///
 /// # Errors
-/// [`GpuError::Limit`] if there are too many; what `field_of` returns.
+/// [`GpuError::Limit`] if there are too many; what `field_of` returns, unless it is [`GpuError::Unsupported`].
 pub(crate) fn list(
     obstacles: &Obstacles,
     mut field_of: impl FnMut(&Shape) -> Result<Field, GpuError>,
-) -> Result<(Vec<ObstacleData>, Vec<u32>), GpuError> {
+) -> Result<List, GpuError> {
     let is_met = |obstacle: &&Obstacle| !obstacle.is_sensor() && !obstacle.is_out_of_reach();
-    let (mut list, mut indices) = (Vec::new(), Vec::new());
+    let mut list = List::default();
     for (index, obstacle) in obstacles.iter().enumerate().filter(|(_, obstacle)| is_met(obstacle)) {
-        list.push(data(obstacle, &mut field_of)?);
-        indices.push(index as u32);
+        match data(obstacle, &mut field_of) {
+            Ok(data) => {
+                list.obstacles.push(data);
+                list.indices.push(index as u32);
+            }
+            Err(reason @ GpuError::Unsupported(_)) => list.left_out.push((index, reason)),
+            Err(error) => return Err(error),
+        }
     }
-    if list.len() > MAX_OBSTACLES {
+    if list.obstacles.len() > MAX_OBSTACLES {
         return Err(GpuError::Limit {
             what: "the list of obstacles",
-            needed: list.len() as u64,
+            needed: list.obstacles.len() as u64,
             limit: MAX_OBSTACLES as u64,
             name: "MAX_OBSTACLES",
         });
     }
-    Ok((list, indices))
+    Ok(list)
 }
 
 fn data(

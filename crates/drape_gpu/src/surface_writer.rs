@@ -8,7 +8,7 @@ use crate::gpu::Gpu;
 use crate::growing_buffer::GrowingBuffer;
 use crate::kernels::SurfaceKernel;
 use crate::source::SURFACE_WORKGROUP;
-use crate::world::{GpuBodyId, GpuWorld};
+use crate::world::{GpuBodyId, LastStep};
 
 /// The vertices of one body: one for each particle, in the order of the particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,8 +49,7 @@ struct SurfaceData {
 
 /// Writes the vertices of some bodies in one dispatch.
 ///
-/// [`set_bodies`](Self::set_bodies) says which, from where the world is known; [`encode`](Self::encode) needs no world, so that a renderer may
-/// call it from another thread.
+/// It needs no world, only its [`LastStep`], so that a renderer may have it on another thread.
 #[derive(Debug)]
 pub struct SurfaceWriter {
     gpu: Gpu,
@@ -75,18 +74,14 @@ impl SurfaceWriter {
         }
     }
 
-    /// Sets the bodies to write, as they were in the last step of `world`: to be called in each frame, after its steps. Bodies that have not been
-    /// stepped are left out.
+    /// Sets the bodies to write. Those that took no part in `step` are left out.
     ///
     /// # Errors
-    /// [`GpuError::NoSuchBody`]; [`GpuError::NoLastPositions`] if the world does not [keep them](GpuWorld::keep_last_positions), or has not
-    /// been stepped since;
     /// [`GpuError::Limit`] if the device has no room.
-    pub fn set_bodies(&mut self, world: &GpuWorld, bodies: &[BodyVertices]) -> Result<(), GpuError> {
-        let read = world.shown().ok_or(GpuError::NoLastPositions)?;
+    pub fn set_bodies(&mut self, step: &LastStep, bodies: &[BodyVertices]) -> Result<(), GpuError> {
         let (mut shares, mut surfaces) = (vec![[0; 2]], Vec::new());
         for vertices in bodies {
-            let Some(place) = world.place_of(vertices.body)? else { continue };
+            let Some(place) = step.place_of(vertices.body) else { continue };
             let firsts = (0..place.particle_count).step_by(SURFACE_WORKGROUP as usize);
             shares.extend(firsts.map(|first| [surfaces.len() as u32, first]));
             let axes = vertices.to_local;
@@ -115,7 +110,7 @@ impl SurfaceWriter {
             buffer.write(&self.gpu, 0, data);
         }
         self.share_count = count;
-        self.read = Some(read.map(wgpu::Buffer::clone));
+        self.read = Some(step.read.clone());
         Ok(())
     }
 

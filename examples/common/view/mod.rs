@@ -28,7 +28,7 @@ pub(crate) mod shape_meshes;
 #[cfg(feature = "render")]
 pub(crate) mod shared_materials;
 #[cfg(feature = "window")]
-pub(crate) mod slider;
+pub mod slider;
 #[cfg(feature = "window")]
 pub(crate) mod text_panel;
 #[cfg(feature = "render")]

@@ -27,6 +27,7 @@ pub(crate) mod contact_events;
 pub(crate) mod defaults;
 pub(crate) mod fabric;
 pub(crate) mod layers;
+pub(crate) mod on_gpu;
 pub(crate) mod particles;
 pub(crate) mod plugin;
 pub(crate) mod pressure;

@@ -10,6 +10,7 @@ use drape_solver::world::extent::Extent;
 use crate::body::activity::Activity;
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::fabric::Fabric;
+use crate::body::on_gpu::OnGpu;
 use crate::body::particles::{BodyParts, Particles, Sticks};
 use crate::build::built::BodyBuilt;
 use crate::change_detection::{collect_changed, retain_from};
@@ -50,7 +51,7 @@ pub(crate) trait Description: Component {
 pub(crate) fn build_described<D: Description>(
     mut commands: Commands,
     described: Query<(Entity, Ref<D>)>,
-    not_built: Query<(Entity, Ref<GlobalTransform>), (With<D>, Without<Particles>)>,
+    not_built: Query<(Entity, Ref<GlobalTransform>), (With<D>, Without<Particles>, Without<OnGpu>)>,
     fabrics: ChangedFabrics<D>,
     descriptions: Query<(&D, Option<&Fabric>, &GlobalTransform)>,
     mut order: ResMut<CreationOrder>,
@@ -117,9 +118,9 @@ pub(crate) fn pins_at(anchor: &Affine3A, particles: &drape_solver::Particles) ->
     pinned.map(|i| (i as u32, to_local.transform_point3(particles.position(i)))).collect()
 }
 
-/// Removes everything that [`insert_body`] inserts.
+/// Removes everything that [`insert_body`] inserts, and what it becomes on the GPU.
 pub(crate) fn remove_body(commands: &mut Commands, entity: Entity) {
-    commands.entity(entity).try_remove::<(Particles, Sticks, Activity, BodyState)>();
+    commands.entity(entity).try_remove::<(Particles, Sticks, Activity, BodyState, OnGpu)>();
 }
 
 /// Removes the body from an entity that loses its description `C`.

@@ -6,6 +6,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::prelude::*;
 
+use crate::body::on_gpu::OnGpu;
 use crate::body::particles::{Particles, Sticks};
 use crate::detail::level::CurrentDetail;
 use crate::render::any_mesh::{AnyMesh, handle_of, insert_mesh};
@@ -18,8 +19,9 @@ pub(crate) fn build_surfaces<D: Shown>(
     cloths: Query<(
         Entity,
         &D,
-        &Particles,
-        &Sticks,
+        Option<&Particles>,
+        Option<&Sticks>,
+        Option<&OnGpu>,
         &GlobalTransform,
         AnyMesh,
         Option<&Surface>,
@@ -28,11 +30,15 @@ pub(crate) fn build_surfaces<D: Shown>(
     users: Query<(Entity, AnyMesh)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    for (entity, cloth, particles, sticks, transform, mesh, surface, (detail, kept_meshes)) in &cloths {
+    for (entity, cloth, particles, sticks, on_gpu, transform, mesh, surface, (detail, kept_meshes)) in &cloths
+    {
+        let on_gpu = on_gpu.map(|body| (&body.particles, &body.topology));
+        let here = particles.zip(sticks).map(|(particles, sticks)| (&particles.0, &sticks.0));
+        let Some((particles, topology)) = here.or(on_gpu) else { continue };
         let is_flat = mesh.1.is_some();
         let mesh = handle_of(mesh);
         let asset = mesh.and_then(|mesh| meshes.get(mesh));
-        let is_known = surface.is_some_and(|surface| Arc::ptr_eq(&surface.topology, &sticks.0));
+        let is_known = surface.is_some_and(|surface| Arc::ptr_eq(&surface.topology, topology));
         let is_done = match (mesh, asset) {
             (Some(mesh), Some(asset)) => {
                 let is_own = surface.is_some_and(|surface| surface.mesh == mesh.id());
@@ -57,8 +63,8 @@ pub(crate) fn build_surfaces<D: Shown>(
         {
             let mut kept = kept_meshes.cloned().unwrap_or_default();
             kept.keep(full_layout, surface.layout, mesh);
-            let shown = kept.mesh(cloth, &sticks.0, &mut meshes);
-            let mut surface = surface.resampled(particles, &sticks.0, cloth.layout());
+            let shown = kept.mesh(cloth, topology, &mut meshes);
+            let mut surface = surface.resampled(particles, topology, cloth.layout());
             surface.mesh = shown.id();
             let mut entity = commands.entity(entity);
             entity.insert((surface, kept));
@@ -68,19 +74,19 @@ pub(crate) fn build_surfaces<D: Shown>(
         let fits_grid = surface.is_none_or(|surface| surface.layout == cloth.layout());
         let kept = asset.filter(|_| fits_grid).and_then(|asset| {
             let mut asset = asset.clone();
-            complete(&mut asset, cloth, &sticks.0).then_some(asset)
+            complete(&mut asset, cloth, topology).then_some(asset)
         });
         if kept.is_none() && asset.is_some() && surface.is_none() {
             warn!("the mesh of cloth {entity} has not one vertex for each particle: it is replaced");
         }
         let is_shared =
-            users.iter().any(|(user, other)| user != entity && mesh.is_some() && mesh == handle_of(other));
+            mesh.is_some() && users.iter().any(|(user, other)| user != entity && mesh == handle_of(other));
         let handle = mesh.filter(|_| kept.is_some() && !is_shared).cloned();
 
-        let mut asset = kept.unwrap_or_else(|| new_mesh(cloth, &sticks.0, None));
+        let mut asset = kept.unwrap_or_else(|| new_mesh(cloth, topology, None));
         // Written here, read by the renderer.
         asset.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
-        let mut surface = Surface::new(particles, &sticks.0, cloth.layout());
+        let mut surface = Surface::new(particles, topology, cloth.layout());
         let bounds = EntitySpace::new(transform).and_then(|space| surface.write(&mut asset, &space, 1.0));
         let handle = put_asset(&mut meshes, handle, asset);
         surface.mesh = handle.id();

@@ -261,6 +261,12 @@ impl EntitySpace {
         })
     }
 
+    /// The inverse of rotation and scale.
+    #[cfg(feature = "gpu")]
+    pub fn to_local(&self) -> Mat3 {
+        self.to_local.map_or(Mat3::IDENTITY, Mat3::from)
+    }
+
     /// Transforms a world offset from the entity into its coordinates.
     fn direction(&self, offset: Vec3) -> Vec3 {
         self.to_local.map_or(offset, |to_local| to_local * offset)

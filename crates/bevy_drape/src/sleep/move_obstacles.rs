@@ -5,18 +5,29 @@
 use bevy::prelude::*;
 use drape_solver::world::bounds_list::BoundsList;
 
+use crate::body::on_gpu::OnGpu;
 use crate::environment::obstacle_changes::ObstacleChanges;
 use crate::environment::sync_obstacles::Syncing;
 use crate::sleep::reach::DrapeReach;
 
 /// The boxes of all that obstacles could touch in this step.
 #[derive(Resource, Default)]
-pub(crate) struct Reached(BoundsList);
+pub(crate) struct Reached {
+    boxes: BoundsList,
+    /// True if some are not known.
+    is_everywhere: bool,
+}
 
 /// Looks what the obstacles that move in this step could touch, if any moves. Pins have moved by now.
-pub(crate) fn note_reached(reach: DrapeReach, changes: Res<ObstacleChanges>, mut reached: ResMut<Reached>) {
+pub(crate) fn note_reached(
+    reach: DrapeReach,
+    on_gpu: Query<(), With<OnGpu>>,
+    changes: Res<ObstacleChanges>,
+    mut reached: ResMut<Reached>,
+) {
     if !changes.moved.is_empty() {
-        reached.0.replace(reach.boxes());
+        reached.is_everywhere = !on_gpu.is_empty();
+        reached.boxes.replace(reach.boxes());
     }
 }
 
@@ -28,7 +39,8 @@ pub(crate) fn move_obstacles(
 ) {
     let ObstacleChanges { moved, moving, .. } = &mut *changes;
     for (entity, transform) in moved.drain(..) {
-        let is_near = |radius, place| reached.0.is_any_within(radius + MARGIN, place);
+        let is_near =
+            |radius, place| reached.is_everywhere || reached.boxes.is_any_within(radius + MARGIN, place);
         if syncing.move_one(entity, &transform, is_near) {
             moving.push(entity);
         }

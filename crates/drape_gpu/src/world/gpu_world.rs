@@ -73,6 +73,10 @@ pub struct GpuWorld {
     pub(super) moved_over: Vec<(u64, u64)>,
     pub(super) timer: Option<Timer>,
     pub(super) snapshots: Option<Snapshots>,
+    /// Places of the bodies in the last step.
+    pub(super) places: Arc<[(GpuBodyId, BodyPlace)]>,
+    /// Indices of obstacles that the last step left out.
+    pub(super) left_out: Vec<(usize, GpuError)>,
 }
 
 impl GpuWorld {
@@ -99,10 +103,12 @@ impl GpuWorld {
             moved_over: Vec::new(),
             timer: Timer::new(gpu),
             snapshots: None,
+            places: Arc::default(),
+            left_out: Vec::new(),
         }
     }
 
-    /// Adds a copy of a body. Bodies that share a topology share its memory here too.
+    /// Adds a copy of a body. Bodies of equal topologies share their memory here.
     ///
     /// [Lines](drape_solver::StructuralSolve::Lines) are swept. Not heeded are early stops by tolerance, forces and targets of pins that the particles have
     /// been given, limits on motion, backstops, drives, joints, moving frames, and the report of contacts.
@@ -156,6 +162,19 @@ impl GpuWorld {
         Ok(())
     }
 
+    /// The topology of a body, which all bodies share that have an equal one.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSuchBody`].
+    pub fn topology(&self, id: GpuBodyId) -> Result<&Arc<Topology>, GpuError> {
+        Ok(&self.models[self.record(id)?.model].0)
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
     /// The number of bodies.
     pub fn len(&self) -> usize {
         self.bodies.len()
@@ -199,12 +218,6 @@ impl GpuWorld {
         }
     }
 
-    /// Pairs of words, and positions before and after the last step; none without snapshots.
-    pub(crate) fn shown(&self) -> Option<[&wgpu::Buffer; 3]> {
-        let [before, after] = self.snapshots.as_ref()?.last()?;
-        Some([self.buffers.pairs.get(), before, after])
-    }
-
     /// The place of a body in the buffers; none if it has not been stepped.
     pub(crate) fn place_of(&self, id: GpuBodyId) -> Result<Option<BodyPlace>, GpuError> {
         let record = self.record(id)?;
@@ -222,10 +235,10 @@ impl GpuWorld {
     /// The first step with an obstacle of a shape without a formula (a mesh, a compound, another shape of parry's) waits until its distances
     /// are sampled on a lattice of 48 cells along its longest side: some tenths of a second, and up to 0.75 MB that stay while the world
     /// lives. Keep such a shape and clone it: one that is made anew counts as another.
+    /// Obstacles that have neither a formula nor an inside, or are too thin for the lattice, are [left out](Self::left_out).
     ///
     /// # Errors
-    /// [`GpuError::Step`] if the environment is invalid; [`GpuError::Unsupported`] if an obstacle has neither a formula nor an inside, or
-    /// is too thin for the lattice; [`GpuError::Limit`] if something does not fit; [`GpuError::Lost`]. Nothing has moved then.
+    /// [`GpuError::Step`] if the environment is invalid; [`GpuError::Limit`] if something does not fit; [`GpuError::Lost`]. Nothing has moved then.
     pub fn step(&mut self, environment: &Environment) -> Result<(), GpuError> {
         self.gpu.poll()?;
         let dt = environment.dt;
@@ -241,7 +254,8 @@ impl GpuWorld {
         }
         let Self { gpu, buffers, fields, .. } = self;
         let field_of = |shape: &Shape| fields.field(shape, |pairs| buffers.push_pairs(gpu, pairs));
-        let (obstacles, indices) = obstacle::list(&environment.obstacles, field_of)?;
+        let obstacle::List { obstacles, indices, left_out } =
+            obstacle::list(&environment.obstacles, field_of)?;
         let mut step = step_data(environment);
         step.obstacle_count = obstacles.len() as u32;
         if self.dt > 0.0 {
@@ -260,18 +274,24 @@ impl GpuWorld {
         // Nothing fails from here on.
         if let Some(tables) = tables {
             self.write_tables(tables);
+            self.places = self.list_places();
         }
         if are_new {
             self.buffers.obstacles.write(&self.gpu, 0, data);
         }
         self.is_stale = false;
         self.dt = dt;
-        (self.obstacles, self.obstacle_indices) = (obstacles, indices);
+        (self.obstacles, self.obstacle_indices, self.left_out) = (obstacles, indices, left_out);
         self.write_arriving(step.rescale);
         self.write_targets();
         self.gpu.queue.write_buffer(&self.buffers.step, 0, bytemuck::bytes_of(&step));
         self.submit();
         Ok(())
+    }
+
+    /// Obstacles of the last step's environment through which bodies pass, as their shapes cannot be sampled: their indices, and why.
+    pub fn left_out(&self) -> &[(usize, GpuError)] {
+        &self.left_out
     }
 
     pub(super) fn record(&self, id: GpuBodyId) -> Result<&BodyRecord, GpuError> {
@@ -280,7 +300,8 @@ impl GpuWorld {
 
     /// The place of a topology among the models, to which it is added if it is new.
     fn model(&mut self, topology: &Arc<Topology>) -> Result<usize, GpuError> {
-        let known = self.models.iter().position(|(known, ..)| Arc::ptr_eq(known, topology));
+        let known =
+            self.models.iter().position(|(known, ..)| Arc::ptr_eq(known, topology) || known == topology);
         if let Some(place) = known {
             return Ok(place);
         }

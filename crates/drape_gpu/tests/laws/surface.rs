@@ -76,7 +76,9 @@ fn vertices_are_those_of_the_processor() {
         .collect();
     let size = u64::from(4 * (firsts[1] + 1600 * STRIDE));
     let mut writer = SurfaceWriter::new(gpu());
-    writer.set_bodies(&world, &vertices).expect("a world that keeps positions");
+    writer
+        .set_bodies(&world.last_step().expect("a world that keeps positions"), &vertices)
+        .expect("a world that keeps positions");
 
     let words = written(&writer, size);
     let vector = |first: usize| Vec3::from_slice(&words[first..first + 3]);
@@ -118,7 +120,7 @@ fn a_new_frame_does_not_disturb_the_one_before() {
         stride: 6,
     };
     let mut writer = SurfaceWriter::new(gpu());
-    writer.set_bodies(&world, &[vertices]).expect("a world that keeps positions");
+    writer.set_bodies(&world.last_step().expect("a world that keeps positions"), &[vertices]).expect("room");
     world.begin_frame();
     run(&mut world, &gravity(), 2);
     let words = written(&writer, 100 * 24);

@@ -1,0 +1,38 @@
+//! Bodies that are solved and drawn on the GPU, by the crate `drape_gpu` on the device of Bevy's renderer.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy_drape::gpu::SolveOnGpu;
+//! use bevy_drape::prelude::*;
+//!
+//! fn raise_flags(mut commands: Commands) {
+//!     for i in 0..10_000 {
+//!         let place = Transform::from_xyz((i % 100) as f32 * 2.0, 5.0, (i / 100) as f32 * 2.0);
+//!         commands.spawn((Cloth::new(1.5, 1.0).with_pins(ClothPins::Left), SolveOnGpu, place));
+//!     }
+//! }
+//! ```
+//!
+//! ```text
+//!   processor   ManageScene: move_to_gpu, move_pins      FormIslands: step_on_gpu          PostUpdate: list_shown
+//!                     |                                         |                                 |
+//!   GPU         +-----v-----------------------------------------v---------+   last step   +-------v--------------+
+//!               |  GpuWorld: particles, sticks, obstacles, pins, wind     | ------------> |  vertices of meshes  | -> all passes
+//!               +---------------------------------------------------------+  write_meshes +----------------------+
+//! ```
+//!
+//! Imports the body's components, the environment, the step's systems and `render`; nothing but the plugin group imports this.
+
+mod bodies;
+mod components;
+mod moves;
+mod pins;
+mod plugin;
+mod renderer;
+mod shown;
+mod step;
+
+pub use bodies::GpuBodies;
+pub use components::{GpuBody, SolveOnGpu};
+pub use drape_gpu;
+pub use plugin::GpuPlugin;

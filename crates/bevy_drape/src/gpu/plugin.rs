@@ -1,0 +1,54 @@
+//! Registers the bodies on the GPU.
+
+use bevy::core_pipeline::schedule::camera_driver;
+use bevy::prelude::*;
+use bevy::render::renderer::RenderGraph;
+use bevy::render::{ExtractSchedule, RenderApp, RenderStartup};
+use bevy::transform::TransformSystems;
+
+use crate::gpu::bodies::GpuBodies;
+use crate::gpu::components::SolveOnGpu;
+use crate::gpu::moves::{bring_back_released, move_to_gpu, remove_from_gpu};
+use crate::gpu::pins::move_pins_on_gpu;
+use crate::gpu::renderer::{SlabWriters, allow_writing, forget_writers, take_shown, write_slabs};
+use crate::gpu::shown::{ShownBodies, list_shown};
+use crate::gpu::step::{begin_frame, step_on_gpu};
+use crate::schedule::{DrapeSchedule, DrapeSystems, ScenePhase};
+use crate::step::form_islands::form_islands;
+
+/// Solves and draws bodies with [`SolveOnGpu`] on the GPU.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GpuPlugin;
+
+impl Plugin for GpuPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<SolveOnGpu>()
+            .init_resource::<GpuBodies>()
+            .init_resource::<ShownBodies>()
+            .add_observer(bring_back_released)
+            .add_observer(remove_from_gpu)
+            .add_systems(First, begin_frame)
+            .add_systems(
+                DrapeSchedule,
+                (
+                    // Before obstacles are read: those that were out of reach may be met by these bodies.
+                    move_to_gpu.in_set(ScenePhase::InheritMotion),
+                    move_pins_on_gpu.in_set(ScenePhase::MovePins),
+                    step_on_gpu.in_set(DrapeSystems::FormIslands).before(form_islands),
+                ),
+            )
+            .add_systems(PostUpdate, list_shown.after(TransformSystems::Propagate));
+    }
+
+    /// Bevy's plugins have been built by now, in whatever order they were added.
+    fn finish(&self, app: &mut App) {
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
+        allow_writing(render_app.world_mut());
+        render_app
+            .init_resource::<ShownBodies>()
+            .init_resource::<SlabWriters>()
+            .add_systems(RenderStartup, forget_writers)
+            .add_systems(ExtractSchedule, take_shown)
+            .add_systems(RenderGraph, write_slabs.before(camera_driver));
+    }
+}

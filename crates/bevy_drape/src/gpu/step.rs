@@ -1,0 +1,48 @@
+//! Steps the bodies on the GPU.
+
+use bevy::prelude::*;
+
+use crate::environment::solver_environment::SolverEnvironment;
+use crate::gpu::bodies::{GpuBodies, Renderer};
+use crate::gpu::components::GpuBody;
+use crate::gpu::moves::bring_back;
+
+/// Starts a step of all bodies on the GPU, and does not wait for it. If that fails, the processor takes all of them over; if the renderer
+/// has another device, they go there in the next step.
+pub(crate) fn step_on_gpu(
+    mut commands: Commands,
+    on_gpu: Query<Entity, With<GpuBody>>,
+    solver: Res<SolverEnvironment>,
+    renderer: Renderer,
+    mut bodies: ResMut<GpuBodies>,
+) {
+    let GpuBodies { world, known_gaps, .. } = &mut *bodies;
+    let Some(world) = world.as_mut().filter(|world| !world.is_empty()) else { return };
+    let result = if renderer.is_new() { Ok(false) } else { world.step(&solver.environment).map(|()| true) };
+    if result == Ok(true) {
+        for &(slot, ref reason) in world.left_out() {
+            let entity = solver.obstacles.entity(slot);
+            if known_gaps.insert(entity) {
+                warn!("bodies on the GPU pass through obstacle {entity}: {reason}");
+            }
+        }
+        return;
+    }
+    for entity in &on_gpu {
+        commands.entity(entity).queue_silenced(bring_back);
+    }
+    commands.queue(move |world: &mut World| {
+        let mut bodies = world.resource_mut::<GpuBodies>();
+        match result {
+            Ok(_) => bodies.close(),
+            Err(error) => bodies.fail(error.to_string()),
+        }
+    });
+}
+
+/// Begins a frame that is drawn: its steps leave alone what the renderer may still draw the last one from.
+pub(crate) fn begin_frame(mut bodies: ResMut<GpuBodies>) {
+    if let Some(world) = bodies.world_mut() {
+        world.begin_frame();
+    }
+}

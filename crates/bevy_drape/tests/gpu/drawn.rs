@@ -1,0 +1,114 @@
+//! The vertices that the renderer draws are those of the last step on the GPU.
+
+use bevy::log::LogPlugin;
+use bevy::render::mesh::allocator::MeshAllocator;
+use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy::render::{RenderApp, RenderPlugin};
+use bevy::window::ExitCondition;
+use bevy_drape::gpu::drape_gpu::wgpu;
+
+use crate::*;
+
+/// An app with a renderer and no window.
+fn drawing_app() -> App {
+    let mut app = App::new();
+    let plugins = DefaultPlugins
+        .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
+        .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
+        .disable::<LogPlugin>();
+    app.add_plugins((plugins, DrapePlugins::default()));
+    while app.plugins_state() == bevy::app::PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    start(&mut app);
+    app
+}
+
+/// Positions and normals of a body as the renderer has them.
+fn drawn(app: &App, body: Entity) -> Vec<[Vec3; 2]> {
+    let mesh = app.world().entity(body).get::<Mesh3d>().expect("a mesh");
+    let render_world = app.sub_app(RenderApp).world();
+    let slice =
+        render_world.resource::<MeshAllocator>().mesh_vertex_slice(&mesh.id()).expect("it is uploaded");
+    let device = render_world.resource::<RenderDevice>().wgpu_device();
+    let staging = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: slice.buffer.size(),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(slice.buffer, 0, &staging, 0, slice.buffer.size());
+    render_world.resource::<RenderQueue>().submit([encoder.finish()]);
+    staging.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.expect("mapped"));
+    device.poll(wgpu::PollType::wait_indefinitely()).expect("a device");
+    let view = staging.slice(..).get_mapped_range().expect("mapped");
+    // Position, normal, texture coordinates.
+    let word = |i: usize| f32::from_le_bytes(view[4 * i..4 * i + 4].try_into().expect("four bytes"));
+    let vector = |i: usize| Vec3::new(word(i), word(i + 1), word(i + 2));
+    slice.range.map(|vertex| [8 * vertex as usize, 8 * vertex as usize + 3].map(vector)).collect()
+}
+
+/// Checks that a body is drawn as it was a quarter of a step after `before`, in the coordinates of its entity.
+fn assert_drawn(app: &App, body: Entity, before: &[Vec3]) {
+    let to_local = app.world().entity(body).get::<GlobalTransform>().expect("a place").affine().inverse();
+    let after = positions(app, body);
+    let drawn = drawn(app, body);
+    assert_eq!(drawn.len(), after.len());
+    for (i, ([place, normal], (a, b))) in drawn.into_iter().zip(before.iter().zip(&after)).enumerate() {
+        let expected = to_local.transform_point3(a.lerp(*b, 0.25));
+        assert!(place.distance(expected) < 1e-4, "vertex {i} is at {place} instead of {expected}");
+        assert!((normal.length() - 1.0).abs() < 1e-3, "the normal of {i} is {normal}");
+    }
+}
+
+/// One step, and a frame that shows a quarter of it. Returns the positions before it.
+fn step(app: &mut App, body: Entity) -> Vec<Vec3> {
+    let before = positions(app, body);
+    frame(app, 1.0);
+    frame(app, 0.25);
+    before
+}
+
+/// The frame after [`step`] makes the time whole again.
+fn go_on(app: &mut App, frames: usize) {
+    frame(app, 0.75);
+    run(app, frames);
+}
+
+#[test]
+fn the_renderer_has_the_vertices_of_the_gpu() {
+    let mut app = drawing_app();
+    let turned = Transform::from_xyz(3.0, 1.0, -2.0).with_rotation(Quat::from_rotation_y(0.7));
+    let first = spawn(&mut app, swinging());
+    let second =
+        spawn(&mut app, (Cloth::new(1.0, 0.5).with_particles(40, 30).with_pins(ClothPins::Left), turned));
+    run(&mut app, 12);
+    assert!(is_on_gpu(&app, first) && is_on_gpu(&app, second));
+    for body in [first, second] {
+        let before = step(&mut app, body);
+        assert_drawn(&app, body, &before);
+        let moved =
+            positions(&app, body).iter().zip(&before).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(moved > 1e-3, "there is something to see between two steps: {moved} m");
+        go_on(&mut app, 2);
+    }
+
+    // More meshes: the buffer grows, and is another one.
+    let many: Vec<_> =
+        (0..40).map(|_| spawn(&mut app, Cloth::new(1.0, 1.0).with_particles(64, 64))).collect();
+    run(&mut app, 3);
+    for body in [first, many[39]] {
+        let before = step(&mut app, body);
+        assert_drawn(&app, body, &before);
+        go_on(&mut app, 1);
+    }
+
+    // Uploaded anew, from what the processor has.
+    let mesh = app.world().entity(second).get::<Mesh3d>().expect("a mesh").id();
+    let before = step(&mut app, second);
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.get_mut(mesh).expect("it is there").asset_usage |= default();
+    frame(&mut app, 0.0);
+    assert_drawn(&app, second, &before);
+}

@@ -1,0 +1,114 @@
+//! Bodies on the GPU do what they do on the processor.
+
+use crate::*;
+
+/// The greatest distance between particles of two bodies.
+fn apart(app: &App, [a, b]: [Entity; 2]) -> f32 {
+    let places = positions(app, a).into_iter().zip(positions(app, b));
+    places.map(|(a, b)| a.distance(b)).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_cloth_swings_as_on_the_processor() {
+    let mut app = app();
+    let here = app.world_mut().spawn(swinging()).id();
+    let there = spawn(&mut app, swinging());
+    run(&mut app, 64);
+    assert!(is_on_gpu(&app, there) && !is_on_gpu(&app, here));
+    let moved = positions(&app, here)[80].distance(Vec3::new(0.5, -0.5, 0.0));
+    assert!(moved > 0.3, "it swings: {moved} m");
+    // Rounding differs, and a free cloth amplifies it.
+    assert!(apart(&app, [here, there]) < 0.01, "{} m apart", apart(&app, [here, there]));
+}
+
+#[test]
+fn gravity_and_wind_act() {
+    let mut app = app();
+    app.insert_resource(DrapeGravity(Vec3::ZERO));
+    app.insert_resource(Wind { velocity: Vec3::new(0.0, 0.0, 6.0), ..default() });
+    let flag = spawn(&mut app, Cloth::new(1.0, 1.0).with_particles(9, 9).with_pins(ClothPins::Left));
+    run(&mut app, 48);
+    let places = positions(&app, flag);
+    assert!(places[80].z > 0.2, "it blows out, to {}", places[80]);
+    app.insert_resource(Wind::default());
+    app.insert_resource(DrapeGravity(Vec3::new(0.0, -9.81, 0.0)));
+    run(&mut app, 96);
+    assert!(positions(&app, flag)[80].y < places[80].y - 0.1, "it falls");
+}
+
+#[test]
+fn settings_fabric_and_layers_are_those_of_the_components() {
+    let mut app = app();
+    let parts = || {
+        let settings = SolverSettings { substeps: 5, iterations: 1, ..default() };
+        let surface = BodySurface { drag: 3.0, ..default() };
+        (swinging(), Fabric::DENIM, settings, surface, Transform::from_xyz(0.0, 3.0, 0.0))
+    };
+    let here = app.world_mut().spawn(parts()).id();
+    let there = spawn(&mut app, parts());
+    let plain = spawn(&mut app, (swinging(), Transform::from_xyz(0.0, 3.0, 0.0)));
+    run(&mut app, 48);
+    assert!(apart(&app, [here, there]) < 0.01, "{} m apart", apart(&app, [here, there]));
+    assert!(apart(&app, [plain, there]) > 0.03, "another cloth moves in another way");
+}
+
+/// Obstacles that are far from all bodies of the processor are not read by it.
+#[test]
+fn obstacles_that_come_from_afar_push() {
+    let mut app = app();
+    let ball = app.world_mut().spawn((Obstacle::sphere(0.3), Transform::from_xyz(0.0, 0.0, -200.0))).id();
+    run(&mut app, 2);
+    let curtain = spawn(&mut app, Cloth::new(1.0, 1.0).with_particles(17, 17));
+    run(&mut app, 2);
+    for z in [-100.0, -3.0, -2.0] {
+        app.world_mut().entity_mut(ball).insert(Transform::from_xyz(0.0, 0.0, z));
+        run(&mut app, 1);
+    }
+    for i in 0..60 {
+        let place = Transform::from_xyz(0.0, -0.2, -2.0 + 2.0 * i as f32 / 60.0);
+        app.world_mut().entity_mut(ball).insert(place);
+        run(&mut app, 1);
+    }
+    let farthest = positions(&app, curtain).into_iter().map(|place| place.z).fold(0.0, f32::max);
+    assert!(farthest > 0.2, "the ball pushes it ahead, by {farthest} m");
+    let place = Vec3::new(0.0, -0.2, -2.0 + 2.0 * 59.0 / 60.0);
+    let nearest = positions(&app, curtain).into_iter().map(|p| p.distance(place)).fold(9.0, f32::min);
+    assert!(nearest > 0.295, "it is {nearest} m from the centre of the ball");
+}
+
+/// One obstacle without an inside once stopped the steps of all bodies.
+#[test]
+fn an_obstacle_that_cannot_be_sampled_is_left_out_alone() {
+    let mut app = app();
+    let plate = app.world_mut().resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(2.0, 2.0));
+    app.world_mut().spawn((Obstacle::trimesh(), Mesh3d(plate), Transform::from_xyz(0.0, 1.0, 0.0)));
+    app.world_mut().spawn(Obstacle::ground());
+    let lying = Transform::from_xyz(0.0, 1.5, 0.0).with_rotation(Quat::from_rotation_x(-1.57));
+    let cloth = Cloth::new(0.6, 0.6).with_particles(9, 9).with_pins(ClothPins::None);
+    let sheet = spawn(&mut app, (cloth, lying));
+    run(&mut app, 96);
+    let height = positions(&app, sheet)[40].y;
+    assert!((0.0..0.1).contains(&height), "it fell through the plate to the ground: {height}");
+}
+
+#[test]
+fn pins_follow_the_entity_and_a_leap_brings_the_first_shape() {
+    let mut app = app();
+    let curtain = spawn(&mut app, Cloth::new(1.0, 1.0).with_particles(9, 9));
+    run(&mut app, 2);
+    for i in 1..=32 {
+        let place = Transform::from_xyz(i as f32 / 32.0, 0.0, 0.0);
+        app.world_mut().entity_mut(curtain).insert(place);
+        run(&mut app, 1);
+    }
+    let places = positions(&app, curtain);
+    assert!(places[0].distance(Vec3::new(0.5, 0.5, 0.0)) < 1e-4, "{}", places[0]);
+    assert!(places[80].x > 1.0, "the cloth is drawn along: {}", places[80]);
+    let there = Vec3::new(500.0, 20.0, 3.0);
+    app.world_mut().entity_mut(curtain).insert(Transform::from_translation(there));
+    run(&mut app, 1);
+    for (index, local) in [(0, Vec3::new(-0.5, 0.5, 0.0)), (80, Vec3::new(0.5, -0.5, 0.0))] {
+        let place = positions(&app, curtain)[index];
+        assert!(place.distance(there + local) < 0.01, "{index} is at {place}");
+    }
+}
