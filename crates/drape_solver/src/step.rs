@@ -51,7 +51,6 @@ use crate::contact::{
 use crate::error::{StepError, in_range};
 use crate::island::{Island, IslandContext};
 use crate::motion::environment::Environment;
-use crate::motion::wind::WindZone;
 use crate::motion::{force, rest};
 use crate::parallel::threads::{Alone, Threads};
 use crate::parallel::workers::Workers;
@@ -164,15 +163,8 @@ fn substep_on(island: &mut Island, environment: &Environment, workers: &Workers)
 /// # Errors
 /// [`StepError`] as [`step`].
 pub fn begin(island: &mut Island, environment: &Environment) -> Result<(), StepError> {
+    environment.validate()?;
     let dt = environment.dt;
-    if !(dt > 0.0 && dt.is_finite()) {
-        return Err(StepError::BadTimestep(dt));
-    }
-    if !environment.gravity.is_finite() {
-        return Err(StepError::BadEnvironment("gravity"));
-    }
-    environment.wind.validate()?;
-    environment.wind_zones.iter().try_for_each(WindZone::validate)?;
     island.bodies.iter_mut().for_each(begin::prepare);
     island.fit_scratch();
     check_finite(island)?;

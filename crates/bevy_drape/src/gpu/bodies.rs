@@ -56,19 +56,16 @@ impl GpuBodies {
         self.failure.as_deref()
     }
 
-    /// Forgets all bodies, for another device.
-    pub(super) fn close(&mut self) {
-        self.world = None;
-    }
-
     pub(super) fn world_mut(&mut self) -> Option<&mut GpuWorld> {
         self.world.as_mut()
     }
 
-    /// Gives up the device. The log hears of it once.
-    pub(super) fn fail(&mut self, reason: String) {
-        warn!("bodies with SolveOnGpu are solved on the processor: {reason}");
-        (self.world, self.failure) = (None, Some(reason));
+    /// Forgets all bodies, and gives the GPU up for ever if it failed.
+    pub(super) fn close(&mut self, failure: Option<String>) {
+        if let Some(reason) = &failure {
+            warn!("bodies with SolveOnGpu are solved on the processor: {reason}");
+        }
+        (self.world, self.failure) = (None, failure);
     }
 
     /// Makes the world, if there is none and there is a device.
@@ -78,8 +75,8 @@ impl GpuBodies {
         }
         match self.new_world(renderer) {
             Ok(Some(world)) => self.world = Some(world),
-            Ok(None) => self.fail("there is no renderer and no device".to_string()),
-            Err(error) => self.fail(error.to_string()),
+            Ok(None) => self.close(Some("there is no renderer and no device".to_string())),
+            Err(error) => self.close(Some(error.to_string())),
         }
     }
 

@@ -19,7 +19,9 @@ use drape_gpu::GpuBodyId;
 pub struct SolveOnGpu;
 
 /// A body that is on the GPU. Written by the plugin.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(opaque)]
+#[reflect(Component, Debug, Clone, PartialEq)]
 #[component(clone_behavior = Ignore)]
 pub struct GpuBody(pub(crate) GpuBodyId);
 

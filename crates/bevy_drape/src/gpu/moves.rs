@@ -34,6 +34,7 @@ use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::render::from_mesh::cloth_mesh::ClothMesh;
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
 use crate::render::rope_mesh::RopeMesh;
+use crate::render::surface::Surface;
 use crate::rig::components::Rig;
 
 /// The component for which the processor has to solve an entity's body, if it has one.
@@ -140,6 +141,8 @@ pub(crate) fn bring_back(mut entity: EntityWorldMut) {
         particles.set_position(i, position);
         particles.set_velocity(i, Vec3::ZERO);
     }
+    // It would be drawn between where it went to the GPU and where it is now.
+    entity.remove::<Surface>();
     entity.insert((Particles(particles), Sticks(topology), Activity::Active, state));
 }
 

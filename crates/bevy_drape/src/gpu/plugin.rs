@@ -2,12 +2,13 @@
 
 use bevy::core_pipeline::schedule::camera_driver;
 use bevy::prelude::*;
+use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::renderer::RenderGraph;
-use bevy::render::{ExtractSchedule, RenderApp, RenderStartup};
+use bevy::render::{ExtractSchedule, RenderApp, RenderStartup, init_gpu_resource};
 use bevy::transform::TransformSystems;
 
 use crate::gpu::bodies::GpuBodies;
-use crate::gpu::components::SolveOnGpu;
+use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::gpu::moves::{bring_back_released, move_to_gpu, remove_from_gpu};
 use crate::gpu::pins::move_pins_on_gpu;
 use crate::gpu::renderer::{SlabWriters, allow_writing, forget_writers, take_shown, write_slabs};
@@ -22,7 +23,7 @@ pub struct GpuPlugin;
 
 impl Plugin for GpuPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<SolveOnGpu>()
+        app.register_type::<(SolveOnGpu, GpuBody)>()
             .init_resource::<GpuBodies>()
             .init_resource::<ShownBodies>()
             .add_observer(bring_back_released)
@@ -43,11 +44,13 @@ impl Plugin for GpuPlugin {
     /// Bevy's plugins have been built by now, in whatever order they were added.
     fn finish(&self, app: &mut App) {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
-        allow_writing(render_app.world_mut());
         render_app
             .init_resource::<ShownBodies>()
             .init_resource::<SlabWriters>()
-            .add_systems(RenderStartup, forget_writers)
+            .add_systems(
+                RenderStartup,
+                (allow_writing.before(init_gpu_resource::<MeshAllocator>), forget_writers),
+            )
             .add_systems(ExtractSchedule, take_shown)
             .add_systems(RenderGraph, write_slabs.before(camera_driver));
     }

@@ -14,10 +14,11 @@ use drape_gpu::{BodyVertices, SurfaceWriter};
 
 use crate::gpu::shown::{ShownBodies, ShownBody};
 
-/// Lets shaders write to the buffers that meshes are drawn from.
-pub(crate) fn allow_writing(render_world: &mut World) {
-    let mut settings = render_world.get_resource_or_init::<MeshAllocatorSettings>();
-    settings.extra_buffer_usages |= BufferUsages::STORAGE;
+/// Lets shaders write to the buffers that meshes are drawn from, on a device that has such shaders.
+pub(crate) fn allow_writing(device: Res<RenderDevice>, mut settings: ResMut<MeshAllocatorSettings>) {
+    if device.limits().max_storage_buffers_per_shader_stage > 0 {
+        settings.extra_buffer_usages |= BufferUsages::STORAGE;
+    }
 }
 
 /// Takes what the main world has listed, and leaves it the memory of the last list.

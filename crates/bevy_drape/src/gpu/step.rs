@@ -17,9 +17,14 @@ pub(crate) fn step_on_gpu(
     mut bodies: ResMut<GpuBodies>,
 ) {
     let GpuBodies { world, known_gaps, .. } = &mut *bodies;
-    let Some(world) = world.as_mut().filter(|world| !world.is_empty()) else { return };
-    let result = if renderer.is_new() { Ok(false) } else { world.step(&solver.environment).map(|()| true) };
-    if result == Ok(true) {
+    let Some(world) = world else { return };
+    let failure = if renderer.is_new() {
+        None
+    } else if world.is_empty() {
+        return;
+    } else if let Err(error) = world.step(&solver.environment) {
+        Some(error.to_string())
+    } else {
         for &(slot, ref reason) in world.left_out() {
             let entity = solver.obstacles.entity(slot);
             if known_gaps.insert(entity) {
@@ -27,17 +32,11 @@ pub(crate) fn step_on_gpu(
             }
         }
         return;
-    }
+    };
     for entity in &on_gpu {
         commands.entity(entity).queue_silenced(bring_back);
     }
-    commands.queue(move |world: &mut World| {
-        let mut bodies = world.resource_mut::<GpuBodies>();
-        match result {
-            Ok(_) => bodies.close(),
-            Err(error) => bodies.fail(error.to_string()),
-        }
-    });
+    commands.queue(move |world: &mut World| world.resource_mut::<GpuBodies>().close(failure));
 }
 
 /// Begins a frame that is drawn: its steps leave alone what the renderer may still draw the last one from.

@@ -37,13 +37,15 @@ pub(crate) fn build_surfaces<D: Shown>(
         let Some((particles, topology)) = here.or(on_gpu) else { continue };
         let is_flat = mesh.1.is_some();
         let mesh = handle_of(mesh);
-        let asset = mesh.and_then(|mesh| meshes.get(mesh));
         let is_known = surface.is_some_and(|surface| Arc::ptr_eq(&surface.topology, topology));
+        let is_own = surface.zip(mesh).is_some_and(|(surface, mesh)| surface.mesh == mesh.id());
+        if here.is_none() && is_known && is_own {
+            // The asset is not written from here.
+            continue;
+        }
+        let asset = mesh.and_then(|mesh| meshes.get(mesh));
         let is_done = match (mesh, asset) {
-            (Some(mesh), Some(asset)) => {
-                let is_own = surface.is_some_and(|surface| surface.mesh == mesh.id());
-                is_known && is_own && can_be_written(asset, particles.len())
-            }
+            (Some(_), Some(asset)) => is_known && is_own && can_be_written(asset, particles.len()),
             // Not loaded yet.
             (Some(handle), None) => matches!(handle, Handle::Strong(_)),
             // The mesh was removed by hand.

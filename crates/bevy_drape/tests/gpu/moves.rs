@@ -1,8 +1,20 @@
 //! Bodies go to the GPU and come back.
 
+use bevy::mesh::VertexAttributeValues;
 use bevy_drape::body::{Activity, Sticks};
+use bevy_drape::gpu::drape_gpu::MAX_OBSTACLES;
 
 use crate::*;
+
+/// Vertices of a body as the processor has them.
+fn shown(app: &App, body: Entity) -> Vec<Vec3> {
+    let mesh = app.world().entity(body).get::<Mesh3d>().expect("a mesh");
+    let mesh = app.world().resource::<Assets<Mesh>>().get(mesh).expect("it is there");
+    match mesh.attribute(Mesh::ATTRIBUTE_POSITION) {
+        Some(VertexAttributeValues::Float32x3(places)) => places.iter().map(|&place| place.into()).collect(),
+        _ => panic!("it has no positions"),
+    }
+}
 
 #[test]
 fn a_body_on_the_gpu_leaves_nothing_behind_that_is_out_of_date() {
@@ -26,6 +38,11 @@ fn released_bodies_go_on_from_where_they_are() {
     assert!(!is_on_gpu(&app, cloth));
     assert_eq!(positions(&app, cloth), there);
     assert_eq!(app.world().resource::<GpuBodies>().world().expect("a world").len(), 0);
+    frame(&mut app, 1.0);
+    frame(&mut app, 0.25);
+    let shown = shown(&app, cloth)[80];
+    let way = shown.distance(there[80]);
+    assert!(way < 0.2, "it is drawn {way} m from where it was");
     run(&mut app, 20);
     let lowest = |places: &[Vec3]| places.iter().map(|place| place.y).fold(9.0, f32::min);
     assert!(lowest(&positions(&app, cloth)) < lowest(&there), "it falls on");
@@ -89,4 +106,20 @@ fn without_a_device_the_processor_solves_all() {
     assert!(!is_on_gpu(&app, cloth));
     assert!(positions(&app, cloth)[80].y < -0.501, "it falls");
     assert!(app.world().resource::<GpuBodies>().failure().is_some());
+}
+
+#[test]
+fn a_step_that_fails_brings_all_bodies_back() {
+    let mut app = app();
+    let cloth = spawn(&mut app, swinging());
+    run(&mut app, 20);
+    let there = positions(&app, cloth)[80];
+    let far = |i: usize| Transform::from_xyz(100.0 + i as f32, 0.0, 0.0);
+    app.world_mut().spawn_batch((0..=MAX_OBSTACLES).map(move |i| (Obstacle::sphere(0.1), far(i))));
+    run(&mut app, 2);
+    assert!(!is_on_gpu(&app, cloth));
+    let way = positions(&app, cloth)[80].distance(there);
+    assert!((1e-4..0.2).contains(&way), "it goes on here, by {way} m");
+    let failure = app.world().resource::<GpuBodies>().failure().expect("a failure");
+    assert!(failure.contains("MAX_OBSTACLES"), "{failure}");
 }

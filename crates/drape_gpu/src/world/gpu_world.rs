@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use drape_solver::glam::Vec3;
-use drape_solver::{Body, Environment, Particles, Shape, StepError, Topology};
+use drape_solver::{Body, Environment, Particles, Shape, Topology};
 
 use crate::air::step_data;
 use crate::buffers::{Buffers, dispatch_stride};
@@ -241,17 +241,8 @@ impl GpuWorld {
     /// [`GpuError::Step`] if the environment is invalid; [`GpuError::Limit`] if something does not fit; [`GpuError::Lost`]. Nothing has moved then.
     pub fn step(&mut self, environment: &Environment) -> Result<(), GpuError> {
         self.gpu.poll()?;
+        environment.validate()?;
         let dt = environment.dt;
-        if !(dt > 0.0 && dt.is_finite()) {
-            return Err(StepError::BadTimestep(dt).into());
-        }
-        if !environment.gravity.is_finite() {
-            return Err(StepError::BadEnvironment("gravity").into());
-        }
-        environment.wind.validate()?;
-        if !environment.time.is_finite() {
-            return Err(StepError::BadEnvironment("time").into());
-        }
         let Self { gpu, buffers, fields, .. } = self;
         let field_of = |shape: &Shape| fields.field(shape, |pairs| buffers.push_pairs(gpu, pairs));
         let obstacle::List { obstacles, indices, left_out } =

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::error::StepError;
 use crate::motion::wind::{Wind, WindZone};
 use crate::state::obstacles::Obstacles;
 
@@ -20,6 +21,25 @@ pub struct Environment {
     pub time: f64,
     /// The obstacles.
     pub obstacles: Obstacles,
+}
+
+impl Environment {
+    /// Checks everything but the obstacles, which are checked when they are made.
+    ///
+    /// # Errors
+    /// [`StepError::BadTimestep`], [`StepError::BadEnvironment`].
+    pub fn validate(&self) -> Result<(), StepError> {
+        if !(self.dt > 0.0 && self.dt.is_finite()) {
+            return Err(StepError::BadTimestep(self.dt));
+        }
+        for (is_finite, name) in [(self.gravity.is_finite(), "gravity"), (self.time.is_finite(), "time")] {
+            if !is_finite {
+                return Err(StepError::BadEnvironment(name));
+            }
+        }
+        self.wind.validate()?;
+        self.wind_zones.iter().try_for_each(WindZone::validate)
+    }
 }
 
 impl Default for Environment {

@@ -44,8 +44,10 @@ fn a_bad_time_step_is_refused() {
 }
 
 #[test]
-fn bad_gravity_and_wind_are_refused() {
+fn bad_gravity_wind_and_time_are_refused() {
     for bad in BAD {
+        let environment = Environment { time: f64::from(bad), ..gravity(FRAME) };
+        assert_eq!(refused(&environment), StepError::BadEnvironment("time"));
         let environment = Environment { gravity: Vec3::new(0.0, bad, 0.0), ..gravity(FRAME) };
         assert_eq!(refused(&environment), StepError::BadEnvironment("gravity"));
         let fields = [
