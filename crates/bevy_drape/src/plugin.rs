@@ -75,7 +75,7 @@ impl PluginGroup for DrapePlugins {
         #[cfg(feature = "mesh")]
         let plugins = plugins.add(crate::render::plugin::MeshPlugin::new(self.schedule));
         #[cfg(feature = "gpu")]
-        let plugins = plugins.add(crate::gpu::GpuPlugin);
+        let plugins = plugins.add(crate::gpu::GpuPlugin::new(self.schedule));
         #[cfg(feature = "picking")]
         let plugins = plugins.add(crate::tools::picking::DrapePickingPlugin);
         #[cfg(feature = "gizmos")]

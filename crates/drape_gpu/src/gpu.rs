@@ -17,7 +17,8 @@ pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     adapter: String,
-    failure: Arc<Mutex<Option<String>>>,
+    /// What went wrong on a device of our own; none if it is shared.
+    failure: Option<Arc<Mutex<Option<String>>>>,
 }
 
 impl Gpu {
@@ -43,18 +44,17 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| GpuError::NoDevice(error.to_string()))?;
-        let gpu = Self::sharing(device, queue)?;
-        let failure = Arc::clone(&gpu.failure);
-        gpu.device
-            .set_device_lost_callback(move |reason, message| note(&failure, format!("{reason:?} {message}")));
+        let failure = Arc::default();
+        let noted = Arc::clone(&failure);
+        device.set_device_lost_callback(move |reason, message| note(&noted, format!("{reason:?} {message}")));
         // Else wgpu panics.
-        let failure = Arc::clone(&gpu.failure);
-        gpu.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&failure, error.to_string())));
-        Ok(gpu)
+        let noted = Arc::clone(&failure);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&noted, error.to_string())));
+        Ok(Self { failure: Some(failure), ..Self::sharing(device, queue)? })
     }
 
     /// Shares a device that is open already, such as that of a renderer. Its owner hears of a loss or an error; here
-    /// nothing is ever [lost](GpuError::Lost).
+    /// nothing is ever [lost](GpuError::Lost). Do not wait for a shared device after its loss: wgpu panics.
     ///
     /// # Errors
     /// [`GpuError::Limit`] if it allows too few storage buffers or threads.
@@ -75,7 +75,7 @@ impl Gpu {
             }
         }
         let adapter = device.adapter_info().name;
-        Ok(Self { device, queue, adapter, failure: Arc::default() })
+        Ok(Self { device, queue, adapter, failure: None })
     }
 
     /// The device.
@@ -95,7 +95,8 @@ impl Gpu {
 
     /// Fails if the device was lost.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
-        let failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(failure) = &self.failure else { return Ok(()) };
+        let failure = failure.lock().unwrap_or_else(PoisonError::into_inner);
         failure.as_ref().map_or(Ok(()), |reason| Err(GpuError::Lost(reason.clone())))
     }
 
@@ -113,6 +114,11 @@ impl Gpu {
     /// [`GpuError::Lost`].
     pub fn poll(&self) -> Result<(), GpuError> {
         self.poll_by(wgpu::PollType::Poll)
+    }
+
+    /// Fails if a device of our own was lost. The owner of a shared one looks after it: wgpu panics if one polls it after its loss.
+    pub(crate) fn notice_loss(&self) -> Result<(), GpuError> {
+        if self.failure.is_some() { self.poll() } else { Ok(()) }
     }
 
     fn poll_by(&self, way: wgpu::PollType) -> Result<(), GpuError> {

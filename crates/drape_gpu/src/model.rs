@@ -55,9 +55,6 @@ impl Model {
         if !topology.embedded().is_empty() {
             return Err(GpuError::Unsupported("a rigid body"));
         }
-        if topology.batches().iter().any(|batch| batch.material.damping > 0.0) {
-            return Err(GpuError::Unsupported("a stick with damping"));
-        }
         let count = topology.particle_count();
         let mut model = Self {
             pairs: Vec::new(),

@@ -16,21 +16,31 @@ pub(crate) struct List {
     pub obstacles: Vec<ObstacleData>,
     /// The index of each in the environment.
     pub indices: Vec<u32>,
-    /// Indices of those that cannot be sampled, and why.
+    /// Indices of those that cannot be sampled, or are too many, and why.
     pub left_out: Vec<(usize, GpuError)>,
 }
 
 /// Lists the obstacles that move cloth, which sensors do not. `field_of` finds the field of a shape without a formula.
 ///
 /// # Errors
-/// [`GpuError::Limit`] if there are too many; what `field_of` returns, unless it is [`GpuError::Unsupported`].
+/// What `field_of` returns, unless it is [`GpuError::Unsupported`].
 pub(crate) fn list(
     obstacles: &Obstacles,
     mut field_of: impl FnMut(&Shape) -> Result<Field, GpuError>,
 ) -> Result<List, GpuError> {
     let is_met = |obstacle: &&Obstacle| !obstacle.is_sensor() && !obstacle.is_out_of_reach();
     let mut list = List::default();
+    let too_many = GpuError::Limit {
+        what: "the list of obstacles",
+        needed: obstacles.len() as u64,
+        limit: MAX_OBSTACLES as u64,
+        name: "MAX_OBSTACLES",
+    };
     for (index, obstacle) in obstacles.iter().enumerate().filter(|(_, obstacle)| is_met(obstacle)) {
+        if list.obstacles.len() == MAX_OBSTACLES {
+            list.left_out.push((index, too_many.clone()));
+            continue;
+        }
         match data(obstacle, &mut field_of) {
             Ok(data) => {
                 list.obstacles.push(data);
@@ -39,14 +49,6 @@ pub(crate) fn list(
             Err(reason @ GpuError::Unsupported(_)) => list.left_out.push((index, reason)),
             Err(error) => return Err(error),
         }
-    }
-    if list.obstacles.len() > MAX_OBSTACLES {
-        return Err(GpuError::Limit {
-            what: "the list of obstacles",
-            needed: list.obstacles.len() as u64,
-            limit: MAX_OBSTACLES as u64,
-            name: "MAX_OBSTACLES",
-        });
     }
     Ok(list)
 }

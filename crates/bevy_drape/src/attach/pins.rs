@@ -1,5 +1,6 @@
 //! Pins that follow the transform of their entity.
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_solver::constants::TELEPORT_SPEED;
 
@@ -13,6 +14,18 @@ use crate::change_detection::collect_changed;
 use crate::clock::DrapeClock;
 use crate::refusal::Refusals;
 use crate::rigid_motion::placement;
+
+/// True if one of these pins, in the coordinates of an entity that moves from one transform to another, goes farther than `longest_pull`.
+pub(crate) fn is_jump<'a>(
+    mut pins: impl Iterator<Item = &'a (u32, Vec3)>,
+    way: [&Affine3A; 2],
+    longest_pull: f32,
+) -> bool {
+    pins.any(|&(_, local)| {
+        let [from, to] = way.map(|anchor| anchor.transform_point3(local));
+        from.distance(to) > longest_pull
+    })
+}
 
 /// Moves pins with their entity; they pull the cloth along. A jump faster than [`TELEPORT_SPEED`] teleports the whole
 /// body, and so does every move of a culled one.
@@ -41,13 +54,9 @@ pub(crate) fn move_pins(
             continue;
         }
         let is_own = |tied: Option<&AttachmentState>, pin: u32| tied.is_none_or(|tied| !tied.holds(pin));
-        let is_pull = |&(_, local): &(u32, Vec3)| {
-            let [from, to] = [state.anchor, anchor].map(|anchor| anchor.transform_point3(local));
-            from.distance(to) <= longest_pull
-        };
         let mut own = state.pins.iter().filter(|&&(pin, _)| is_own(tied.as_deref(), pin)).peekable();
         let has_own = own.peek().is_some();
-        let is_jump = has_own && (activity.is_carried() || !own.all(is_pull));
+        let is_jump = has_own && (activity.is_carried() || is_jump(own, [&state.anchor, &anchor], longest_pull));
         if is_jump && let (Some(from), Some(to)) = (placement(&state.anchor), placement(&anchor)) {
             teleport(&mut particles, &mut state, tied.as_deref_mut(), None, (&from, &to));
         }

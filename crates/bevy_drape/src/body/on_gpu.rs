@@ -9,6 +9,8 @@ use drape_solver::Body;
 use drape_solver::Topology;
 
 use crate::body::body_state::BodyState;
+#[cfg(feature = "gpu")]
+use crate::rigid_motion::placement;
 
 /// A body that the GPU solves: its parts as they were when it went there. Meanwhile the entity has no
 /// [`Particles`](crate::body::particles::Particles), so that nothing takes old positions for present ones.
@@ -29,5 +31,13 @@ impl OnGpu {
         let Self { particles, topology, state, .. } = self;
         let body = Body::new(particles.clone(), Arc::clone(topology), state.settings);
         Body { layers: state.layers, ..body }
+    }
+
+    /// Moves the particles rigidly to where the entity is now.
+    pub fn follow(&mut self) {
+        if let (Some(from), Some(to)) = (placement(&self.anchor), placement(&self.state.anchor)) {
+            self.particles.teleport(&from, &to);
+            self.anchor = self.state.anchor;
+        }
     }
 }

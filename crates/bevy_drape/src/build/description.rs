@@ -20,7 +20,7 @@ use crate::refusal::{Cause, Refusals};
 #[derive(SystemParam)]
 pub(crate) struct ChangedFabrics<'w, 's, D: Component> {
     fabrics: Query<'w, 's, (Entity, Ref<'static, Fabric>), With<D>>,
-    bodies: Query<'w, 's, &'static BodyState>,
+    bodies: Query<'w, 's, AnyOf<(&'static BodyState, &'static OnGpu)>>,
 }
 
 impl<D: Component> ChangedFabrics<'_, '_, D> {
@@ -31,7 +31,9 @@ impl<D: Component> ChangedFabrics<'_, '_, D> {
         collect_changed(&self.fabrics, found);
         let is_other = |entity: Entity| {
             let wanted = self.fabrics.get(entity).ok().map(|(_, fabric)| fabric.material());
-            self.bodies.get(entity).map_or(true, |body| body.material != wanted)
+            let body = self.bodies.get(entity).ok();
+            let state = body.and_then(|(here, on_gpu)| here.or(on_gpu.map(|on_gpu| &on_gpu.state)));
+            state.is_none_or(|state| state.material != wanted)
         };
         retain_from(found, first, is_other);
     }

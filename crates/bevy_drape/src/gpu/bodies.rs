@@ -36,12 +36,15 @@ pub struct GpuBodies {
     gpu: Option<Gpu>,
     pub(super) world: Option<GpuWorld>,
     failure: Option<String>,
+    /// True if there was a step in the last tick of the schedule that takes steps.
+    pub(super) is_moving: bool,
     /// Obstacles that the log has named.
     pub(super) known_gaps: BTreeSet<Entity>,
 }
 
 impl GpuBodies {
-    /// Solves on a device of your own, for an app without a renderer. Nothing is drawn from it.
+    /// Solves on a device of your own, for an app without a renderer. Nothing is drawn from it. To be inserted before the first
+    /// body.
     pub fn on(gpu: Gpu) -> Self {
         Self { gpu: Some(gpu), ..Self::default() }
     }
@@ -80,6 +83,12 @@ impl GpuBodies {
         }
     }
 
+    /// True if the world is on a device that the renderer no longer has. Nothing on it may be waited for.
+    pub(super) fn is_orphaned(&self, renderer: &Renderer) -> bool {
+        let world = self.world.as_ref().filter(|_| self.gpu.is_none());
+        world.is_some_and(|world| renderer.has_another_than(world.gpu()))
+    }
+
     fn new_world(&self, renderer: &Renderer) -> Result<Option<GpuWorld>, GpuError> {
         if let Some(gpu) = &self.gpu {
             return Ok(Some(GpuWorld::new(gpu)));
@@ -100,8 +109,8 @@ pub(crate) struct Renderer<'w> {
 }
 
 impl Renderer<'_> {
-    /// True if the device has been replaced, as after its loss.
-    pub fn is_new(&self) -> bool {
-        self.device.as_ref().is_some_and(|device| device.is_changed() && !device.is_added())
+    /// True if the renderer has another device than `gpu`, as after a loss.
+    pub fn has_another_than(&self, gpu: &Gpu) -> bool {
+        self.device.as_ref().is_some_and(|device| device.wgpu_device() != gpu.device())
     }
 }

@@ -4,16 +4,20 @@ use bevy::prelude::*;
 use drape_gpu::GpuBodyId;
 
 /// Solves and draws a [`Cloth`](crate::build::cloth::Cloth) or [`SoftBall`](crate::build::soft_ball::SoftBall) on the GPU: for cloth by the
-/// thousand, and for sheets of hundreds of thousands of particles. Removed again, the processor goes on from where the body is, at rest.
+/// thousand, and for sheets of hundreds of thousands of particles. Removed again, the processor waits for the GPU, and goes on from where the body
+/// is, at rest; not in browsers, where nothing may wait.
 ///
 /// A body on the GPU has a [`GpuBody`], and no [`Particles`](crate::body::particles::Particles), [`Sticks`](crate::body::particles::Sticks) and
 /// [`Activity`](crate::body::activity::Activity): queries for these, ray casts, pointers, gizmos, snapshots and messages do not know it. Obstacles,
 /// gravity, wind, and pins that follow the entity's [`Transform`] act on it as on other bodies; balls, other bodies, wind zones, shelter
-/// and forces do not. It never sleeps. Its settings, surface and layers are those from when it went there. A leap of its entity by more than
-/// 50 m/s brings it to its first shape there.
+/// and forces do not, sticks are not damped, and it pushes nothing. It never sleeps. Its settings, surface and layers are those from when it went
+/// there. If its pins jump with the entity, faster than
+/// [`TELEPORT_SPEED`](drape_solver::constants::TELEPORT_SPEED), it begins again at the new place.
 ///
-/// The processor keeps a body, and the log says why, if it has self-contact, a rigidity, pressure, damped or rigid parts, is torn, tied, grabbed,
-/// locked to a plane, carried along, watched, shown by a mesh of another number of vertices, or if there is no device.
+/// The processor solves a body, and the log says why, without a device, with self-contact or a
+/// [bending rigidity](crate::body::BendingRigidity), and with any of these components: `Attachment`, `ClothMesh`, `ContactEvents`, `Grab`,
+/// `LevelOfDetail`, [`ParticleFollowers`](crate::attach::ParticleFollowers), `PlaneLock`, `Pressure`, `Rig`, `RopeMesh`, `SoftBodyMesh`, `Tearable`,
+/// `Winch`, `WorldMotion`. If one is added later, the body comes back. Insert `SolveOnGpu` again once it is gone.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct SolveOnGpu;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bevy::camera::visibility::NoFrustumCulling;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::resource::IsResource;
 use bevy::prelude::*;
 use drape_solver::Body;
@@ -13,7 +13,7 @@ use crate::attach::follow_particle::ParticleFollowers;
 use crate::attach::grab::Grab;
 use crate::attach::plane_lock::PlaneLock;
 use crate::attach::winch::Winch;
-use crate::attach::world_motion::WorldMotion;
+use crate::attach::world_motion::{TeleportCloth, WorldMotion};
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
 use crate::body::contact_events::ContactEvents;
@@ -26,6 +26,8 @@ use crate::body::pressure::Pressure;
 use crate::body::settings::SolverSettings;
 use crate::body::surface::BodySurface;
 use crate::body::tearable::Tearable;
+use crate::build::cloth::Cloth;
+use crate::build::soft_ball::SoftBall;
 use crate::detail::level::LevelOfDetail;
 use crate::environment::obstacle::Obstacle;
 use crate::environment::obstacle_changes::ObstacleChanges;
@@ -35,28 +37,28 @@ use crate::render::from_mesh::cloth_mesh::ClothMesh;
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
 use crate::render::rope_mesh::RopeMesh;
 use crate::render::surface::Surface;
+use crate::render::visibility::HiddenByCulling;
 use crate::rig::components::Rig;
 
-/// The component for which the processor has to solve an entity's body, if it has one.
-fn component_of_processor(entity: EntityRef) -> Option<&'static str> {
-    let found = [
-        (entity.contains::<AnimatedPose>(), "AnimatedPose"),
-        (entity.contains::<Attachment>(), "Attachment"),
-        (entity.contains::<ClothMesh>(), "ClothMesh"),
-        (entity.contains::<ContactEvents>(), "ContactEvents"),
-        (entity.contains::<Grab>(), "Grab"),
-        (entity.contains::<LevelOfDetail>(), "LevelOfDetail"),
-        (entity.contains::<ParticleFollowers>(), "FollowParticle"),
-        (entity.contains::<PlaneLock>(), "PlaneLock"),
-        (entity.contains::<Pressure>(), "Pressure"),
-        (entity.contains::<Rig>(), "Rig"),
-        (entity.contains::<RopeMesh>(), "RopeMesh"),
-        (entity.contains::<SoftBodyMesh>(), "SoftBodyMesh"),
-        (entity.contains::<Tearable>(), "Tearable"),
-        (entity.contains::<Winch>(), "Winch"),
-        (entity.contains::<WorldMotion>(), "WorldMotion"),
-    ];
-    found.into_iter().find_map(|(is_there, name)| is_there.then_some(name))
+/// Components that only the processor knows.
+macro_rules! components_of_processor {
+    ($($component:ident),* $(,)?) => {
+        /// The first of these components that an entity has, if it has one.
+        fn component_of_processor(entity: EntityRef) -> Option<&'static str> {
+            let found = [$((entity.contains::<$component>(), stringify!($component))),*];
+            found.into_iter().find_map(|(is_there, name)| is_there.then_some(name))
+        }
+
+        /// Brings a body back to the processor that gains one of them.
+        pub(crate) fn watch_components(app: &mut App) {
+            $(app.add_observer(bring_back_with::<$component>);)*
+        }
+    };
+}
+
+components_of_processor! {
+    AnimatedPose, Attachment, ClothMesh, ContactEvents, Grab, LevelOfDetail, ParticleFollowers, PlaneLock, Pressure, Rig, RopeMesh, SoftBodyMesh,
+    Tearable, TeleportCloth, Winch, WorldMotion,
 }
 
 /// Moves bodies to the GPU that ask for it and have been built since the last step.
@@ -64,7 +66,7 @@ pub(crate) fn move_to_gpu(
     mut commands: Commands,
     waiting: Query<
         (Entity, EntityRef, &Particles, &Sticks),
-        (With<SolveOnGpu>, Or<(Added<SolveOnGpu>, Changed<Sticks>)>, Without<IsResource>),
+        (With<SolveOnGpu>, Or<(Changed<SolveOnGpu>, Changed<Sticks>)>, Without<IsResource>),
     >,
     obstacles: Query<Entity, With<Obstacle>>,
     defaults: Defaults,
@@ -86,8 +88,10 @@ pub(crate) fn move_to_gpu(
             // The body was built anew.
             commands.entity(entity).remove::<OnGpu>();
         }
+        let is_known = components.contains::<Cloth>() || components.contains::<SoftBall>();
         let reason = match component_of_processor(components) {
             Some(name) => format!("the GPU does not know its {name}"),
+            None if !is_known => "the GPU knows no bodies but Cloth and SoftBall".to_string(),
             None => {
                 let settings = defaults.of_body(
                     components.get::<SolverSettings>(),
@@ -100,7 +104,7 @@ pub(crate) fn move_to_gpu(
                 match world.add(&body) {
                     Ok(id) => {
                         let topology = Arc::clone(world.topology(id).unwrap_or(&sticks.0));
-                        commands.entity(entity).queue(take_parts(GpuBody(id), Body { topology, ..body }));
+                        commands.queue(take_parts(entity, GpuBody(id), Body { topology, ..body }));
                         continue;
                     }
                     Err(error) => error.to_string(),
@@ -112,35 +116,57 @@ pub(crate) fn move_to_gpu(
     }
 }
 
-/// Takes the parts of a body off its entity.
-fn take_parts(id: GpuBody, body: Body) -> impl EntityCommand {
-    move |mut entity: EntityWorldMut| {
-        let Some((.., state)) = entity.take::<(Particles, Sticks, Activity, BodyState)>() else { return };
-        let Body { particles, topology, settings, layers, .. } = body;
-        let anchor = state.anchor;
-        let state = BodyState { settings, layers, ..state };
-        // The processor does not know how far the body reaches.
-        entity.insert((OnGpu { particles, topology, state, anchor }, id, NoFrustumCulling));
+/// Takes the parts of a body off its entity. If they are gone meanwhile, so is the body on the GPU.
+fn take_parts(entity: Entity, id: GpuBody, body: Body) -> impl Command {
+    move |world: &mut World| {
+        let mut entity = world.get_entity_mut(entity).ok();
+        let taken = entity.as_mut().and_then(EntityWorldMut::take::<(Particles, Sticks, Activity, BodyState)>);
+        if let (Some(entity), Some((.., state))) = (&mut entity, taken) {
+            let Body { particles, topology, settings, layers, .. } = body;
+            let anchor = state.anchor;
+            let state = BodyState { settings, layers, ..state };
+            entity.insert((OnGpu { particles, topology, state, anchor }, id));
+            // Nothing culls it there.
+            if let (Some(hidden), Some(mut visibility)) = (entity.take::<HiddenByCulling>(), entity.get_mut()) {
+                hidden.show(&mut visibility);
+            }
+        } else if let Some(bodies) = world.resource_mut::<GpuBodies>().world_mut() {
+            // It has just been added.
+            let _ = bodies.remove(id.0);
+        }
     }
 }
 
 /// Brings a body back to the processor that loses its [`SolveOnGpu`].
 pub(crate) fn bring_back_released(released: On<Remove<SolveOnGpu>>, mut commands: Commands) {
     if let Ok(mut entity) = commands.get_entity(released.entity) {
-        entity.queue_silenced(bring_back);
+        entity.queue_silenced(|entity: EntityWorldMut| bring_back(entity, true));
     }
 }
 
-/// Brings a body back to the processor, if it is on the GPU: where it is there, at rest.
-pub(crate) fn bring_back(mut entity: EntityWorldMut) {
-    let Some(&body) = entity.get::<GpuBody>() else { return };
-    let world = entity.resource::<GpuBodies>().world();
-    let positions = world.and_then(|world| world.read_positions(body.0).ok());
-    let Some(OnGpu { mut particles, topology, state, .. }) = entity.take() else { return };
-    for (i, position) in positions.into_iter().flatten().enumerate() {
-        particles.set_position(i, position);
-        particles.set_velocity(i, Vec3::ZERO);
+/// Brings a body back to the processor that gains a component which the GPU does not know.
+fn bring_back_with<C: Component>(added: On<Add<C>>, on_gpu: Query<(), With<GpuBody>>, mut commands: Commands) {
+    if on_gpu.contains(added.entity) {
+        commands.entity(added.entity).queue_silenced(|entity: EntityWorldMut| bring_back(entity, true));
     }
+}
+
+/// Brings a body back to the processor, if it is on the GPU: at rest where it is there, or, if it cannot be read, where its entity is.
+pub(crate) fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
+    let Some(&body) = entity.get::<GpuBody>() else { return };
+    let world = entity.resource::<GpuBodies>().world().filter(|_| can_be_read);
+    let positions = world.and_then(|world| world.read_positions(body.0).ok());
+    let Some(mut parts) = entity.take::<OnGpu>() else { return };
+    match positions {
+        Some(positions) => {
+            for (i, position) in positions.into_iter().enumerate() {
+                parts.particles.set_position(i, position);
+                parts.particles.set_velocity(i, Vec3::ZERO);
+            }
+        }
+        None => parts.follow(),
+    }
+    let OnGpu { particles, topology, state, .. } = parts;
     // It would be drawn between where it went to the GPU and where it is now.
     entity.remove::<Surface>();
     entity.insert((Particles(particles), Sticks(topology), Activity::Active, state));
@@ -149,15 +175,15 @@ pub(crate) fn bring_back(mut entity: EntityWorldMut) {
 /// Removes a body from the GPU that is gone, or was taken from its entity.
 pub(crate) fn remove_from_gpu(
     removed: On<Remove<OnGpu>>,
-    ids: Query<&GpuBody>,
+    ids: Query<&GpuBody, Allow<Disabled>>,
     mut bodies: ResMut<GpuBodies>,
     mut commands: Commands,
 ) {
     if let (Ok(body), Some(world)) = (ids.get(removed.entity), bodies.world_mut()) {
-        // It is unknown if the world is another one.
+        // The world may have lost it with its device.
         let _ = world.remove(body.0);
     }
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<(GpuBody, NoFrustumCulling)>();
+        entity.try_remove::<GpuBody>();
     }
 }

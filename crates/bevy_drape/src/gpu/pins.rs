@@ -4,34 +4,35 @@ use bevy::prelude::*;
 use drape_gpu::{GpuError, GpuWorld};
 use drape_solver::constants::TELEPORT_SPEED;
 
+use crate::attach::pins::is_jump;
 use crate::body::on_gpu::OnGpu;
 use crate::clock::DrapeClock;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::GpuBody;
-use crate::rigid_motion::placement;
+use crate::refusal::Refusals;
 
-/// Moves pins with their entity; they pull the cloth along. A jump faster than [`TELEPORT_SPEED`] brings the body to its first shape
-/// at the new place.
+/// Moves pins with their entity; they pull the cloth along. After a jump faster than [`TELEPORT_SPEED`] the body begins again at the new place,
+/// in the shape that it went to the GPU in.
 pub(crate) fn move_pins_on_gpu(
     mut moved: Query<(Entity, &GlobalTransform, &mut GpuBody, &mut OnGpu), Changed<GlobalTransform>>,
     clock: Res<DrapeClock>,
     mut bodies: ResMut<GpuBodies>,
+    mut refusals: ResMut<Refusals>,
 ) {
     let longest_pull = TELEPORT_SPEED * clock.delta();
     let Some(world) = bodies.world_mut() else { return };
     for (entity, transform, mut body, mut parts) in &mut moved {
         let anchor = transform.affine();
-        let from = parts.state.anchor;
-        if anchor == from || parts.state.pins.is_empty() || !anchor.is_finite() {
+        if anchor == parts.state.anchor || parts.state.pins.is_empty() {
             continue;
         }
-        parts.state.anchor = anchor;
-        let is_pull = |&(_, local): &(u32, Vec3)| {
-            from.transform_point3(local).distance(anchor.transform_point3(local)) <= longest_pull
-        };
-        let is_jump = !parts.state.pins.iter().all(is_pull);
-        let told = if is_jump {
-            replace(world, &mut body, &mut parts)
+        if !anchor.is_finite() {
+            refusals.entity(entity, "the new Transform", "it must be finite; the pins stay where they were");
+            continue;
+        }
+        let from = core::mem::replace(&mut parts.state.anchor, anchor);
+        let told = if is_jump(parts.state.pins.iter(), [&from, &anchor], longest_pull) {
+            begin_again(world, &mut body, &mut parts)
         } else {
             let mut targets = parts.state.pins.iter();
             targets.try_for_each(|&(pin, local)| {
@@ -39,19 +40,15 @@ pub(crate) fn move_pins_on_gpu(
             })
         };
         if let Err(error) = told {
-            warn!("the pins of {entity} stay where they are on the GPU: {error}");
+            warn!("body {entity} stays where it is on the GPU: {error}");
         }
     }
 }
 
-/// Puts a body in its first shape to the place of its entity.
-fn replace(world: &mut GpuWorld, body: &mut GpuBody, parts: &mut OnGpu) -> Result<(), GpuError> {
-    let OnGpu { particles, state, anchor, .. } = parts;
-    if let (Some(from), Some(to)) = (placement(anchor), placement(&state.anchor)) {
-        particles.teleport(&from, &to);
-    }
-    *anchor = state.anchor;
-    world.remove(body.0)?;
-    body.0 = world.add(&parts.body())?;
-    Ok(())
+/// Replaces a body by the one that went to the GPU, at the place of its entity.
+fn begin_again(world: &mut GpuWorld, body: &mut GpuBody, parts: &mut OnGpu) -> Result<(), GpuError> {
+    parts.follow();
+    let new = world.add(&parts.body())?;
+    let old = core::mem::replace(&mut body.0, new);
+    world.remove(old)
 }

@@ -1,25 +1,39 @@
 //! Registers the bodies on the GPU.
 
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::core_pipeline::schedule::camera_driver;
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::renderer::RenderGraph;
 use bevy::render::{ExtractSchedule, RenderApp, RenderStartup, init_gpu_resource};
 use bevy::transform::TransformSystems;
 
+use crate::attach::world_motion::inherit_motion;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
-use crate::gpu::moves::{bring_back_released, move_to_gpu, remove_from_gpu};
+use crate::gpu::moves::{bring_back_released, move_to_gpu, remove_from_gpu, watch_components};
 use crate::gpu::pins::move_pins_on_gpu;
 use crate::gpu::renderer::{SlabWriters, allow_writing, forget_writers, take_shown, write_slabs};
 use crate::gpu::shown::{ShownBodies, list_shown};
-use crate::gpu::step::{begin_frame, step_on_gpu};
+use crate::gpu::step::{begin_frame, note_motion, step_on_gpu};
 use crate::schedule::{DrapeSchedule, DrapeSystems, ScenePhase};
 use crate::step::form_islands::form_islands;
+use crate::step::run::run_drape_schedule;
 
-/// Solves and draws bodies with [`SolveOnGpu`] on the GPU.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct GpuPlugin;
+/// Solves and draws bodies with [`SolveOnGpu`] on the GPU. Needs the [`MeshPlugin`](crate::render::MeshPlugin) of the same schedule.
+#[derive(Clone, Copy, Debug)]
+pub struct GpuPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl GpuPlugin {
+    /// For steps taken in `schedule`.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
 
 impl Plugin for GpuPlugin {
     fn build(&self, app: &mut App) {
@@ -33,12 +47,17 @@ impl Plugin for GpuPlugin {
                 DrapeSchedule,
                 (
                     // Before obstacles are read: those that were out of reach may be met by these bodies.
-                    move_to_gpu.in_set(ScenePhase::InheritMotion),
+                    move_to_gpu.in_set(ScenePhase::InheritMotion).after(inherit_motion),
                     move_pins_on_gpu.in_set(ScenePhase::MovePins),
                     step_on_gpu.in_set(DrapeSystems::FormIslands).before(form_islands),
                 ),
             )
-            .add_systems(PostUpdate, list_shown.after(TransformSystems::Propagate));
+            .add_systems(self.schedule, note_motion.after(run_drape_schedule))
+            .add_systems(
+                PostUpdate,
+                list_shown.after(TransformSystems::Propagate).after(VisibilitySystems::VisibilityPropagate),
+            );
+        watch_components(app);
     }
 
     /// Bevy's plugins have been built by now, in whatever order they were added.

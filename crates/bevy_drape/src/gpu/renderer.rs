@@ -55,7 +55,10 @@ pub(crate) fn write_slabs(
     device: Res<RenderDevice>,
     mut writers: ResMut<SlabWriters>,
 ) {
-    let Some((gpu, step)) = &shown.step else { return };
+    // The renderer may have another device by now.
+    let Some((gpu, step)) = shown.step.as_ref().filter(|(gpu, _)| gpu.device() == device.wgpu_device()) else {
+        return;
+    };
     let SlabWriters { slabs, writers } = &mut *writers;
     slabs.clear();
     for body in &shown.bodies {
@@ -67,6 +70,7 @@ pub(crate) fn write_slabs(
         let vertices = vertices_of(mesh, slice.range.start, body, shown.fraction);
         let (Some(vertices), Some(count)) = (vertices, step.vertex_count(body.body)) else { continue };
         if slice.range.len() != count as usize {
+            warn_once!("a mesh of a body on the GPU has not one vertex for each particle: it is not written");
             continue;
         }
         match slabs.iter_mut().rfind(|slab| slab.buffer.id() == slice.buffer.id()) {
@@ -112,5 +116,5 @@ fn vertices_of(mesh: &RenderMesh, first: u32, body: &ShownBody, fraction: f32) -
     })
 }
 
-/// Bytes of what a shader writes at once. All formats of vertices are made of such words.
+/// Bytes of what a shader writes at once. Strides and offsets of positions and normals are multiples of it.
 const WORD: u64 = 4;

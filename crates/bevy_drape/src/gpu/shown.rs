@@ -43,7 +43,8 @@ pub(crate) fn list_shown(
     let ShownBodies { bodies: list, step, fraction } = &mut *shown;
     list.clear();
     *step = bodies.world().and_then(|world| Some((world.gpu().clone(), world.last_step().ok()?)));
-    *fraction = if interpolate.0 { step_fraction(time.as_deref()) } else { 1.0 };
+    let is_between = interpolate.0 && bodies.is_moving;
+    *fraction = if is_between { step_fraction(time.as_deref()) } else { 1.0 };
     if step.is_none() {
         return;
     }

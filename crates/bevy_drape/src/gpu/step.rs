@@ -1,7 +1,9 @@
 //! Steps the bodies on the GPU.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 
+use crate::clock::DrapeClock;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::gpu::bodies::{GpuBodies, Renderer};
 use crate::gpu::components::GpuBody;
@@ -11,14 +13,15 @@ use crate::gpu::moves::bring_back;
 /// has another device, they go there in the next step.
 pub(crate) fn step_on_gpu(
     mut commands: Commands,
-    on_gpu: Query<Entity, With<GpuBody>>,
+    on_gpu: Query<Entity, (With<GpuBody>, Allow<Disabled>)>,
     solver: Res<SolverEnvironment>,
     renderer: Renderer,
     mut bodies: ResMut<GpuBodies>,
 ) {
+    let is_orphaned = bodies.is_orphaned(&renderer);
     let GpuBodies { world, known_gaps, .. } = &mut *bodies;
     let Some(world) = world else { return };
-    let failure = if renderer.is_new() {
+    let failure = if is_orphaned {
         None
     } else if world.is_empty() {
         return;
@@ -34,9 +37,15 @@ pub(crate) fn step_on_gpu(
         return;
     };
     for entity in &on_gpu {
-        commands.entity(entity).queue_silenced(bring_back);
+        commands.entity(entity).queue_silenced(move |entity: EntityWorldMut| bring_back(entity, !is_orphaned));
     }
     commands.queue(move |world: &mut World| world.resource_mut::<GpuBodies>().close(failure));
+}
+
+/// Notes whether this tick took a step. While the clock stands still, bodies are shown as they are, not between two steps.
+pub(crate) fn note_motion(clock: Res<DrapeClock>, mut bodies: ResMut<GpuBodies>, mut steps: Local<u64>) {
+    bodies.is_moving = clock.steps() != *steps;
+    *steps = clock.steps();
 }
 
 /// Begins a frame that is drawn: its steps leave alone what the renderer may still draw the last one from.

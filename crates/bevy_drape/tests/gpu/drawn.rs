@@ -5,6 +5,7 @@ use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::{RenderApp, RenderPlugin};
 use bevy::window::ExitCondition;
+use bevy_drape::clock::DrapeClock;
 use bevy_drape::gpu::drape_gpu::wgpu;
 
 use crate::*;
@@ -111,4 +112,32 @@ fn the_renderer_has_the_vertices_of_the_gpu() {
     meshes.get_mut(mesh).expect("it is there").asset_usage |= default();
     frame(&mut app, 0.0);
     assert_drawn(&app, second, &before);
+}
+
+/// While the clock stands still the fixed loop goes on. Bodies once oscillated between their last two states.
+#[test]
+fn a_clock_that_stands_still_shows_one_state() {
+    let mut app = drawing_app();
+    let cloth = spawn(&mut app, swinging());
+    run(&mut app, 12);
+    app.world_mut().resource_mut::<DrapeClock>().paused = true;
+    for fraction in [1.0, 0.25, 0.5] {
+        frame(&mut app, fraction);
+        for ([place, _], expected) in drawn(&app, cloth).into_iter().zip(positions(&app, cloth)) {
+            assert!(place.distance(expected) < 1e-4, "{place} instead of {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_hidden_body_is_drawn_as_it_is_when_it_is_shown_again() {
+    let mut app = drawing_app();
+    let cloth = spawn(&mut app, swinging());
+    run(&mut app, 4);
+    app.world_mut().entity_mut(cloth).insert(Visibility::Hidden);
+    run(&mut app, 8);
+    app.world_mut().entity_mut(cloth).insert(Visibility::Inherited);
+    let before = positions(&app, cloth);
+    frame(&mut app, 1.25);
+    assert_drawn(&app, cloth, &before);
 }

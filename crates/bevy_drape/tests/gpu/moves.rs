@@ -1,6 +1,8 @@
 //! Bodies go to the GPU and come back.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::VertexAttributeValues;
+use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::gpu::drape_gpu::MAX_OBSTACLES;
 
@@ -108,18 +110,100 @@ fn without_a_device_the_processor_solves_all() {
     assert!(app.world().resource::<GpuBodies>().failure().is_some());
 }
 
+/// One obstacle too many once gave the GPU up for ever.
 #[test]
-fn a_step_that_fails_brings_all_bodies_back() {
+fn obstacles_beyond_the_greatest_number_are_left_out_alone() {
     let mut app = app();
     let cloth = spawn(&mut app, swinging());
-    run(&mut app, 20);
-    let there = positions(&app, cloth)[80];
+    run(&mut app, 2);
     let far = |i: usize| Transform::from_xyz(100.0 + i as f32, 0.0, 0.0);
     app.world_mut().spawn_batch((0..=MAX_OBSTACLES).map(move |i| (Obstacle::sphere(0.1), far(i))));
     run(&mut app, 2);
+    assert!(is_on_gpu(&app, cloth));
+    assert_eq!(app.world().resource::<GpuBodies>().world().expect("a world").left_out().len(), 1);
+}
+
+#[test]
+fn a_device_that_is_lost_brings_all_bodies_back() {
+    let gpu = Gpu::open().expect("an adapter");
+    let mut app = app_without_device();
+    app.insert_resource(GpuBodies::on(gpu.clone()));
+    let [cloth, disabled] = [spawn(&mut app, swinging()), spawn(&mut app, swinging())];
+    run(&mut app, 2);
+    for i in 1..=10 {
+        app.world_mut().entity_mut(cloth).insert(Transform::from_xyz(0.1 * i as f32, 0.0, 0.0));
+        run(&mut app, 1);
+    }
+    app.world_mut().entity_mut(disabled).insert(Disabled);
+    gpu.device().destroy();
+    // The device tells when it has come so far.
+    run(&mut app, 10);
+    assert!(!is_on_gpu(&app, cloth) && !is_on_gpu(&app, disabled));
+    assert!(app.world().resource::<GpuBodies>().failure().is_some());
+    // It cannot be read any more: it begins again where its entity is.
+    let places = positions(&app, cloth);
+    assert!(places[0].distance(Vec3::new(0.5, 0.5, 0.0)) < 1e-3, "its pin is at {}", places[0]);
+    assert!(places[80].distance(Vec3::new(1.5, -0.5, 0.0)) < 0.3, "its free corner is at {}", places[80]);
+}
+
+/// A renderer that recovers has another device. What is on the old one must neither be read nor stepped.
+#[test]
+fn another_device_of_the_renderer_takes_the_bodies_over() {
+    let [old, new] = [Gpu::open().expect("an adapter"), Gpu::open().expect("an adapter")];
+    let mut app = app_without_device();
+    let renderer = |gpu: &Gpu| {
+        let queue = RenderQueue::new(gpu.queue().clone());
+        (RenderDevice::from(gpu.device().clone()), queue)
+    };
+    let (device, queue) = renderer(&old);
+    app.insert_resource(device).insert_resource(queue);
+    let cloth = spawn(&mut app, swinging());
+    run(&mut app, 4);
+    assert!(is_on_gpu(&app, cloth));
+    let (device, queue) = renderer(&new);
+    app.insert_resource(device).insert_resource(queue);
+    old.device().destroy();
+    run(&mut app, 4);
+    assert!(is_on_gpu(&app, cloth));
+    let world = app.world().resource::<GpuBodies>().world().expect("a world");
+    assert!(world.gpu().device() == new.device() && world.len() == 1);
+}
+
+#[test]
+fn a_component_that_the_gpu_does_not_know_brings_a_body_back() {
+    let mut app = app();
+    let cloth = spawn(&mut app, swinging());
+    run(&mut app, 4);
+    app.world_mut().entity_mut(cloth).insert(Tearable::default());
+    run(&mut app, 2);
     assert!(!is_on_gpu(&app, cloth));
-    let way = positions(&app, cloth)[80].distance(there);
-    assert!((1e-4..0.2).contains(&way), "it goes on here, by {way} m");
-    let failure = app.world().resource::<GpuBodies>().failure().expect("a failure");
-    assert!(failure.contains("MAX_OBSTACLES"), "{failure}");
+    app.world_mut().entity_mut(cloth).remove::<Tearable>().insert(SolveOnGpu);
+    run(&mut app, 2);
+    assert!(is_on_gpu(&app, cloth));
+}
+
+/// Any change of the fabric once built the body anew, in its first shape.
+#[test]
+fn a_fabric_of_another_surface_leaves_the_shape() {
+    let mut app = app();
+    let cloth = spawn(&mut app, (swinging(), Fabric::COTTON));
+    run(&mut app, 20);
+    let before = positions(&app, cloth)[80];
+    app.world_mut().entity_mut(cloth).get_mut::<Fabric>().expect("cotton").friction += 0.1;
+    run(&mut app, 1);
+    let way = positions(&app, cloth)[80].distance(before);
+    assert!(way < 0.2 && before.y < -0.6, "{way} m in a step, from {before}");
+}
+
+/// One that was despawned while disabled was solved for ever.
+#[test]
+fn disabled_bodies_leave_the_gpu_with_their_entities() {
+    let mut app = app();
+    let cloth = spawn(&mut app, swinging());
+    run(&mut app, 2);
+    app.world_mut().entity_mut(cloth).insert(Disabled);
+    run(&mut app, 2);
+    app.world_mut().entity_mut(cloth).despawn();
+    run(&mut app, 2);
+    assert!(app.world().resource::<GpuBodies>().world().expect("a world").is_empty());
 }

@@ -36,20 +36,55 @@ fn gravity_and_wind_act() {
     assert!(positions(&app, flag)[80].y < places[80].y - 0.1, "it falls");
 }
 
+/// Once no preset went to the GPU, as all of them damp their sticks.
 #[test]
-fn settings_fabric_and_layers_are_those_of_the_components() {
+fn settings_and_fabrics_are_those_of_the_components() {
     let mut app = app();
     let parts = || {
         let settings = SolverSettings { substeps: 5, iterations: 1, ..default() };
         let surface = BodySurface { drag: 3.0, ..default() };
-        (swinging(), Fabric::DENIM, settings, surface, Transform::from_xyz(0.0, 3.0, 0.0))
+        (swinging(), Fabric { damping: 0.0, ..Fabric::DENIM }, settings, surface, Transform::from_xyz(0.0, 3.0, 0.0))
     };
     let here = app.world_mut().spawn(parts()).id();
     let there = spawn(&mut app, parts());
     let plain = spawn(&mut app, (swinging(), Transform::from_xyz(0.0, 3.0, 0.0)));
+    let damped = spawn(&mut app, (swinging(), Fabric::DENIM));
     run(&mut app, 48);
+    assert!([there, plain, damped].iter().all(|&body| is_on_gpu(&app, body)));
     assert!(apart(&app, [here, there]) < 0.01, "{} m apart", apart(&app, [here, there]));
     assert!(apart(&app, [plain, there]) > 0.03, "another cloth moves in another way");
+}
+
+#[test]
+fn a_cloth_meets_obstacles_of_its_layers_only() {
+    let mut app = app();
+    let lying = |x: f32| Transform::from_xyz(x, 1.5, 0.0).with_rotation(Quat::from_rotation_x(-1.57));
+    let cloth = || Cloth::new(0.6, 0.6).with_particles(9, 9).with_pins(ClothPins::None);
+    app.world_mut().spawn((Obstacle::ground(), DrapeLayers { memberships: 2, ..default() }));
+    let met = spawn(&mut app, (cloth(), lying(0.0), DrapeLayers { memberships: 1, filters: 2 }));
+    let passed = spawn(&mut app, (cloth(), lying(3.0), DrapeLayers { memberships: 1, filters: 4 }));
+    run(&mut app, 64);
+    assert!(is_on_gpu(&app, met) && is_on_gpu(&app, passed));
+    let height = |body| positions(&app, body)[40].y;
+    assert!((0.0..0.1).contains(&height(met)) && height(passed) < -0.5, "{}, {}", height(met), height(passed));
+}
+
+#[test]
+fn soft_balls_fall_and_keep_their_size() {
+    let mut app = app();
+    app.world_mut().spawn(Obstacle::ground());
+    let ball = spawn(&mut app, (SoftBall::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
+    run(&mut app, 1);
+    let size = |app: &App| {
+        let places = positions(app, ball);
+        places.iter().map(|a| a.x).fold(-9.0, f32::max) - places.iter().map(|a| a.x).fold(9.0, f32::min)
+    };
+    let before = size(&app);
+    run(&mut app, 96);
+    assert!(is_on_gpu(&app, ball));
+    let lowest = positions(&app, ball).iter().map(|place| place.y).fold(9.0, f32::min);
+    assert!((-0.01..0.2).contains(&lowest), "it is on the ground: {lowest}");
+    assert!(size(&app) > 0.6 * before, "it is {} m wide instead of {before}", size(&app));
 }
 
 /// Obstacles that are far from all bodies of the processor are not read by it.

@@ -110,11 +110,11 @@ impl GpuWorld {
 
     /// Adds a copy of a body. Bodies of equal topologies share their memory here.
     ///
-    /// [Lines](drape_solver::StructuralSolve::Lines) are swept. Not heeded are early stops by tolerance, forces and targets of pins that the particles have
+    /// [Lines](drape_solver::StructuralSolve::Lines) are swept. Not heeded are the damping of sticks, early stops by tolerance, forces and targets of pins that the particles have
     /// been given, limits on motion, backstops, drives, joints, moving frames, and the report of contacts.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] if it has what the GPU does not solve: self-contact, a rigidity, pressure, damped sticks, rigid parts.
+    /// [`GpuError::Unsupported`] if it has what the GPU does not solve: self-contact, a rigidity, pressure, rigid parts.
     /// [`GpuError::Settings`] if its settings are invalid. [`GpuError::Limit`] if the device has no room.
     pub fn add(&mut self, body: &Body) -> Result<GpuBodyId, GpuError> {
         body.settings.validate()?;
@@ -235,12 +235,12 @@ impl GpuWorld {
     /// The first step with an obstacle of a shape without a formula (a mesh, a compound, another shape of parry's) waits until its distances
     /// are sampled on a lattice of 48 cells along its longest side: some tenths of a second, and up to 0.75 MB that stay while the world
     /// lives. Keep such a shape and clone it: one that is made anew counts as another.
-    /// Obstacles that have neither a formula nor an inside, or are too thin for the lattice, are [left out](Self::left_out).
+    /// Obstacles that have neither a formula nor an inside, are too thin for the lattice, or too many, are [left out](Self::left_out).
     ///
     /// # Errors
     /// [`GpuError::Step`] if the environment is invalid; [`GpuError::Limit`] if something does not fit; [`GpuError::Lost`]. Nothing has moved then.
     pub fn step(&mut self, environment: &Environment) -> Result<(), GpuError> {
-        self.gpu.poll()?;
+        self.gpu.notice_loss()?;
         environment.validate()?;
         let dt = environment.dt;
         let Self { gpu, buffers, fields, .. } = self;

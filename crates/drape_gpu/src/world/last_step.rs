@@ -7,8 +7,8 @@ use crate::world::body_record::{BodyPlace, GpuBodyId};
 use crate::world::gpu_world::GpuWorld;
 
 /// The bodies of a world before and after its last step, for a [`SurfaceWriter`](crate::SurfaceWriter). It holds handles only, so that it can go to
-/// the thread of a renderer while the world is stepped. It shows its step as long as
-/// [`GpuWorld::begin_frame`] is called at most once more.
+/// the thread of a renderer while the world is stepped. It shows its step until the second [`GpuWorld::begin_frame`], if
+/// one is called before the next step; else the next step writes over it.
 #[derive(Clone, Debug)]
 pub struct LastStep {
     /// Pairs of words of the world, its positions before and after the step.

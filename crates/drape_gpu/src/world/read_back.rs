@@ -99,7 +99,8 @@ impl GpuWorld {
         self.timer.as_ref().map(|timer| timer.read(&self.gpu)).transpose()
     }
 
-    /// Asks for the positions of a body after all steps that were started, and does not wait: a game looks for them in a later frame.
+    /// Asks for the positions of a body after all steps that were started, and does not wait: a game looks for them in a later frame. On a shared device
+    /// they come when its owner polls it, or submits something.
     ///
     /// # Errors
     /// [`GpuError::NoSuchBody`]; [`GpuError::NotStepped`]; [`GpuError::Lost`].
@@ -125,7 +126,7 @@ impl PendingPositions {
     /// # Errors
     /// [`GpuError::Lost`].
     pub fn try_take(self) -> Result<Result<Vec<Vec3>, Self>, GpuError> {
-        self.gpu.poll()?;
+        self.gpu.notice_loss()?;
         Ok(match self.bytes.try_take()? {
             Some(bytes) => Ok(places(&bytes, self.origin)),
             None => Err(self),
