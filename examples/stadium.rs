@@ -33,7 +33,7 @@ pub fn main() -> std::process::ExitCode {
 
 /// Flags at most.
 const MOST: usize = 10_000;
-/// Flags that are raised or taken down in a frame at most.
+/// Flags that are raised in a frame at most.
 const AT_ONCE: usize = 2_500;
 /// Rows of seats.
 const ROWS: usize = 40;

@@ -15,7 +15,7 @@ use showcase::FEATURES;
 /// Faster than the hem of a cloth that a ball of 10 m/s drags through the air like a whip, in m/s.
 const TOO_FAST: f32 = 100.0;
 
-/// Examples that are no features of their own: they have other tests.
+/// Examples that are no features of their own, or need a GPU: they have other tests.
 const OTHERS: [&str; 6] = ["cannon", "models", "readme", "scene", "showcase", "stadium"];
 /// Examples that need the feature `gltf`.
 const OF_GLTF: [&str; 2] = ["cape_gltf", "dust_sheets"];

@@ -24,6 +24,8 @@ pub(crate) struct Buffers {
     /// way round.
     pub positions: [GrowingBuffer; 2],
     pub displacements: GrowingBuffer,
+    /// Targets of pins in a step.
+    pub pin_targets: GrowingBuffer,
     pub statuses: GrowingBuffer,
     /// Large bodies keep these of each particle within a substep.
     pub flights: GrowingBuffer,
@@ -60,6 +62,7 @@ impl Buffers {
             pair_count: 0,
             positions: [growing("positions"), growing("positions of grids")],
             displacements: growing("displacements"),
+            pin_targets: growing("targets of pins"),
             statuses: growing("statuses"),
             flights: growing("flights"),
             accelerations: growing("accelerations"),

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use crate::gpu::Gpu;
 use crate::source::{
-    Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, small_source,
-    surface_source,
+    Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, pin_source,
+    small_source, surface_source,
 };
 
 /// Bytes of shared memory that a kernel needs besides positions.
@@ -120,19 +120,33 @@ impl Kernels {
     }
 }
 
-/// The kernel that writes vertices.
+/// A kernel of its own, which works through a list.
 #[derive(Debug)]
-pub(crate) struct SurfaceKernel {
+pub(crate) struct ListKernel<const BUFFERS: usize> {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
 }
 
-impl SurfaceKernel {
-    pub fn new(gpu: &Gpu) -> Self {
+impl ListKernel<6> {
+    /// Writes vertices.
+    pub fn of_surfaces(gpu: &Gpu) -> Self {
         use BindingKind::{Changed, Read};
-        let layout = layout(gpu, "surfaces", &[Read, Read, Read, Read, Read, Changed]);
-        let pipeline =
-            pipeline(gpu, &module(gpu, "surfaces", &surface_source()), "write_surface", &[&layout]);
+        let kinds = [Read, Read, Read, Read, Read, Changed];
+        Self::new(gpu, "surfaces", &surface_source(), "write_surface", kinds)
+    }
+}
+
+impl ListKernel<2> {
+    /// Hands targets to pins.
+    pub fn of_pins(gpu: &Gpu) -> Self {
+        Self::new(gpu, "pins", &pin_source(), "set_targets", [BindingKind::Read, BindingKind::Changed])
+    }
+}
+
+impl<const BUFFERS: usize> ListKernel<BUFFERS> {
+    fn new(gpu: &Gpu, label: &str, source: &str, entry: &str, kinds: [BindingKind; BUFFERS]) -> Self {
+        let layout = layout(gpu, label, &kinds);
+        let pipeline = pipeline(gpu, &module(gpu, label, source), entry, &[&layout]);
         Self { layout, pipeline }
     }
 
@@ -141,7 +155,7 @@ impl SurfaceKernel {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        bound: [&wgpu::Buffer; 6],
+        bound: [&wgpu::Buffer; BUFFERS],
         groups: u32,
     ) {
         let group = bind(gpu, &self.layout, bound.map(wgpu::Buffer::as_entire_binding));

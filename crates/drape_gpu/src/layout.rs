@@ -136,6 +136,14 @@ impl StatusData {
     }
 }
 
+/// `PinTarget` of `pins.wgsl`.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct PinData {
+    pub place: [f32; 3],
+    pub particle: u32,
+}
+
 /// `Pass` of `large_bodies.wgsl`: one stage of one body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]

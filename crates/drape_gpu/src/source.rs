@@ -31,8 +31,8 @@ pub(crate) const SIZE_CLASSES: [SizeClass; 5] = [
 /// Threads of a workgroup that steps a part of a large body.
 pub(crate) const LARGE_WORKGROUP: u32 = 256;
 
-/// Threads of a workgroup that writes vertices.
-pub(crate) const SURFACE_WORKGROUP: u32 = 64;
+/// Threads of a workgroup that writes vertices, or targets of pins.
+pub(crate) const LIST_WORKGROUP: u32 = 64;
 
 /// Columns and rows of tiles of a grid, the largest first: the shared memory of a device decides. Without their halo they have a multiple of
 /// four.
@@ -53,6 +53,7 @@ const OWN_POSITIONS: &str = include_str!("shaders/own_positions.wgsl");
 const REACTION: &str = include_str!("shaders/reaction.wgsl");
 const SMALL: &str = include_str!("shaders/small_bodies.wgsl");
 const LARGE: &str = include_str!("shaders/large_bodies.wgsl");
+const PINS: &str = include_str!("shaders/pins.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
 const GRID: &str = include_str!("shaders/grid_sticks.wgsl");
 
@@ -114,7 +115,16 @@ pub(crate) fn large_source(extras: Extras) -> String {
 
 /// The whole source of the kernel that writes vertices.
 pub(crate) fn surface_source() -> String {
-    with_constants(&[&format!("const WORKGROUP: u32 = {SURFACE_WORKGROUP}u;\n"), INVOCATION, SURFACE])
+    list_source(SURFACE)
+}
+
+/// The whole source of the kernel that hands targets to pins.
+pub(crate) fn pin_source() -> String {
+    list_source(PINS)
+}
+
+fn list_source(kernel: &str) -> String {
+    with_constants(&[&format!("const WORKGROUP: u32 = {LIST_WORKGROUP}u;\n"), INVOCATION, kernel])
 }
 
 /// The whole source of the kernel of tiles.
@@ -156,7 +166,7 @@ mod tests {
             ALL_EXTRAS.into_iter().flat_map(|extras| SIZE_CLASSES.map(|class| small_source(class, extras)));
         let large = ALL_EXTRAS.map(large_source);
         let grids = TILES.map(|tile| grid_source(tile, TILE_WORKGROUP));
-        for source in small.chain(large).chain(grids).chain([surface_source()]) {
+        for source in small.chain(large).chain(grids).chain([surface_source(), pin_source()]) {
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
             let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());

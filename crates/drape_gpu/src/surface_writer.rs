@@ -6,8 +6,8 @@ use drape_solver::glam::{Mat3, Vec3};
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::growing_buffer::GrowingBuffer;
-use crate::kernels::SurfaceKernel;
-use crate::source::SURFACE_WORKGROUP;
+use crate::kernels::ListKernel;
+use crate::source::LIST_WORKGROUP;
 use crate::world::{GpuBodyId, LastStep};
 
 /// The vertices of one body: one for each particle, in the order of the particles.
@@ -53,7 +53,7 @@ struct SurfaceData {
 #[derive(Debug)]
 pub struct SurfaceWriter {
     gpu: Gpu,
-    kernel: SurfaceKernel,
+    kernel: ListKernel<6>,
     shares: GrowingBuffer,
     surfaces: GrowingBuffer,
     share_count: u32,
@@ -66,7 +66,7 @@ impl SurfaceWriter {
     pub fn new(gpu: &Gpu) -> Self {
         Self {
             gpu: gpu.clone(),
-            kernel: SurfaceKernel::new(gpu),
+            kernel: ListKernel::of_surfaces(gpu),
             shares: GrowingBuffer::new(gpu, "shares of vertices"),
             surfaces: GrowingBuffer::new(gpu, "surfaces"),
             share_count: 0,
@@ -82,7 +82,7 @@ impl SurfaceWriter {
         let (mut shares, mut surfaces) = (vec![[0; 2]], Vec::new());
         for vertices in bodies {
             let Some(place) = step.place_of(vertices.body) else { continue };
-            let firsts = (0..place.particle_count).step_by(SURFACE_WORKGROUP as usize);
+            let firsts = (0..place.particle_count).step_by(LIST_WORKGROUP as usize);
             shares.extend(firsts.map(|first| [surfaces.len() as u32, first]));
             let axes = vertices.to_local;
             surfaces.push(SurfaceData {

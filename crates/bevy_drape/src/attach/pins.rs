@@ -56,7 +56,8 @@ pub(crate) fn move_pins(
         let is_own = |tied: Option<&AttachmentState>, pin: u32| tied.is_none_or(|tied| !tied.holds(pin));
         let mut own = state.pins.iter().filter(|&&(pin, _)| is_own(tied.as_deref(), pin)).peekable();
         let has_own = own.peek().is_some();
-        let is_jump = has_own && (activity.is_carried() || is_jump(own, [&state.anchor, &anchor], longest_pull));
+        let is_jump =
+            has_own && (activity.is_carried() || is_jump(own, [&state.anchor, &anchor], longest_pull));
         if is_jump && let (Some(from), Some(to)) = (placement(&state.anchor), placement(&anchor)) {
             teleport(&mut particles, &mut state, tied.as_deref_mut(), None, (&from, &to));
         }

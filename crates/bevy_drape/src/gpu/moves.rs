@@ -120,14 +120,16 @@ pub(crate) fn move_to_gpu(
 fn take_parts(entity: Entity, id: GpuBody, body: Body) -> impl Command {
     move |world: &mut World| {
         let mut entity = world.get_entity_mut(entity).ok();
-        let taken = entity.as_mut().and_then(EntityWorldMut::take::<(Particles, Sticks, Activity, BodyState)>);
+        let taken =
+            entity.as_mut().and_then(EntityWorldMut::take::<(Particles, Sticks, Activity, BodyState)>);
         if let (Some(entity), Some((.., state))) = (&mut entity, taken) {
             let Body { particles, topology, settings, layers, .. } = body;
             let anchor = state.anchor;
             let state = BodyState { settings, layers, ..state };
             entity.insert((OnGpu { particles, topology, state, anchor }, id));
             // Nothing culls it there.
-            if let (Some(hidden), Some(mut visibility)) = (entity.take::<HiddenByCulling>(), entity.get_mut()) {
+            if let (Some(hidden), Some(mut visibility)) = (entity.take::<HiddenByCulling>(), entity.get_mut())
+            {
                 hidden.show(&mut visibility);
             }
         } else if let Some(bodies) = world.resource_mut::<GpuBodies>().world_mut() {
@@ -145,7 +147,11 @@ pub(crate) fn bring_back_released(released: On<Remove<SolveOnGpu>>, mut commands
 }
 
 /// Brings a body back to the processor that gains a component which the GPU does not know.
-fn bring_back_with<C: Component>(added: On<Add<C>>, on_gpu: Query<(), With<GpuBody>>, mut commands: Commands) {
+fn bring_back_with<C: Component>(
+    added: On<Add<C>>,
+    on_gpu: Query<(), With<GpuBody>>,
+    mut commands: Commands,
+) {
     if on_gpu.contains(added.entity) {
         commands.entity(added.entity).queue_silenced(|entity: EntityWorldMut| bring_back(entity, true));
     }

@@ -56,7 +56,8 @@ pub(crate) fn write_slabs(
     mut writers: ResMut<SlabWriters>,
 ) {
     // The renderer may have another device by now.
-    let Some((gpu, step)) = shown.step.as_ref().filter(|(gpu, _)| gpu.device() == device.wgpu_device()) else {
+    let Some((gpu, step)) = shown.step.as_ref().filter(|(gpu, _)| gpu.device() == device.wgpu_device())
+    else {
         return;
     };
     let SlabWriters { slabs, writers } = &mut *writers;

@@ -37,7 +37,9 @@ pub(crate) fn step_on_gpu(
         return;
     };
     for entity in &on_gpu {
-        commands.entity(entity).queue_silenced(move |entity: EntityWorldMut| bring_back(entity, !is_orphaned));
+        commands
+            .entity(entity)
+            .queue_silenced(move |entity: EntityWorldMut| bring_back(entity, !is_orphaned));
     }
     commands.queue(move |world: &mut World| world.resource_mut::<GpuBodies>().close(failure));
 }

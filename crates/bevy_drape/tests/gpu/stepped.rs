@@ -43,7 +43,13 @@ fn settings_and_fabrics_are_those_of_the_components() {
     let parts = || {
         let settings = SolverSettings { substeps: 5, iterations: 1, ..default() };
         let surface = BodySurface { drag: 3.0, ..default() };
-        (swinging(), Fabric { damping: 0.0, ..Fabric::DENIM }, settings, surface, Transform::from_xyz(0.0, 3.0, 0.0))
+        (
+            swinging(),
+            Fabric { damping: 0.0, ..Fabric::DENIM },
+            settings,
+            surface,
+            Transform::from_xyz(0.0, 3.0, 0.0),
+        )
     };
     let here = app.world_mut().spawn(parts()).id();
     let there = spawn(&mut app, parts());
@@ -66,7 +72,12 @@ fn a_cloth_meets_obstacles_of_its_layers_only() {
     run(&mut app, 64);
     assert!(is_on_gpu(&app, met) && is_on_gpu(&app, passed));
     let height = |body| positions(&app, body)[40].y;
-    assert!((0.0..0.1).contains(&height(met)) && height(passed) < -0.5, "{}, {}", height(met), height(passed));
+    assert!(
+        (0.0..0.1).contains(&height(met)) && height(passed) < -0.5,
+        "{}, {}",
+        height(met),
+        height(passed)
+    );
 }
 
 #[test]

@@ -11,12 +11,12 @@ use crate::buffers::{Buffers, dispatch_stride};
 use crate::distance_field::DistanceFields;
 use crate::error::GpuError;
 use crate::gpu::Gpu;
-use crate::kernels::{Kernels, spread};
-use crate::layout::ObstacleData;
+use crate::kernels::{Kernels, ListKernel, spread};
+use crate::layout::{ObstacleData, PinData};
 use crate::model::Model;
 use crate::obstacle;
 use crate::snapshots::Snapshots;
-use crate::source::{Extras, SIZE_CLASSES};
+use crate::source::{Extras, LIST_WORKGROUP, SIZE_CLASSES};
 use crate::timer::Timer;
 use crate::world::body_record::{BodyPlace, BodyRecord, GpuBodyId};
 use crate::world::dispatches::{Dispatch, Stage};
@@ -44,6 +44,7 @@ pub(super) const PARTICLE: u64 = 16;
 pub struct GpuWorld {
     pub(super) gpu: Gpu,
     pub(super) kernels: Kernels,
+    pin_kernel: ListKernel<2>,
     pub(super) buffers: Buffers,
     /// Topologies with their pairs of words in the buffer, each with the index of its first pair.
     pub(super) models: Vec<(Arc<Topology>, Model, u32)>,
@@ -85,6 +86,7 @@ impl GpuWorld {
         Self {
             gpu: gpu.clone(),
             kernels: Kernels::new(gpu),
+            pin_kernel: ListKernel::of_pins(gpu),
             buffers: Buffers::new(gpu),
             models: Vec::new(),
             fields: DistanceFields::default(),
@@ -261,6 +263,8 @@ impl GpuWorld {
         self.buffers.reserve(&self.gpu, data.len() as u64, |buffers| &mut buffers.obstacles)?;
         let sums = obstacles.len() as u64 * REACTION;
         self.buffers.reserve(&self.gpu, sums, |buffers| &mut buffers.reactions)?;
+        let pins = (self.targets.len() as u64 + 1) * size_of::<PinData>() as u64;
+        self.buffers.pin_targets.reserve(&self.gpu, pins)?;
 
         // Nothing fails from here on.
         if let Some(tables) = tables {
@@ -274,7 +278,6 @@ impl GpuWorld {
         self.dt = dt;
         (self.obstacles, self.obstacle_indices, self.left_out) = (obstacles, indices, left_out);
         self.write_arriving(step.rescale);
-        self.write_targets();
         self.gpu.queue.write_buffer(&self.buffers.step, 0, bytemuck::bytes_of(&step));
         self.submit();
         Ok(())
@@ -325,23 +328,42 @@ impl GpuWorld {
         }
     }
 
-    fn write_targets(&mut self) {
-        for (id, particle, target) in self.targets.drain(..) {
-            let Some(record) = self.bodies.get(&id.0) else { continue };
-            let local = target - record.origin;
-            let data = [local.x, local.y, local.z, 1.0];
-            let first = u64::from(record.first_particle + particle) * PARTICLE;
-            self.buffers.displacements.write(&self.gpu, first, bytemuck::bytes_of(&data));
+    /// Takes the targets of pins, in the order of their particles. The last of several for one pin counts, as threads have no order.
+    fn take_targets(&mut self) -> Vec<PinData> {
+        let Self { bodies, targets, .. } = self;
+        let mut pins = Vec::with_capacity(targets.len() + 1);
+        for (id, particle, target) in targets.drain(..).rev() {
+            let Some(record) = bodies.get(&id.0) else { continue };
+            let place = (target - record.origin).to_array();
+            pins.push(PinData { place, particle: record.first_particle + particle });
         }
+        pins.sort_by_key(|pin| pin.particle);
+        pins.dedup_by_key(|pin| pin.particle);
+        pins
+    }
+
+    /// Hands the targets to the particles at the start of the step.
+    fn encode_targets(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pins = self.take_targets();
+        if pins.is_empty() {
+            return;
+        }
+        let count = pins.len() as u32;
+        pins.insert(0, PinData { place: [0.0; 3], particle: count });
+        let Self { gpu, buffers, pin_kernel, .. } = self;
+        buffers.pin_targets.write(gpu, 0, bytemuck::cast_slice(&pins));
+        let bound = [buffers.pin_targets.get(), buffers.displacements.get()];
+        pin_kernel.encode(gpu, encoder, bound, count.div_ceil(LIST_WORKGROUP));
     }
 
     fn submit(&mut self) {
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.encode_targets(&mut encoder);
         let Self { gpu, kernels, buffers, .. } = self;
         let stride = dispatch_stride(gpu) as u32;
         let has_obstacles = !self.obstacles.is_empty();
         let has_extras = self.obstacles.iter().any(ObstacleData::needs_extras);
         let extras = if has_extras { Extras::FieldsAndReactions } else { Extras::None };
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if self.obstacles.iter().any(|obstacle| obstacle.is_asking != 0) {
             encoder.clear_buffer(buffers.reactions.get(), 0, None);
         }

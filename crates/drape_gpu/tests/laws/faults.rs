@@ -49,12 +49,9 @@ fn what_cannot_be_solved_is_refused_by_name() {
         ClothBuilder::new(1.0, 1.0, 20, 20).material(rigid).build(BodySettings::default()).expect("valid");
     let mut ball = SoftBallBuilder::new(Vec3::ZERO, 0.3, 2).build(BodySettings::default()).expect("valid");
     ball.pressure = 1.0;
-    for (body, word) in [
-        (touching, "self-contact"),
-        (bad, "substeps"),
-        (rigid, "rigidity"),
-        (ball, "pressure"),
-    ] {
+    for (body, word) in
+        [(touching, "self-contact"), (bad, "substeps"), (rigid, "rigidity"), (ball, "pressure")]
+    {
         let error = world.add(&body).expect_err(word).to_string();
         assert!(error.contains(word), "{error}");
     }

@@ -175,9 +175,14 @@ fn pins_go_to_their_targets_and_stay() {
         let (mut world, id) = world_of(&cloth.build(BodySettings::default()).expect("valid"));
         run(&mut world, &gravity(), 5);
         let target = Vec3::new(100.3, 100.1, 99.8);
-        world.set_pin_target(id, 0, target).expect("a pin");
+        let other = target + Vec3::X;
+        // The last one counts.
+        for (pin, place) in [(0, other), (n - 1, other), (0, target)] {
+            world.set_pin_target(id, pin, place).expect("a pin");
+        }
         run(&mut world, &gravity(), 1);
         assert!(positions(&world, id)[0].distance(target) < 2e-5);
+        assert!(positions(&world, id)[n as usize - 1].distance(other) < 2e-5);
         run(&mut world, &gravity(), 20);
         assert!(positions(&world, id)[0].distance(target) < 2e-5);
         assert!(world.set_pin_target(id, 1, target).is_err(), "it is not pinned");
