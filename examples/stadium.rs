@@ -15,7 +15,7 @@ pub const FEATURE: Feature = Feature {
     controls: "1 to 9, 0: from one thousand flags to ten",
     eye: Vec3::new(-16.0, 15.0, 66.0),
     target: Vec3::new(14.0, 6.0, 0.0),
-    picture_time: 2.5,
+    picture_time: 1.2,
     build: |app| {
         app.insert_resource(FlagCount(MOST))
             .add_systems(Startup, setup)

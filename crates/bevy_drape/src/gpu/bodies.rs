@@ -83,10 +83,9 @@ impl GpuBodies {
         }
     }
 
-    /// True if the world is on a device that the renderer no longer has. Nothing on it may be waited for.
-    pub(super) fn is_orphaned(&self, renderer: &Renderer) -> bool {
-        let world = self.world.as_ref().filter(|_| self.gpu.is_none());
-        world.is_some_and(|world| renderer.has_another_than(world.gpu()))
+    /// True if the bodies are on the device of the renderer.
+    pub(super) fn is_on_renderer(&self) -> bool {
+        self.gpu.is_none()
     }
 
     fn new_world(&self, renderer: &Renderer) -> Result<Option<GpuWorld>, GpuError> {
@@ -109,8 +108,8 @@ pub(crate) struct Renderer<'w> {
 }
 
 impl Renderer<'_> {
-    /// True if the renderer has another device than `gpu`, as after a loss.
-    pub fn has_another_than(&self, gpu: &Gpu) -> bool {
-        self.device.as_ref().is_some_and(|device| device.wgpu_device() != gpu.device())
+    /// True if the device was replaced since this was last asked. Devices cannot be compared: those of two instances may count as equal.
+    pub fn is_new(&self) -> bool {
+        self.device.as_ref().is_some_and(|device| device.is_changed() && !device.is_added())
     }
 }

@@ -141,9 +141,7 @@ fn take_parts(entity: Entity, id: GpuBody, body: Body) -> impl Command {
 
 /// Brings a body back to the processor that loses its [`SolveOnGpu`].
 pub(crate) fn bring_back_released(released: On<Remove<SolveOnGpu>>, mut commands: Commands) {
-    if let Ok(mut entity) = commands.get_entity(released.entity) {
-        entity.queue_silenced(|entity: EntityWorldMut| bring_back(entity, true));
-    }
+    bring_back_by(&mut commands, released.entity, true);
 }
 
 /// Brings a body back to the processor that gains a component which the GPU does not know.
@@ -153,12 +151,19 @@ fn bring_back_with<C: Component>(
     mut commands: Commands,
 ) {
     if on_gpu.contains(added.entity) {
-        commands.entity(added.entity).queue_silenced(|entity: EntityWorldMut| bring_back(entity, true));
+        bring_back_by(&mut commands, added.entity, true);
+    }
+}
+
+/// Has a body brought back by the next commands, if it is there by then.
+pub(crate) fn bring_back_by(commands: &mut Commands, entity: Entity, can_be_read: bool) {
+    if let Ok(mut entity) = commands.get_entity(entity) {
+        entity.queue_silenced(move |entity: EntityWorldMut| bring_back(entity, can_be_read));
     }
 }
 
 /// Brings a body back to the processor, if it is on the GPU: at rest where it is there, or, if it cannot be read, where its entity is.
-pub(crate) fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
+fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
     let Some(&body) = entity.get::<GpuBody>() else { return };
     let world = entity.resource::<GpuBodies>().world().filter(|_| can_be_read);
     let positions = world.and_then(|world| world.read_positions(body.0).ok());

@@ -15,7 +15,7 @@ use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::gpu::moves::{bring_back_released, move_to_gpu, remove_from_gpu, watch_components};
 use crate::gpu::pins::move_pins_on_gpu;
-use crate::gpu::renderer::{SlabWriters, allow_writing, forget_writers, take_shown, write_slabs};
+use crate::gpu::renderer::{SlabWriters, allow_writing, forget_device, take_shown, write_slabs};
 use crate::gpu::shown::{ShownBodies, list_shown};
 use crate::gpu::step::{begin_frame, note_motion, step_on_gpu};
 use crate::schedule::{DrapeSchedule, DrapeSystems, ScenePhase};
@@ -68,7 +68,7 @@ impl Plugin for GpuPlugin {
             .init_resource::<SlabWriters>()
             .add_systems(
                 RenderStartup,
-                (allow_writing.before(init_gpu_resource::<MeshAllocator>), forget_writers),
+                (allow_writing.before(init_gpu_resource::<MeshAllocator>), forget_device),
             )
             .add_systems(ExtractSchedule, take_shown)
             .add_systems(RenderGraph, write_slabs.before(camera_driver));

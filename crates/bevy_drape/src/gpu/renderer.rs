@@ -41,9 +41,10 @@ pub(crate) struct SlabWriters {
     writers: Vec<SurfaceWriter>,
 }
 
-/// Forgets the writers of a device that was lost.
-pub(crate) fn forget_writers(mut writers: ResMut<SlabWriters>) {
+/// Forgets what belongs to a device that was lost.
+pub(crate) fn forget_device(mut writers: ResMut<SlabWriters>, mut shown: ResMut<ShownBodies>) {
     *writers = SlabWriters::default();
+    *shown = ShownBodies::default();
 }
 
 /// Writes positions and normals of all shown bodies.
@@ -55,11 +56,7 @@ pub(crate) fn write_slabs(
     device: Res<RenderDevice>,
     mut writers: ResMut<SlabWriters>,
 ) {
-    // The renderer may have another device by now.
-    let Some((gpu, step)) = shown.step.as_ref().filter(|(gpu, _)| gpu.device() == device.wgpu_device())
-    else {
-        return;
-    };
+    let Some((gpu, step)) = &shown.step else { return };
     let SlabWriters { slabs, writers } = &mut *writers;
     slabs.clear();
     for body in &shown.bodies {

@@ -122,6 +122,22 @@ fn obstacles_that_come_from_afar_push() {
     assert!(nearest > 0.295, "it is {nearest} m from the centre of the ball");
 }
 
+/// The processor leaves obstacles that move far from all its bodies out of its searches.
+#[test]
+fn an_obstacle_that_came_before_the_body_carries_it() {
+    let mut app = app();
+    let ball = app.world_mut().spawn((Obstacle::sphere(0.3), Transform::from_xyz(0.0, 0.0, -200.0))).id();
+    run(&mut app, 2);
+    app.world_mut().entity_mut(ball).insert(Transform::from_xyz(0.0, 0.5, 0.0));
+    run(&mut app, 2);
+    let lying = Transform::from_xyz(0.0, 1.0, 0.0).with_rotation(Quat::from_rotation_x(-1.57));
+    let cloth = Cloth::new(0.6, 0.6).with_particles(9, 9).with_pins(ClothPins::None);
+    let sheet = spawn(&mut app, (cloth, lying));
+    run(&mut app, 48);
+    let height = positions(&app, sheet)[40].y;
+    assert!((0.79..0.83).contains(&height), "its middle lies on the ball: {height}");
+}
+
 /// One obstacle without an inside once stopped the steps of all bodies.
 #[test]
 fn an_obstacle_that_cannot_be_sampled_is_left_out_alone() {
