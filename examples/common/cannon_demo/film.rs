@@ -29,7 +29,7 @@ const VIEWS: [View; 5] =
 /// Draws the shots of `scene` into `folder`, one PNG file for each picture, and calls `on_picture` for each.
 ///
 /// # Errors
-/// [`PictureError`]: no adapter, or a file that cannot be written.
+/// `PictureError`: no adapter, or a file that cannot be written.
 pub fn draw(
     scene: &CannonScene,
     folder: &Path,

@@ -25,7 +25,7 @@ const PLAY_AREA: f32 = 60.0;
 /// Opens the window and stays until it is closed.
 ///
 /// # Errors
-/// [`WindowError`] if there is no display or no graphics adapter.
+/// `WindowError` if there is no display or no graphics adapter.
 pub fn run(arguments: &Arguments) -> Result<AppExit, WindowError> {
     check_display()?;
     // The player fires.

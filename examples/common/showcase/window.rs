@@ -33,7 +33,7 @@ struct Stays;
 /// Opens the window and stays until it is closed.
 ///
 /// # Errors
-/// [`WindowError`] if there is no display, or nothing to draw with.
+/// `WindowError` if there is no display, or nothing to draw with.
 pub fn open(features: &'static [(&'static str, Feature)]) -> Result<(), WindowError> {
     let mut app = bare_app("bevy_drape: showcase")?;
     app.add_plugins((FeatureMaterialsPlugin, PointerPlugin, ShowcasePanelPlugin, FrameRecorderPlugin))
