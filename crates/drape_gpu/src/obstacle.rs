@@ -32,7 +32,7 @@ pub(crate) fn list(
     let mut list = List::default();
     let too_many = GpuError::Limit {
         what: "the list of obstacles",
-        needed: obstacles.len() as u64,
+        needed: obstacles.iter().filter(is_met).count() as u64,
         limit: MAX_OBSTACLES as u64,
         name: "MAX_OBSTACLES",
     };

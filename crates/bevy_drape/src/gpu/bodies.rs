@@ -69,6 +69,7 @@ impl GpuBodies {
             warn!("bodies with SolveOnGpu are solved on the processor: {reason}");
         }
         (self.world, self.failure) = (None, failure);
+        self.known_gaps.clear();
     }
 
     /// Makes the world, if there is none and there is a device.

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use drape_gpu::GpuBodyId;
 
 /// Solves and draws a [`Cloth`](crate::build::cloth::Cloth) or [`SoftBall`](crate::build::soft_ball::SoftBall) on the GPU: for cloth by the
-/// thousand, and for sheets of hundreds of thousands of particles. Removed again, the processor waits for the GPU, and goes on from where the body
-/// is, at rest; not in browsers, where nothing may wait.
+/// thousand, and for sheets of hundreds of thousands of particles. Remove it, and the processor waits for the GPU and goes on from where the body
+/// is, at rest. In browsers, where nothing may wait, the body begins again where its entity is.
 ///
 /// A body on the GPU has a [`GpuBody`], and no [`Particles`](crate::body::particles::Particles), [`Sticks`](crate::body::particles::Sticks) and
 /// [`Activity`](crate::body::activity::Activity): queries for these, ray casts, pointers, gizmos, snapshots and messages do not know it. Obstacles,
@@ -17,7 +17,8 @@ use drape_gpu::GpuBodyId;
 /// The processor solves a body, and the log says why, without a device, with self-contact or a
 /// [bending rigidity](crate::body::BendingRigidity), and with any of these components: `Attachment`, `ClothMesh`, `ContactEvents`, `Grab`,
 /// `LevelOfDetail`, [`ParticleFollowers`](crate::attach::ParticleFollowers), `PlaneLock`, `Pressure`, `Rig`, `RopeMesh`, `SoftBodyMesh`, `Tearable`,
-/// `Winch`, `WorldMotion`. If one is added later, the body comes back. Insert `SolveOnGpu` again once it is gone.
+/// `Winch`, `WorldMotion`. If one is added later, the body comes back. Insert `SolveOnGpu` again once it is gone. `TeleportCloth` brings it back for one
+/// step. A disabled body is solved on.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct SolveOnGpu;

@@ -61,7 +61,7 @@ components_of_processor! {
     Tearable, TeleportCloth, Winch, WorldMotion,
 }
 
-/// Moves bodies to the GPU that ask for it and have been built since the last step.
+/// Moves bodies to the GPU that have asked for it, or have been built, since the last step.
 pub(crate) fn move_to_gpu(
     mut commands: Commands,
     waiting: Query<
@@ -126,6 +126,8 @@ fn take_parts(entity: Entity, id: GpuBody, body: Body) -> impl Command {
             let Body { particles, topology, settings, layers, .. } = body;
             let anchor = state.anchor;
             let state = BodyState { settings, layers, ..state };
+            // The surface of the processor has its bounds.
+            entity.remove::<Surface>();
             entity.insert((OnGpu { particles, topology, state, anchor }, id));
             // Nothing culls it there.
             if let (Some(hidden), Some(mut visibility)) = (entity.take::<HiddenByCulling>(), entity.get_mut())
@@ -147,7 +149,7 @@ pub(crate) fn bring_back_released(released: On<Remove<SolveOnGpu>>, mut commands
 /// Brings a body back to the processor that gains a component which the GPU does not know.
 fn bring_back_with<C: Component>(
     added: On<Add<C>>,
-    on_gpu: Query<(), With<GpuBody>>,
+    on_gpu: Query<(), (With<GpuBody>, Allow<Disabled>)>,
     mut commands: Commands,
 ) {
     if on_gpu.contains(added.entity) {
@@ -162,10 +164,12 @@ pub(crate) fn bring_back_by(commands: &mut Commands, entity: Entity, can_be_read
     }
 }
 
-/// Brings a body back to the processor, if it is on the GPU: at rest where it is there, or, if it cannot be read, where its entity is.
+/// Brings a body back to the processor, if it is on the GPU: at rest where it is there, or, if it cannot be read, where its entity is. In browsers nothing
+/// may wait.
 fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
     let Some(&body) = entity.get::<GpuBody>() else { return };
-    let world = entity.resource::<GpuBodies>().world().filter(|_| can_be_read);
+    let world =
+        entity.resource::<GpuBodies>().world().filter(|_| can_be_read && cfg!(not(target_family = "wasm")));
     let positions = world.and_then(|world| world.read_positions(body.0).ok());
     let Some(mut parts) = entity.take::<OnGpu>() else { return };
     match positions {
@@ -177,7 +181,11 @@ fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
         }
         None => parts.follow(),
     }
-    let OnGpu { particles, topology, state, .. } = parts;
+    let OnGpu { mut particles, topology, state, .. } = parts;
+    for &(pin, local) in &state.pins {
+        // The entity may have moved in a step that failed.
+        particles.set_pin_target(pin as usize, state.anchor.transform_point3(local));
+    }
     // It would be drawn between where it went to the GPU and where it is now.
     entity.remove::<Surface>();
     entity.insert((Particles(particles), Sticks(topology), Activity::Active, state));

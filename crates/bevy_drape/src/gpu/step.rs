@@ -2,6 +2,7 @@
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
+use drape_gpu::GpuError;
 
 use crate::clock::DrapeClock;
 use crate::environment::solver_environment::SolverEnvironment;
@@ -27,9 +28,14 @@ pub(crate) fn step_on_gpu(
     }
     for &(slot, ref reason) in world.left_out() {
         let entity = solver.obstacles.entity(slot);
-        if known_gaps.insert(entity) {
+        if matches!(reason, GpuError::Unsupported(_)) && known_gaps.insert(entity) {
             warn!("bodies on the GPU pass through obstacle {entity}: {reason}");
         }
+    }
+    if let Some((_, reason)) =
+        world.left_out().iter().find(|(_, reason)| matches!(reason, GpuError::Limit { .. }))
+    {
+        warn_once!("bodies on the GPU pass through some obstacles: {reason}");
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Most of those that a game moves are far from all cloth. They are only put where they are now, out of reach of all searches.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::world::bounds_list::BoundsList;
 
@@ -21,7 +22,7 @@ pub(crate) struct Reached {
 /// Looks what the obstacles that move in this step could touch, if any moves. Pins have moved by now.
 pub(crate) fn note_reached(
     reach: DrapeReach,
-    on_gpu: Query<(), With<OnGpu>>,
+    on_gpu: Query<(), (With<OnGpu>, Allow<Disabled>)>,
     changes: Res<ObstacleChanges>,
     mut reached: ResMut<Reached>,
 ) {

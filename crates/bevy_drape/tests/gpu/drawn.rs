@@ -1,5 +1,6 @@
 //! The vertices that the renderer draws are those of the last step on the GPU.
 
+use bevy::camera::primitives::Aabb;
 use bevy::log::LogPlugin;
 use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
@@ -140,4 +141,22 @@ fn a_hidden_body_is_drawn_as_it_is_when_it_is_shown_again() {
     let before = positions(&app, cloth);
     frame(&mut app, 1.25);
     assert_drawn(&app, cloth, &before);
+}
+
+/// Once the bounds of the processor stayed, and the body was culled by them.
+#[test]
+fn a_body_that_was_drawn_before_has_new_bounds() {
+    let mut app = drawing_app();
+    let cloth = app.world_mut().spawn(swinging()).id();
+    let size = |app: &App| app.world().entity(cloth).get::<Aabb>().expect("bounds").half_extents.x;
+    run(&mut app, 3);
+    assert!(size(&app) < 1.0);
+    for _ in 0..2 {
+        app.world_mut().entity_mut(cloth).insert(SolveOnGpu);
+        run(&mut app, 2);
+        assert!(is_on_gpu(&app, cloth) && size(&app) > 1e5);
+        app.world_mut().entity_mut(cloth).remove::<SolveOnGpu>();
+        run(&mut app, 2);
+        assert!(!is_on_gpu(&app, cloth) && size(&app) < 1.0);
+    }
 }

@@ -3,6 +3,7 @@
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::VertexAttributeValues;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy_drape::attach::TeleportCloth;
 use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::gpu::drape_gpu::MAX_OBSTACLES;
 
@@ -85,6 +86,7 @@ fn a_cloth_that_moves_is_not_built_anew() {
     run(&mut app, 1);
     let after = positions(&app, curtain)[80];
     assert!(before.distance(after) < 0.2 && after.y < -0.6, "from {before} to {after}");
+    assert!(is_on_gpu(&app, curtain));
 }
 
 #[test]
@@ -174,13 +176,19 @@ fn another_device_of_the_renderer_takes_the_bodies_over() {
 fn a_component_that_the_gpu_does_not_know_brings_a_body_back() {
     let mut app = app();
     let cloth = spawn(&mut app, swinging());
-    run(&mut app, 4);
+    run(&mut app, 20);
+    let there = positions(&app, cloth);
     app.world_mut().entity_mut(cloth).insert(Tearable::default());
+    assert!(!is_on_gpu(&app, cloth));
+    assert_eq!(positions(&app, cloth), there);
     run(&mut app, 2);
     assert!(!is_on_gpu(&app, cloth));
     app.world_mut().entity_mut(cloth).remove::<Tearable>().insert(SolveOnGpu);
     run(&mut app, 2);
     assert!(is_on_gpu(&app, cloth));
+    app.world_mut().entity_mut(cloth).insert(TeleportCloth);
+    run(&mut app, 2);
+    assert!(is_on_gpu(&app, cloth), "for one step only");
 }
 
 /// Any change of the fabric once built the body anew, in its first shape.
@@ -194,6 +202,7 @@ fn a_fabric_of_another_surface_leaves_the_shape() {
     run(&mut app, 1);
     let way = positions(&app, cloth)[80].distance(before);
     assert!(way < 0.2 && before.y < -0.6, "{way} m in a step, from {before}");
+    assert!(is_on_gpu(&app, cloth));
 }
 
 /// One that was despawned while disabled was solved for ever.

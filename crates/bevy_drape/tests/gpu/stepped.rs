@@ -136,6 +136,7 @@ fn an_obstacle_that_came_before_the_body_carries_it() {
     run(&mut app, 48);
     let height = positions(&app, sheet)[40].y;
     assert!((0.79..0.83).contains(&height), "its middle lies on the ball: {height}");
+    assert!(is_on_gpu(&app, sheet));
 }
 
 /// One obstacle without an inside once stopped the steps of all bodies.

@@ -59,7 +59,7 @@ pub struct GpuWorld {
     /// Bodies that have been added since the last step, with their particles.
     pub(super) arriving: Vec<(GpuBodyId, Particles)>,
     /// Targets of pins for the coming step.
-    pub(super) targets: Vec<(GpuBodyId, u32, Vec3)>,
+    pub(super) targets: BTreeMap<(GpuBodyId, u32), Vec3>,
     /// True if the tables of bodies and batches have to be written.
     pub(super) is_stale: bool,
     pub(super) dt: f32,
@@ -95,7 +95,7 @@ impl GpuWorld {
             free: Vec::new(),
             particle_count: 0,
             arriving: Vec::new(),
-            targets: Vec::new(),
+            targets: BTreeMap::new(),
             is_stale: true,
             dt: 0.0,
             obstacles: Vec::new(),
@@ -159,7 +159,7 @@ impl GpuWorld {
         let record = self.bodies.remove(&id.0).ok_or(GpuError::NoSuchBody)?;
         self.free.push((self.models[record.model].1.particle_count, record.first_particle));
         self.arriving.retain(|(other, _)| *other != id);
-        self.targets.retain(|(other, ..)| *other != id);
+        self.targets.retain(|(other, _), _| *other != id);
         self.is_stale = true;
         Ok(())
     }
@@ -187,7 +187,7 @@ impl GpuWorld {
         self.bodies.is_empty()
     }
 
-    /// Moves a pinned particle to `target` (world, metres) in the coming step, in equal parts over the substeps.
+    /// Moves a pinned particle to `target` (world, metres) in the coming step, in equal parts over the substeps. The last of several targets counts.
     ///
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::NotPinned`], [`GpuError::NotFinite`].
@@ -199,7 +199,7 @@ impl GpuWorld {
         if record.pins.binary_search(&particle).is_err() {
             return Err(GpuError::NotPinned(particle));
         }
-        self.targets.push((id, particle, target));
+        self.targets.insert((id, particle), target);
         Ok(())
     }
 
@@ -283,7 +283,8 @@ impl GpuWorld {
         Ok(())
     }
 
-    /// Obstacles of the last step's environment through which bodies pass, as their shapes cannot be sampled: their indices, and why.
+    /// Obstacles of the last step's environment that bodies pass through, by their indices, and why: their shapes cannot be sampled
+    /// ([`GpuError::Unsupported`]), or they are too many ([`GpuError::Limit`]).
     pub fn left_out(&self) -> &[(usize, GpuError)] {
         &self.left_out
     }
@@ -328,29 +329,18 @@ impl GpuWorld {
         }
     }
 
-    /// Takes the targets of pins, in the order of their particles. The last of several for one pin counts, as threads have no order.
-    fn take_targets(&mut self) -> Vec<PinData> {
-        let Self { bodies, targets, .. } = self;
-        let mut pins = Vec::with_capacity(targets.len() + 1);
-        for (id, particle, target) in targets.drain(..).rev() {
-            let Some(record) = bodies.get(&id.0) else { continue };
-            let place = (target - record.origin).to_array();
-            pins.push(PinData { place, particle: record.first_particle + particle });
-        }
-        pins.sort_by_key(|pin| pin.particle);
-        pins.dedup_by_key(|pin| pin.particle);
-        pins
-    }
-
     /// Hands the targets to the particles at the start of the step.
     fn encode_targets(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pins = self.take_targets();
-        if pins.is_empty() {
+        if self.targets.is_empty() {
             return;
         }
-        let count = pins.len() as u32;
-        pins.insert(0, PinData { place: [0.0; 3], particle: count });
-        let Self { gpu, buffers, pin_kernel, .. } = self;
+        let Self { gpu, buffers, bodies, targets, pin_kernel, .. } = self;
+        let count = targets.len() as u32;
+        let mut pins = vec![PinData { place: [0.0; 3], particle: count }];
+        pins.extend(core::mem::take(targets).into_iter().map(|((id, particle), target)| {
+            let record = &bodies[&id.0];
+            PinData { place: (target - record.origin).to_array(), particle: record.first_particle + particle }
+        }));
         buffers.pin_targets.write(gpu, 0, bytemuck::cast_slice(&pins));
         let bound = [buffers.pin_targets.get(), buffers.displacements.get()];
         pin_kernel.encode(gpu, encoder, bound, count.div_ceil(LIST_WORKGROUP));
