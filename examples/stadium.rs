@@ -1,4 +1,4 @@
-//! Ten thousand flags in a gusty wind, solved on the GPU and drawn from there, and a wave that goes round the stands.
+//! Ten thousand flags in a gusty wind (a thousand in a picture), solved on the GPU and drawn from there, and a wave that goes round the stands.
 //!
 //! `cargo run --release --example stadium --features window`; `--picture FILE` draws a picture with `--features render`. The slider, or the keys
 //! 1 to 9 and 0, choose the number of flags.
@@ -13,11 +13,13 @@ use drape_examples::feature::Feature;
 pub const FEATURE: Feature = Feature {
     title: "Ten thousand flags on the GPU",
     controls: "1 to 9, 0: from one thousand flags to ten",
-    eye: Vec3::new(-16.0, 15.0, 66.0),
-    target: Vec3::new(14.0, 6.0, 0.0),
+    eye: Vec3::new(-22.0, 5.0, 11.0),
+    target: Vec3::new(4.0, 2.5, -26.0),
     picture_time: 1.2,
     build: |app| {
-        app.insert_resource(FlagCount(MOST))
+        // A picture may be drawn in software, where each flag takes milliseconds.
+        let count = if cfg!(feature = "window") { MOST } else { 1_000 };
+        app.insert_resource(FlagCount(count))
             .add_systems(Startup, setup)
             .add_systems(Update, (count_flags, choose));
         #[cfg(feature = "window")]
@@ -115,12 +117,21 @@ fn floor(row: usize) -> f32 {
     0.8 + 0.55 * row as f32
 }
 
-/// Angle and row of a flag: the flags of any number are spread over all stands.
+/// Angle and row of a flag. The lowest row is filled first, evenly at any number.
 fn seat(number: usize) -> (f32, usize) {
-    let row = number % ROWS;
-    // The golden ratio fills a circle evenly.
-    let turn = (number / ROWS) as f32 * 0.618_034 + row as f32 * 0.37;
+    let (mut place, mut row) = (number, 0);
+    while row + 1 < ROWS && place >= seats(row) {
+        place -= seats(row);
+        row += 1;
+    }
+    // Steps of the golden ratio fill a circle evenly.
+    let turn = place as f32 * 0.618_034 + row as f32 * 0.37;
     (turn.fract() * core::f32::consts::TAU, row)
+}
+
+/// Flags in a row: one and a half metres apart, ten thousand in all.
+fn seats(row: usize) -> usize {
+    (4.288 * 0.5 * (radii(row).x + radii(row).y)) as usize
 }
 
 /// Foot of a flag's pole.
