@@ -13,8 +13,8 @@ use drape_examples::feature::Feature;
 pub const FEATURE: Feature = Feature {
     title: "Ten thousand flags on the GPU",
     controls: "1 to 9, 0: from one thousand flags to ten",
-    eye: Vec3::new(-22.0, 5.0, 11.0),
-    target: Vec3::new(4.0, 2.5, -26.0),
+    eye: Vec3::new(-31.0, 4.6, 7.0),
+    target: Vec3::new(-18.0, 3.4, -24.0),
     picture_time: 1.2,
     build: |app| {
         // A picture may be drawn in software, where each flag takes milliseconds.
