@@ -41,6 +41,8 @@ const AT_ONCE: usize = 2_500;
 const ROWS: usize = 40;
 /// Height of a pole in metres.
 const POLE: f32 = 1.7;
+/// Height of a flag's middle above the foot of its pole.
+const MIDDLE: f32 = POLE - 0.36;
 /// The wave in radians a second.
 const WAVE: f32 = 0.5;
 
@@ -48,9 +50,15 @@ const WAVE: f32 = 0.5;
 #[derive(Resource)]
 struct FlagCount(usize);
 
-/// The number of a flag.
+/// A flag, and where it hangs while the wave is elsewhere.
 #[derive(Component)]
-struct Flag(usize);
+struct Flag {
+    number: usize,
+    /// Its place round the field in radians.
+    angle: f32,
+    /// Height of its middle in metres.
+    height: f32,
+}
 
 /// The looks that all flags share.
 #[derive(Resource)]
@@ -92,7 +100,6 @@ fn setup(
     let concrete = MeshMaterial3d(materials.add(Color::srgb(0.5, 0.5, 0.52)));
     let grass = MeshMaterial3d(materials.add(Color::srgb(0.22, 0.42, 0.18)));
     for row in 0..ROWS {
-        // Half of the oval: the other half is behind the camera.
         let (inner, height) = (radii(row) - 0.7, floor(row));
         let step = Annulus::new(inner.x, inner.x + 1.4);
         let ring = Extrusion::new(step, height.max(0.1));
@@ -134,13 +141,6 @@ fn seats(row: usize) -> usize {
     (4.288 * 0.5 * (radii(row).x + radii(row).y)) as usize
 }
 
-/// Foot of a flag's pole.
-fn foot(number: usize) -> Vec3 {
-    let (angle, row) = seat(number);
-    let flat = radii(row) * Vec2::from_angle(angle);
-    Vec3::new(flat.x, floor(row), flat.y)
-}
-
 /// Raises and takes down flags.
 fn count_flags(
     mut commands: Commands,
@@ -152,16 +152,19 @@ fn count_flags(
     for number in there..count.0.min(there + AT_ONCE) {
         let flag = Cloth::new(1.0, 0.7).with_particles(12, 8).with_pins(ClothPins::Left);
         let fabric = looks.fabrics[number * 7 / 3 % looks.fabrics.len()].clone();
-        let place = Transform::from_translation(foot(number) + Vec3::new(0.5, POLE - 0.36, 0.0));
-        let pole = Transform::from_xyz(-0.5, 0.36 - 0.5 * POLE, 0.0);
-        commands.spawn((Flag(number), flag, SolveOnGpu, fabric, place)).with_child((
+        let (angle, row) = seat(number);
+        let foot = radii(row) * Vec2::from_angle(angle);
+        let height = floor(row) + MIDDLE;
+        let place = Transform::from_xyz(foot.x + 0.5, height, foot.y);
+        let pole = Transform::from_xyz(-0.5, 0.5 * POLE - MIDDLE, 0.0);
+        commands.spawn((Flag { number, angle, height }, flag, SolveOnGpu, fabric, place)).with_child((
             looks.pole.clone(),
             looks.wood.clone(),
             pole,
         ));
     }
     for (entity, flag) in &flags {
-        if flag.0 >= count.0 {
+        if flag.number >= count.0 {
             commands.entity(entity).despawn();
         }
     }
@@ -171,12 +174,11 @@ fn count_flags(
 fn wave(mut flags: Query<(&Flag, &mut Transform)>, time: Res<Time>) {
     let crest = WAVE * time.elapsed_secs();
     for (flag, mut transform) in &mut flags {
-        let (angle, _) = seat(flag.0);
-        let behind = (angle - crest).rem_euclid(core::f32::consts::TAU);
+        let behind = (flag.angle - crest).rem_euclid(core::f32::consts::TAU);
         // A tenth of the way round.
         let lift =
             if behind < 0.6 { (behind / 0.6 * core::f32::consts::PI).sin().powi(2) * 0.9 } else { 0.0 };
-        let height = foot(flag.0).y + POLE - 0.36 + lift;
+        let height = flag.height + lift;
         if transform.translation.y != height {
             transform.translation.y = height;
         }

@@ -30,14 +30,16 @@ pub(crate) fn list(
 ) -> Result<List, GpuError> {
     let is_met = |obstacle: &&Obstacle| !obstacle.is_sensor() && !obstacle.is_out_of_reach();
     let mut list = List::default();
-    let too_many = GpuError::Limit {
-        what: "the list of obstacles",
-        needed: obstacles.iter().filter(is_met).count() as u64,
-        limit: MAX_OBSTACLES as u64,
-        name: "MAX_OBSTACLES",
-    };
+    let mut too_many = None;
     for (index, obstacle) in obstacles.iter().enumerate().filter(|(_, obstacle)| is_met(obstacle)) {
         if list.obstacles.len() == MAX_OBSTACLES {
+            // All are counted only if there are too many.
+            let too_many = too_many.get_or_insert_with(|| GpuError::Limit {
+                what: "the list of obstacles",
+                needed: obstacles.iter().filter(is_met).count() as u64,
+                limit: MAX_OBSTACLES as u64,
+                name: "MAX_OBSTACLES",
+            });
             list.left_out.push((index, too_many.clone()));
             continue;
         }

@@ -59,10 +59,6 @@ impl GpuBodies {
         self.failure.as_deref()
     }
 
-    pub(super) fn world_mut(&mut self) -> Option<&mut GpuWorld> {
-        self.world.as_mut()
-    }
-
     /// Forgets all bodies, and gives the GPU up for ever if it failed.
     pub(super) fn close(&mut self, failure: Option<String>) {
         if let Some(reason) = &failure {

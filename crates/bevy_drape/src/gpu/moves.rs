@@ -78,7 +78,7 @@ pub(crate) fn move_to_gpu(
         return;
     }
     bodies.open(&renderer);
-    let Some(world) = bodies.world_mut() else { return };
+    let Some(world) = bodies.world.as_mut() else { return };
     if world.is_empty() {
         // Those far from all other bodies were left where they were.
         changes.recheck.extend(&obstacles);
@@ -134,7 +134,7 @@ fn take_parts(entity: Entity, id: GpuBody, body: Body) -> impl Command {
             {
                 hidden.show(&mut visibility);
             }
-        } else if let Some(bodies) = world.resource_mut::<GpuBodies>().world_mut() {
+        } else if let Some(bodies) = world.resource_mut::<GpuBodies>().world.as_mut() {
             // It has just been added.
             let _ = bodies.remove(id.0);
         }
@@ -198,7 +198,7 @@ pub(crate) fn remove_from_gpu(
     mut bodies: ResMut<GpuBodies>,
     mut commands: Commands,
 ) {
-    if let (Ok(body), Some(world)) = (ids.get(removed.entity), bodies.world_mut()) {
+    if let (Ok(body), Some(world)) = (ids.get(removed.entity), bodies.world.as_mut()) {
         // The world may have lost it with its device.
         let _ = world.remove(body.0);
     }

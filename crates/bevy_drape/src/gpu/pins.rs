@@ -20,7 +20,7 @@ pub(crate) fn move_pins_on_gpu(
     mut refusals: ResMut<Refusals>,
 ) {
     let longest_pull = TELEPORT_SPEED * clock.delta();
-    let Some(world) = bodies.world_mut() else { return };
+    let Some(world) = bodies.world.as_mut() else { return };
     for (entity, transform, mut body, mut parts) in &mut moved {
         let anchor = transform.affine();
         if anchor == parts.state.anchor || parts.state.pins.is_empty() {

@@ -56,7 +56,7 @@ pub(crate) fn begin_frame(
     if renderer.is_new() && bodies.is_on_renderer() {
         on_gpu.iter().for_each(|entity| bring_back_by(&mut commands, entity, false));
         commands.queue(|world: &mut World| world.resource_mut::<GpuBodies>().close(None));
-    } else if let Some(world) = bodies.world_mut() {
+    } else if let Some(world) = bodies.world.as_mut() {
         world.begin_frame();
     }
 }

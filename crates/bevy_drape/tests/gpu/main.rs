@@ -1,22 +1,21 @@
 //! Bodies on the GPU, with a renderer and without one. Needs a graphics adapter: `.ci/gpu`.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod drawn;
 mod moves;
 mod stepped;
 
 use std::sync::OnceLock;
-use std::time::Duration;
 
 use bevy::asset::AssetPlugin;
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_drape::gpu::drape_gpu::Gpu;
 use bevy_drape::gpu::{GpuBodies, GpuBody, SolveOnGpu};
 use bevy_drape::prelude::*;
 
-/// Bevy's default fixed step, 1/64 s: exact in nanoseconds and in binary.
-const TIMESTEP: Duration = Duration::from_micros(15_625);
+use crate::common::*;
 
 /// An app without a renderer, whose bodies are solved on a device of its own.
 fn app() -> App {
@@ -33,19 +32,6 @@ fn app_without_device() -> App {
         .add_plugins(DrapePlugins::default());
     start(&mut app);
     app
-}
-
-/// Makes the app ready; its first update is one of no time.
-fn start(app: &mut App) {
-    app.finish();
-    app.cleanup();
-    app.update();
-}
-
-/// One frame, as long as `steps` fixed steps.
-fn frame(app: &mut App, steps: f64) {
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(TIMESTEP.mul_f64(steps)));
-    app.update();
 }
 
 /// So many frames of one step each.
@@ -68,11 +54,6 @@ fn positions(app: &App, body: Entity) -> Vec<Vec3> {
 
 fn is_on_gpu(app: &App, body: Entity) -> bool {
     app.world().entity(body).contains::<GpuBody>()
-}
-
-/// A sheet of 1 m x 1 m in 9 x 9 particles that hangs from its top left corner, and swings.
-fn swinging() -> Cloth {
-    Cloth::new(1.0, 1.0).with_particles(9, 9).with_pins(ClothPins::Indices([0].into()))
 }
 
 fn spawn(app: &mut App, bundle: impl Bundle) -> Entity {

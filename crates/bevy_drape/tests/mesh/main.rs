@@ -2,6 +2,8 @@
 
 mod cloth_mesh;
 mod cloth_mesh_refusals;
+#[path = "../common/mod.rs"]
+mod common;
 mod detail;
 mod driven_mesh;
 mod gizmos;
@@ -17,18 +19,14 @@ mod torn;
 mod vertices;
 mod writes;
 
-use std::time::Duration;
-
 use bevy::asset::AssetPlugin;
 use bevy::camera::visibility::VisibilityPlugin;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::mesh::{MeshPlugin, VertexAttributeValues};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
 
-/// Bevy's default fixed step, 1/64 s: exact in nanoseconds and in binary.
-const TIMESTEP: Duration = Duration::from_micros(15_625);
+use crate::common::*;
 
 /// All that shows a mesh but the renderer.
 fn app() -> App {
@@ -41,24 +39,6 @@ fn app_in(schedule: impl ScheduleLabel) -> App {
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin, MeshPlugin, VisibilityPlugin))
         .add_plugins(DrapePlugins::new(schedule));
     app
-}
-
-/// Makes the app ready; its first update is one of no time.
-fn start(app: &mut App) {
-    app.finish();
-    app.cleanup();
-    app.update();
-}
-
-/// One frame, as long as `steps` fixed steps.
-fn frame(app: &mut App, steps: f64) {
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(TIMESTEP.mul_f64(steps)));
-    app.update();
-}
-
-/// A sheet of 1 m x 1 m in 9 x 9 particles that falls and swings from its top left corner.
-fn swinging() -> Cloth {
-    Cloth::new(1.0, 1.0).with_particles(9, 9).with_pins(ClothPins::Indices(vec![0]))
 }
 
 fn particles(app: &App, cloth: Entity) -> Vec<Vec3> {
