@@ -4,6 +4,9 @@ use bevy::camera::visibility::VisibilitySystems;
 use bevy::core_pipeline::schedule::camera_driver;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
+use bevy::mesh::{
+    mark_2d_meshes_as_changed_if_their_assets_changed, mark_3d_meshes_as_changed_if_their_assets_changed,
+};
 use bevy::prelude::*;
 use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::renderer::RenderGraph;
@@ -18,6 +21,7 @@ use crate::gpu::pins::move_pins_on_gpu;
 use crate::gpu::renderer::{SlabWriters, allow_writing, forget_device, take_shown, write_slabs};
 use crate::gpu::shown::{ShownBodies, list_shown};
 use crate::gpu::step::{begin_frame, note_motion, step_on_gpu};
+use crate::render::write_surfaces::write_surfaces;
 use crate::schedule::{DrapeSchedule, DrapeSystems, ScenePhase};
 use crate::step::form_islands::form_islands;
 use crate::step::run::run_drape_schedule;
@@ -55,7 +59,13 @@ impl Plugin for GpuPlugin {
             .add_systems(self.schedule, note_motion.after(run_drape_schedule))
             .add_systems(
                 PostUpdate,
-                list_shown.after(TransformSystems::Propagate).after(VisibilitySystems::VisibilityPropagate),
+                list_shown
+                    .after(TransformSystems::Propagate)
+                    .after(VisibilitySystems::VisibilityPropagate)
+                    .after(write_surfaces)
+                    // They write ticks only.
+                    .ambiguous_with(mark_2d_meshes_as_changed_if_their_assets_changed)
+                    .ambiguous_with(mark_3d_meshes_as_changed_if_their_assets_changed),
             );
         watch_components(app);
     }
