@@ -41,6 +41,9 @@ pub enum GpuError {
     /// The particle is not pinned.
     #[error("particle {0} is not pinned")]
     NotPinned(u32),
+    /// A triangle, or a vertex, of a mesh names a vertex that there is not, or one without a particle.
+    #[error("a mesh names a vertex that it has not, or one without a particle")]
+    NoSuchVertex,
     /// A value is not finite.
     #[error("{0} is not finite")]
     NotFinite(&'static str),

@@ -1,7 +1,7 @@
 //! A device with compute shaders.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::error::GpuError;
 
@@ -148,7 +148,7 @@ impl Gpu {
             // Nobody listens any more if the request was dropped.
             let _ = sender.send(result);
         });
-        Ok(PendingBytes { staging, mapped })
+        Ok(PendingBytes { staging, mapped: Mutex::new(mapped) })
     }
 
     /// Reads a part of a buffer, once all that was submitted is done.
@@ -156,7 +156,7 @@ impl Gpu {
         let pending = self.request(buffer, first, bytes)?;
         self.wait()?;
         // Another thread that waits for the device may be about to send it.
-        pending.mapped.recv().map_err(GpuError::lost)?.map_err(GpuError::lost)?;
+        pending.receiver().recv().map_err(GpuError::lost)?.map_err(GpuError::lost)?;
         pending.bytes()
     }
 }
@@ -165,17 +165,23 @@ impl Gpu {
 #[derive(Debug)]
 pub(crate) struct PendingBytes {
     staging: wgpu::Buffer,
-    mapped: Receiver<Result<(), wgpu::BufferAsyncError>>,
+    /// In a mutex, so that a request can be kept where several threads see it.
+    mapped: Mutex<Receiver<Result<(), wgpu::BufferAsyncError>>>,
 }
 
 impl PendingBytes {
     /// The bytes, if they have come and were not taken yet.
     pub fn try_take(&self) -> Result<Option<Vec<u8>>, GpuError> {
-        match self.mapped.try_recv() {
+        let mapped = self.receiver().try_recv();
+        match mapped {
             Err(TryRecvError::Empty) => return Ok(None),
             mapped => mapped.map_err(GpuError::lost)?.map_err(GpuError::lost)?,
         }
         self.bytes().map(Some)
+    }
+
+    fn receiver(&self) -> MutexGuard<'_, Receiver<Result<(), wgpu::BufferAsyncError>>> {
+        self.mapped.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn bytes(&self) -> Result<Vec<u8>, GpuError> {

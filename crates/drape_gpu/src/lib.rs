@@ -65,7 +65,9 @@ pub use source::MAX_OBSTACLES;
 #[cfg(feature = "wgpu")]
 pub use surface_writer::{BodyVertices, SurfaceWriter};
 #[cfg(feature = "wgpu")]
-pub use world::{BodyStatus, GpuBodyId, GpuWorld, LastStep, PendingPositions};
+pub use world::{
+    BodyStatus, GpuBodyId, GpuWorld, LastStep, PendingPositions, PendingStatuses, WeldedId, WeldedVertices,
+};
 
 pub use drape_solver;
 #[cfg(feature = "wgpu")]

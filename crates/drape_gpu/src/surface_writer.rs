@@ -8,13 +8,15 @@ use crate::gpu::Gpu;
 use crate::growing_buffer::GrowingBuffer;
 use crate::kernels::ListKernel;
 use crate::source::LIST_WORKGROUP;
-use crate::world::{GpuBodyId, LastStep};
+use crate::world::{GpuBodyId, LastStep, WeldedId};
 
-/// The vertices of one body: one for each particle, in the order of the particles.
+/// The vertices of one body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyVertices {
     /// The body.
     pub body: GpuBodyId,
+    /// The particles of the vertices. None: one vertex for each particle, in the order of the particles.
+    pub welded: Option<WeldedId>,
     /// Turns directions of the world into those of the vertices; invertible.
     pub to_local: Mat3,
     /// The place in the world that is the origin of the vertices, in metres.
@@ -36,7 +38,7 @@ struct SurfaceData {
     axis_x: [f32; 3],
     first_particle: u32,
     axis_y: [f32; 3],
-    particle_count: u32,
+    vertex_count: u32,
     axis_z: [f32; 3],
     first_fan: u32,
     offset: [f32; 3],
@@ -45,7 +47,12 @@ struct SurfaceData {
     first_normal: u32,
     stride: u32,
     orientation: f32,
+    first_vertex: u32,
+    unused: [u32; 3],
 }
+
+/// In the place of the first vertex: each particle is a vertex.
+const NONE: u32 = u32::MAX;
 
 /// Writes the vertices of some bodies in one dispatch.
 ///
@@ -74,7 +81,7 @@ impl SurfaceWriter {
         }
     }
 
-    /// Sets the bodies to write. Those that took no part in `step` are left out.
+    /// Sets the bodies to write. Those that took no part in `step`, or lack particles of their vertices, are left out.
     ///
     /// # Errors
     /// [`GpuError::Limit`] if the device has no room.
@@ -82,22 +89,31 @@ impl SurfaceWriter {
         let (mut shares, mut surfaces) = (vec![[0; 2]], Vec::new());
         for vertices in bodies {
             let Some(place) = step.place_of(vertices.body) else { continue };
-            let firsts = (0..place.particle_count).step_by(LIST_WORKGROUP as usize);
+            if vertices.welded.is_some_and(|welded| place.particle_count < welded.particle_count) {
+                continue;
+            }
+            let vertex_count = vertices.welded.map_or(place.particle_count, |welded| welded.vertex_count);
+            let first_fan =
+                vertices.welded.map_or(place.first_fan, |welded| welded.first_pair + welded.vertex_count);
+            let firsts = (0..vertex_count).step_by(LIST_WORKGROUP as usize);
             shares.extend(firsts.map(|first| [surfaces.len() as u32, first]));
             let axes = vertices.to_local;
             surfaces.push(SurfaceData {
                 axis_x: axes.x_axis.to_array(),
                 first_particle: place.first_particle,
                 axis_y: axes.y_axis.to_array(),
-                particle_count: place.particle_count,
+                vertex_count,
                 axis_z: axes.z_axis.to_array(),
-                first_fan: place.first_fan,
+                first_fan,
                 offset: (place.origin - vertices.origin).to_array(),
                 fraction: vertices.fraction,
                 first_position: vertices.first_position,
                 first_normal: vertices.first_normal,
                 stride: vertices.stride,
-                orientation: axes.determinant().signum(),
+                // The triangles of a mesh look outwards in its own coordinates, those of a body in the world.
+                orientation: if vertices.welded.is_some() { 1.0 } else { axes.determinant().signum() },
+                first_vertex: vertices.welded.map_or(NONE, |welded| welded.first_pair),
+                unused: [0; 3],
             });
         }
         let count = shares.len() as u32 - 1;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
-use drape_gpu::{Gpu, GpuError, GpuWorld};
+use drape_gpu::{Gpu, GpuError, GpuWorld, PendingStatuses};
 
 /// The device that solves bodies with [`SolveOnGpu`](crate::gpu::SolveOnGpu): that of Bevy's renderer, unless you insert
 /// [another one](Self::on).
@@ -36,6 +36,8 @@ pub struct GpuBodies {
     gpu: Option<Gpu>,
     pub(super) world: Option<GpuWorld>,
     failure: Option<String>,
+    /// Boxes and speeds that the GPU has been asked for.
+    pub(super) report: Option<PendingStatuses>,
     /// True if there was a step in the last tick of the schedule that takes steps.
     pub(super) is_moving: bool,
     /// Obstacles that the log has named.
@@ -64,7 +66,7 @@ impl GpuBodies {
         if let Some(reason) = &failure {
             warn!("bodies with SolveOnGpu are solved on the processor: {reason}");
         }
-        (self.world, self.failure) = (None, failure);
+        (self.world, self.report, self.failure) = (None, None, failure);
         self.known_gaps.clear();
     }
 

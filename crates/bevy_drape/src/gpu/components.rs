@@ -1,7 +1,7 @@
 //! The components of bodies on the GPU.
 
 use bevy::prelude::*;
-use drape_gpu::GpuBodyId;
+use drape_gpu::{GpuBodyId, WeldedId};
 
 /// Solves and draws a [`Cloth`](crate::build::cloth::Cloth) or [`SoftBall`](crate::build::soft_ball::SoftBall) on the GPU: for cloth by the
 /// thousand, and for sheets of hundreds of thousands of particles. Remove it, and the processor waits for the GPU and goes on from where the body
@@ -23,6 +23,11 @@ use drape_gpu::GpuBodyId;
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct SolveOnGpu;
 
+impl SolveOnGpu {
+    /// Its name in [`Refusals`](crate::refusal::Refusals).
+    pub(super) const NAME: &str = "SolveOnGpu";
+}
+
 /// A body that is on the GPU. Written by the plugin.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(opaque)]
@@ -36,3 +41,8 @@ impl GpuBody {
         self.0
     }
 }
+
+/// The vertices of the mesh that shows a body on the GPU, if several may lie on one particle.
+#[derive(Component, Clone, Copy, Debug)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct GpuVertices(pub WeldedId);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::resource::IsResource;
 use bevy::prelude::*;
+use drape_gpu::{GpuBodyId, GpuError, GpuWorld, WeldedVertices};
 use drape_solver::Body;
 
 use crate::attach::animated_pose::AnimatedPose;
@@ -32,11 +33,14 @@ use crate::detail::level::LevelOfDetail;
 use crate::environment::obstacle::Obstacle;
 use crate::environment::obstacle_changes::ObstacleChanges;
 use crate::gpu::bodies::{GpuBodies, Renderer};
-use crate::gpu::components::{GpuBody, SolveOnGpu};
+use crate::gpu::components::{GpuBody, GpuVertices, SolveOnGpu};
 use crate::render::from_mesh::cloth_mesh::ClothMesh;
+use crate::render::from_mesh::driven_mesh::DrivenMesh;
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
 use crate::render::rope_mesh::RopeMesh;
+use crate::render::smoothing::SmoothingGroups;
 use crate::render::surface::Surface;
+use crate::render::vertex_map::VertexMap;
 use crate::render::visibility::HiddenByCulling;
 use crate::rig::components::Rig;
 
@@ -57,7 +61,7 @@ macro_rules! components_of_processor {
 }
 
 components_of_processor! {
-    AnimatedPose, Attachment, ClothMesh, ContactEvents, Grab, LevelOfDetail, ParticleFollowers, PlaneLock, Pressure, Rig, RopeMesh, SoftBodyMesh,
+    AnimatedPose, Attachment, ContactEvents, Grab, LevelOfDetail, ParticleFollowers, PlaneLock, Pressure, Rig, RopeMesh, SoftBodyMesh,
     Tearable, TeleportCloth, Winch, WorldMotion,
 }
 
@@ -69,6 +73,7 @@ pub(crate) fn move_to_gpu(
         (With<SolveOnGpu>, Or<(Changed<SolveOnGpu>, Changed<Sticks>)>, Without<IsResource>),
     >,
     obstacles: Query<Entity, With<Obstacle>>,
+    driven: Query<&DrivenMesh>,
     defaults: Defaults,
     renderer: Renderer,
     mut bodies: ResMut<GpuBodies>,
@@ -88,10 +93,15 @@ pub(crate) fn move_to_gpu(
             // The body was built anew.
             commands.entity(entity).remove::<OnGpu>();
         }
-        let is_known = components.contains::<Cloth>() || components.contains::<SoftBall>();
+        let is_known = components.contains::<Cloth>()
+            || components.contains::<ClothMesh>()
+            || components.contains::<SoftBall>();
         let reason = match component_of_processor(components) {
             Some(name) => format!("the GPU does not know its {name}"),
-            None if !is_known => "the GPU knows no bodies but Cloth and SoftBall".to_string(),
+            None if !is_known => "the GPU knows no bodies but Cloth, ClothMesh and SoftBall".to_string(),
+            None if driven.iter().any(|driven| driven.driver == entity) => {
+                "a DrivenMesh follows it".to_string()
+            }
             None => {
                 let settings = defaults.of_body(
                     components.get::<SolverSettings>(),
@@ -101,10 +111,11 @@ pub(crate) fn move_to_gpu(
                 let layers = DrapeLayers::of(components.get::<DrapeLayers>());
                 let body = Body::new(particles.0.clone(), Arc::clone(&sticks.0), settings);
                 let body = Body { layers, ..body };
-                match world.add(&body) {
-                    Ok(id) => {
+                let welded = components.get::<Surface>().and_then(Surface::welded);
+                match add(world, &body, welded) {
+                    Ok((id, vertices)) => {
                         let topology = Arc::clone(world.topology(id).unwrap_or(&sticks.0));
-                        commands.queue(take_parts(entity, GpuBody(id), Body { topology, ..body }));
+                        commands.queue(take_parts(entity, GpuBody(id), vertices, Body { topology, ..body }));
                         continue;
                     }
                     Err(error) => error.to_string(),
@@ -116,8 +127,23 @@ pub(crate) fn move_to_gpu(
     }
 }
 
+/// Adds a body, and the vertices of its mesh, if several may lie on one particle.
+fn add(
+    world: &mut GpuWorld,
+    body: &Body,
+    welded: Option<&VertexMap>,
+) -> Result<(GpuBodyId, Option<GpuVertices>), GpuError> {
+    let vertices = welded.map(|map| {
+        let SmoothingGroups { first, faces } = map.groups();
+        let vertices = WeldedVertices { particles: &map.particles, normals: first, faces };
+        world.add_vertices(&vertices).map(GpuVertices)
+    });
+    let vertices = vertices.transpose()?;
+    Ok((world.add(body)?, vertices))
+}
+
 /// Takes the parts of a body off its entity. If they are gone meanwhile, so is the body on the GPU.
-fn take_parts(entity: Entity, id: GpuBody, body: Body) -> impl Command {
+fn take_parts(entity: Entity, id: GpuBody, vertices: Option<GpuVertices>, body: Body) -> impl Command {
     move |world: &mut World| {
         let mut entity = world.get_entity_mut(entity).ok();
         let taken =
@@ -126,9 +152,10 @@ fn take_parts(entity: Entity, id: GpuBody, body: Body) -> impl Command {
             let Body { particles, topology, settings, layers, .. } = body;
             let anchor = state.anchor;
             let state = BodyState { settings, layers, ..state };
-            // The surface of the processor has its bounds.
-            entity.remove::<Surface>();
             entity.insert((OnGpu { particles, topology, state, anchor }, id));
+            if let Some(vertices) = vertices {
+                entity.insert(vertices);
+            }
             // Nothing culls it there.
             if let (Some(hidden), Some(mut visibility)) = (entity.take::<HiddenByCulling>(), entity.get_mut())
             {
@@ -154,6 +181,17 @@ fn bring_back_with<C: Component>(
 ) {
     if on_gpu.contains(added.entity) {
         bring_back_by(&mut commands, added.entity, true);
+    }
+}
+
+/// Brings the body back that a mesh is to follow.
+pub(crate) fn bring_back_driver(
+    inserted: On<Insert<DrivenMesh>>,
+    driven: Query<&DrivenMesh>,
+    mut commands: Commands,
+) {
+    if let Ok(driven) = driven.get(inserted.entity) {
+        bring_back_by(&mut commands, driven.driver, true);
     }
 }
 
@@ -186,8 +224,9 @@ fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
         // The entity may have moved in a step that failed.
         particles.set_pin_target(pin as usize, state.anchor.transform_point3(local));
     }
-    // It would be drawn between where it went to the GPU and where it is now.
-    entity.remove::<Surface>();
+    if let Some(mut surface) = entity.get_mut::<Surface>() {
+        surface.restart(&particles);
+    }
     entity.insert((Particles(particles), Sticks(topology), Activity::Active, state));
 }
 
@@ -203,6 +242,6 @@ pub(crate) fn remove_from_gpu(
         let _ = world.remove(body.0);
     }
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<GpuBody>();
+        entity.try_remove::<(GpuBody, GpuVertices)>();
     }
 }

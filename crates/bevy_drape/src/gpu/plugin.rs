@@ -15,8 +15,11 @@ use bevy::transform::TransformSystems;
 
 use crate::attach::world_motion::inherit_motion;
 use crate::gpu::bodies::GpuBodies;
+use crate::gpu::bounds::follow_bounds;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
-use crate::gpu::moves::{bring_back_released, move_to_gpu, remove_from_gpu, watch_components};
+use crate::gpu::moves::{
+    bring_back_driver, bring_back_released, move_to_gpu, remove_from_gpu, watch_components,
+};
 use crate::gpu::pins::move_pins_on_gpu;
 use crate::gpu::renderer::{SlabWriters, allow_writing, forget_device, take_shown, write_slabs};
 use crate::gpu::shown::{ShownBodies, list_shown};
@@ -46,6 +49,7 @@ impl Plugin for GpuPlugin {
             .init_resource::<ShownBodies>()
             .add_observer(bring_back_released)
             .add_observer(remove_from_gpu)
+            .add_observer(bring_back_driver)
             .add_systems(First, begin_frame)
             .add_systems(
                 DrapeSchedule,
@@ -59,13 +63,19 @@ impl Plugin for GpuPlugin {
             .add_systems(self.schedule, note_motion.after(run_drape_schedule))
             .add_systems(
                 PostUpdate,
-                list_shown
-                    .after(TransformSystems::Propagate)
-                    .after(VisibilitySystems::VisibilityPropagate)
-                    .after(write_surfaces)
-                    // They write ticks only.
-                    .ambiguous_with(mark_2d_meshes_as_changed_if_their_assets_changed)
-                    .ambiguous_with(mark_3d_meshes_as_changed_if_their_assets_changed),
+                (
+                    follow_bounds
+                        .after(write_surfaces)
+                        .after(TransformSystems::Propagate)
+                        .before(VisibilitySystems::CalculateBounds),
+                    list_shown
+                        .after(TransformSystems::Propagate)
+                        .after(VisibilitySystems::VisibilityPropagate)
+                        .after(write_surfaces)
+                        // They write ticks only.
+                        .ambiguous_with(mark_2d_meshes_as_changed_if_their_assets_changed)
+                        .ambiguous_with(mark_3d_meshes_as_changed_if_their_assets_changed),
+                ),
             );
         watch_components(app);
     }

@@ -66,9 +66,13 @@ pub(crate) fn write_slabs(
             continue;
         };
         let vertices = vertices_of(mesh, slice.range.start, body, shown.fraction);
-        let (Some(vertices), Some(count)) = (vertices, step.vertex_count(body.body)) else { continue };
+        let count =
+            body.welded.map_or_else(|| step.particle_count(body.body), |welded| Some(welded.vertex_count()));
+        let (Some(vertices), Some(count)) = (vertices, count) else { continue };
         if slice.range.len() != count as usize {
-            warn_once!("a mesh of a body on the GPU has not one vertex for each particle: it is not written");
+            warn_once!(
+                "a mesh of a body on the GPU has more or fewer vertices than the body: it is not written"
+            );
             continue;
         }
         match slabs.iter_mut().rfind(|slab| slab.buffer.id() == slice.buffer.id()) {
@@ -102,9 +106,10 @@ fn vertices_of(mesh: &RenderMesh, first: u32, body: &ShownBody, fraction: f32) -
         (attribute.format == VertexFormat::Float32x3).then_some((attribute.offset / WORD) as u32)
     };
     let stride = (layout.layout().array_stride / WORD) as u32;
-    let ShownBody { body, to_local, origin, .. } = *body;
+    let ShownBody { body, welded, to_local, origin, .. } = *body;
     Some(BodyVertices {
         body,
+        welded,
         to_local,
         origin,
         fraction,

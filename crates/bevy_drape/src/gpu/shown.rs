@@ -2,10 +2,10 @@
 
 use bevy::math::Mat3;
 use bevy::prelude::*;
-use drape_gpu::{Gpu, GpuBodyId, LastStep};
+use drape_gpu::{Gpu, GpuBodyId, LastStep, WeldedId};
 
 use crate::gpu::bodies::GpuBodies;
-use crate::gpu::components::GpuBody;
+use crate::gpu::components::{GpuBody, GpuVertices};
 use crate::render::any_mesh::{AnyMesh, handle_of};
 use crate::render::surface::{EntitySpace, Surface};
 use crate::render::write_surfaces::InterpolateSurfaces;
@@ -15,6 +15,8 @@ use crate::transform::interpolation::step_fraction;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShownBody {
     pub body: GpuBodyId,
+    /// The particles of its vertices; none if each particle is a vertex.
+    pub welded: Option<WeldedId>,
     pub mesh: AssetId<Mesh>,
     /// Turns directions of the world into those of the entity.
     pub to_local: Mat3,
@@ -34,7 +36,14 @@ pub(crate) struct ShownBodies {
 
 /// Lists the bodies that this frame shows, after all transforms have been propagated.
 pub(crate) fn list_shown(
-    on_gpu: Query<(&GpuBody, &Surface, AnyMesh, &GlobalTransform, Option<&InheritedVisibility>)>,
+    on_gpu: Query<(
+        &GpuBody,
+        Option<&GpuVertices>,
+        &Surface,
+        AnyMesh,
+        &GlobalTransform,
+        Option<&InheritedVisibility>,
+    )>,
     bodies: Res<GpuBodies>,
     interpolate: Res<InterpolateSurfaces>,
     time: Option<Res<Time<Fixed>>>,
@@ -48,7 +57,7 @@ pub(crate) fn list_shown(
     if step.is_none() {
         return;
     }
-    for (body, surface, mesh, transform, visibility) in &on_gpu {
+    for (body, vertices, surface, mesh, transform, visibility) in &on_gpu {
         let is_hidden = visibility.is_some_and(|visibility| !visibility.get());
         let Some(mesh) = handle_of(mesh).filter(|mesh| !is_hidden && mesh.id() == surface.mesh) else {
             continue;
@@ -56,6 +65,7 @@ pub(crate) fn list_shown(
         let Some(space) = EntitySpace::new(transform) else { continue };
         list.push(ShownBody {
             body: body.id(),
+            welded: vertices.map(|vertices| vertices.0),
             mesh: mesh.id(),
             to_local: space.to_local(),
             origin: transform.translation(),

@@ -3,11 +3,8 @@
 use std::sync::Arc;
 
 use bevy::asset::RenderAssetUsages;
-use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::NoAutoAabb;
-use bevy::math::Vec3A;
 use bevy::prelude::*;
-use drape_solver::constants::MAX_MAGNITUDE;
 
 use crate::body::on_gpu::OnGpu;
 use crate::body::particles::{Particles, Sticks};
@@ -15,9 +12,6 @@ use crate::detail::level::CurrentDetail;
 use crate::render::any_mesh::{AnyMesh, handle_of, insert_mesh};
 use crate::render::detail_mesh::{MeshesOfDetail, new_mesh};
 use crate::render::surface::{EntitySpace, Shown, Surface, can_be_written, complete};
-
-/// A box around everything.
-const EVERYWHERE: Aabb = Aabb { center: Vec3A::ZERO, half_extents: Vec3A::splat(MAX_MAGNITUDE) };
 
 /// Gives new and rebuilt cloths their surfaces, and meshes unless they have fitting ones.
 pub(crate) fn build_surfaces<D: Shown>(
@@ -96,8 +90,6 @@ pub(crate) fn build_surfaces<D: Shown>(
         asset.asset_usage = RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD;
         let mut surface = Surface::new(particles, topology, cloth.layout());
         let bounds = EntitySpace::new(transform).and_then(|space| surface.write(&mut asset, &space, 1.0));
-        // A body on the GPU is wherever the camera looks.
-        let bounds = if here.is_some() { bounds } else { Some(EVERYWHERE) };
         let handle = put_asset(&mut meshes, handle, asset);
         surface.mesh = handle.id();
         let mut entity = commands.entity(entity);

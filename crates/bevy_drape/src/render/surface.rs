@@ -158,6 +158,15 @@ impl Surface {
         }
     }
 
+    /// Shows the particles as they are now, after they went ways that were not recorded.
+    #[cfg(feature = "gpu")]
+    pub fn restart(&mut self, particles: &drape_solver::Particles) {
+        if self.current.read(particles) {
+            self.previous.clone_from(&self.current);
+        }
+        (self.is_settled, self.shown) = (true, None);
+    }
+
     /// Notes that the body did not move.
     pub fn settle(&mut self) {
         self.is_settled = true;
@@ -273,7 +282,7 @@ impl EntitySpace {
     }
 
     /// Returns the box in the entity's coordinates around a box between two world offsets.
-    fn bounds(&self, low: Vec3, high: Vec3) -> Aabb {
+    pub fn bounds(&self, low: Vec3, high: Vec3) -> Aabb {
         let (centre, half) = (Vec3A::from(low + high) * 0.5, Vec3A::from(high - low) * 0.5);
         let largest = centre.abs() + half;
         let (center, half_extents, largest) = match self.to_local {

@@ -1,6 +1,5 @@
 //! The vertices that the renderer draws are those of the last step on the GPU.
 
-use bevy::camera::primitives::Aabb;
 use bevy::log::LogPlugin;
 use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
@@ -143,20 +142,21 @@ fn a_hidden_body_is_drawn_as_it_is_when_it_is_shown_again() {
     assert_drawn(&app, cloth, &before);
 }
 
-/// Once the bounds of the processor stayed, and the body was culled by them.
 #[test]
-fn a_body_that_was_drawn_before_has_new_bounds() {
+fn the_renderer_has_the_vertices_of_a_mesh_on_its_particles() {
     let mut app = drawing_app();
-    let cloth = app.world_mut().spawn(swinging()).id();
-    let size = |app: &App| app.world().entity(cloth).get::<Aabb>().expect("bounds").half_extents.x;
-    run(&mut app, 3);
-    assert!(size(&app) < 1.0);
-    for _ in 0..2 {
-        app.world_mut().entity_mut(cloth).insert(SolveOnGpu);
-        run(&mut app, 2);
-        assert!(is_on_gpu(&app, cloth) && size(&app) > 1e5);
-        app.world_mut().entity_mut(cloth).remove::<SolveOnGpu>();
-        run(&mut app, 2);
-        assert!(!is_on_gpu(&app, cloth) && size(&app) < 1.0);
+    // Of a box, whose corners are three vertices each, with a normal of their own.
+    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(Cuboid::new(0.6, 0.4, 0.8));
+    let place = Transform::from_xyz(1.0, 2.0, -1.0).with_scale(Vec3::new(-1.0, 1.0, 2.0));
+    let parts = || (Mesh3d(mesh.clone()), ClothMesh::default().with_pins([0]), place);
+    let here = app.world_mut().spawn(parts()).id();
+    let there = spawn(&mut app, parts());
+    run(&mut app, 16);
+    assert!(is_on_gpu(&app, there) && !is_on_gpu(&app, here));
+    let [expected, written] = [here, there].map(|body| drawn(&app, body));
+    assert_eq!(written.len(), 24);
+    for (i, ([place, normal], [there, looks])) in expected.into_iter().zip(written).enumerate() {
+        assert!(place.distance(there) < 1e-3, "vertex {i} is at {there} instead of {place}");
+        assert!(normal.distance(looks) < 0.01, "the normal of {i} is {looks} instead of {normal}");
     }
 }

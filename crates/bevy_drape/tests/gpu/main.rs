@@ -1,5 +1,6 @@
 //! Bodies on the GPU, with a renderer and without one. Needs a graphics adapter: `.ci/gpu`.
 
+mod bounds;
 #[path = "../common/mod.rs"]
 mod common;
 mod drawn;

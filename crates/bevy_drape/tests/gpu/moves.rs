@@ -1,11 +1,13 @@
 //! Bodies go to the GPU and come back.
 
+use bevy::camera::primitives::Aabb;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::VertexAttributeValues;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_drape::attach::TeleportCloth;
 use bevy_drape::body::{Activity, Sticks};
 use bevy_drape::gpu::drape_gpu::MAX_OBSTACLES;
+use bevy_drape::render::DrivenMesh;
 
 use crate::*;
 
@@ -216,4 +218,59 @@ fn disabled_bodies_leave_the_gpu_with_their_entities() {
     app.world_mut().entity_mut(cloth).despawn();
     run(&mut app, 2);
     assert!(app.world().resource::<GpuBodies>().world().expect("a world").is_empty());
+}
+
+/// A cone, whose vertices at the rim are three for each particle.
+fn cone(app: &mut App) -> Handle<Mesh> {
+    let mesh = Cone::new(0.5, 1.0).mesh().resolution(12);
+    app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
+}
+
+#[test]
+fn cloth_from_a_mesh_goes_and_comes_back() {
+    let mut app = app();
+    let mesh = cone(&mut app);
+    let cloth = spawn(&mut app, (Mesh3d(mesh), ClothMesh::default().with_pins([0])));
+    run(&mut app, 2);
+    let start = positions(&app, cloth);
+    run(&mut app, 28);
+    // A cloth that moves while it is on the GPU was once built anew.
+    app.world_mut().entity_mut(cloth).insert(Transform::from_xyz(0.01, 0.0, 0.0));
+    run(&mut app, 1);
+    assert!(is_on_gpu(&app, cloth));
+    let there = positions(&app, cloth);
+    let way = start.iter().zip(&there).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!(way > 0.1, "it swings from its pin: {way} m");
+    app.world_mut().entity_mut(cloth).remove::<SolveOnGpu>();
+    assert_eq!(positions(&app, cloth), there);
+    frame(&mut app, 1.0);
+    frame(&mut app, 0.25);
+    let lowest = |places: &[Vec3]| places.iter().map(|place| place.y).fold(9.0, f32::min);
+    let apart = lowest(&shown(&app, cloth)) - lowest(&there);
+    assert!(apart.abs() < 0.1, "it is drawn {apart} m above where it is");
+    assert!(app.world().entity(cloth).get::<Aabb>().expect("bounds").half_extents.y > 0.3);
+
+    app.world_mut().entity_mut(cloth).insert(SolveOnGpu);
+    run(&mut app, 2);
+    let other = app.world_mut().resource_mut::<Assets<Mesh>>().add(Cone::new(0.5, 1.0).mesh().resolution(6));
+    app.world_mut().entity_mut(cloth).insert(Mesh3d(other));
+    run(&mut app, 3);
+    assert!(is_on_gpu(&app, cloth) && positions(&app, cloth).len() < there.len(), "it is built anew");
+    app.world_mut().entity_mut(cloth).remove::<ClothMesh>();
+    run(&mut app, 2);
+    assert!(!is_on_gpu(&app, cloth));
+    assert!(app.world().resource::<GpuBodies>().world().expect("a world").is_empty());
+}
+
+/// A mesh that follows a body would stand still.
+#[test]
+fn a_body_that_a_mesh_follows_stays_on_the_processor() {
+    let mut app = app();
+    let mesh = cone(&mut app);
+    let driver = spawn(&mut app, swinging());
+    run(&mut app, 2);
+    assert!(is_on_gpu(&app, driver));
+    app.world_mut().spawn((Mesh3d(mesh), DrivenMesh { driver }));
+    run(&mut app, 3);
+    assert!(!is_on_gpu(&app, driver));
 }

@@ -6,7 +6,7 @@ struct Surface {
     axis_x: vec3f,
     first_particle: u32,
     axis_y: vec3f,
-    particle_count: u32,
+    vertex_count: u32,
     axis_z: vec3f,
     first_fan: u32,
     // Added to a position before it is turned.
@@ -18,13 +18,15 @@ struct Surface {
     first_normal: u32,
     // Words from a vertex to the next.
     stride: u32,
-    // -1 if the matrix mirrors, else 1.
+    // -1 if the faces look inwards in the coordinates of the vertices, else 1.
     orientation: f32,
+    // Index of the pair with the particle of the first vertex. None: each particle is a vertex.
+    first_vertex: u32,
 }
 
 const NONE: u32 = 0xffffffffu;
 
-// First the number of the others; then the body of each workgroup, and the first of its particles that are written there.
+// First the number of the others; then the body of each workgroup, and the first of its vertices that are written there.
 @group(0) @binding(0) var<storage, read> shares: array<vec2u>;
 @group(0) @binding(1) var<storage, read> surfaces: array<Surface>;
 @group(0) @binding(2) var<storage, read> pairs: array<vec2u>;
@@ -48,10 +50,17 @@ fn write_surface(invocation: Invocation) {
     let share = shares[number + 1u];
     let surface = surfaces[share.x];
     let index = share.y + thread;
-    if index >= surface.particle_count {
+    if index >= surface.vertex_count {
         return;
     }
-    let here = place_of(surface, index);
+    var particle = index;
+    if surface.first_vertex != NONE {
+        particle = pairs[surface.first_vertex + index].x;
+        if particle == NONE {
+            return;
+        }
+    }
+    let here = place_of(surface, particle);
     var sum = vec3f(0.0);
     let fan = pairs[surface.first_fan + index];
     for (var i = fan.x; i < fan.y; i++) {

@@ -19,6 +19,9 @@ pub(crate) struct BodyPlace {
     pub first_particle: u32,
     pub particle_count: u32,
     pub first_fan: u32,
+    /// Its place in the table of bodies.
+    pub number: u32,
+    pub substeps: u32,
 }
 
 #[derive(Debug)]

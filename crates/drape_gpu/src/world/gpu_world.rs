@@ -21,6 +21,7 @@ use crate::timer::Timer;
 use crate::world::body_record::{BodyPlace, BodyRecord, GpuBodyId};
 use crate::world::dispatches::{Dispatch, Stage};
 use crate::world::read_back::REACTION;
+use crate::world::welded::WeldedId;
 
 /// Bytes of the position or displacement of a particle.
 pub(super) const PARTICLE: u64 = 16;
@@ -48,6 +49,8 @@ pub struct GpuWorld {
     pub(super) buffers: Buffers,
     /// Topologies with their pairs of words in the buffer, each with the index of its first pair.
     pub(super) models: Vec<(Arc<Topology>, Model, u32)>,
+    /// Vertices of meshes, as pairs of words in the buffer.
+    pub(super) welded: Vec<(Box<[[u32; 2]]>, WeldedId)>,
     /// Of shapes without a formula.
     pub(super) fields: DistanceFields,
     /// By the numbers of their ids.
@@ -89,6 +92,7 @@ impl GpuWorld {
             pin_kernel: ListKernel::of_pins(gpu),
             buffers: Buffers::new(gpu),
             models: Vec::new(),
+            welded: Vec::new(),
             fields: DistanceFields::default(),
             bodies: BTreeMap::new(),
             next_id: 0,
@@ -224,11 +228,13 @@ impl GpuWorld {
     pub(crate) fn place_of(&self, id: GpuBodyId) -> Result<Option<BodyPlace>, GpuError> {
         let record = self.record(id)?;
         let (_, model, first_pair) = &self.models[record.model];
-        Ok(record.number.map(|_| BodyPlace {
+        Ok(record.number.map(|number| BodyPlace {
             origin: record.origin,
             first_particle: record.first_particle,
             particle_count: model.particle_count,
             first_fan: first_pair + model.first_fan,
+            number,
+            substeps: record.settings.substeps,
         }))
     }
 

@@ -18,8 +18,8 @@ pub struct LastStep {
 }
 
 impl LastStep {
-    /// The number of vertices of a body: one for each particle. None if the body has not taken part in the step.
-    pub fn vertex_count(&self, id: GpuBodyId) -> Option<u32> {
+    /// The number of particles of a body. None if the body has not taken part in the step.
+    pub fn particle_count(&self, id: GpuBodyId) -> Option<u32> {
         self.place_of(id).map(|place| place.particle_count)
     }
 

@@ -1,16 +1,20 @@
 //! Bodies on the GPU, stepped together.
 //!
 //! [`GpuWorld`] is in `gpu_world.rs`, with the step; `tables.rs` writes what the shaders read of bodies, `dispatches.rs` lists the dispatches of large ones,
-//! `read_back.rs` reads results, and `last_step.rs` is what a renderer is given. Imports buffers, kernels and models; called by whoever has bodies for the GPU, and by `surface_writer`.
+//! `read_back.rs` and `statuses.rs` read results, `last_step.rs` is what a renderer is given, and `welded.rs` what it knows of meshes. Imports buffers, kernels and models; called by whoever has bodies for the GPU, and by `surface_writer`.
 
 mod body_record;
 mod dispatches;
 mod gpu_world;
 mod last_step;
 mod read_back;
+mod statuses;
 mod tables;
+mod welded;
 
 pub use body_record::GpuBodyId;
 pub use gpu_world::GpuWorld;
 pub use last_step::LastStep;
-pub use read_back::{BodyStatus, PendingPositions};
+pub use read_back::PendingPositions;
+pub use statuses::{BodyStatus, PendingStatuses};
+pub use welded::{WeldedId, WeldedVertices};

@@ -7,24 +7,9 @@ use drape_solver::glam::Vec3;
 
 use crate::error::GpuError;
 use crate::gpu::{Gpu, PendingBytes};
-use crate::layout::StatusData;
 use crate::source::IMPULSE_UNITS;
 use crate::world::body_record::GpuBodyId;
 use crate::world::gpu_world::{GpuWorld, PARTICLE};
-
-/// Box, speed and fault of a body in a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyStatus {
-    /// Least corner of the box around the particles (world, metres).
-    pub low: Vec3,
-    /// Greatest corner.
-    pub high: Vec3,
-    /// Speed of the fastest particle in m/s.
-    pub greatest_speed: f32,
-    /// True if a particle would have been farther away than [`MAX_MAGNITUDE`](drape_solver::constants::MAX_MAGNITUDE), or nowhere. A small body
-    /// then rests where it was before the step; of a large one, such particles rest where they were before sticks moved them.
-    pub has_fault: bool,
-}
 
 /// Bytes of the sums of an obstacle's reactions: six numbers of 64 bits.
 pub(super) const REACTION: u64 = 48;
@@ -43,26 +28,6 @@ impl GpuWorld {
         let first = u64::from(record.first_particle) * PARTICLE;
         let bytes = self.gpu.read(self.buffers.positions[0].get(), first, u64::from(count) * PARTICLE)?;
         Ok(places(&bytes, record.origin))
-    }
-
-    /// Box, speed and fault of a body in the last step that was started. None if it has not been stepped. Waits for the step.
-    ///
-    /// # Errors
-    /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
-    pub fn read_status(&self, id: GpuBodyId) -> Result<Option<BodyStatus>, GpuError> {
-        let record = self.record(id)?;
-        let Some(number) = record.number else { return Ok(None) };
-        let size = size_of::<StatusData>() as u64;
-        let bytes = self.gpu.read(self.buffers.statuses.get(), u64::from(number) * size, size)?;
-        let status: StatusData = bytemuck::pod_read_unaligned(&bytes);
-        let corner = |keys: [u32; 3]| record.origin + Vec3::from(keys.map(StatusData::coordinate));
-        let substep = self.dt / record.settings.substeps as f32;
-        Ok(Some(BodyStatus {
-            low: corner(status.low),
-            high: corner(status.high),
-            greatest_speed: f32::from_bits(status.fastest).sqrt() / substep,
-            has_fault: status.is_broken != 0,
-        }))
     }
 
     /// The opposite of all impulses that each obstacle which [asks for them](drape_solver::Obstacle::reporting_reaction) has given to bodies in

@@ -107,3 +107,34 @@ fn positions_that_were_asked_for_come_later() {
     gpu.wait().expect("a device");
     assert_eq!(pending.try_take().expect("a device").ok(), Some(now));
 }
+
+/// Boxes and speeds of all bodies come later, and are those of the step after which they were asked for.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn statuses_that_were_asked_for_come_later() {
+    let gpu = Gpu::open().expect("an adapter");
+    let mut world = GpuWorld::new(&gpu);
+    assert!(world.request_statuses().is_err(), "there is no body");
+    // A large one comes first, but lies behind the small ones in the tables.
+    let ids = [40, 8, 20].map(|n| {
+        let body = level(n, Vec3::new(n as f32, 5.0, 0.0), BodySettings::default());
+        world.add(&body).expect("a body")
+    });
+    assert!(world.request_statuses().is_err(), "it has not been stepped");
+    run(&mut world, &gravity(), 12);
+    let now = ids.map(|id| world.read_status(id).expect("a body").expect("stepped"));
+    let places = ids.map(|id| positions(&world, id));
+    let pending = world.request_statuses().expect("stepped");
+    world.remove(ids[1]).expect("a body");
+    run(&mut world, &gravity(), 3);
+    gpu.wait().expect("a device");
+    let statuses = pending.try_take().expect("a device").expect("it has come");
+    assert_eq!(statuses, ids.into_iter().zip(now).collect::<Vec<_>>());
+    for ((_, status), places) in statuses.iter().zip(places) {
+        let low = places.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+        let high = places.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+        assert!(status.low.distance(low) < 1e-4 && status.high.distance(high) < 1e-4);
+        // After 0.2 s of free fall, in air.
+        assert!((status.greatest_speed - 1.7).abs() < 0.3, "{} m/s", status.greatest_speed);
+    }
+}

@@ -11,6 +11,7 @@ use drape_solver::{MeshError, Topology};
 use crate::attach::animated_pose::AnimatedPose;
 use crate::body::body_state::{BodyState, CreationOrder};
 use crate::body::fabric::Fabric;
+use crate::body::on_gpu::OnGpu;
 use crate::body::particles::Particles;
 use crate::build::description::{ChangedFabrics, insert_body, remove_body};
 use crate::change_detection::collect_changed;
@@ -84,7 +85,7 @@ type DescribedMeshes<'w, 's, D> = Query<
 pub(crate) fn build_mesh_bodies<D: MeshDescription>(
     mut commands: Commands,
     mut changed: ChangedMeshes<D>,
-    not_built: Query<(Entity, Ref<GlobalTransform>), (With<D>, Without<Particles>)>,
+    not_built: Query<(Entity, Ref<GlobalTransform>), (With<D>, Without<Particles>, Without<OnGpu>)>,
     skins: Query<(Entity, Ref<SkinnedMesh>), With<D>>,
     fabrics: ChangedFabrics<D>,
     described: DescribedMeshes<D>,

@@ -1,0 +1,95 @@
+//! Vertices of meshes that lie on particles.
+
+use crate::error::GpuError;
+use crate::world::gpu_world::GpuWorld;
+
+/// The vertices of a mesh whose triangles are a body's faces. Several may lie on one particle, as along a seam of texture coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct WeldedVertices<'a> {
+    /// The particle of each vertex. A vertex without one is never written.
+    pub particles: &'a [Option<u32>],
+    /// For each vertex the one whose normal it has: itself, or another one in the same place.
+    pub normals: &'a [u32],
+    /// Triangles of vertices. Each adds its normal, counter-clockwise seen from the front, to those of its corners.
+    pub faces: &'a [[u32; 3]],
+}
+
+/// The name of [`WeldedVertices`] in the [`GpuWorld`] that knows them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WeldedId {
+    /// Of the world's pairs of words: the particle of each vertex, the range of its fan, and all fans.
+    pub(crate) first_pair: u32,
+    pub(crate) vertex_count: u32,
+    /// Particles that a body must have.
+    pub(crate) particle_count: u32,
+}
+
+impl WeldedId {
+    /// The number of vertices.
+    pub fn vertex_count(self) -> u32 {
+        self.vertex_count
+    }
+}
+
+/// In the place of a particle: there is none.
+const NONE: u32 = u32::MAX;
+
+impl WeldedVertices<'_> {
+    /// The pairs that the shader reads: `[particle, unused]` of each vertex; then, as around particles, the range of each vertex's fan, counted from
+    /// the first range, and in it the particles of the two other corners of each triangle.
+    fn pairs(&self) -> Result<Vec<[u32; 2]>, GpuError> {
+        let Self { particles, normals, faces } = *self;
+        let count = particles.len();
+        let is_vertex = |&vertex: &u32| (vertex as usize) < count;
+        let has_particle = |vertex: &u32| is_vertex(vertex) && particles[*vertex as usize].is_some();
+        let are_known = normals.len() == count
+            && normals.iter().all(is_vertex)
+            && faces.as_flattened().iter().all(has_particle);
+        if !are_known {
+            return Err(GpuError::NoSuchVertex);
+        }
+        let mut fans: Vec<Vec<[u32; 2]>> = vec![Vec::new(); count];
+        let particle = |vertex: u32| particles[vertex as usize].unwrap_or(NONE);
+        for &[a, b, c] in faces {
+            for [first, second, third] in [[a, b, c], [b, c, a], [c, a, b]] {
+                fans[first as usize].push([particle(second), particle(third)]);
+            }
+        }
+        let mut next = count as u32;
+        let ranges: Vec<[u32; 2]> = fans
+            .iter()
+            .map(|fan| {
+                let first = next;
+                next += fan.len() as u32;
+                [first, next]
+            })
+            .collect();
+        let mut pairs: Vec<[u32; 2]> =
+            particles.iter().map(|particle| [particle.unwrap_or(NONE), 0]).collect();
+        pairs.extend(normals.iter().map(|&vertex| ranges[vertex as usize]));
+        pairs.extend(fans.iter().flatten());
+        Ok(pairs)
+    }
+}
+
+impl GpuWorld {
+    /// Tells the GPU how the vertices of a mesh lie on the particles of bodies, for [`BodyVertices`](crate::BodyVertices). Equal ones share their memory,
+    /// which is kept as long as the world.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSuchVertex`]; [`GpuError::Limit`] if the device has no room.
+    pub fn add_vertices(&mut self, vertices: &WeldedVertices) -> Result<WeldedId, GpuError> {
+        let pairs = vertices.pairs()?;
+        if let Some((_, id)) = self.welded.iter().find(|(known, _)| **known == *pairs) {
+            return Ok(*id);
+        }
+        let most = vertices.particles.iter().flatten().max();
+        let id = WeldedId {
+            first_pair: self.buffers.push_pairs(&self.gpu, &pairs)?,
+            vertex_count: vertices.particles.len() as u32,
+            particle_count: most.map_or(0, |&most| most + 1),
+        };
+        self.welded.push((pairs.into(), id));
+        Ok(id)
+    }
+}
