@@ -154,6 +154,8 @@ fn the_renderer_has_the_vertices_of_a_mesh_on_its_particles() {
     run(&mut app, 16);
     assert!(is_on_gpu(&app, there) && !is_on_gpu(&app, here));
     let [expected, written] = [here, there].map(|body| drawn(&app, body));
+    let lowest = written.iter().map(|[place, _]| place.y).fold(9.0, f32::min);
+    assert!(lowest < -0.3, "it swings: its lowest vertex is at {lowest}");
     assert_eq!(written.len(), 24);
     for (i, ([place, normal], [there, looks])) in expected.into_iter().zip(written).enumerate() {
         assert!(place.distance(there) < 1e-3, "vertex {i} is at {there} instead of {place}");
