@@ -27,7 +27,7 @@ fn cloth_comes_to_rest_on_every_shape_of_dynamic_bodies() {
         let at = Transform::from_xyz(0.0, 1.0, 0.0);
         let body = app.world_mut().spawn((DYNAMIC, collider, mass(20.0, 1.0), at, drifting())).id();
         let sheet = sheet(&mut app, 1.1 + top);
-        run(&mut app, 4.0);
+        run(&mut app, 2.0);
         let height = place(&app, body).y;
         let highest = greatest(&app, sheet);
         assert!((highest - height - top).abs() < 0.03, "{name}: it lies at {highest} on a body at {height}");

@@ -24,7 +24,7 @@ fn assert_cloth_rests_on_every_shape(body: impl Bundle + Copy + core::fmt::Debug
         // Whatever slips off is caught.
         ground(&mut app);
         let sheet = sheet(&mut app, 1.1 + top);
-        run(&mut app, 4.0);
+        run(&mut app, 2.0);
         let highest = greatest(&app, sheet);
         assert!((highest - 1.0 - top).abs() < 0.03, "{name}, {body:?}: it lies at {highest}");
         assert!(least(&app, sheet) > -1e-3, "{name}, {body:?}: it is below the ground");

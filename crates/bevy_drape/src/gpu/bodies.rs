@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
-use drape_gpu::{Gpu, GpuError, GpuWorld, PendingStatuses};
+use drape_gpu::{Gpu, GpuError, GpuWorld};
+
+use crate::gpu::report::PendingReport;
 
 /// The device that solves bodies with [`SolveOnGpu`](crate::gpu::SolveOnGpu): that of Bevy's renderer, unless you insert
 /// [another one](Self::on).
@@ -36,8 +38,8 @@ pub struct GpuBodies {
     gpu: Option<Gpu>,
     pub(super) world: Option<GpuWorld>,
     failure: Option<String>,
-    /// Boxes and speeds that the GPU has been asked for.
-    pub(super) report: Option<PendingStatuses>,
+    /// Places and speeds that the GPU has been asked for.
+    pub(super) report: Option<PendingReport>,
     /// True if there was a step in the last tick of the schedule that takes steps.
     pub(super) is_moving: bool,
     /// Obstacles that the log has named.

@@ -24,12 +24,13 @@
 //! Imports the body's components, the environment, the step's systems and `render`; nothing but the plugin group imports this.
 
 mod bodies;
-mod bounds;
 mod components;
 mod moves;
 mod pins;
 mod plugin;
 mod renderer;
+mod report;
+mod rest;
 mod shown;
 mod step;
 

@@ -34,6 +34,7 @@ use crate::environment::obstacle::Obstacle;
 use crate::environment::obstacle_changes::ObstacleChanges;
 use crate::gpu::bodies::{GpuBodies, Renderer};
 use crate::gpu::components::{GpuBody, GpuVertices, SolveOnGpu};
+use crate::gpu::report::LastReport;
 use crate::render::from_mesh::cloth_mesh::ClothMesh;
 use crate::render::from_mesh::driven_mesh::DrivenMesh;
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
@@ -41,7 +42,6 @@ use crate::render::rope_mesh::RopeMesh;
 use crate::render::smoothing::SmoothingGroups;
 use crate::render::surface::Surface;
 use crate::render::vertex_map::VertexMap;
-use crate::render::visibility::HiddenByCulling;
 use crate::rig::components::Rig;
 
 /// Components that only the processor knows.
@@ -146,20 +146,19 @@ fn add(
 fn take_parts(entity: Entity, id: GpuBody, vertices: Option<GpuVertices>, body: Body) -> impl Command {
     move |world: &mut World| {
         let mut entity = world.get_entity_mut(entity).ok();
-        let taken =
-            entity.as_mut().and_then(EntityWorldMut::take::<(Particles, Sticks, Activity, BodyState)>);
+        let taken = entity.as_mut().and_then(EntityWorldMut::take::<(Particles, Sticks, BodyState)>);
         if let (Some(entity), Some((.., state))) = (&mut entity, taken) {
             let Body { particles, topology, settings, layers, .. } = body;
             let anchor = state.anchor;
             let state = BodyState { settings, layers, ..state };
-            entity.insert((OnGpu { particles, topology, state, anchor }, id));
+            entity.insert((
+                OnGpu { particles, topology, state, anchor },
+                id,
+                LastReport::default(),
+                Activity::Active,
+            ));
             if let Some(vertices) = vertices {
                 entity.insert(vertices);
-            }
-            // Nothing culls it there.
-            if let (Some(hidden), Some(mut visibility)) = (entity.take::<HiddenByCulling>(), entity.get_mut())
-            {
-                hidden.show(&mut visibility);
             }
         } else if let Some(bodies) = world.resource_mut::<GpuBodies>().world.as_mut() {
             // It has just been added.
@@ -242,6 +241,6 @@ pub(crate) fn remove_from_gpu(
         let _ = world.remove(body.0);
     }
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<(GpuBody, GpuVertices)>();
+        entity.try_remove::<(GpuBody, GpuVertices, LastReport)>();
     }
 }

@@ -5,6 +5,7 @@ use drape_gpu::{GpuError, GpuWorld};
 use drape_solver::constants::TELEPORT_SPEED;
 
 use crate::attach::pins::is_jump;
+use crate::body::activity::Activity;
 use crate::body::on_gpu::OnGpu;
 use crate::clock::DrapeClock;
 use crate::gpu::bodies::GpuBodies;
@@ -14,14 +15,17 @@ use crate::refusal::Refusals;
 /// Moves pins with their entity; they pull the cloth along. After a jump faster than [`TELEPORT_SPEED`] the body begins again at the new place,
 /// in the shape that it went to the GPU in.
 pub(crate) fn move_pins_on_gpu(
-    mut moved: Query<(Entity, &GlobalTransform, &mut GpuBody, &mut OnGpu), Changed<GlobalTransform>>,
+    mut moved: Query<
+        (Entity, &GlobalTransform, &mut GpuBody, &mut OnGpu, &mut Activity),
+        Changed<GlobalTransform>,
+    >,
     clock: Res<DrapeClock>,
     mut bodies: ResMut<GpuBodies>,
     mut refusals: ResMut<Refusals>,
 ) {
     let longest_pull = TELEPORT_SPEED * clock.delta();
     let Some(world) = bodies.world.as_mut() else { return };
-    for (entity, transform, mut body, mut parts) in &mut moved {
+    for (entity, transform, mut body, mut parts, mut activity) in &mut moved {
         let anchor = transform.affine();
         if anchor == parts.state.anchor || parts.state.pins.is_empty() {
             continue;
@@ -30,6 +34,7 @@ pub(crate) fn move_pins_on_gpu(
             refusals.entity(entity, "the new Transform", "it must be finite; the pins stay where they were");
             continue;
         }
+        activity.set_if_neq(Activity::Active);
         let from = core::mem::replace(&mut parts.state.anchor, anchor);
         let told = if is_jump(parts.state.pins.iter(), [&from, &anchor], longest_pull) {
             begin_again(world, &mut body, &mut parts)

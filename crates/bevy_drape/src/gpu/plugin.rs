@@ -15,13 +15,14 @@ use bevy::transform::TransformSystems;
 
 use crate::attach::world_motion::inherit_motion;
 use crate::gpu::bodies::GpuBodies;
-use crate::gpu::bounds::follow_bounds;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::gpu::moves::{
     bring_back_driver, bring_back_released, move_to_gpu, remove_from_gpu, watch_components,
 };
 use crate::gpu::pins::move_pins_on_gpu;
 use crate::gpu::renderer::{SlabWriters, allow_writing, forget_device, take_shown, write_slabs};
+use crate::gpu::report::take_report;
+use crate::gpu::rest::wake_on_gpu;
 use crate::gpu::shown::{ShownBodies, list_shown};
 use crate::gpu::step::{begin_frame, note_motion, step_on_gpu};
 use crate::render::write_surfaces::write_surfaces;
@@ -57,14 +58,14 @@ impl Plugin for GpuPlugin {
                     // Before obstacles are read: those that were out of reach may be met by these bodies.
                     move_to_gpu.in_set(ScenePhase::InheritMotion).after(inherit_motion),
                     move_pins_on_gpu.in_set(ScenePhase::MovePins),
-                    step_on_gpu.in_set(DrapeSystems::FormIslands).before(form_islands),
+                    (wake_on_gpu, step_on_gpu).chain().in_set(DrapeSystems::FormIslands).before(form_islands),
                 ),
             )
             .add_systems(self.schedule, note_motion.after(run_drape_schedule))
             .add_systems(
                 PostUpdate,
                 (
-                    follow_bounds
+                    take_report
                         .after(write_surfaces)
                         .after(TransformSystems::Propagate)
                         .before(VisibilitySystems::CalculateBounds),

@@ -2,7 +2,7 @@
 
 use bevy::math::Mat3;
 use bevy::prelude::*;
-use drape_gpu::{Gpu, GpuBodyId, LastStep, WeldedId};
+use drape_gpu::{Gpu, GpuBodyId, GpuWorld, LastStep, WeldedId};
 
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, GpuVertices};
@@ -52,7 +52,8 @@ pub(crate) fn list_shown(
     let ShownBodies { bodies: list, step, fraction } = &mut *shown;
     list.clear();
     *step = bodies.world().and_then(|world| Some((world.gpu().clone(), world.last_step().ok()?)));
-    let is_between = interpolate.0 && bodies.is_moving;
+    let is_resting = bodies.world().is_none_or(GpuWorld::is_resting);
+    let is_between = interpolate.0 && bodies.is_moving && !is_resting;
     *fraction = if is_between { step_fraction(time.as_deref()) } else { 1.0 };
     if step.is_none() {
         return;

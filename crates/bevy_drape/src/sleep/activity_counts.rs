@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use crate::ball::projectile::ProjectileState;
 use crate::body::activity::Activity;
+use crate::body::on_gpu::OnGpu;
 use crate::body::particles::Particles;
 
 /// Number of bodies, balls included, in each state of [`Activity`] after the last step.
@@ -22,7 +23,7 @@ pub struct ActivityCounts {
 
 /// Counts the bodies and balls that have been built.
 pub(crate) fn count_activity(
-    bodies: Query<&Activity, Or<(With<Particles>, With<ProjectileState>)>>,
+    bodies: Query<&Activity, Or<(With<Particles>, With<OnGpu>, With<ProjectileState>)>>,
     mut counts: ResMut<ActivityCounts>,
 ) {
     let mut new = ActivityCounts::default();

@@ -29,7 +29,7 @@ use crate::sleep::candidates::Candidates;
 
 /// The entity of a body or ball, as the key of what rests.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct EntityKey(Entity);
+pub(crate) struct EntityKey(pub Entity);
 
 impl Key for EntityKey {
     fn index(self) -> usize {

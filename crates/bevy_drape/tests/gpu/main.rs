@@ -5,6 +5,7 @@ mod bounds;
 mod common;
 mod drawn;
 mod moves;
+mod rest;
 mod stepped;
 
 use std::sync::OnceLock;

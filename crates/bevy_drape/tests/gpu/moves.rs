@@ -5,7 +5,7 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::VertexAttributeValues;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_drape::attach::TeleportCloth;
-use bevy_drape::body::{Activity, Sticks};
+use bevy_drape::body::Sticks;
 use bevy_drape::gpu::drape_gpu::MAX_OBSTACLES;
 use bevy_drape::render::DrivenMesh;
 
@@ -28,9 +28,7 @@ fn a_body_on_the_gpu_leaves_nothing_behind_that_is_out_of_date() {
     run(&mut app, 2);
     let entity = app.world().entity(cloth);
     assert!(entity.contains::<GpuBody>());
-    assert!(
-        !entity.contains::<Particles>() && !entity.contains::<Sticks>() && !entity.contains::<Activity>()
-    );
+    assert!(!entity.contains::<Particles>() && !entity.contains::<Sticks>());
 }
 
 #[test]

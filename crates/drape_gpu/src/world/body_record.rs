@@ -19,8 +19,8 @@ pub(crate) struct BodyPlace {
     pub first_particle: u32,
     pub particle_count: u32,
     pub first_fan: u32,
-    /// Its place in the table of bodies.
-    pub number: u32,
+    /// Its place in the table of bodies; none while it rests.
+    pub number: Option<u32>,
     pub substeps: u32,
 }
 
@@ -31,8 +31,12 @@ pub(super) struct BodyRecord {
     pub layers: Layers,
     pub origin: Vec3,
     pub first_particle: u32,
-    /// Its place in the table of bodies, once it is there.
+    /// Its place in the table of bodies; none before its first step, and while it rests.
     pub number: Option<u32>,
+    /// True once its particles are on the GPU.
+    pub has_arrived: bool,
+    /// True if steps leave it alone.
+    pub is_resting: bool,
     /// 1 over the mass of all particles in 1/kg; 0 if some are pinned.
     pub inverse_mass: f32,
     /// Particles that are pinned, in ascending order.
@@ -51,6 +55,8 @@ impl BodyRecord {
             origin: particles.origin(),
             first_particle,
             number: None,
+            has_arrived: false,
+            is_resting: false,
             inverse_mass: (1.0 / masses.sum::<f64>()) as f32,
             pins: (0..particles.len() as u32).filter(|&i| particles.is_pinned(i as usize)).collect(),
         }

@@ -204,7 +204,24 @@ impl GpuWorld {
             return Err(GpuError::NotPinned(particle));
         }
         self.targets.insert((id, particle), target);
+        self.set_resting(id, false)
+    }
+
+    /// Has steps leave a body alone, or take it along again: from the place and with the speed that it had. A target for a pin wakes it too. A body that
+    /// rests takes no time on the GPU, but a change writes the tables of all bodies anew.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSuchBody`].
+    pub fn set_resting(&mut self, id: GpuBodyId, is_resting: bool) -> Result<(), GpuError> {
+        let record = self.bodies.get_mut(&id.0).ok_or(GpuError::NoSuchBody)?;
+        self.is_stale |= record.is_resting != is_resting;
+        record.is_resting = is_resting;
         Ok(())
+    }
+
+    /// True if steps move nothing, because there are no bodies, or all of them rest.
+    pub fn is_resting(&self) -> bool {
+        self.bodies.values().all(|record| record.is_resting)
     }
 
     /// From the next step on, keeps the positions before and after each step, for a [`SurfaceWriter`](crate::SurfaceWriter): 64 bytes a
@@ -228,12 +245,12 @@ impl GpuWorld {
     pub(crate) fn place_of(&self, id: GpuBodyId) -> Result<Option<BodyPlace>, GpuError> {
         let record = self.record(id)?;
         let (_, model, first_pair) = &self.models[record.model];
-        Ok(record.number.map(|number| BodyPlace {
+        Ok(record.has_arrived.then(|| BodyPlace {
             origin: record.origin,
             first_particle: record.first_particle,
             particle_count: model.particle_count,
             first_fan: first_pair + model.first_fan,
-            number,
+            number: record.number,
             substeps: record.settings.substeps,
         }))
     }
@@ -283,6 +300,10 @@ impl GpuWorld {
         self.is_stale = false;
         self.dt = dt;
         (self.obstacles, self.obstacle_indices, self.left_out) = (obstacles, indices, left_out);
+        let moves_nothing = self.dispatches.is_empty() && self.class_counts.iter().all(|&count| count == 0);
+        if moves_nothing && self.arriving.is_empty() {
+            return Ok(());
+        }
         self.write_arriving(step.rescale);
         self.gpu.queue.write_buffer(&self.buffers.step, 0, bytemuck::bytes_of(&step));
         self.submit();

@@ -41,26 +41,27 @@ impl BodyStatus {
 }
 
 impl GpuWorld {
-    /// Box, speed and fault of a body in the last step that was started. None if it has not been stepped. Waits for the step.
+    /// Box, speed and fault of a body in the last step that was started. None if it has not been stepped, or rests. Waits for the step.
     ///
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
     pub fn read_status(&self, id: GpuBodyId) -> Result<Option<BodyStatus>, GpuError> {
         let Some(place) = self.place_of(id)? else { return Ok(None) };
-        let bytes = self.gpu.read(self.buffers.statuses.get(), u64::from(place.number) * STATUS, STATUS)?;
+        let Some(number) = place.number else { return Ok(None) };
+        let bytes = self.gpu.read(self.buffers.statuses.get(), u64::from(number) * STATUS, STATUS)?;
         Ok(Some(BodyStatus::new(&bytemuck::pod_read_unaligned(&bytes), &place, self.dt)))
     }
 
-    /// Asks for box, speed and fault of all bodies in the last step that was started, and does not wait: a game looks for them in a later frame. On a
+    /// Asks for box, speed and fault of all bodies that do not rest in the last step that was started, and does not wait: a game looks for them in a later frame. On a
     /// shared device they come when its owner polls it, or submits something.
     ///
     /// # Errors
-    /// [`GpuError::NotStepped`]; [`GpuError::Lost`].
+    /// [`GpuError::NotStepped`] if there is none; [`GpuError::Lost`].
     pub fn request_statuses(&self) -> Result<PendingStatuses, GpuError> {
-        if self.places.is_empty() {
+        let count = self.places.iter().filter(|(_, place)| place.number.is_some()).count() as u64;
+        if count == 0 {
             return Err(GpuError::NotStepped);
         }
-        let count = self.places.len() as u64;
         let bytes = self.gpu.request(self.buffers.statuses.get(), 0, count * STATUS)?;
         Ok(PendingStatuses { gpu: self.gpu.clone(), bytes, places: Arc::clone(&self.places), dt: self.dt })
     }
@@ -86,8 +87,8 @@ impl PendingStatuses {
         let Some(bytes) = self.bytes.try_take()? else { return Ok(Err(self)) };
         let statuses: Vec<StatusData> = bytemuck::pod_collect_to_vec(&bytes);
         let status = |&(id, place): &(GpuBodyId, BodyPlace)| {
-            (id, BodyStatus::new(&statuses[place.number as usize], &place, self.dt))
+            Some((id, BodyStatus::new(statuses.get(place.number? as usize)?, &place, self.dt)))
         };
-        Ok(Ok(self.places.iter().map(status).collect()))
+        Ok(Ok(self.places.iter().filter_map(status).collect()))
     }
 }

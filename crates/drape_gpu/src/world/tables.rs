@@ -33,7 +33,7 @@ impl GpuWorld {
         let mut known: Vec<(usize, BodySettings, u32)> = Vec::new();
         let mut of_classes: [Vec<(u32, BodyData)>; SIZE_CLASSES.len()] = Default::default();
         let mut large: Vec<(u32, BodyData)> = Vec::new();
-        for (&id, body) in bodies {
+        for (&id, body) in bodies.iter().filter(|(_, body)| !body.is_resting) {
             let (_, model, first_pair) = &models[body.model];
             let is_same = |(model, settings, _): &&(usize, BodySettings, u32)| {
                 *model == body.model && settings.has_same_bits(&body.settings)
@@ -102,6 +102,9 @@ impl GpuWorld {
             let data = SizeClassData { first_body, body_count, unused: [0; 2] };
             gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&data));
             first_body += body_count;
+        }
+        for body in self.bodies.values_mut() {
+            (body.number, body.has_arrived) = (None, true);
         }
         for (number, id) in tables.ids.iter().enumerate() {
             if let Some(body) = self.bodies.get_mut(id) {

@@ -138,3 +138,51 @@ fn statuses_that_were_asked_for_come_later() {
         assert!((status.greatest_speed - 1.7).abs() < 0.3, "{} m/s", status.greatest_speed);
     }
 }
+
+/// A body that rests stays where it is, and goes on as if the steps in between had not been; those beside it notice nothing.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn bodies_that_rest_stay_and_go_on() {
+    for n in [8, 40] {
+        let body = level(n, Vec3::ZERO, BodySettings::default());
+        let alone = || {
+            let (mut world, id) = world_of(&body);
+            run(&mut world, &gravity(), 10);
+            positions(&world, id)
+        };
+        let mut world = GpuWorld::new(gpu());
+        world.keep_last_positions().expect("room");
+        let [first, second, third] = [&body; 3].map(|body| world.add(body).expect("a body"));
+        run(&mut world, &gravity(), 5);
+        let there = positions(&world, second);
+        world.set_resting(second, true).expect("a body");
+        run(&mut world, &gravity(), 5);
+        assert_eq!(positions(&world, second), there, "{n}: it rests");
+        assert_eq!(world.read_status(second), Ok(None));
+        assert_eq!(
+            world.last_step().expect("stepped").particle_count(second),
+            Some(n * n),
+            "{n}: it is drawn"
+        );
+        world.set_resting(second, false).expect("a body");
+        [first, third].map(|id| world.set_resting(id, true).expect("a body"));
+        run(&mut world, &gravity(), 5);
+        for id in [first, second, third] {
+            assert_eq!(positions(&world, id), alone(), "{n}");
+        }
+        world.set_resting(second, true).expect("a body");
+        assert!(world.is_resting());
+        run(&mut world, &gravity(), 2);
+        assert_eq!(positions(&world, first), alone(), "{n}");
+    }
+    let pinned = ClothBuilder::new(1.0, 1.0, 5, 5).pin(0).build(BodySettings::default()).expect("valid");
+    let (mut world, id) = world_of(&pinned);
+    world.set_resting(id, true).expect("a body");
+    world.set_pin_target(id, 0, Vec3::X).expect("a pin");
+    assert!(!world.is_resting(), "it wakes when it is pulled");
+    world.set_resting(id, true).expect("a body");
+    let added = world.add(&level(4, Vec3::ZERO, BodySettings::default())).expect("a body");
+    assert!(!world.is_resting());
+    world.remove(added).expect("a body");
+    assert!(world.is_resting());
+}

@@ -1,0 +1,137 @@
+//! What the GPU reports of bodies, some frames later: where they are, and how fast.
+//!
+//! ```text
+//!                    2 reach
+//!     +-------------------------------+   the bounds that are kept: they hold the
+//!     |    reach                      |   box that is needed, and are at most twice
+//!     |  +-----------------------+    |   as large
+//!     |  |   +---------------+   |    |
+//!     |  |   | as reported   |   |    |   reach: the way that the fastest particle
+//!     |  |   +---------------+   |    |   goes until the next report
+//!     |  +-----------------------+    |
+//!     +-------------------------------+
+//! ```
+
+use bevy::camera::primitives::Aabb;
+use bevy::math::Vec3A;
+use bevy::prelude::*;
+use drape_gpu::{BodyStatus, GpuBodyId, PendingStatuses};
+use drape_solver::constants::REST_SPEED;
+use drape_solver::world::bounds::Bounds;
+
+use crate::body::activity::Activity;
+use crate::clock::DrapeClock;
+use crate::gpu::bodies::GpuBodies;
+use crate::gpu::components::{GpuBody, SolveOnGpu};
+use crate::refusal::Refusals;
+use crate::render::surface::EntitySpace;
+use crate::sleep::scene_manager::SceneManager;
+
+/// Seconds that a report is old when the next one comes, at most: some frames.
+const LATENESS: f32 = 0.1;
+
+/// Metres per second by which a body may become faster meanwhile.
+const SURPRISE: f32 = 1.0;
+
+/// A report that will come.
+#[derive(Debug)]
+pub(super) struct PendingReport {
+    statuses: PendingStatuses,
+    /// Simulated time in seconds when it was asked for.
+    time: f64,
+}
+
+/// The last report of a body.
+#[derive(Component, Clone, Copy, Debug)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct LastReport {
+    /// Box around the particles; it meets nothing before the first report.
+    pub bounds: Bounds,
+    /// Simulated time in seconds since when all particles have been slow; none if one was not.
+    pub still_since: Option<f64>,
+}
+
+impl Default for LastReport {
+    fn default() -> Self {
+        Self { bounds: Bounds::EMPTY, still_since: None }
+    }
+}
+
+/// When the GPU has reported, gives bodies new bounds, puts those to sleep that have been still for long enough, and culls those that left the play
+/// area; then asks for the next report.
+pub(crate) fn take_report(
+    mut on_gpu: Query<(
+        Entity,
+        &GpuBody,
+        &GlobalTransform,
+        &mut LastReport,
+        &mut Activity,
+        Option<&mut Aabb>,
+    )>,
+    clock: Res<DrapeClock>,
+    manager: Res<SceneManager>,
+    mut bodies: ResMut<GpuBodies>,
+    mut refusals: ResMut<Refusals>,
+) {
+    let GpuBodies { world, report, .. } = &mut *bodies;
+    let Some(world) = world else { return };
+    let (mut statuses, mut time) = (Vec::new(), 0.0);
+    if let Some(pending) = report.take() {
+        time = pending.time;
+        match pending.statuses.try_take() {
+            Ok(Ok(reported)) => statuses = reported,
+            Ok(Err(statuses)) => {
+                *report = Some(PendingReport { statuses, time });
+                return;
+            }
+            // The next step notices it too.
+            Err(_) => return,
+        }
+    }
+    let statuses_to_come = world.request_statuses().ok();
+    *report = statuses_to_come.map(|statuses| PendingReport { statuses, time: clock.elapsed() });
+    if statuses.is_empty() {
+        return;
+    }
+    let rules = manager.rules();
+    for (entity, body, transform, mut last, mut activity, bounds) in &mut on_gpu {
+        let Some(status) = status_of(&statuses, body.id()).filter(|_| *activity == Activity::Active) else {
+            continue;
+        };
+        if status.has_fault {
+            let fault = "a particle is nowhere, or farther away than anything may be";
+            refusals.entity(entity, SolveOnGpu::NAME, fault);
+        }
+        last.bounds = Bounds::new(status.low, status.high);
+        last.still_since = last.still_since.or(Some(time)).filter(|_| status.greatest_speed < REST_SPEED);
+        let still_for = last.still_since.map_or(0.0, |since| (time - since) as f32);
+        if rules.is_lost(last.bounds) {
+            *activity = Activity::Culled;
+        } else if still_for > 0.0 && rules.falls_asleep(still_for) {
+            *activity = Activity::Resting;
+        }
+        if let (Some(mut bounds), Some(space)) = (bounds, EntitySpace::new(transform)) {
+            let grown = |reach: f32| {
+                let Bounds { low, high } = last.bounds.grown(reach);
+                space.bounds(low - transform.translation(), high - transform.translation())
+            };
+            let reach = (status.greatest_speed + SURPRISE) * LATENESS;
+            if !is_good(&bounds, &grown(reach)) {
+                *bounds = grown(2.0 * reach);
+            }
+        }
+    }
+}
+
+/// The status of a body in a list that is ordered by ids.
+fn status_of(statuses: &[(GpuBodyId, BodyStatus)], id: GpuBodyId) -> Option<&BodyStatus> {
+    let found = statuses.binary_search_by_key(&id, |(id, _)| *id).ok()?;
+    Some(&statuses[found].1)
+}
+
+/// True if `bounds` hold what is needed, and not much more. A change of them costs the renderer something.
+fn is_good(bounds: &Aabb, needed: &Aabb) -> bool {
+    let is_within = bounds.min().cmple(needed.min()).all() && bounds.max().cmpge(needed.max()).all();
+    let most: Vec3A = needed.half_extents * 2.0;
+    is_within && bounds.half_extents.cmple(most).all()
+}
