@@ -3,22 +3,26 @@
 use bevy::prelude::*;
 use drape_gpu::{GpuBodyId, WeldedId};
 
-/// Solves and draws a [`Cloth`](crate::build::cloth::Cloth) or [`SoftBall`](crate::build::soft_ball::SoftBall) on the GPU: for cloth by the
-/// thousand, and for sheets of hundreds of thousands of particles. Remove it, and the processor waits for the GPU and goes on from where the body
-/// is, at rest. In browsers, where nothing may wait, the body begins again where its entity is.
+/// Solves and draws a [`Cloth`](crate::build::cloth::Cloth), [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh) or
+/// [`SoftBall`](crate::build::soft_ball::SoftBall) on the GPU: for cloth by the thousand, and for sheets of hundreds of thousands of particles. Remove
+/// it, and the processor waits for the GPU and goes on from where the body is, at rest. In browsers, where nothing may wait, the body begins again where
+/// its entity is.
 ///
-/// A body on the GPU has a [`GpuBody`], and no [`Particles`](crate::body::particles::Particles), [`Sticks`](crate::body::particles::Sticks) and
-/// [`Activity`](crate::body::activity::Activity): queries for these, ray casts, pointers, gizmos, snapshots and messages do not know it. Obstacles,
-/// gravity, wind, and pins that follow the entity's [`Transform`] act on it as on other bodies; balls, other bodies, wind zones, shelter
-/// and forces do not, sticks are not damped, and it pushes nothing. It never sleeps. Its settings, surface and layers are those from when it went
-/// there. If its pins jump with the entity, faster than
-/// [`TELEPORT_SPEED`](drape_solver::constants::TELEPORT_SPEED), it begins again at the new place.
+/// A body on the GPU has a [`GpuBody`], and neither [`Particles`](crate::body::particles::Particles) nor
+/// [`Sticks`](crate::body::particles::Sticks): queries for these, ray casts, pointers, gizmos, snapshots and messages about contacts do not know it.
+/// Obstacles, gravity, wind, and pins that follow the entity's [`Transform`] act on it as on other bodies; balls, other bodies, wind zones, shelter and
+/// forces do not, sticks are not damped, and it pushes nothing. Its settings, surface and layers are those from when it went there. If its pins jump
+/// with the entity, faster than [`TELEPORT_SPEED`](drape_solver::constants::TELEPORT_SPEED), it begins again at the new place. A disabled body is
+/// solved on.
 ///
-/// The processor solves a body, and the log says why, without a device, with self-contact or a
-/// [bending rigidity](crate::body::BendingRigidity), and with any of these components: `Attachment`, `ClothMesh`, `ContactEvents`, `Grab`,
-/// `LevelOfDetail`, [`ParticleFollowers`](crate::attach::ParticleFollowers), `PlaneLock`, `Pressure`, `Rig`, `RopeMesh`, `SoftBodyMesh`, `Tearable`,
-/// `Winch`, `WorldMotion`. If one is added later, the body comes back. Insert `SolveOnGpu` again once it is gone. `TeleportCloth` brings it back for one
-/// step. A disabled body is solved on.
+/// It has an [`Activity`](crate::body::activity::Activity), some frames late. At rest it falls asleep, until an obstacle nearby, the wind or a pin
+/// changes, or you set its activity. Outside the play area it is culled, until its pins move or you set its activity.
+///
+/// The processor solves a body, and the log says why, without a device, with self-contact or a [bending rigidity](crate::body::BendingRigidity), if a
+/// [`DrivenMesh`](crate::render::from_mesh::driven_mesh::DrivenMesh) follows it, if it is a `ClothMesh` with a skin or with painted limits, backstops or
+/// drives, and with any of these components: `Attachment`, `ContactEvents`, `Grab`, `LevelOfDetail`,
+/// [`ParticleFollowers`](crate::attach::ParticleFollowers), `PlaneLock`, `Pressure`, `Rig`, `RopeMesh`, `SoftBodyMesh`, `Tearable`, `Winch`,
+/// `WorldMotion`. If one is added later, the body comes back. Insert `SolveOnGpu` again once it is gone. `TeleportCloth` brings it back for one step.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct SolveOnGpu;

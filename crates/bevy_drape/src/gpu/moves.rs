@@ -97,6 +97,7 @@ pub(crate) fn move_to_gpu(
             || components.contains::<ClothMesh>()
             || components.contains::<SoftBall>();
         let reason = match component_of_processor(components) {
+            Some("AnimatedPose") => "its mesh has a skin, or painted limits, backstops or drives".to_string(),
             Some(name) => format!("the GPU does not know its {name}"),
             None if !is_known => "the GPU knows no bodies but Cloth, ClothMesh and SoftBall".to_string(),
             None if driven.iter().any(|driven| driven.driver == entity) => {
