@@ -23,6 +23,8 @@ pub struct BodyVertices {
     pub origin: Vec3,
     /// From 0, the state before the last step, to 1, that after it.
     pub fraction: f32,
+    /// The number of vertices for which the buffer has room. A body with another number is left out.
+    pub vertex_count: u32,
     /// Index of the 32-bit word with the x of the first vertex's position in the buffer.
     pub first_position: u32,
     /// The same of its normal.
@@ -81,7 +83,8 @@ impl SurfaceWriter {
         }
     }
 
-    /// Sets the bodies to write. Those that took no part in `step`, or lack particles of their vertices, are left out.
+    /// Sets the bodies to write. Those that took no part in `step`, or lack particles of their vertices, or have another number of vertices than there is room for,
+    /// are left out.
     ///
     /// # Errors
     /// [`GpuError::Limit`] if the device has no room.
@@ -89,10 +92,12 @@ impl SurfaceWriter {
         let (mut shares, mut surfaces) = (vec![[0; 2]], Vec::new());
         for vertices in bodies {
             let Some(place) = step.place_of(vertices.body) else { continue };
-            if vertices.welded.is_some_and(|welded| place.particle_count < welded.particle_count) {
+            let (vertex_count, particle_count) = vertices
+                .welded
+                .map_or((place.particle_count, 0), |welded| (welded.vertex_count, welded.particle_count));
+            if vertex_count != vertices.vertex_count || place.particle_count < particle_count {
                 continue;
             }
-            let vertex_count = vertices.welded.map_or(place.particle_count, |welded| welded.vertex_count);
             let first_fan =
                 vertices.welded.map_or(place.first_fan, |welded| welded.first_pair + welded.vertex_count);
             let firsts = (0..vertex_count).step_by(LIST_WORKGROUP as usize);

@@ -10,7 +10,7 @@ use bevy::mesh::{
 use bevy::prelude::*;
 use bevy::render::mesh::allocator::MeshAllocator;
 use bevy::render::renderer::RenderGraph;
-use bevy::render::{ExtractSchedule, RenderApp, RenderStartup, init_gpu_resource};
+use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems, init_gpu_resource};
 use bevy::transform::TransformSystems;
 
 use crate::attach::world_motion::inherit_motion;
@@ -20,7 +20,9 @@ use crate::gpu::moves::{
     bring_back_driver, bring_back_released, move_to_gpu, remove_from_gpu, watch_components,
 };
 use crate::gpu::pins::move_pins_on_gpu;
-use crate::gpu::renderer::{SlabWriters, allow_writing, forget_device, take_shown, write_slabs};
+use crate::gpu::renderer::{
+    SlabWriters, allow_writing, forget_device, note_moved_meshes, take_shown, write_slabs,
+};
 use crate::gpu::report::take_report;
 use crate::gpu::rest::wake_on_gpu;
 use crate::gpu::shown::{ShownBodies, list_shown};
@@ -92,6 +94,7 @@ impl Plugin for GpuPlugin {
                 (allow_writing.before(init_gpu_resource::<MeshAllocator>), forget_device),
             )
             .add_systems(ExtractSchedule, take_shown)
+            .add_systems(Render, note_moved_meshes.in_set(RenderSystems::ExtractCommands))
             .add_systems(RenderGraph, write_slabs.before(camera_driver));
     }
 }

@@ -7,10 +7,10 @@ use bevy::prelude::*;
 use bevy::render::MainWorld;
 use bevy::render::mesh::RenderMesh;
 use bevy::render::mesh::allocator::{MeshAllocator, MeshAllocatorSettings};
-use bevy::render::render_asset::RenderAssets;
+use bevy::render::render_asset::{ExtractedAssets, RenderAssets};
 use bevy::render::render_resource::{Buffer, BufferUsages};
 use bevy::render::renderer::{RenderContext, RenderDevice};
-use drape_gpu::{BodyVertices, SurfaceWriter};
+use drape_gpu::{BodyVertices, LastStep, SurfaceWriter};
 
 use crate::gpu::shown::{ShownBodies, ShownBody};
 
@@ -34,17 +34,41 @@ struct Slab {
     bodies: Vec<BodyVertices>,
 }
 
-/// The slabs of this frame, and a writer for each.
+/// The place of a mesh's vertices.
+#[derive(Clone, Copy)]
+struct MeshPlace {
+    mesh: AssetId<Mesh>,
+    /// Among the slabs.
+    slab: usize,
+    vertex_count: u32,
+    /// Words of the slab before the first position and the first normal, and from one vertex to the next.
+    first_position: u32,
+    first_normal: u32,
+    stride: u32,
+}
+
+/// The slabs with bodies, and a writer for each.
 #[derive(Resource, Default)]
 pub(crate) struct SlabWriters {
     slabs: Vec<Slab>,
     writers: Vec<SurfaceWriter>,
+    /// Of the bodies in the last list, in its order: to look a mesh up takes longer than all else.
+    places: Vec<Option<MeshPlace>>,
 }
 
 /// Forgets what belongs to a device that was lost.
 pub(crate) fn forget_device(mut writers: ResMut<SlabWriters>, mut shown: ResMut<ShownBodies>) {
     *writers = SlabWriters::default();
     *shown = ShownBodies::default();
+}
+
+/// Forgets where meshes lie if one is about to be uploaded or freed: others may move then.
+pub(crate) fn note_moved_meshes(meshes: Res<ExtractedAssets<RenderMesh>>, mut writers: ResMut<SlabWriters>) {
+    if !meshes.extracted.is_empty() || !meshes.removed.is_empty() {
+        let SlabWriters { slabs, places, .. } = &mut *writers;
+        slabs.clear();
+        places.clear();
+    }
 }
 
 /// Writes positions and normals of all shown bodies.
@@ -57,28 +81,24 @@ pub(crate) fn write_slabs(
     mut writers: ResMut<SlabWriters>,
 ) {
     let Some((gpu, step)) = &shown.step else { return };
-    let SlabWriters { slabs, writers } = &mut *writers;
-    slabs.clear();
-    for body in &shown.bodies {
-        // Neither is there before the mesh is uploaded.
-        let (Some(slice), Some(mesh)) = (allocator.mesh_vertex_slice(&body.mesh), meshes.get(body.mesh))
-        else {
-            continue;
-        };
-        let vertices = vertices_of(mesh, slice.range.start, body, shown.fraction);
-        let count =
-            body.welded.map_or_else(|| step.particle_count(body.body), |welded| Some(welded.vertex_count()));
-        let (Some(vertices), Some(count)) = (vertices, count) else { continue };
-        if slice.range.len() != count as usize {
-            warn_once!(
-                "a mesh of a body on the GPU has more or fewer vertices than the body: it is not written"
-            );
-            continue;
-        }
-        match slabs.iter_mut().rfind(|slab| slab.buffer.id() == slice.buffer.id()) {
-            Some(slab) => slab.bodies.push(vertices),
-            None => slabs.push(Slab { buffer: slice.buffer.clone(), bodies: vec![vertices] }),
-        }
+    let SlabWriters { slabs, writers, places } = &mut *writers;
+    slabs.iter_mut().for_each(|slab| slab.bodies.clear());
+    places.resize(shown.bodies.len(), None);
+    for (body, place) in shown.bodies.iter().zip(places) {
+        let known = place.filter(|place| place.mesh == body.mesh);
+        *place = known.or_else(|| find(body, step, &allocator, &meshes, slabs));
+        let Some(place) = *place else { continue };
+        slabs[place.slab].bodies.push(BodyVertices {
+            body: body.body,
+            welded: body.welded,
+            to_local: body.to_local,
+            origin: body.origin,
+            fraction: shown.fraction,
+            vertex_count: place.vertex_count,
+            first_position: place.first_position,
+            first_normal: place.first_normal,
+            stride: place.stride,
+        });
     }
     let limits = device.limits();
     for (i, Slab { buffer, bodies }) in slabs.iter().enumerate() {
@@ -96,27 +116,42 @@ pub(crate) fn write_slabs(
     }
 }
 
-/// The place of a body's vertices in a slab where its mesh begins at vertex `first`; none if the mesh lacks positions or normals, or has them
-/// compressed.
-fn vertices_of(mesh: &RenderMesh, first: u32, body: &ShownBody, fraction: f32) -> Option<BodyVertices> {
+/// The place of a body's mesh, whose slab is added to `slabs` if it is not among them. None before the mesh is uploaded, and for one that cannot be
+/// written.
+fn find(
+    body: &ShownBody,
+    step: &LastStep,
+    allocator: &MeshAllocator,
+    meshes: &RenderAssets<RenderMesh>,
+    slabs: &mut Vec<Slab>,
+) -> Option<MeshPlace> {
+    let (slice, mesh) = (allocator.mesh_vertex_slice(&body.mesh)?, meshes.get(body.mesh)?);
+    let vertex_count = slice.range.len() as u32;
+    let expected = match body.welded {
+        Some(welded) => welded.vertex_count(),
+        None => step.particle_count(body.body)?,
+    };
+    if vertex_count != expected {
+        warn_once!("a mesh of a body on the GPU has more or fewer vertices than the body: it is not written");
+        return None;
+    }
     let layout = &mesh.layout.0;
     let offset = |attribute: MeshVertexAttribute| {
         let place = layout.attribute_ids().iter().position(|&id| id == attribute.id)?;
         let attribute = layout.layout().attributes.get(place)?;
+        // Compressed ones are not.
         (attribute.format == VertexFormat::Float32x3).then_some((attribute.offset / WORD) as u32)
     };
     let stride = (layout.layout().array_stride / WORD) as u32;
-    let ShownBody { body, welded, to_local, origin, .. } = *body;
-    Some(BodyVertices {
-        body,
-        welded,
-        to_local,
-        origin,
-        fraction,
-        first_position: first * stride + offset(Mesh::ATTRIBUTE_POSITION)?,
-        first_normal: first * stride + offset(Mesh::ATTRIBUTE_NORMAL)?,
-        stride,
-    })
+    let first = slice.range.start * stride;
+    let first_position = first + offset(Mesh::ATTRIBUTE_POSITION)?;
+    let first_normal = first + offset(Mesh::ATTRIBUTE_NORMAL)?;
+    let known = slabs.iter().rposition(|slab| slab.buffer.id() == slice.buffer.id());
+    let slab = known.unwrap_or_else(|| {
+        slabs.push(Slab { buffer: slice.buffer.clone(), bodies: Vec::new() });
+        slabs.len() - 1
+    });
+    Some(MeshPlace { mesh: body.mesh, slab, vertex_count, first_position, first_normal, stride })
 }
 
 /// Bytes of what a shader writes at once. Strides and offsets of positions and normals are multiples of it.
