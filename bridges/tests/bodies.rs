@@ -19,7 +19,7 @@ fn assert_asleep(app: &App, body: Entity, cloth: Entity) {
 }
 
 #[test]
-fn cloth_comes_to_rest_on_every_shape_of_dynamic_bodies() {
+fn cloth_lies_on_every_shape_of_dynamic_bodies() {
     for (name, collider, top) in shapes() {
         let mut app = app();
         ground(&mut app);

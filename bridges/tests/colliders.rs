@@ -8,16 +8,16 @@ use crate::engine::*;
 use crate::scene::*;
 
 #[test]
-fn cloth_comes_to_rest_on_every_shape_of_static_bodies() {
-    assert_cloth_rests_on_every_shape(STATIC);
+fn cloth_lies_on_every_shape_of_static_bodies() {
+    assert_cloth_lies_on_every_shape(STATIC);
 }
 
 #[test]
-fn cloth_comes_to_rest_on_every_shape_of_kinematic_bodies() {
-    assert_cloth_rests_on_every_shape(KINEMATIC);
+fn cloth_lies_on_every_shape_of_kinematic_bodies() {
+    assert_cloth_lies_on_every_shape(KINEMATIC);
 }
 
-fn assert_cloth_rests_on_every_shape(body: impl Bundle + Copy + core::fmt::Debug) {
+fn assert_cloth_lies_on_every_shape(body: impl Bundle + Copy + core::fmt::Debug) {
     for (name, collider, top) in shapes() {
         let mut app = app();
         app.world_mut().spawn((body, collider, Transform::from_xyz(0.0, 1.0, 0.0)));

@@ -16,8 +16,10 @@ pub(crate) struct SolverEnvironment {
     pub environment: Environment,
     /// The entities behind the obstacles.
     pub obstacles: KnownObstacles,
-    /// True if gravity or wind changed since the last step, which wakes everything.
+    /// True if gravity, wind or a wind zone changed since the last step, which wakes everything.
     pub changed: bool,
+    /// True if gravity or wind did.
+    pub air_changed: bool,
 }
 
 /// Brings time, gravity, wind and wind zones into the solver. Refuses invalid values and keeps the last good ones.
@@ -30,12 +32,12 @@ pub(crate) fn read_environment(
     mut refusals: ResMut<Refusals>,
     mut found_zones: Local<Vec<drape_solver::WindZone>>,
 ) {
-    let SolverEnvironment { environment, changed, .. } = &mut *solver;
+    let SolverEnvironment { environment, changed, air_changed, .. } = &mut *solver;
     environment.dt = clock.delta();
     environment.time = clock.elapsed();
-    *changed = read_zones(&zones, &mut environment.wind_zones, &mut found_zones, &mut refusals);
+    *air_changed = false;
     if gravity.is_usable() {
-        *changed |= environment.gravity != gravity.0;
+        *air_changed |= environment.gravity != gravity.0;
         environment.gravity = gravity.0;
         refusals.forget_resource("DrapeGravity");
     } else {
@@ -44,7 +46,7 @@ pub(crate) fn read_environment(
     let new_wind = drape_solver::Wind::from(*wind);
     match new_wind.validate() {
         Ok(()) => {
-            *changed |= environment.wind != new_wind || new_wind.turbulence.speed > 0.0;
+            *air_changed |= environment.wind != new_wind || new_wind.turbulence.speed > 0.0;
             environment.wind = new_wind;
             refusals.forget_resource("Wind");
         }
@@ -54,4 +56,6 @@ pub(crate) fn read_environment(
              must be from 0 to 1; the last good value stays",
         ),
     }
+    *changed =
+        read_zones(&zones, &mut environment.wind_zones, &mut found_zones, &mut refusals) || *air_changed;
 }

@@ -14,14 +14,14 @@
 //! ```
 //!
 //! ```text
-//!   processor   ManageScene: move_to_gpu, move_pins      FormIslands: step_on_gpu          PostUpdate: list_shown
-//!                     |                                         |                                 |
-//!   GPU         +-----v-----------------------------------------v---------+   last step   +-------v--------------+
-//!               |  GpuWorld: particles, sticks, obstacles, pins, wind     | ------------> |  vertices of meshes  | -> all passes
-//!               +---------------------------------------------------------+  write_meshes +----------------------+
+//!   processor   ManageScene: move_to_gpu,   FormIslands: wake_on_gpu,   PostUpdate: take_report,        list_shown
+//!                     |  move_pins_on_gpu          |     step_on_gpu          ^    write_bounds            |
+//!   GPU         +-----v----------------------------v--------------------------|----+   last step   +-------v--------------+
+//!               |  GpuWorld: particles, sticks, obstacles, pins, wind, statuses    | ------------> |  vertices of meshes  | -> all passes
+//!               +------------------------------------------------------------------+  write_slabs  +----------------------+
 //! ```
 //!
-//! Imports the body's components, the environment, the step's systems and `render`; nothing but the plugin group imports this.
+//! Imports the body's components, the environment, `sleep`, the step's systems and `render`; nothing but the plugin group imports this.
 
 mod bodies;
 mod components;

@@ -23,7 +23,7 @@ use crate::gpu::pins::move_pins_on_gpu;
 use crate::gpu::renderer::{
     SlabWriters, allow_writing, forget_device, note_moved_meshes, take_shown, write_slabs,
 };
-use crate::gpu::report::take_report;
+use crate::gpu::report::{take_report, write_bounds};
 use crate::gpu::rest::wake_on_gpu;
 use crate::gpu::shown::{ShownBodies, list_shown};
 use crate::gpu::step::{begin_frame, note_motion, step_on_gpu};
@@ -67,7 +67,8 @@ impl Plugin for GpuPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    take_report
+                    (take_report, write_bounds)
+                        .chain()
                         .after(write_surfaces)
                         .after(TransformSystems::Propagate)
                         .before(VisibilitySystems::CalculateBounds),

@@ -27,10 +27,7 @@ use crate::refusal::Refusals;
 use crate::render::surface::EntitySpace;
 use crate::sleep::scene_manager::SceneManager;
 
-/// Seconds that a report is old when the next one comes, at most: some frames.
-const LATENESS: f32 = 0.1;
-
-/// Metres per second by which a body may become faster meanwhile.
+/// Metres per second by which a body may become faster until the next report.
 const SURPRISE: f32 = 1.0;
 
 /// A report that will come.
@@ -47,27 +44,22 @@ pub(super) struct PendingReport {
 pub(crate) struct LastReport {
     /// Box around the particles; it meets nothing before the first report.
     pub bounds: Bounds,
+    /// Metres by which a particle may leave it until the next report.
+    reach: f32,
     /// Simulated time in seconds since when all particles have been slow; none if one was not.
     pub still_since: Option<f64>,
 }
 
 impl Default for LastReport {
     fn default() -> Self {
-        Self { bounds: Bounds::EMPTY, still_since: None }
+        Self { bounds: Bounds::EMPTY, reach: 0.0, still_since: None }
     }
 }
 
-/// When the GPU has reported, gives bodies new bounds, puts those to sleep that have been still for long enough, and culls those that left the play
-/// area; then asks for the next report.
+/// When the GPU has reported, puts bodies to sleep that have been still for long enough, and culls those that left the play area; then asks for the
+/// next report.
 pub(crate) fn take_report(
-    mut on_gpu: Query<(
-        Entity,
-        &GpuBody,
-        &GlobalTransform,
-        &mut LastReport,
-        &mut Activity,
-        Option<&mut Aabb>,
-    )>,
+    mut on_gpu: Query<(Entity, &GpuBody, &mut LastReport, &mut Activity)>,
     clock: Res<DrapeClock>,
     manager: Res<SceneManager>,
     mut bodies: ResMut<GpuBodies>,
@@ -94,7 +86,9 @@ pub(crate) fn take_report(
         return;
     }
     let rules = manager.rules();
-    for (entity, body, transform, mut last, mut activity, bounds) in &mut on_gpu {
+    // The next one comes as much later as this one did, if frames are as long.
+    let lateness = 2.0 * (clock.elapsed() - time) as f32 + clock.delta();
+    for (entity, body, mut last, mut activity) in &mut on_gpu {
         let Some(status) = status_of(&statuses, body.id()).filter(|_| *activity == Activity::Active) else {
             continue;
         };
@@ -103,6 +97,7 @@ pub(crate) fn take_report(
             refusals.entity(entity, SolveOnGpu::NAME, fault);
         }
         last.bounds = Bounds::new(status.low, status.high);
+        last.reach = (status.greatest_speed + SURPRISE) * lateness;
         last.still_since = last.still_since.or(Some(time)).filter(|_| status.greatest_speed < REST_SPEED);
         let still_for = last.still_since.map_or(0.0, |since| (time - since) as f32);
         if rules.is_lost(last.bounds) {
@@ -110,15 +105,26 @@ pub(crate) fn take_report(
         } else if still_for > 0.0 && rules.falls_asleep(still_for) {
             *activity = Activity::Resting;
         }
-        if let (Some(mut bounds), Some(space)) = (bounds, EntitySpace::new(transform)) {
-            let grown = |reach: f32| {
-                let Bounds { low, high } = last.bounds.grown(reach);
-                space.bounds(low - transform.translation(), high - transform.translation())
-            };
-            let reach = (status.greatest_speed + SURPRISE) * LATENESS;
-            if !is_good(&bounds, &grown(reach)) {
-                *bounds = grown(2.0 * reach);
-            }
+    }
+}
+
+/// Gives bodies that were reported, and those whose entities have moved, their bounds in the coordinates of their entities.
+pub(crate) fn write_bounds(
+    mut reported: Query<
+        (&LastReport, &GlobalTransform, &mut Aabb),
+        (With<GpuBody>, Or<(Changed<LastReport>, Changed<GlobalTransform>)>),
+    >,
+) {
+    for (last, transform, mut bounds) in &mut reported {
+        let Some(space) = EntitySpace::new(transform).filter(|_| last.bounds != Bounds::EMPTY) else {
+            continue;
+        };
+        let grown = |reach: f32| {
+            let Bounds { low, high } = last.bounds.grown(reach);
+            space.bounds(low - transform.translation(), high - transform.translation())
+        };
+        if !is_good(&bounds, &grown(last.reach)) {
+            *bounds = grown(2.0 * last.reach);
         }
     }
 }

@@ -24,7 +24,7 @@ pub(crate) fn wake_on_gpu(
     mut woken: Local<Vec<EntityKey>>,
 ) {
     let Some(world) = bodies.world.as_mut() else { return };
-    if solver.changed {
+    if solver.air_changed {
         for (.., mut activity) in on_gpu.iter_mut().filter(|(.., activity)| **activity == Activity::Resting) {
             *activity = Activity::Active;
         }

@@ -1,6 +1,7 @@
 //! Bounds follow what the GPU reports.
 
 use bevy::camera::primitives::Aabb;
+use bevy_drape::body::Activity;
 
 use crate::*;
 
@@ -73,6 +74,13 @@ fn bounds_follow_the_body_not_its_entity() {
     run(&mut app, 4);
     assert_within(&app, sheet);
     assert!(is_on_gpu(&app, sheet));
+
+    // Nothing is reported of a body that rests.
+    run(&mut app, 120);
+    assert_eq!(app.world().get::<Activity>(sheet), Some(&Activity::Resting));
+    app.world_mut().entity_mut(sheet).insert(Transform::from_xyz(30.0, 0.0, 0.0));
+    run(&mut app, 1);
+    assert_within(&app, sheet);
 }
 
 #[test]
