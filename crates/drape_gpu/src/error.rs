@@ -41,14 +41,14 @@ pub enum GpuError {
     /// The particle is not pinned.
     #[error("particle {0} is not pinned")]
     NotPinned(u32),
-    /// A triangle, or a vertex, of a mesh names a vertex that there is not, or one without a particle.
-    #[error("a mesh names a vertex that it has not, or one without a particle")]
-    NoSuchVertex,
+    /// The vertices of a mesh contradict each other.
+    #[error("the vertices of a mesh do not fit: {0}")]
+    Vertices(&'static str),
     /// A value is not finite.
     #[error("{0} is not finite")]
     NotFinite(&'static str),
-    /// The body has not been stepped since it was added.
-    #[error("the body has not been stepped yet")]
+    /// The body has not been stepped since it was added, or all bodies rest.
+    #[error("nothing has been stepped")]
     NotStepped,
     /// The world does not keep the positions of its last step.
     #[error("the world does not keep the positions of its last step: call `keep_last_positions` before it")]

@@ -83,7 +83,7 @@ impl SurfaceWriter {
         }
     }
 
-    /// Sets the bodies to write. Those that took no part in `step`, or lack particles of their vertices, or have another number of vertices than there is room for,
+    /// Sets the bodies to write. Those that were added after `step`, or lack particles of their vertices, or have another number of vertices than there is room for,
     /// are left out.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use drape_gpu::{Gpu, GpuError, GpuWorld};
 
-use crate::gpu::report::PendingReport;
+use crate::gpu::report::{Disturbances, PendingReport};
 
 /// The device that solves bodies with [`SolveOnGpu`](crate::gpu::SolveOnGpu): that of Bevy's renderer, unless you insert
 /// [another one](Self::on).
@@ -40,6 +40,7 @@ pub struct GpuBodies {
     failure: Option<String>,
     /// Places and speeds that the GPU has been asked for.
     pub(super) report: Option<PendingReport>,
+    pub(super) disturbances: Disturbances,
     /// True if there was a step in the last tick of the schedule that takes steps.
     pub(super) is_moving: bool,
     /// Obstacles that the log has named.

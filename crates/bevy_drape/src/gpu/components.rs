@@ -15,8 +15,8 @@ use drape_gpu::{GpuBodyId, WeldedId};
 /// with the entity, faster than [`TELEPORT_SPEED`](drape_solver::constants::TELEPORT_SPEED), it begins again at the new place. A disabled body is
 /// solved on.
 ///
-/// It has an [`Activity`](crate::body::activity::Activity), some frames late. At rest it falls asleep, until an obstacle nearby, the wind or a pin
-/// changes, or you set its activity. Outside the play area it is culled, until its pins move or you set its activity.
+/// It has an [`Activity`](crate::body::activity::Activity), some frames late. At rest it falls asleep, until an obstacle nearby, gravity, the wind or
+/// a pin changes, or you set its activity; it wakes without speed. Outside the play area it is culled, until its pins move or you set its activity.
 ///
 /// The processor solves a body, and the log says why, without a device, with self-contact or a [bending rigidity](crate::body::BendingRigidity), if a
 /// [`DrivenMesh`](crate::render::from_mesh::driven_mesh::DrivenMesh) follows it, if it is a `ClothMesh` with a skin or with painted limits, backstops or

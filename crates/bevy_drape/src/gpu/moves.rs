@@ -35,6 +35,7 @@ use crate::environment::obstacle_changes::ObstacleChanges;
 use crate::gpu::bodies::{GpuBodies, Renderer};
 use crate::gpu::components::{GpuBody, GpuVertices, SolveOnGpu};
 use crate::gpu::report::LastReport;
+use crate::refusal::Refusals;
 use crate::render::from_mesh::cloth_mesh::ClothMesh;
 use crate::render::from_mesh::driven_mesh::DrivenMesh;
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
@@ -73,7 +74,7 @@ pub(crate) fn move_to_gpu(
         (With<SolveOnGpu>, Or<(Changed<SolveOnGpu>, Changed<Sticks>)>, Without<IsResource>),
     >,
     obstacles: Query<Entity, With<Obstacle>>,
-    driven: Query<&DrivenMesh>,
+    driven: Query<&DrivenMesh, Allow<Disabled>>,
     defaults: Defaults,
     renderer: Renderer,
     mut bodies: ResMut<GpuBodies>,
@@ -149,15 +150,11 @@ fn take_parts(entity: Entity, id: GpuBody, vertices: Option<GpuVertices>, body: 
         let mut entity = world.get_entity_mut(entity).ok();
         let taken = entity.as_mut().and_then(EntityWorldMut::take::<(Particles, Sticks, BodyState)>);
         if let (Some(entity), Some((.., state))) = (&mut entity, taken) {
+            let report = LastReport::at(&body);
             let Body { particles, topology, settings, layers, .. } = body;
             let anchor = state.anchor;
             let state = BodyState { settings, layers, ..state };
-            entity.insert((
-                OnGpu { particles, topology, state, anchor },
-                id,
-                LastReport::default(),
-                Activity::Active,
-            ));
+            entity.insert((OnGpu { particles, topology, state, anchor }, id, report, Activity::Active));
             if let Some(vertices) = vertices {
                 entity.insert(vertices);
             }
@@ -184,15 +181,12 @@ fn bring_back_with<C: Component>(
     }
 }
 
-/// Brings the body back that a mesh is to follow.
-pub(crate) fn bring_back_driver(
-    inserted: On<Insert<DrivenMesh>>,
-    driven: Query<&DrivenMesh>,
+/// Brings bodies back that a mesh is to follow.
+pub(crate) fn bring_back_drivers(
+    driven: Query<&DrivenMesh, (Changed<DrivenMesh>, Allow<Disabled>)>,
     mut commands: Commands,
 ) {
-    if let Ok(driven) = driven.get(inserted.entity) {
-        bring_back_by(&mut commands, driven.driver, true);
-    }
+    driven.iter().for_each(|driven| bring_back_by(&mut commands, driven.driver, true));
 }
 
 /// Has a body brought back by the next commands, if it is there by then.
@@ -206,6 +200,11 @@ pub(crate) fn bring_back_by(commands: &mut Commands, entity: Entity, can_be_read
 /// may wait.
 fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
     let Some(&body) = entity.get::<GpuBody>() else { return };
+    if entity.contains::<Particles>() {
+        // The body was built anew, and has not gone there yet.
+        entity.remove::<OnGpu>();
+        return;
+    }
     let world =
         entity.resource::<GpuBodies>().world().filter(|_| can_be_read && cfg!(not(target_family = "wasm")));
     let positions = world.and_then(|world| world.read_positions(body.0).ok());
@@ -235,8 +234,10 @@ pub(crate) fn remove_from_gpu(
     removed: On<Remove<OnGpu>>,
     ids: Query<&GpuBody, Allow<Disabled>>,
     mut bodies: ResMut<GpuBodies>,
+    mut refusals: ResMut<Refusals>,
     mut commands: Commands,
 ) {
+    refusals.forget_component(removed.entity, SolveOnGpu::NAME);
     if let (Ok(body), Some(world)) = (ids.get(removed.entity), bodies.world.as_mut()) {
         // The world may have lost it with its device.
         let _ = world.remove(body.0);

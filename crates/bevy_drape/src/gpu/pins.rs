@@ -10,13 +10,14 @@ use crate::body::on_gpu::OnGpu;
 use crate::clock::DrapeClock;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::GpuBody;
+use crate::gpu::report::LastReport;
 use crate::refusal::Refusals;
 
 /// Moves pins with their entity; they pull the cloth along. After a jump faster than [`TELEPORT_SPEED`] the body begins again at the new place,
 /// in the shape that it went to the GPU in.
 pub(crate) fn move_pins_on_gpu(
     mut moved: Query<
-        (Entity, &GlobalTransform, &mut GpuBody, &mut OnGpu, &mut Activity),
+        (Entity, &GlobalTransform, &mut GpuBody, &mut OnGpu, &mut LastReport, &mut Activity),
         Changed<GlobalTransform>,
     >,
     clock: Res<DrapeClock>,
@@ -25,7 +26,7 @@ pub(crate) fn move_pins_on_gpu(
 ) {
     let longest_pull = TELEPORT_SPEED * clock.delta();
     let Some(world) = bodies.world.as_mut() else { return };
-    for (entity, transform, mut body, mut parts, mut activity) in &mut moved {
+    for (entity, transform, mut body, mut parts, mut last, mut activity) in &mut moved {
         let anchor = transform.affine();
         if anchor == parts.state.anchor || parts.state.pins.is_empty() {
             continue;
@@ -35,9 +36,10 @@ pub(crate) fn move_pins_on_gpu(
             continue;
         }
         activity.set_if_neq(Activity::Active);
+        last.still_since = None;
         let from = core::mem::replace(&mut parts.state.anchor, anchor);
         let told = if is_jump(parts.state.pins.iter(), [&from, &anchor], longest_pull) {
-            begin_again(world, &mut body, &mut parts)
+            begin_again(world, &mut body, &mut parts, &mut last)
         } else {
             let mut targets = parts.state.pins.iter();
             targets.try_for_each(|&(pin, local)| {
@@ -51,9 +53,16 @@ pub(crate) fn move_pins_on_gpu(
 }
 
 /// Replaces a body by the one that went to the GPU, at the place of its entity.
-fn begin_again(world: &mut GpuWorld, body: &mut GpuBody, parts: &mut OnGpu) -> Result<(), GpuError> {
+fn begin_again(
+    world: &mut GpuWorld,
+    body: &mut GpuBody,
+    parts: &mut OnGpu,
+    last: &mut LastReport,
+) -> Result<(), GpuError> {
     parts.follow();
-    let new = world.add(&parts.body())?;
+    let there = parts.body();
+    let new = world.add(&there)?;
+    *last = LastReport::at(&there);
     let old = core::mem::replace(&mut body.0, new);
     world.remove(old)
 }

@@ -17,7 +17,7 @@ use crate::attach::world_motion::inherit_motion;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::gpu::moves::{
-    bring_back_driver, bring_back_released, move_to_gpu, remove_from_gpu, watch_components,
+    bring_back_drivers, bring_back_released, move_to_gpu, remove_from_gpu, watch_components,
 };
 use crate::gpu::pins::move_pins_on_gpu;
 use crate::gpu::renderer::{
@@ -27,6 +27,7 @@ use crate::gpu::report::{take_report, write_bounds};
 use crate::gpu::rest::wake_on_gpu;
 use crate::gpu::shown::{ShownBodies, list_shown};
 use crate::gpu::step::{begin_frame, note_motion, step_on_gpu};
+use crate::render::visibility::hide_culled;
 use crate::render::write_surfaces::write_surfaces;
 use crate::schedule::{DrapeSchedule, DrapeSystems, ScenePhase};
 use crate::step::form_islands::form_islands;
@@ -52,13 +53,15 @@ impl Plugin for GpuPlugin {
             .init_resource::<ShownBodies>()
             .add_observer(bring_back_released)
             .add_observer(remove_from_gpu)
-            .add_observer(bring_back_driver)
             .add_systems(First, begin_frame)
             .add_systems(
                 DrapeSchedule,
                 (
                     // Before obstacles are read: those that were out of reach may be met by these bodies.
-                    move_to_gpu.in_set(ScenePhase::InheritMotion).after(inherit_motion),
+                    (bring_back_drivers, move_to_gpu)
+                        .chain()
+                        .in_set(ScenePhase::InheritMotion)
+                        .after(inherit_motion),
                     move_pins_on_gpu.in_set(ScenePhase::MovePins),
                     (wake_on_gpu, step_on_gpu).chain().in_set(DrapeSystems::FormIslands).before(form_islands),
                 ),
@@ -71,10 +74,12 @@ impl Plugin for GpuPlugin {
                         .chain()
                         .after(write_surfaces)
                         .after(TransformSystems::Propagate)
+                        .before(hide_culled)
                         .before(VisibilitySystems::CalculateBounds),
                     list_shown
                         .after(TransformSystems::Propagate)
                         .after(VisibilitySystems::VisibilityPropagate)
+                        .after(write_bounds)
                         .after(write_surfaces)
                         // They write ticks only.
                         .ambiguous_with(mark_2d_meshes_as_changed_if_their_assets_changed)

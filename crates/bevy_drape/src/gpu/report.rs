@@ -16,13 +16,18 @@ use bevy::camera::primitives::Aabb;
 use bevy::math::Vec3A;
 use bevy::prelude::*;
 use drape_gpu::{BodyStatus, GpuBodyId, PendingStatuses};
+use drape_solver::Body;
 use drape_solver::constants::REST_SPEED;
 use drape_solver::world::bounds::Bounds;
+use drape_solver::world::extent::Extent;
+use drape_solver::world::waking::Proxy;
 
 use crate::body::activity::Activity;
+use crate::body::on_gpu::OnGpu;
 use crate::clock::DrapeClock;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
+use crate::gpu::rest::sleeper;
 use crate::refusal::Refusals;
 use crate::render::surface::EntitySpace;
 use crate::sleep::scene_manager::SceneManager;
@@ -38,11 +43,20 @@ pub(super) struct PendingReport {
     time: f64,
 }
 
+/// What has happened since a report was asked for, of which it cannot know.
+#[derive(Debug, Default)]
+pub(super) struct Disturbances {
+    /// True if gravity or wind changed.
+    pub is_everywhere: bool,
+    /// Boxes of obstacles that moved, appeared or vanished.
+    pub regions: Vec<Proxy>,
+}
+
 /// The last report of a body.
 #[derive(Component, Clone, Copy, Debug)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct LastReport {
-    /// Box around the particles; it meets nothing before the first report.
+    /// Box around the particles.
     pub bounds: Bounds,
     /// Metres by which a particle may leave it until the next report.
     reach: f32,
@@ -50,23 +64,26 @@ pub(crate) struct LastReport {
     pub still_since: Option<f64>,
 }
 
-impl Default for LastReport {
-    fn default() -> Self {
-        Self { bounds: Bounds::EMPTY, reach: 0.0, still_since: None }
+impl LastReport {
+    /// Before the first report, of a body that is there now.
+    pub fn at(body: &Body) -> Self {
+        let Extent { bounds, .. } = Extent::of(&body.particles, &body.topology);
+        // It falls by a tenth of that until the first report.
+        Self { bounds, reach: 0.1, still_since: None }
     }
 }
 
 /// When the GPU has reported, puts bodies to sleep that have been still for long enough, and culls those that left the play area; then asks for the
 /// next report.
 pub(crate) fn take_report(
-    mut on_gpu: Query<(Entity, &GpuBody, &mut LastReport, &mut Activity)>,
+    mut on_gpu: Query<(Entity, &GpuBody, &OnGpu, &mut LastReport, &mut Activity)>,
     clock: Res<DrapeClock>,
     manager: Res<SceneManager>,
     mut bodies: ResMut<GpuBodies>,
     mut refusals: ResMut<Refusals>,
+    mut asked_at: Local<u64>,
 ) {
-    let GpuBodies { world, report, .. } = &mut *bodies;
-    let Some(world) = world else { return };
+    let GpuBodies { world: Some(world), report, disturbances, .. } = &mut *bodies else { return };
     let (mut statuses, mut time) = (Vec::new(), 0.0);
     if let Some(pending) = report.take() {
         time = pending.time;
@@ -76,34 +93,45 @@ pub(crate) fn take_report(
                 *report = Some(PendingReport { statuses, time });
                 return;
             }
-            // The next step notices it too.
+            // A step of our own device notices it, and a new frame that of the renderer.
             Err(_) => return,
         }
     }
-    let statuses_to_come = world.request_statuses().ok();
-    *report = statuses_to_come.map(|statuses| PendingReport { statuses, time: clock.elapsed() });
+    let meanwhile = core::mem::take(disturbances);
+    if core::mem::replace(&mut *asked_at, clock.steps()) != clock.steps() {
+        let statuses = world.request_statuses().ok();
+        *report = statuses.map(|statuses| PendingReport { statuses, time: clock.elapsed() });
+    }
     if statuses.is_empty() {
         return;
     }
     let rules = manager.rules();
     // The next one comes as much later as this one did, if frames are as long.
-    let lateness = 2.0 * (clock.elapsed() - time) as f32 + clock.delta();
-    for (entity, body, mut last, mut activity) in &mut on_gpu {
+    let lateness = (2.0 * (clock.elapsed() - time)).max(0.0) as f32 + clock.delta();
+    for (entity, body, parts, mut last, mut activity) in &mut on_gpu {
         let Some(status) = status_of(&statuses, body.id()).filter(|_| *activity == Activity::Active) else {
             continue;
         };
         if status.has_fault {
-            let fault = "a particle is nowhere, or farther away than anything may be";
+            let fault = "a particle is nowhere, or too far away, and stays where it was";
             refusals.entity(entity, SolveOnGpu::NAME, fault);
         }
         last.bounds = Bounds::new(status.low, status.high);
         last.reach = (status.greatest_speed + SURPRISE) * lateness;
-        last.still_since = last.still_since.or(Some(time)).filter(|_| status.greatest_speed < REST_SPEED);
-        let still_for = last.still_since.map_or(0.0, |since| (time - since) as f32);
+        // The clock may have gone back.
+        let since = last.still_since.filter(|since| *since <= time).unwrap_or(time);
+        last.still_since = (status.greatest_speed < REST_SPEED).then_some(since);
         if rules.is_lost(last.bounds) {
             *activity = Activity::Culled;
-        } else if still_for > 0.0 && rules.falls_asleep(still_for) {
-            *activity = Activity::Resting;
+        } else if last.still_since.is_some() && time > since && rules.falls_asleep((time - since) as f32) {
+            let sleeper = sleeper(parts, &last);
+            let is_disturbed =
+                meanwhile.is_everywhere || meanwhile.regions.iter().any(|region| region.wakes(&sleeper));
+            if is_disturbed {
+                last.still_since = None;
+            } else {
+                *activity = Activity::Resting;
+            }
         }
     }
 }
@@ -116,7 +144,7 @@ pub(crate) fn write_bounds(
     >,
 ) {
     for (last, transform, mut bounds) in &mut reported {
-        let Some(space) = EntitySpace::new(transform).filter(|_| last.bounds != Bounds::EMPTY) else {
+        let Some(space) = EntitySpace::new(transform) else {
             continue;
         };
         let grown = |reach: f32| {

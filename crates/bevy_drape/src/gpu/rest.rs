@@ -1,4 +1,4 @@
-//! Bodies on the GPU that rest: steps leave them alone until an obstacle, the wind or a pin moves them.
+//! Bodies on the GPU that rest: steps leave them alone until an obstacle, gravity, the wind or a pin moves them.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
@@ -7,6 +7,7 @@ use drape_solver::world::waking::{Proxy, Waking};
 
 use crate::body::activity::Activity;
 use crate::body::on_gpu::OnGpu;
+use crate::clock::DrapeClock;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wake_regions::WakeRegions;
 use crate::gpu::bodies::GpuBodies;
@@ -19,43 +20,57 @@ pub(crate) fn wake_on_gpu(
     mut on_gpu: Query<(Entity, &GpuBody, &OnGpu, &mut LastReport, &mut Activity), Allow<Disabled>>,
     solver: Res<SolverEnvironment>,
     wake_regions: Res<WakeRegions>,
+    clock: Res<DrapeClock>,
     mut bodies: ResMut<GpuBodies>,
     mut resting: Local<Waking<EntityKey>>,
     mut woken: Local<Vec<EntityKey>>,
+    mut last_time: Local<f64>,
 ) {
-    let Some(world) = bodies.world.as_mut() else { return };
-    if solver.air_changed {
-        for (.., mut activity) in on_gpu.iter_mut().filter(|(.., activity)| **activity == Activity::Resting) {
-            *activity = Activity::Active;
+    let GpuBodies { world: Some(world), disturbances, .. } = &mut *bodies else { return };
+    // A snapshot that is restored brings another scene.
+    let is_other_scene = clock.elapsed() <= *last_time;
+    *last_time = clock.elapsed();
+    disturbances.is_everywhere |= solver.air_changed || is_other_scene;
+    disturbances.regions.extend(&wake_regions.0);
+
+    // What fell asleep since the last step first: it may lose its support in this one.
+    for (entity, _, parts, last, activity) in &mut on_gpu {
+        if *activity == Activity::Resting && activity.is_changed() {
+            resting.rest_body(EntityKey(entity), sleeper(parts, &last).bounds);
         }
     }
     wake_regions.0.iter().for_each(|&region| resting.disturb(region));
-    let sleeper = |EntityKey(entity): EntityKey| {
-        let (.., body, last, activity) = on_gpu.get(entity).ok()?;
-        (*activity == Activity::Resting).then(|| Proxy {
-            bounds: last.bounds.grown(body.state.settings.thickness),
-            layers: body.state.layers,
-            kind: Kind::Body { has_self_contact: false },
-        })
+    let proxy = |EntityKey(entity): EntityKey| {
+        let (.., parts, last, activity) = on_gpu.get(entity).ok()?;
+        (*activity == Activity::Resting).then(|| sleeper(parts, last))
     };
-    resting.wake(sleeper, &mut woken);
+    resting.wake(proxy, &mut woken);
     for EntityKey(entity) in woken.drain(..) {
         if let Ok((.., mut activity)) = on_gpu.get_mut(entity) {
             *activity = Activity::Active;
         }
     }
-    for (entity, body, parts, mut last, activity) in &mut on_gpu {
+    for (entity, body, _, mut last, mut activity) in &mut on_gpu {
+        if disturbances.is_everywhere && *activity == Activity::Resting {
+            *activity = Activity::Active;
+        }
         if !activity.is_changed() {
             continue;
         }
-        let is_resting = *activity != Activity::Active;
         // It is there, as its component is.
-        let _ = world.set_resting(body.id(), is_resting);
-        if is_resting {
-            resting.rest_body(EntityKey(entity), last.bounds.grown(parts.state.settings.thickness));
-        } else {
+        let _ = world.set_resting(body.id(), *activity != Activity::Active);
+        if *activity != Activity::Resting {
             resting.remove_body(EntityKey(entity));
             last.still_since = None;
         }
+    }
+}
+
+/// A body that rests, as the search for what wakes it sees it.
+pub(super) fn sleeper(parts: &OnGpu, last: &LastReport) -> Proxy {
+    Proxy {
+        bounds: last.bounds.grown(parts.state.settings.thickness),
+        layers: parts.state.layers,
+        kind: Kind::Body { has_self_contact: false },
     }
 }

@@ -163,6 +163,8 @@ impl Surface {
     pub fn restart(&mut self, particles: &drape_solver::Particles) {
         if self.current.read(particles) {
             self.previous.clone_from(&self.current);
+        } else {
+            self.current.clone_from(&self.previous);
         }
         (self.is_settled, self.shown) = (true, None);
     }

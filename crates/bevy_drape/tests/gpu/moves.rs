@@ -7,7 +7,7 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_drape::attach::TeleportCloth;
 use bevy_drape::body::Sticks;
 use bevy_drape::gpu::drape_gpu::MAX_OBSTACLES;
-use bevy_drape::render::DrivenMesh;
+use bevy_drape::render::{DrivenMesh, PaintChannel};
 
 use crate::*;
 
@@ -271,4 +271,28 @@ fn a_body_that_a_mesh_follows_stays_on_the_processor() {
     app.world_mut().spawn((Mesh3d(mesh), DrivenMesh { driver }));
     run(&mut app, 3);
     assert!(!is_on_gpu(&app, driver));
+}
+
+/// The old body once came back in place of the new one.
+#[test]
+fn a_cloth_that_gains_limits_is_built_anew_on_the_processor() {
+    let mut app = app();
+    let mesh = cone(&mut app);
+    let cloth = spawn(&mut app, (Mesh3d(mesh), ClothMesh::default().with_pins([1])));
+    run(&mut app, 30);
+    assert!(is_on_gpu(&app, cloth));
+    let mut finer = Cone::new(0.5, 1.0).mesh().resolution(20).build();
+    let blue = vec![[0.0_f32, 0.0, 0.1, 1.0]; finer.count_vertices()];
+    finer.insert_attribute(Mesh::ATTRIBUTE_COLOR, blue);
+    let finer = app.world_mut().resource_mut::<Assets<Mesh>>().add(finer);
+    let paint = ClothPaint { pins: None, max_distance: Some(PaintChannel::Blue), ..default() };
+    app.world_mut().entity_mut(cloth).insert((Mesh3d(finer), ClothMesh { paint, ..default() }));
+    run(&mut app, 3);
+    assert!(!is_on_gpu(&app, cloth));
+    assert_eq!(positions(&app, cloth).len(), 21);
+    assert!(app.world().resource::<GpuBodies>().world().expect("a world").is_empty());
+    let start = positions(&app, cloth);
+    run(&mut app, 60);
+    let way = start.iter().zip(positions(&app, cloth)).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
+    assert!(way < 0.25, "limits hold it: {way} m");
 }

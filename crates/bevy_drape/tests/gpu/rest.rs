@@ -78,10 +78,62 @@ fn an_obstacle_wakes_what_it_reaches_and_nothing_else() {
     let moved = positions(&app, one).iter().zip(&there).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     assert!(moved > 0.05, "the ball shoves it, by {moved} m");
     assert_eq!(app.world().resource::<Heard>().0[1], [one]);
-    // Gone again: what lay on it falls.
     app.world_mut().entity_mut(ball).despawn();
     run(&mut app, 300);
     assert_eq!(activity(&app, one), Activity::Resting, "it sleeps again");
+}
+
+/// What a body lies on may go in the very step after it fell asleep. Once it hung in the air then, for good.
+#[test]
+fn what_loses_its_support_falls() {
+    for late in [0, 1, 5] {
+        let mut app = app();
+        let table = Transform::from_xyz(0.0, -0.1, 0.0);
+        let table = app.world_mut().spawn((Obstacle::cuboid(2.0, 0.2, 2.0), table)).id();
+        let sheet = spawn(&mut app, lying(0.0));
+        run(&mut app, 1);
+        let mut frames = 0;
+        while activity(&app, sheet) != Activity::Resting {
+            run(&mut app, 1);
+            frames += 1;
+            assert!(frames < 400, "it does not fall asleep");
+        }
+        run(&mut app, late);
+        let there = positions(&app, sheet)[40].y;
+        app.world_mut().entity_mut(table).despawn();
+        run(&mut app, 20);
+        assert!(positions(&app, sheet)[40].y < there - 0.2, "{late}: it falls");
+    }
+}
+
+/// A report from before a change knows nothing of it.
+#[test]
+fn what_is_disturbed_while_a_report_is_on_its_way_stays_awake() {
+    // It falls asleep after 64 steps and a few.
+    for frames in 63..75 {
+        let mut app = app();
+        let curtain = spawn(&mut app, Cloth::new(0.4, 0.4).with_particles(5, 5));
+        run(&mut app, frames);
+        app.insert_resource(DrapeGravity(Vec3::new(0.0, 0.0, 9.81)));
+        run(&mut app, 30);
+        let corner = positions(&app, curtain)[24];
+        assert!(corner.z > 0.05, "{frames}: it swings forward: {corner}");
+    }
+}
+
+#[test]
+fn a_body_that_is_put_to_sleep_at_once_is_woken_by_an_obstacle() {
+    let mut app = app();
+    let sheet = spawn(&mut app, lying(0.0));
+    while !is_on_gpu(&app, sheet) {
+        run(&mut app, 1);
+    }
+    app.world_mut().entity_mut(sheet).insert(Activity::Resting);
+    run(&mut app, 10);
+    assert_eq!(activity(&app, sheet), Activity::Resting);
+    app.world_mut().spawn((Obstacle::sphere(0.2), Transform::from_xyz(0.1, 0.0, 0.1)));
+    run(&mut app, 2);
+    assert_eq!(activity(&app, sheet), Activity::Active);
 }
 
 #[test]
@@ -122,4 +174,9 @@ fn what_leaves_the_play_area_is_culled() {
     let there = positions(&app, sheet);
     run(&mut app, 10);
     assert_eq!(positions(&app, sheet), there);
+    app.world_mut().resource_mut::<SceneManager>().play_area_min.y = -100.0;
+    app.world_mut().entity_mut(sheet).insert(Activity::Active);
+    run(&mut app, 10);
+    assert!(positions(&app, sheet)[40].y < there[40].y - 0.02, "it falls on");
+    assert_eq!(app.world().get::<Visibility>(sheet), Some(&Visibility::Visible));
 }

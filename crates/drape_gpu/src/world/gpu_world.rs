@@ -61,6 +61,8 @@ pub struct GpuWorld {
     pub(super) particle_count: u32,
     /// Bodies that have been added since the last step, with their particles.
     pub(super) arriving: Vec<(GpuBodyId, Particles)>,
+    /// Bodies that have been woken since the last step.
+    pub(super) woken: Vec<GpuBodyId>,
     /// Targets of pins for the coming step.
     pub(super) targets: BTreeMap<(GpuBodyId, u32), Vec3>,
     /// True if the tables of bodies and batches have to be written.
@@ -99,6 +101,7 @@ impl GpuWorld {
             free: Vec::new(),
             particle_count: 0,
             arriving: Vec::new(),
+            woken: Vec::new(),
             targets: BTreeMap::new(),
             is_stale: true,
             dt: 0.0,
@@ -207,15 +210,21 @@ impl GpuWorld {
         self.set_resting(id, false)
     }
 
-    /// Has steps leave a body alone, or take it along again: from the place and with the speed that it had. A target for a pin wakes it too. A body that
-    /// rests takes no time on the GPU, but a change writes the tables of all bodies anew.
+    /// Has steps leave a body alone, or take it along again, from where it is and without speed. A target for a pin wakes it too. A body that rests
+    /// takes no time on the GPU, but a change writes the tables of all bodies anew.
     ///
     /// # Errors
     /// [`GpuError::NoSuchBody`].
     pub fn set_resting(&mut self, id: GpuBodyId, is_resting: bool) -> Result<(), GpuError> {
         let record = self.bodies.get_mut(&id.0).ok_or(GpuError::NoSuchBody)?;
-        self.is_stale |= record.is_resting != is_resting;
-        record.is_resting = is_resting;
+        if record.is_resting != is_resting {
+            record.is_resting = is_resting;
+            self.is_stale = true;
+            // It has moved on the GPU; what arrives keeps its speed.
+            if !is_resting && record.has_arrived {
+                self.woken.push(id);
+            }
+        }
         Ok(())
     }
 
@@ -302,6 +311,8 @@ impl GpuWorld {
         (self.obstacles, self.obstacle_indices, self.left_out) = (obstacles, indices, left_out);
         let moves_nothing = self.dispatches.is_empty() && self.class_counts.iter().all(|&count| count == 0);
         if moves_nothing && self.arriving.is_empty() {
+            // Nothing was touched either.
+            (self.obstacles, self.obstacle_indices) = (Vec::new(), Vec::new());
             return Ok(());
         }
         self.write_arriving(step.rescale);
@@ -356,6 +367,16 @@ impl GpuWorld {
         }
     }
 
+    /// Stops bodies that have been woken: in the meantime the length of a step may have changed, and with it what a displacement means.
+    fn encode_stops(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        for id in core::mem::take(&mut self.woken) {
+            let Ok(Some(place)) = self.place_of(id) else { continue };
+            let [first, count] = [place.first_particle, place.particle_count].map(u64::from);
+            let size = Some(count * PARTICLE);
+            encoder.clear_buffer(self.buffers.displacements.get(), first * PARTICLE, size);
+        }
+    }
+
     /// Hands the targets to the particles at the start of the step.
     fn encode_targets(&mut self, encoder: &mut wgpu::CommandEncoder) {
         if self.targets.is_empty() {
@@ -375,6 +396,7 @@ impl GpuWorld {
 
     fn submit(&mut self) {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.encode_stops(&mut encoder);
         self.encode_targets(&mut encoder);
         let Self { gpu, kernels, buffers, .. } = self;
         let stride = dispatch_stride(gpu) as u32;

@@ -18,12 +18,12 @@ pub struct LastStep {
 }
 
 impl LastStep {
-    /// The number of particles of a body. None if the body has not taken part in the step.
+    /// The number of particles of a body, at rest or not. None if it was added after the step.
     pub fn particle_count(&self, id: GpuBodyId) -> Option<u32> {
         self.place_of(id).map(|place| place.particle_count)
     }
 
-    /// The place of a body in the buffers; none if it has not taken part.
+    /// The place of a body in the buffers; none if it was added after the step.
     pub(crate) fn place_of(&self, id: GpuBodyId) -> Option<&BodyPlace> {
         let found = self.places.binary_search_by_key(&id, |(id, _)| *id).ok()?;
         Some(&self.places[found].1)
@@ -42,7 +42,7 @@ impl GpuWorld {
         Ok(LastStep { read, places: Arc::clone(&self.places) })
     }
 
-    /// The places of all bodies that take part in steps.
+    /// The places of all bodies, at rest or not.
     pub(super) fn list_places(&self) -> Arc<[(GpuBodyId, BodyPlace)]> {
         self.bodies
             .keys()

@@ -41,7 +41,7 @@ impl BodyStatus {
 }
 
 impl GpuWorld {
-    /// Box, speed and fault of a body in the last step that was started. None if it has not been stepped, or rests. Waits for the step.
+    /// Box, speed and fault of a body in the last step that was started. None if it took no part in it. Waits for the step.
     ///
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
@@ -56,7 +56,7 @@ impl GpuWorld {
     /// shared device they come when its owner polls it, or submits something.
     ///
     /// # Errors
-    /// [`GpuError::NotStepped`] if there is none; [`GpuError::Lost`].
+    /// [`GpuError::NotStepped`] if no body took part; [`GpuError::Lost`].
     pub fn request_statuses(&self) -> Result<PendingStatuses, GpuError> {
         let count = self.places.iter().filter(|(_, place)| place.number.is_some()).count() as u64;
         if count == 0 {

@@ -41,12 +41,18 @@ impl WeldedVertices<'_> {
         let Self { particles, normals, faces } = *self;
         let count = particles.len();
         let is_vertex = |&vertex: &u32| (vertex as usize) < count;
-        let has_particle = |vertex: &u32| is_vertex(vertex) && particles[*vertex as usize].is_some();
-        let are_known = normals.len() == count
-            && normals.iter().all(is_vertex)
-            && faces.as_flattened().iter().all(has_particle);
-        if !are_known {
-            return Err(GpuError::NoSuchVertex);
+        let corners = faces.as_flattened();
+        if normals.len() != count {
+            return Err(GpuError::Vertices("each has one entry among the normals"));
+        }
+        if !normals.iter().chain(corners).all(is_vertex) {
+            return Err(GpuError::Vertices("a normal or a triangle names one that is not there"));
+        }
+        if corners.iter().any(|&corner| particles[corner as usize].is_none()) {
+            return Err(GpuError::Vertices("a corner of a triangle has no particle"));
+        }
+        if particles.contains(&Some(NONE)) {
+            return Err(GpuError::Vertices("the number of a particle is too large"));
         }
         let mut fans: Vec<Vec<[u32; 2]>> = vec![Vec::new(); count];
         let particle = |vertex: u32| particles[vertex as usize].unwrap_or(NONE);
@@ -77,7 +83,7 @@ impl GpuWorld {
     /// which is kept as long as the world.
     ///
     /// # Errors
-    /// [`GpuError::NoSuchVertex`]; [`GpuError::Limit`] if the device has no room.
+    /// [`GpuError::Vertices`]; [`GpuError::Limit`] if the device has no room.
     pub fn add_vertices(&mut self, vertices: &WeldedVertices) -> Result<WeldedId, GpuError> {
         let pairs = vertices.pairs()?;
         if let Some((_, id)) = self.welded.iter().find(|(known, _)| **known == *pairs) {

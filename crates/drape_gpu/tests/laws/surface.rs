@@ -244,12 +244,15 @@ fn meshes_that_name_what_they_have_not_are_refused() {
     let mut unknown = good.normals.clone();
     unknown[3] = last;
     let (beyond, without) = ([[1, 2, last]], [[1, 2, 0]]);
+    let mut large = good.particles.clone();
+    large[5] = Some(u32::MAX);
     for bad in [
         WeldedVertices { normals: fewer, ..good.vertices() },
         WeldedVertices { normals: &unknown, ..good.vertices() },
         WeldedVertices { faces: &beyond, ..good.vertices() },
         WeldedVertices { faces: &without, ..good.vertices() },
+        WeldedVertices { particles: &large, ..good.vertices() },
     ] {
-        assert_eq!(world.add_vertices(&bad), Err(GpuError::NoSuchVertex));
+        assert!(matches!(world.add_vertices(&bad), Err(GpuError::Vertices(_))));
     }
 }

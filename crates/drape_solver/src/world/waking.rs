@@ -36,7 +36,7 @@ impl Proxy {
     }
 
     /// True if it wakes `sleeper`.
-    fn wakes(&self, sleeper: &Self) -> bool {
+    pub fn wakes(&self, sleeper: &Self) -> bool {
         self.kind.touches(sleeper.kind)
             && self.layers.interact(sleeper.layers)
             && self.bounds.overlaps(sleeper.bounds)
