@@ -24,6 +24,7 @@ use drape_solver::world::waking::Proxy;
 
 use crate::body::activity::Activity;
 use crate::body::on_gpu::OnGpu;
+use crate::body::particles::Particles;
 use crate::clock::DrapeClock;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
@@ -76,7 +77,8 @@ impl LastReport {
 /// When the GPU has reported, puts bodies to sleep that have been still for long enough, and culls those that left the play area; then asks for the
 /// next report.
 pub(crate) fn take_report(
-    mut on_gpu: Query<(Entity, &GpuBody, &OnGpu, &mut LastReport, &mut Activity)>,
+    // Gizmos of other bodies read their activities.
+    mut on_gpu: Query<(Entity, &GpuBody, &OnGpu, &mut LastReport, &mut Activity), Without<Particles>>,
     clock: Res<DrapeClock>,
     manager: Res<SceneManager>,
     mut bodies: ResMut<GpuBodies>,
