@@ -36,6 +36,9 @@ use crate::sleep::scene_manager::SceneManager;
 /// Metres per second by which a body may become faster until the next report.
 const SURPRISE: f32 = 1.0;
 
+/// More regions than this are not looked through.
+const MOST_REGIONS: usize = 10_000;
+
 /// A report that will come.
 #[derive(Debug)]
 pub(super) struct PendingReport {
@@ -47,10 +50,26 @@ pub(super) struct PendingReport {
 /// What has happened since a report was asked for, of which it cannot know.
 #[derive(Debug, Default)]
 pub(super) struct Disturbances {
-    /// True if gravity or wind changed.
-    pub is_everywhere: bool,
+    /// True if gravity or wind changed, or there were too many regions.
+    is_everywhere: bool,
     /// Boxes of obstacles that moved, appeared or vanished.
-    pub regions: Vec<Proxy>,
+    regions: Vec<Proxy>,
+}
+
+impl Disturbances {
+    /// Adds those of a step.
+    pub fn add(&mut self, is_everywhere: bool, regions: &[Proxy]) {
+        // A report may take long, if the device is lost.
+        self.is_everywhere |= is_everywhere || self.regions.len() > MOST_REGIONS;
+        if !self.is_everywhere {
+            self.regions.extend(regions);
+        }
+    }
+
+    /// True if they may have moved `body`.
+    fn reach(&self, body: &Proxy) -> bool {
+        self.is_everywhere || self.regions.iter().any(|region| region.wakes(body))
+    }
 }
 
 /// The last report of a body.
@@ -126,10 +145,7 @@ pub(crate) fn take_report(
         if rules.is_lost(last.bounds) {
             *activity = Activity::Culled;
         } else if last.still_since.is_some() && time > since && rules.falls_asleep((time - since) as f32) {
-            let sleeper = sleeper(parts, &last);
-            let is_disturbed =
-                meanwhile.is_everywhere || meanwhile.regions.iter().any(|region| region.wakes(&sleeper));
-            if is_disturbed {
+            if meanwhile.reach(&sleeper(parts, &last)) {
                 last.still_since = None;
             } else {
                 *activity = Activity::Resting;

@@ -27,11 +27,10 @@ pub(crate) fn wake_on_gpu(
     mut last_time: Local<f64>,
 ) {
     let GpuBodies { world: Some(world), disturbances, .. } = &mut *bodies else { return };
-    // A snapshot that is restored brings another scene.
-    let is_other_scene = clock.elapsed() <= *last_time;
+    // When the time goes back, a snapshot was restored, which brings another scene.
+    let is_everywhere = solver.air_changed || clock.elapsed() <= *last_time;
     *last_time = clock.elapsed();
-    disturbances.is_everywhere |= solver.air_changed || is_other_scene;
-    disturbances.regions.extend(&wake_regions.0);
+    disturbances.add(is_everywhere, &wake_regions.0);
 
     // What fell asleep since the last step first: it may lose its support in this one.
     for (entity, _, parts, last, activity) in &mut on_gpu {
@@ -51,7 +50,7 @@ pub(crate) fn wake_on_gpu(
         }
     }
     for (entity, body, _, mut last, mut activity) in &mut on_gpu {
-        if disturbances.is_everywhere && *activity == Activity::Resting {
+        if is_everywhere && *activity == Activity::Resting {
             *activity = Activity::Active;
         }
         if !activity.is_changed() {
