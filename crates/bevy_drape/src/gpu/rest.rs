@@ -15,6 +15,9 @@ use crate::gpu::components::GpuBody;
 use crate::gpu::report::LastReport;
 use crate::sleep::waking::EntityKey;
 
+/// Metres by which a body's box is grown, as what it lies on touches it but for rounding.
+const MARGIN: f32 = 1e-3;
+
 /// Wakes bodies where an obstacle moved, appeared or vanished, and all of them if gravity or wind changed; then tells the GPU which bodies rest.
 pub(crate) fn wake_on_gpu(
     mut on_gpu: Query<(Entity, &GpuBody, &OnGpu, &mut LastReport, &mut Activity), Allow<Disabled>>,
@@ -68,7 +71,7 @@ pub(crate) fn wake_on_gpu(
 /// A body that rests, as the search for what wakes it sees it.
 pub(super) fn sleeper(parts: &OnGpu, last: &LastReport) -> Proxy {
     Proxy {
-        bounds: last.bounds.grown(parts.state.settings.thickness),
+        bounds: last.bounds.grown(parts.state.settings.thickness + MARGIN),
         layers: parts.state.layers,
         kind: Kind::Body { has_self_contact: false },
     }
