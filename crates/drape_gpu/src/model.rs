@@ -171,22 +171,13 @@ impl Model {
     /// the particle, in the face's order, or the other end of a link.
     fn push_fans(&mut self, topology: &Topology) {
         let count = topology.particle_count();
-        let mut fans: Vec<Vec<[u32; 2]>> = vec![Vec::new(); count];
-        for &[a, b, c] in topology.faces() {
-            for [first, second, third] in [[a, b, c], [b, c, a], [c, a, b]] {
-                fans[first as usize].push([second, third]);
-            }
-        }
+        let mut fans = fans_of(topology.faces(), count);
         for &[a, b] in topology.segments() {
             fans[a as usize].push([b, NONE]);
             fans[b as usize].push([a, NONE]);
         }
         self.first_fan = self.pairs.len() as u32;
-        let mut next = count as u32;
-        for fan in &fans {
-            self.pairs.push([next, next + fan.len() as u32]);
-            next += fan.len() as u32;
-        }
+        self.pairs.extend(ranges_of(&fans));
         self.pairs.extend(fans.iter().flatten());
     }
 
@@ -205,6 +196,26 @@ impl Model {
             ..batch.data
         })
     }
+}
+
+/// The fan of each of `count` corners: the two other corners of each face around it, in the face's order.
+pub(crate) fn fans_of(faces: &[[u32; 3]], count: usize) -> Vec<Vec<[u32; 2]>> {
+    let mut fans = vec![Vec::new(); count];
+    for &[a, b, c] in faces {
+        for [first, second, third] in [[a, b, c], [b, c, a], [c, a, b]] {
+            fans[first as usize].push([second, third]);
+        }
+    }
+    fans
+}
+
+/// The ranges of fans that lie one after another behind their ranges, counted from the first range.
+pub(crate) fn ranges_of(fans: &[Vec<[u32; 2]>]) -> impl Iterator<Item = [u32; 2]> {
+    fans.iter().scan(fans.len() as u32, |next, fan| {
+        let first = *next;
+        *next += fan.len() as u32;
+        Some([first, *next])
+    })
 }
 
 /// Batches with sticks that act.

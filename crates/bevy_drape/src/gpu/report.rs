@@ -1,4 +1,4 @@
-//! What the GPU reports of bodies, some frames later: where they are, and how fast.
+//! Reports of the GPU, some frames late: boxes and speeds of bodies.
 //!
 //! ```text
 //!                    2 reach
@@ -47,7 +47,7 @@ pub(super) struct PendingReport {
     time: f64,
 }
 
-/// What has happened since a report was asked for, of which it cannot know.
+/// Changes since a report was asked for, of which it cannot know.
 #[derive(Debug, Default)]
 pub(super) struct Disturbances {
     /// True if gravity or wind changed, or there were too many regions.

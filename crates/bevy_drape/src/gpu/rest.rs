@@ -35,7 +35,7 @@ pub(crate) fn wake_on_gpu(
     *last_time = clock.elapsed();
     disturbances.add(is_everywhere, &wake_regions.0);
 
-    // What fell asleep since the last step first: it may lose its support in this one.
+    // Bodies that fell asleep since the last step come first: they may lose their support in this one.
     for (entity, _, parts, last, activity) in &mut on_gpu {
         if *activity == Activity::Resting && activity.is_changed() {
             resting.rest_body(EntityKey(entity), sleeper(parts, &last).bounds);

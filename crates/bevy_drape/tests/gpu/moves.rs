@@ -224,11 +224,16 @@ fn cone(app: &mut App) -> Handle<Mesh> {
     app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
 }
 
+/// A cloth made of a cone, which hangs by a place at its rim.
+fn cone_cloth(app: &mut App) -> Entity {
+    let mesh = cone(app);
+    spawn(app, (Mesh3d(mesh), ClothMesh::default().with_pins([1])))
+}
+
 #[test]
 fn cloth_from_a_mesh_goes_and_comes_back() {
     let mut app = app();
-    let mesh = cone(&mut app);
-    let cloth = spawn(&mut app, (Mesh3d(mesh), ClothMesh::default().with_pins([1])));
+    let cloth = cone_cloth(&mut app);
     run(&mut app, 2);
     let start = positions(&app, cloth);
     run(&mut app, 28);
@@ -277,8 +282,7 @@ fn a_body_that_a_mesh_follows_stays_on_the_processor() {
 #[test]
 fn a_cloth_that_gains_limits_is_built_anew_on_the_processor() {
     let mut app = app();
-    let mesh = cone(&mut app);
-    let cloth = spawn(&mut app, (Mesh3d(mesh), ClothMesh::default().with_pins([1])));
+    let cloth = cone_cloth(&mut app);
     run(&mut app, 30);
     assert!(is_on_gpu(&app, cloth));
     let mut finer = Cone::new(0.5, 1.0).mesh().resolution(20).build();

@@ -88,7 +88,7 @@ fn an_obstacle_wakes_what_it_reaches_and_nothing_else() {
     assert_eq!(activity(&app, one), Activity::Resting, "it sleeps again");
 }
 
-/// What a body lies on may go in the very step after it fell asleep, and rounding may part their boxes. Once it hung in the air then, for good.
+/// The support of a body may go in the very step after it fell asleep, and rounding may part their boxes. Once it hung in the air then, for good.
 #[test]
 fn what_loses_its_support_falls() {
     for (late, height) in [(0, 0.0), (1, 0.0), (5, 0.7), (0, 1.3), (2, 8.1)] {

@@ -1,6 +1,7 @@
 //! Vertices of meshes that lie on particles.
 
 use crate::error::GpuError;
+use crate::model::{fans_of, ranges_of};
 use crate::world::gpu_world::GpuWorld;
 
 /// The vertices of a mesh whose triangles are a body's faces. Several may lie on one particle, as along a seam of texture coordinates.
@@ -54,26 +55,13 @@ impl WeldedVertices<'_> {
         if particles.contains(&Some(NONE)) {
             return Err(GpuError::Vertices("the number of a particle is too large"));
         }
-        let mut fans: Vec<Vec<[u32; 2]>> = vec![Vec::new(); count];
         let particle = |vertex: u32| particles[vertex as usize].unwrap_or(NONE);
-        for &[a, b, c] in faces {
-            for [first, second, third] in [[a, b, c], [b, c, a], [c, a, b]] {
-                fans[first as usize].push([particle(second), particle(third)]);
-            }
-        }
-        let mut next = count as u32;
-        let ranges: Vec<[u32; 2]> = fans
-            .iter()
-            .map(|fan| {
-                let first = next;
-                next += fan.len() as u32;
-                [first, next]
-            })
-            .collect();
+        let fans = fans_of(faces, count);
+        let ranges: Vec<[u32; 2]> = ranges_of(&fans).collect();
         let mut pairs: Vec<[u32; 2]> =
             particles.iter().map(|particle| [particle.unwrap_or(NONE), 0]).collect();
         pairs.extend(normals.iter().map(|&vertex| ranges[vertex as usize]));
-        pairs.extend(fans.iter().flatten());
+        pairs.extend(fans.iter().flatten().map(|corners| corners.map(particle)));
         Ok(pairs)
     }
 }

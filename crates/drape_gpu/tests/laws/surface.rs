@@ -149,7 +149,7 @@ impl Seamed {
         let one = |particle: u32| count - particle;
         let other = |particle: u32| count + 1 + particle;
         let particles = [None].into_iter().chain((0..count).rev().map(Some)).chain((0..count).map(Some));
-        // Where both sides share a normal, it is that of the one side.
+        // A normal that both sides share is that of the one side.
         let normals = (0..=count).chain(
             (0..count).map(|particle| if particle % 2 == 0 { one(particle) } else { other(particle) }),
         );
