@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use crate::gpu::Gpu;
 use crate::source::{
     Extras, HALO, SIZE_CLASSES, SizeClass, TILE_WORKGROUP, TILES, grid_source, large_source, pin_source,
-    small_source, surface_source,
+    small_source, surface_source, tube_source,
 };
 
 /// Bytes of shared memory that a kernel needs besides positions.
@@ -128,12 +128,20 @@ pub(crate) struct ListKernel<const BUFFERS: usize> {
 }
 
 impl ListKernel<6> {
-    /// Writes vertices.
+    /// Writes the vertices of surfaces.
     pub fn of_surfaces(gpu: &Gpu) -> Self {
-        use BindingKind::{Changed, Read};
-        let kinds = [Read, Read, Read, Read, Read, Changed];
-        Self::new(gpu, "surfaces", &surface_source(), "write_surface", kinds)
+        Self::new(gpu, "surfaces", &surface_source(), "write_surface", Self::VERTEX_KINDS)
     }
+
+    /// Writes the vertices of tubes.
+    pub fn of_tubes(gpu: &Gpu) -> Self {
+        Self::new(gpu, "tubes", &tube_source(), "write_tube", Self::VERTEX_KINDS)
+    }
+
+    const VERTEX_KINDS: [BindingKind; 6] = {
+        use BindingKind::{Changed, Read};
+        [Read, Read, Read, Read, Read, Changed]
+    };
 }
 
 impl ListKernel<2> {

@@ -63,10 +63,11 @@ pub use gpu::Gpu;
 #[cfg(feature = "wgpu")]
 pub use source::MAX_OBSTACLES;
 #[cfg(feature = "wgpu")]
-pub use surface_writer::{BodyVertices, SurfaceWriter};
+pub use surface_writer::{BodyMesh, BodyVertices, SurfaceWriter};
 #[cfg(feature = "wgpu")]
 pub use world::{
-    BodyStatus, GpuBodyId, GpuWorld, LastStep, PendingPositions, PendingStatuses, WeldedId, WeldedVertices,
+    BodyStatus, GpuBodyId, GpuWorld, LastStep, PendingPositions, PendingStatuses, TubeId, TubeVertices,
+    WeldedId, WeldedVertices,
 };
 
 pub use drape_solver;

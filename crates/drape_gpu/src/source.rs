@@ -54,7 +54,9 @@ const REACTION: &str = include_str!("shaders/reaction.wgsl");
 const SMALL: &str = include_str!("shaders/small_bodies.wgsl");
 const LARGE: &str = include_str!("shaders/large_bodies.wgsl");
 const PINS: &str = include_str!("shaders/pins.wgsl");
+const VERTICES: &str = include_str!("shaders/vertices.wgsl");
 const SURFACE: &str = include_str!("shaders/surface.wgsl");
+const TUBE: &str = include_str!("shaders/tube.wgsl");
 const GRID: &str = include_str!("shaders/grid_sticks.wgsl");
 
 /// Features of a kernel that few scenes use. Their code costs registers even if it does not run: a crowd of small bodies is a third slower with it.
@@ -113,18 +115,24 @@ pub(crate) fn large_source(extras: Extras) -> String {
     ])
 }
 
-/// The whole source of the kernel that writes vertices.
+/// The whole source of the kernel that writes the vertices of surfaces.
 pub(crate) fn surface_source() -> String {
-    list_source(SURFACE)
+    list_source(&[VERTICES, SURFACE])
+}
+
+/// The whole source of the kernel that writes the vertices of tubes.
+pub(crate) fn tube_source() -> String {
+    list_source(&[VERTICES, TUBE])
 }
 
 /// The whole source of the kernel that hands targets to pins.
 pub(crate) fn pin_source() -> String {
-    list_source(PINS)
+    list_source(&[PINS])
 }
 
-fn list_source(kernel: &str) -> String {
-    with_constants(&[&format!("const WORKGROUP: u32 = {LIST_WORKGROUP}u;\n"), INVOCATION, kernel])
+fn list_source(parts: &[&str]) -> String {
+    let size = format!("const WORKGROUP: u32 = {LIST_WORKGROUP}u;\n");
+    with_constants(&[&[size.as_str(), INVOCATION], parts].concat())
 }
 
 /// The whole source of the kernel of tiles.
@@ -166,7 +174,7 @@ mod tests {
             ALL_EXTRAS.into_iter().flat_map(|extras| SIZE_CLASSES.map(|class| small_source(class, extras)));
         let large = ALL_EXTRAS.map(large_source);
         let grids = TILES.map(|tile| grid_source(tile, TILE_WORKGROUP));
-        for source in small.chain(large).chain(grids).chain([surface_source(), pin_source()]) {
+        for source in small.chain(large).chain(grids).chain([surface_source(), tube_source(), pin_source()]) {
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
             let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());

@@ -1,11 +1,11 @@
 //! The components of bodies on the GPU.
 
 use bevy::prelude::*;
-use drape_gpu::{GpuBodyId, WeldedId};
+use drape_gpu::{BodyMesh, GpuBodyId};
 
-/// Solves and draws a [`Cloth`](crate::build::cloth::Cloth), [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh) or
-/// [`SoftBall`](crate::build::soft_ball::SoftBall) on the GPU: for cloth by the thousand, and for sheets of hundreds of thousands of particles. Remove
-/// it, and the processor waits for the GPU and goes on from where the body is, at rest. In browsers, where nothing may wait, the body begins again where
+/// Solves and draws a [`Cloth`](crate::build::cloth::Cloth), [`ClothMesh`](crate::render::from_mesh::cloth_mesh::ClothMesh),
+/// [`Rope`](crate::build::rope::Rope) or [`SoftBall`](crate::build::soft_ball::SoftBall) on the GPU: for cloth and ropes by the thousand, and for
+/// sheets of hundreds of thousands of particles. Remove it, and the processor waits for the GPU and goes on from where the body is, at rest. In browsers, where nothing may wait, the body begins again where
 /// its entity is.
 ///
 /// A body on the GPU has a [`GpuBody`], and neither [`Particles`](crate::body::particles::Particles) nor
@@ -21,7 +21,7 @@ use drape_gpu::{GpuBodyId, WeldedId};
 /// The processor solves a body, and the log says why, without a device, with self-contact or a [bending rigidity](crate::body::BendingRigidity), if a
 /// [`DrivenMesh`](crate::render::from_mesh::driven_mesh::DrivenMesh) follows it, if it is a `ClothMesh` with a skin or with painted limits, backstops or
 /// drives, and with any of these components: `Attachment`, `ContactEvents`, `Grab`, `LevelOfDetail`,
-/// [`ParticleFollowers`](crate::attach::ParticleFollowers), `PlaneLock`, `Pressure`, `Rig`, `RopeMesh`, `SoftBodyMesh`, `Tearable`, `Winch`,
+/// [`ParticleFollowers`](crate::attach::ParticleFollowers), `PlaneLock`, `Pressure`, `Rig`, `SoftBodyMesh`, `Tearable`, `Winch`,
 /// `WorldMotion`. If one is added later, the body comes back. Insert `SolveOnGpu` again once it is gone. `TeleportCloth` brings it back for one step.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ impl GpuBody {
     }
 }
 
-/// The vertices of the mesh that shows a body on the GPU, if several may lie on one particle.
+/// How the vertices of the mesh that shows a body on the GPU lie on its particles, if not one on each.
 #[derive(Component, Clone, Copy, Debug)]
 #[component(clone_behavior = Ignore)]
-pub(crate) struct GpuVertices(pub WeldedId);
+pub(crate) struct GpuVertices(pub BodyMesh);

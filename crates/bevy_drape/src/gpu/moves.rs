@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::resource::IsResource;
 use bevy::prelude::*;
-use drape_gpu::{GpuBodyId, GpuError, GpuWorld, WeldedVertices};
+use drape_gpu::{BodyMesh, GpuBodyId, GpuError, GpuWorld, TubeVertices, WeldedVertices};
 use drape_solver::Body;
 
 use crate::attach::animated_pose::AnimatedPose;
@@ -28,6 +28,7 @@ use crate::body::settings::SolverSettings;
 use crate::body::surface::BodySurface;
 use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;
+use crate::build::rope::Rope;
 use crate::build::soft_ball::SoftBall;
 use crate::detail::level::LevelOfDetail;
 use crate::environment::obstacle::Obstacle;
@@ -39,7 +40,7 @@ use crate::refusal::Refusals;
 use crate::render::from_mesh::cloth_mesh::ClothMesh;
 use crate::render::from_mesh::driven_mesh::DrivenMesh;
 use crate::render::from_mesh::soft_body::SoftBodyMesh;
-use crate::render::rope_mesh::RopeMesh;
+use crate::render::rope_mesh::{RopeMesh, RopeSurface};
 use crate::render::smoothing::SmoothingGroups;
 use crate::render::surface::Surface;
 use crate::render::vertex_map::VertexMap;
@@ -62,8 +63,8 @@ macro_rules! components_of_processor {
 }
 
 components_of_processor! {
-    AnimatedPose, Attachment, ContactEvents, Grab, LevelOfDetail, ParticleFollowers, PlaneLock, Pressure, Rig, RopeMesh, SoftBodyMesh,
-    Tearable, TeleportCloth, Winch, WorldMotion,
+    AnimatedPose, Attachment, ContactEvents, Grab, LevelOfDetail, ParticleFollowers, PlaneLock, Pressure, Rig, SoftBodyMesh, Tearable,
+    TeleportCloth, Winch, WorldMotion,
 }
 
 /// Moves bodies to the GPU that have asked for it, or have been built, since the last step.
@@ -96,11 +97,14 @@ pub(crate) fn move_to_gpu(
         }
         let is_known = components.contains::<Cloth>()
             || components.contains::<ClothMesh>()
+            || components.contains::<Rope>()
             || components.contains::<SoftBall>();
         let reason = match component_of_processor(components) {
             Some("AnimatedPose") => "its mesh has a skin, or painted limits, backstops or drives".to_string(),
             Some(name) => format!("the GPU does not know its {name}"),
-            None if !is_known => "the GPU knows no bodies but Cloth, ClothMesh and SoftBall".to_string(),
+            None if !is_known => {
+                "the GPU knows no bodies but Cloth, ClothMesh, Rope and SoftBall".to_string()
+            }
             None if driven.iter().any(|driven| driven.driver == entity) => {
                 "a DrivenMesh follows it".to_string()
             }
@@ -138,7 +142,7 @@ fn add(
     let vertices = welded.map(|map| {
         let SmoothingGroups { first, faces } = map.groups();
         let vertices = WeldedVertices { particles: &map.particles, normals: first, faces };
-        world.add_vertices(&vertices).map(GpuVertices)
+        world.add_vertices(&vertices).map(|welded| GpuVertices(BodyMesh::Welded(welded)))
     });
     let vertices = vertices.transpose()?;
     Ok((world.add(body)?, vertices))
@@ -161,6 +165,24 @@ fn take_parts(entity: Entity, id: GpuBody, vertices: Option<GpuVertices>, body: 
         } else if let Some(bodies) = world.resource_mut::<GpuBodies>().world.as_mut() {
             // It has just been added.
             let _ = bodies.remove(id.0);
+        }
+    }
+}
+
+/// Tells the GPU how the tubes of ropes lie on their particles: of ropes that are new there, and of tubes that are.
+pub(crate) fn move_tubes(
+    mut commands: Commands,
+    ropes: Query<(Entity, &RopeSurface), (With<GpuBody>, Or<(Changed<RopeSurface>, Added<GpuBody>)>)>,
+    mut bodies: ResMut<GpuBodies>,
+) {
+    let Some(world) = bodies.world.as_mut() else { return };
+    for (entity, surface) in &ropes {
+        let RopeMesh { radius, sides } = surface.made_for;
+        match world.add_tube(&TubeVertices { particles: &surface.order, sides, radius }) {
+            Ok(tube) => {
+                commands.entity(entity).insert(GpuVertices(BodyMesh::Tube(tube)));
+            }
+            Err(error) => warn!("rope {entity} on the GPU is not drawn: {error}"),
         }
     }
 }
@@ -224,6 +246,9 @@ fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
         particles.set_pin_target(pin as usize, state.anchor.transform_point3(local));
     }
     if let Some(mut surface) = entity.get_mut::<Surface>() {
+        surface.restart(&particles);
+    }
+    if let Some(mut surface) = entity.get_mut::<RopeSurface>() {
         surface.restart(&particles);
     }
     entity.insert((Particles(particles), Sticks(topology), Activity::Active, state));

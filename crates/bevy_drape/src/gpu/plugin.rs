@@ -17,7 +17,7 @@ use crate::attach::world_motion::inherit_motion;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::gpu::moves::{
-    bring_back_drivers, bring_back_released, move_to_gpu, remove_from_gpu, watch_components,
+    bring_back_drivers, bring_back_released, move_to_gpu, move_tubes, remove_from_gpu, watch_components,
 };
 use crate::gpu::pins::move_pins_on_gpu;
 use crate::gpu::renderer::{
@@ -76,7 +76,8 @@ impl Plugin for GpuPlugin {
                         .after(TransformSystems::Propagate)
                         .before(hide_culled)
                         .before(VisibilitySystems::CalculateBounds),
-                    list_shown
+                    (move_tubes, list_shown)
+                        .chain()
                         .after(TransformSystems::Propagate)
                         .after(VisibilitySystems::VisibilityPropagate)
                         .after(write_bounds)

@@ -2,9 +2,11 @@
 //!
 //! Bevy keeps the vertices of many meshes in one large buffer, a slab. One dispatch writes all bodies of a slab.
 
+use std::sync::Arc;
+
 use bevy::mesh::{MeshVertexAttribute, VertexFormat};
 use bevy::prelude::*;
-use bevy::render::MainWorld;
+use bevy::render::Extract;
 use bevy::render::mesh::RenderMesh;
 use bevy::render::mesh::allocator::{MeshAllocator, MeshAllocatorSettings};
 use bevy::render::render_asset::{ExtractedAssets, RenderAssets};
@@ -21,10 +23,10 @@ pub(crate) fn allow_writing(device: Res<RenderDevice>, mut settings: ResMut<Mesh
     }
 }
 
-/// Takes what the main world has listed, and leaves it the memory of the last list.
-pub(crate) fn take_shown(mut main: ResMut<MainWorld>, mut shown: ResMut<ShownBodies>) {
-    if let Some(mut listed) = main.get_resource_mut::<ShownBodies>() {
-        core::mem::swap(&mut *listed, &mut *shown);
+/// Takes what the main world has listed.
+pub(crate) fn take_shown(listed: Extract<Option<Res<ShownBodies>>>, mut shown: ResMut<ShownBodies>) {
+    if let Some(listed) = &*listed {
+        shown.clone_from(listed);
     }
 }
 
@@ -47,6 +49,22 @@ struct MeshPlace {
     stride: u32,
 }
 
+impl MeshPlace {
+    /// The vertices of a body there.
+    fn vertices(&self, body: &ShownBody) -> BodyVertices {
+        BodyVertices {
+            body: body.body,
+            mesh: body.vertices,
+            to_local: body.to_local,
+            origin: body.origin,
+            vertex_count: self.vertex_count,
+            first_position: self.first_position,
+            first_normal: self.first_normal,
+            stride: self.stride,
+        }
+    }
+}
+
 /// The slabs with bodies, and a writer for each.
 #[derive(Resource, Default)]
 pub(crate) struct SlabWriters {
@@ -54,6 +72,8 @@ pub(crate) struct SlabWriters {
     writers: Vec<SurfaceWriter>,
     /// Of the bodies in the last list, in its order: to look a mesh up takes longer than all else.
     places: Vec<Option<MeshPlace>>,
+    /// The list that the writers have, if all its meshes were found.
+    known: Option<Arc<Vec<ShownBody>>>,
 }
 
 /// Forgets what belongs to a device that was lost.
@@ -65,9 +85,10 @@ pub(crate) fn forget_device(mut writers: ResMut<SlabWriters>, mut shown: ResMut<
 /// Forgets where meshes lie if one is about to be uploaded or freed: others may move then.
 pub(crate) fn note_moved_meshes(meshes: Res<ExtractedAssets<RenderMesh>>, mut writers: ResMut<SlabWriters>) {
     if !meshes.extracted.is_empty() || !meshes.removed.is_empty() {
-        let SlabWriters { slabs, places, .. } = &mut *writers;
+        let SlabWriters { slabs, places, known, .. } = &mut *writers;
         slabs.clear();
         places.clear();
+        *known = None;
     }
 }
 
@@ -81,37 +102,37 @@ pub(crate) fn write_slabs(
     mut writers: ResMut<SlabWriters>,
 ) {
     let Some((gpu, step)) = &shown.step else { return };
-    let SlabWriters { slabs, writers, places } = &mut *writers;
-    slabs.iter_mut().for_each(|slab| slab.bodies.clear());
-    places.resize(shown.bodies.len(), None);
-    for (body, place) in shown.bodies.iter().zip(places) {
-        let known = place.filter(|place| place.mesh == body.mesh);
-        *place = known.or_else(|| find(body, step, &allocator, &meshes, slabs));
-        let Some(place) = *place else { continue };
-        slabs[place.slab].bodies.push(BodyVertices {
-            body: body.body,
-            welded: body.welded,
-            to_local: body.to_local,
-            origin: body.origin,
-            fraction: shown.fraction,
-            vertex_count: place.vertex_count,
-            first_position: place.first_position,
-            first_normal: place.first_normal,
-            stride: place.stride,
-        });
-    }
-    let limits = device.limits();
-    for (i, Slab { buffer, bodies }) in slabs.iter().enumerate() {
-        if buffer.size() > limits.max_storage_buffer_binding_size {
-            warn_once!("bodies on the GPU are not shown in meshes beyond maxStorageBufferBindingSize");
-            continue;
+    let SlabWriters { slabs, writers, places, known } = &mut *writers;
+    let is_known = known.as_ref().is_some_and(|known| Arc::ptr_eq(known, &shown.bodies));
+    let mut used = writers.iter_mut().take(slabs.len());
+    let are_told = used.all(|writer| writer.set_step(step, shown.fraction));
+    if !is_known || !are_told {
+        slabs.iter_mut().for_each(|slab| slab.bodies.clear());
+        places.resize(shown.bodies.len(), None);
+        for (body, place) in shown.bodies.iter().zip(&mut *places) {
+            let kept = place.filter(|place| place.mesh == body.mesh);
+            *place = kept.or_else(|| find(body, step, &allocator, &meshes, slabs));
+            let Some(place) = *place else { continue };
+            slabs[place.slab].bodies.push(place.vertices(body));
         }
-        if i == writers.len() {
+        *known = places.iter().all(Option::is_some).then(|| Arc::clone(&shown.bodies));
+        while writers.len() < slabs.len() {
             writers.push(SurfaceWriter::new(gpu));
         }
-        match writers[i].set_bodies(step, bodies) {
-            Ok(()) => writers[i].encode(context.command_encoder(), buffer),
-            Err(error) => warn_once!("bodies on the GPU are not shown: {error}"),
+        for (Slab { bodies, .. }, writer) in slabs.iter().zip(&mut *writers) {
+            match writer.set_bodies(step, bodies) {
+                // Those that it has are of this very step.
+                Ok(()) => _ = writer.set_step(step, shown.fraction),
+                Err(error) => warn_once!("bodies on the GPU are not shown: {error}"),
+            }
+        }
+    }
+    let limits = device.limits();
+    for (Slab { buffer, .. }, writer) in slabs.iter().zip(writers) {
+        if buffer.size() > limits.max_storage_buffer_binding_size {
+            warn_once!("bodies on the GPU are not shown in meshes beyond maxStorageBufferBindingSize");
+        } else {
+            writer.encode(context.command_encoder(), buffer);
         }
     }
 }
@@ -127,11 +148,7 @@ fn find(
 ) -> Option<MeshPlace> {
     let (slice, mesh) = (allocator.mesh_vertex_slice(&body.mesh)?, meshes.get(body.mesh)?);
     let vertex_count = slice.range.len() as u32;
-    let expected = match body.welded {
-        Some(welded) => welded.vertex_count(),
-        None => step.particle_count(body.body)?,
-    };
-    if vertex_count != expected {
+    if body.vertices.vertex_count(step.particle_count(body.body)?) != Some(vertex_count) {
         warn_once!("a mesh of a body on the GPU has more or fewer vertices than the body: it is not written");
         return None;
     }

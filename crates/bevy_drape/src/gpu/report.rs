@@ -30,6 +30,7 @@ use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::gpu::rest::sleeper;
 use crate::refusal::Refusals;
+use crate::render::rope_mesh::RopeMesh;
 use crate::render::surface::EntitySpace;
 use crate::sleep::scene_manager::SceneManager;
 
@@ -129,10 +130,14 @@ pub(crate) fn take_report(
     let rules = manager.rules();
     // The next one comes as much later as this one did, if frames are as long.
     let lateness = (2.0 * (clock.elapsed() - time)).max(0.0) as f32 + clock.delta();
+    let mut next = 0;
     for (entity, body, parts, mut last, mut activity) in &mut on_gpu {
-        let Some(status) = status_of(&statuses, body.id()).filter(|_| *activity == Activity::Active) else {
+        if *activity != Activity::Active {
             continue;
-        };
+        }
+        let Some(place) = place_of(&statuses, body.id(), next) else { continue };
+        let status = &statuses[place].1;
+        next = place + 1;
         if status.has_fault {
             let fault = "a particle is nowhere, or too far away, and stays where it was";
             refusals.entity(entity, SolveOnGpu::NAME, fault);
@@ -157,17 +162,19 @@ pub(crate) fn take_report(
 /// Gives bodies that were reported, and those whose entities have moved, their bounds in the coordinates of their entities.
 pub(crate) fn write_bounds(
     mut reported: Query<
-        (&LastReport, &GlobalTransform, &mut Aabb),
+        (&LastReport, &GlobalTransform, Option<&RopeMesh>, &mut Aabb),
         (With<GpuBody>, Or<(Changed<LastReport>, Changed<GlobalTransform>)>),
     >,
 ) {
-    for (last, transform, mut bounds) in &mut reported {
+    for (last, transform, rope, mut bounds) in &mut reported {
         let Some(space) = EntitySpace::new(transform) else {
             continue;
         };
+        let radius = rope.map_or(0.0, |rope| rope.radius);
         let grown = |reach: f32| {
             let Bounds { low, high } = last.bounds.grown(reach);
-            space.bounds(low - transform.translation(), high - transform.translation())
+            let centres = space.bounds(low - transform.translation(), high - transform.translation());
+            Aabb { half_extents: centres.half_extents + radius, ..centres }
         };
         if !is_good(&bounds, &grown(last.reach)) {
             *bounds = grown(2.0 * last.reach);
@@ -175,10 +182,10 @@ pub(crate) fn write_bounds(
     }
 }
 
-/// The status of a body in a list that is ordered by ids.
-fn status_of(statuses: &[(GpuBodyId, BodyStatus)], id: GpuBodyId) -> Option<&BodyStatus> {
-    let found = statuses.binary_search_by_key(&id, |(id, _)| *id).ok()?;
-    Some(&statuses[found].1)
+/// The place of a body's status in a list that is ordered by ids, which most bodies are asked for in: `next` is the one after the last.
+fn place_of(statuses: &[(GpuBodyId, BodyStatus)], id: GpuBodyId, next: usize) -> Option<usize> {
+    let is_next = statuses.get(next).is_some_and(|&(there, _)| there == id);
+    if is_next { Some(next) } else { statuses.binary_search_by_key(&id, |(id, _)| *id).ok() }
 }
 
 /// True if `bounds` hold what is needed, and not much more. A change of them costs the renderer something.

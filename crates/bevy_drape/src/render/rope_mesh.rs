@@ -7,6 +7,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use drape_solver::Topology;
 
+use crate::body::on_gpu::OnGpu;
 use crate::body::particles::{Particles, Sticks};
 use crate::render::tube::Tube;
 
@@ -42,10 +43,11 @@ impl RopeMesh {
 /// State of a rope's tube between two frames.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct RopeSurface {
-    made_for: RopeMesh,
-    mesh: AssetId<Mesh>,
+    pub made_for: RopeMesh,
+    /// Mesh that is written.
+    pub mesh: AssetId<Mesh>,
     /// Its particles from one end to the other.
-    order: Vec<u32>,
+    pub order: Vec<u32>,
     previous: Vec<Vec3>,
     current: Vec<Vec3>,
     /// A vector across the first link, from which the rings start.
@@ -54,6 +56,24 @@ pub(crate) struct RopeSurface {
     is_settled: bool,
     /// Fraction and transform that the mesh was last written for; none if a step was taken since.
     shown: Option<(f32, GlobalTransform)>,
+}
+
+impl RopeSurface {
+    /// Shows the particles as they are now, after they went ways that were not recorded.
+    #[cfg(feature = "gpu")]
+    pub fn restart(&mut self, particles: &drape_solver::Particles) {
+        if particles.len() == self.order.len() && particles.is_finite() {
+            self.read(particles);
+            self.previous.clone_from(&self.current);
+        }
+        (self.is_settled, self.shown) = (true, None);
+    }
+
+    /// Reads the present positions.
+    fn read(&mut self, particles: &drape_solver::Particles) {
+        self.current.clear();
+        self.current.extend(self.order.iter().map(|&i| particles.position(i as usize)));
+    }
 }
 
 /// Returns the particles of a chain from one end to the other; none if it is not a chain.
@@ -86,18 +106,29 @@ fn order_of(topology: &Topology) -> Option<Vec<u32>> {
 /// Gives new ropes and pieces of ropes their tubes.
 pub(crate) fn build_rope_meshes(
     mut commands: Commands,
-    ropes: Query<(Entity, &RopeMesh, &Particles, &Sticks, Option<&RopeSurface>, Option<&Mesh3d>)>,
+    ropes: Query<(
+        Entity,
+        &RopeMesh,
+        Option<&Particles>,
+        Option<&Sticks>,
+        Option<&OnGpu>,
+        Option<&RopeSurface>,
+        Option<&Mesh3d>,
+    )>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    for (entity, rope, particles, sticks, surface, mesh) in &ropes {
+    for (entity, rope, particles, sticks, on_gpu, surface, mesh) in &ropes {
+        let on_gpu = on_gpu.map(|body| (&body.particles, &body.topology));
+        let here = particles.zip(sticks).map(|(particles, sticks)| (&particles.0, &sticks.0));
+        let Some((particles, topology)) = here.or(on_gpu) else { continue };
         let is_known = surface.zip(mesh).is_some_and(|(surface, mesh)| {
             surface.made_for == *rope && surface.current.len() == particles.len() && surface.mesh == mesh.id()
         });
         let is_usable = rope.radius > 0.0 && rope.radius.is_finite() && (3..=64).contains(&rope.sides);
-        if is_known || !is_usable || particles.len() != sticks.particle_count() {
+        if is_known || !is_usable || particles.len() != topology.particle_count() {
             continue;
         }
-        let Some(order) = order_of(sticks) else { continue };
+        let Some(order) = order_of(topology) else { continue };
         let tube = Tube { rings: order.len(), sides: rope.sides as usize, radius: rope.radius };
         let mut made = Mesh::new(
             PrimitiveTopology::TriangleList,
@@ -126,15 +157,14 @@ pub(crate) fn build_rope_meshes(
 /// Records the ropes after a step.
 pub(crate) fn record_ropes(mut ropes: Query<(Ref<Particles>, &mut RopeSurface)>) {
     for (particles, mut surface) in &mut ropes {
-        let RopeSurface { order, previous, current, is_settled, shown, .. } = &mut *surface;
-        *is_settled |= !particles.is_changed();
-        if particles.is_changed() && particles.len() == order.len() && particles.is_finite() {
-            core::mem::swap(previous, current);
-            current.clear();
-            current.extend(order.iter().map(|&i| particles.position(i as usize)));
-            *is_settled = previous == current;
-            if !*is_settled {
-                *shown = None;
+        let surface = &mut *surface;
+        surface.is_settled |= !particles.is_changed();
+        if particles.is_changed() && particles.len() == surface.order.len() && particles.is_finite() {
+            core::mem::swap(&mut surface.previous, &mut surface.current);
+            surface.read(&particles);
+            surface.is_settled = surface.previous == surface.current;
+            if !surface.is_settled {
+                surface.shown = None;
             }
         }
     }
@@ -142,7 +172,7 @@ pub(crate) fn record_ropes(mut ropes: Query<(Ref<Particles>, &mut RopeSurface)>)
 
 /// Writes the tubes at `fraction` of the last step.
 pub(crate) fn write_ropes(
-    ropes: &mut Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
+    ropes: &mut Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb), With<Particles>>,
     meshes: &mut Assets<Mesh>,
     fraction: f32,
 ) {

@@ -38,7 +38,7 @@ pub(crate) fn write_surfaces(
         (Or<(With<Particles>, With<DrivenMesh>)>, Without<RopeSurface>),
     >,
     poses: Query<&AnimatedPose>,
-    mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb)>,
+    mut ropes: Query<(&mut RopeSurface, &Mesh3d, &GlobalTransform, &mut Aabb), With<Particles>>,
     places: Query<&GlobalTransform>,
     mut meshes: ResMut<Assets<Mesh>>,
     interpolate: Res<InterpolateSurfaces>,

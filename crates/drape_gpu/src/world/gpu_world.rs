@@ -20,8 +20,8 @@ use crate::source::{Extras, LIST_WORKGROUP, SIZE_CLASSES};
 use crate::timer::Timer;
 use crate::world::body_record::{BodyPlace, BodyRecord, GpuBodyId};
 use crate::world::dispatches::{Dispatch, Stage};
+use crate::world::last_step::Places;
 use crate::world::read_back::REACTION;
-use crate::world::welded::WeldedId;
 
 /// Bytes of the position or displacement of a particle.
 pub(super) const PARTICLE: u64 = 16;
@@ -49,8 +49,8 @@ pub struct GpuWorld {
     pub(super) buffers: Buffers,
     /// Topologies with their pairs of words in the buffer, each with the index of its first pair.
     pub(super) models: Vec<(Arc<Topology>, Model, u32)>,
-    /// Vertices of meshes, as pairs of words in the buffer.
-    pub(super) welded: Vec<(Box<[[u32; 2]]>, WeldedId)>,
+    /// Lists of vertices and rings that meshes share, each with the index of its first pair in the buffer.
+    pub(super) shared_pairs: Vec<(Box<[[u32; 2]]>, u32)>,
     /// Of shapes without a formula.
     pub(super) fields: DistanceFields,
     /// By the numbers of their ids.
@@ -80,7 +80,7 @@ pub struct GpuWorld {
     pub(super) timer: Option<Timer>,
     pub(super) snapshots: Option<Snapshots>,
     /// Places of the bodies in the last step.
-    pub(super) places: Arc<[(GpuBodyId, BodyPlace)]>,
+    pub(super) places: Places,
     /// Indices of obstacles that the last step left out.
     pub(super) left_out: Vec<(usize, GpuError)>,
 }
@@ -94,7 +94,7 @@ impl GpuWorld {
             pin_kernel: ListKernel::of_pins(gpu),
             buffers: Buffers::new(gpu),
             models: Vec::new(),
-            welded: Vec::new(),
+            shared_pairs: Vec::new(),
             fields: DistanceFields::default(),
             bodies: BTreeMap::new(),
             next_id: 0,

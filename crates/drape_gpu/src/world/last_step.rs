@@ -6,6 +6,9 @@ use crate::error::GpuError;
 use crate::world::body_record::{BodyPlace, GpuBodyId};
 use crate::world::gpu_world::GpuWorld;
 
+/// The places of all bodies in a step, in the order of their ids. It stays the same one until bodies come, go, wake or go to rest.
+pub(crate) type Places = Arc<[(GpuBodyId, BodyPlace)]>;
+
 /// The bodies of a world before and after its last step, for a [`SurfaceWriter`](crate::SurfaceWriter). It holds handles only, so that it can go to
 /// the thread of a renderer while the world is stepped. It shows its step until the second [`GpuWorld::begin_frame`], if
 /// one is called before the next step; else the next step writes over it.
@@ -13,8 +16,7 @@ use crate::world::gpu_world::GpuWorld;
 pub struct LastStep {
     /// Pairs of words of the world, its positions before and after the step.
     pub(crate) read: [wgpu::Buffer; 3],
-    /// In the order of their ids.
-    places: Arc<[(GpuBodyId, BodyPlace)]>,
+    pub(crate) places: Places,
 }
 
 impl LastStep {
@@ -43,7 +45,7 @@ impl GpuWorld {
     }
 
     /// The places of all bodies, at rest or not.
-    pub(super) fn list_places(&self) -> Arc<[(GpuBodyId, BodyPlace)]> {
+    pub(super) fn list_places(&self) -> Places {
         self.bodies
             .keys()
             .filter_map(|&id| Some((GpuBodyId(id), self.place_of(GpuBodyId(id)).ok()??)))

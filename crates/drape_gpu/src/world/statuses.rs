@@ -9,6 +9,7 @@ use crate::gpu::{Gpu, PendingBytes};
 use crate::layout::StatusData;
 use crate::world::body_record::{BodyPlace, GpuBodyId};
 use crate::world::gpu_world::GpuWorld;
+use crate::world::last_step::Places;
 
 /// Box, speed and fault of a body in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +73,7 @@ impl GpuWorld {
 pub struct PendingStatuses {
     gpu: Gpu,
     bytes: PendingBytes,
-    places: Arc<[(GpuBodyId, BodyPlace)]>,
+    places: Places,
     dt: f32,
 }
 

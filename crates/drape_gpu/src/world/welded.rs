@@ -74,16 +74,21 @@ impl GpuWorld {
     /// [`GpuError::Vertices`]; [`GpuError::Limit`] if the device has no room.
     pub fn add_vertices(&mut self, vertices: &WeldedVertices) -> Result<WeldedId, GpuError> {
         let pairs = vertices.pairs()?;
-        if let Some((_, id)) = self.welded.iter().find(|(known, _)| **known == *pairs) {
-            return Ok(*id);
-        }
         let most = vertices.particles.iter().flatten().max();
-        let id = WeldedId {
-            first_pair: self.buffers.push_pairs(&self.gpu, &pairs)?,
+        Ok(WeldedId {
+            first_pair: self.share_pairs(pairs)?,
             vertex_count: vertices.particles.len() as u32,
             particle_count: most.map_or(0, |&most| most + 1),
-        };
-        self.welded.push((pairs.into(), id));
-        Ok(id)
+        })
+    }
+
+    /// The index of the first of these pairs, which equal lists share.
+    pub(super) fn share_pairs(&mut self, pairs: Vec<[u32; 2]>) -> Result<u32, GpuError> {
+        if let Some((_, first)) = self.shared_pairs.iter().find(|(known, _)| **known == *pairs) {
+            return Ok(*first);
+        }
+        let first = self.buffers.push_pairs(&self.gpu, &pairs)?;
+        self.shared_pairs.push((pairs.into(), first));
+        Ok(first)
     }
 }

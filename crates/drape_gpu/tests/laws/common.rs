@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use drape_gpu::{Gpu, GpuBodyId, GpuError, GpuWorld, wgpu};
+use drape_gpu::{Gpu, GpuBodyId, GpuError, GpuWorld, SurfaceWriter, wgpu};
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
     Body, BodySettings, ClothBuilder, Environment, Obstacle, Particles, Placement, Shape, StickKind,
@@ -121,4 +121,35 @@ pub fn stretch(body: &Body, positions: &[Vec3]) -> f64 {
 /// The greatest distance between two lists of positions, in metres.
 pub fn farthest_apart(one: &[Vec3], other: &[Vec3]) -> f32 {
     one.iter().zip(other).map(|(one, other)| one.distance(*other)).fold(0.0, f32::max)
+}
+
+/// A buffer for vertices, of so many bytes.
+pub fn vertex_buffer(size: u64) -> wgpu::Buffer {
+    gpu().device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    })
+}
+
+/// Writes vertices into a buffer, and returns its words.
+pub fn write(writer: &SurfaceWriter, target: &wgpu::Buffer) -> Vec<f32> {
+    let device = gpu().device();
+    let staging = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: target.size(),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    writer.encode(&mut encoder, target);
+    encoder.copy_buffer_to_buffer(target, 0, &staging, 0, target.size());
+    gpu().queue().submit([encoder.finish()]);
+    let (sender, mapped) = std::sync::mpsc::channel();
+    staging.slice(..).map_async(wgpu::MapMode::Read, move |result| sender.send(result).expect("heard"));
+    gpu().wait().expect("a device");
+    mapped.recv().expect("sent").expect("mapped");
+    let view = staging.slice(..).get_mapped_range().expect("mapped");
+    view.chunks_exact(4).map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }

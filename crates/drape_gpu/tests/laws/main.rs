@@ -9,3 +9,4 @@ mod motion;
 mod same_bits;
 mod stability;
 mod surface;
+mod tube;

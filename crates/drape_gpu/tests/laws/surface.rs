@@ -1,6 +1,6 @@
 //! Vertices that are written on the GPU are those that the processor would write.
 
-use drape_gpu::{BodyVertices, GpuError, GpuWorld, SurfaceWriter, WeldedVertices, wgpu};
+use drape_gpu::{BodyMesh, BodyVertices, GpuError, GpuWorld, SurfaceWriter, WeldedVertices};
 use drape_solver::glam::{Mat3, Quat, Vec3};
 use drape_solver::{Body, BodySettings, ClothBuilder};
 
@@ -23,24 +23,9 @@ fn expected(body: &Body, places: &[Vec3], vertices: &BodyVertices) -> Vec<[Vec3;
     local.into_iter().zip(normals).map(|(place, normal)| [place, normal.normalize() * side]).collect()
 }
 
-/// The words of a buffer of so many bytes to which `writer` has written.
+/// The words of a new buffer of so many bytes to which `writer` has written.
 fn written(writer: &SurfaceWriter, size: u64) -> Vec<f32> {
-    let device = gpu().device();
-    let buffer = |usage| {
-        device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
-    };
-    let target = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-    let staging = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    writer.encode(&mut encoder, &target);
-    encoder.copy_buffer_to_buffer(&target, 0, &staging, 0, size);
-    gpu().queue().submit([encoder.finish()]);
-    let (sender, mapped) = std::sync::mpsc::channel();
-    staging.slice(..).map_async(wgpu::MapMode::Read, move |result| sender.send(result).expect("heard"));
-    gpu().wait().expect("a device");
-    mapped.recv().expect("sent").expect("mapped");
-    let view = staging.slice(..).get_mapped_range().expect("mapped");
-    view.chunks_exact(4).map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
+    write(writer, &vertex_buffer(size))
 }
 
 #[test]
@@ -66,10 +51,9 @@ fn vertices_are_those_of_the_processor() {
     let vertices: Vec<BodyVertices> = (0..2)
         .map(|i| BodyVertices {
             body: ids[i],
-            welded: None,
+            mesh: BodyMesh::Particles,
             to_local: to_local[i],
             origin: Vec3::new(1.0, 2.0, 3.0),
-            fraction: 0.25,
             vertex_count: bodies[i].particles.len() as u32,
             first_position: firsts[i],
             first_normal: firsts[i] + NORMAL,
@@ -78,9 +62,9 @@ fn vertices_are_those_of_the_processor() {
         .collect();
     let size = u64::from(4 * (firsts[1] + 1600 * STRIDE));
     let mut writer = SurfaceWriter::new(gpu());
-    writer
-        .set_bodies(&world.last_step().expect("a world that keeps positions"), &vertices)
-        .expect("a world that keeps positions");
+    let step = world.last_step().expect("a world that keeps positions");
+    writer.set_bodies(&step, &vertices).expect("room");
+    assert!(writer.set_step(&step, 0.25));
 
     let words = written(&writer, size);
     let vector = |first: usize| Vec3::from_slice(&words[first..first + 3]);
@@ -114,17 +98,18 @@ fn a_new_frame_does_not_disturb_the_one_before() {
     let shown = positions(&world, id);
     let vertices = BodyVertices {
         body: id,
-        welded: None,
+        mesh: BodyMesh::Particles,
         to_local: Mat3::IDENTITY,
         origin: Vec3::ZERO,
-        fraction: 1.0,
         vertex_count: 100,
         first_position: 0,
         first_normal: 3,
         stride: 6,
     };
     let mut writer = SurfaceWriter::new(gpu());
-    writer.set_bodies(&world.last_step().expect("a world that keeps positions"), &[vertices]).expect("room");
+    let step = world.last_step().expect("a world that keeps positions");
+    writer.set_bodies(&step, &[vertices]).expect("room");
+    assert!(writer.set_step(&step, 1.0));
     world.begin_frame();
     run(&mut world, &gravity(), 2);
     let words = written(&writer, 100 * 24);
@@ -132,6 +117,17 @@ fn a_new_frame_does_not_disturb_the_one_before() {
         // A mixture of both ends may round.
         assert!(Vec3::from_slice(&words[6 * k..6 * k + 3]).distance(*place) < 1e-6);
     }
+
+    // The same bodies in another step, and nothing written before it is known that they are there.
+    assert!(writer.set_step(&world.last_step().expect("stepped"), 1.0));
+    let words = written(&writer, 100 * 24);
+    for (k, place) in positions(&world, id).into_iter().enumerate() {
+        assert!(Vec3::from_slice(&words[6 * k..6 * k + 3]).distance(place) < 1e-6);
+    }
+    world.set_resting(id, true).expect("a body");
+    run(&mut world, &gravity(), 1);
+    assert!(!writer.set_step(&world.last_step().expect("stepped"), 1.0), "it went to rest");
+    assert!(written(&writer, 100 * 24).iter().all(|&word| word == 0.0));
 }
 
 /// A mesh of a sheet's faces: every second vertex of a seam has the normal of its own side only, the others share theirs, and one vertex belongs to nothing.
@@ -200,17 +196,18 @@ fn vertices_of_a_mesh_lie_on_their_particles() {
     let origin = Vec3::splat(20.0);
     let vertices = BodyVertices {
         body: id,
-        welded: Some(welded),
+        mesh: BodyMesh::Welded(welded),
         to_local: mirror,
         origin,
-        fraction: 1.0,
         vertex_count: welded.vertex_count(),
         first_position: 0,
         first_normal: NORMAL,
         stride: STRIDE,
     };
     let mut writer = SurfaceWriter::new(gpu());
-    writer.set_bodies(&world.last_step().expect("stepped"), &[vertices]).expect("room");
+    let step = world.last_step().expect("stepped");
+    writer.set_bodies(&step, &[vertices]).expect("room");
+    assert!(writer.set_step(&step, 1.0));
     let words = written(&writer, u64::from(4 * STRIDE * welded.vertex_count()));
     let places: Vec<Vec3> =
         positions(&world, id).into_iter().map(|place| mirror * (place - origin)).collect();
@@ -228,7 +225,10 @@ fn vertices_of_a_mesh_lie_on_their_particles() {
     let wrong = BodyVertices { body: small, ..vertices };
     // So is one that has other vertices than there is room for.
     let short = BodyVertices { vertex_count: welded.vertex_count() - 1, ..vertices };
-    writer.set_bodies(&world.last_step().expect("stepped"), &[wrong, short]).expect("room");
+    let step = world.last_step().expect("stepped");
+    assert!(!writer.set_step(&step, 1.0), "a body has come: the places are others");
+    writer.set_bodies(&step, &[wrong, short]).expect("room");
+    assert!(writer.set_step(&step, 1.0));
     assert!(written(&writer, 4096).iter().all(|&word| word == 0.0), "nothing is written");
 }
 
