@@ -106,6 +106,16 @@ fn the_renderer_has_the_vertices_of_the_gpu() {
         go_on(&mut app, 1);
     }
 
+    // Others' meshes: it grows again.
+    for _ in 0..80 {
+        let other = app.world_mut().resource_mut::<Assets<Mesh>>().add(Sphere::new(1.0).mesh().uv(64, 64));
+        app.world_mut().spawn(Mesh3d(other));
+    }
+    run(&mut app, 3);
+    let before = step(&mut app, first);
+    assert_drawn(&app, first, &before);
+    go_on(&mut app, 1);
+
     // Uploaded anew, from what the processor has.
     let mesh = app.world().entity(second).get::<Mesh3d>().expect("a mesh").id();
     let before = step(&mut app, second);
@@ -179,7 +189,14 @@ fn bodies_that_come_go_move_and_rest_are_drawn_where_they_are() {
         assert_drawn(&app, body, &before);
         go_on(&mut app, 1);
     }
-    app.world_mut().entity_mut(moved).insert(Transform::from_xyz(2.05, 0.0, 0.0));
+    for (body, x) in [(moved, 2.05), (stays, 4.05)] {
+        app.world_mut().entity_mut(body).insert(Transform::from_xyz(x, 0.0, 0.0));
+        for body in [moved, stays, late] {
+            let before = step(&mut app, body);
+            assert_drawn(&app, body, &before);
+            go_on(&mut app, 1);
+        }
+    }
     app.world_mut().entity_mut(stays).insert(Activity::Resting);
     for body in [moved, stays, late] {
         let before = step(&mut app, body);
