@@ -189,7 +189,7 @@ fn bodies_that_come_go_move_and_rest_are_drawn_where_they_are() {
         assert_drawn(&app, body, &before);
         go_on(&mut app, 1);
     }
-    for (body, x) in [(moved, 2.05), (stays, 4.05)] {
+    for (body, x) in [(moved, 2.05), (stays, 4.05), (late, 6.05)] {
         app.world_mut().entity_mut(body).insert(Transform::from_xyz(x, 0.0, 0.0));
         for body in [moved, stays, late] {
             let before = step(&mut app, body);
