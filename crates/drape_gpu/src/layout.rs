@@ -91,7 +91,8 @@ pub(crate) struct BodyData {
     pub columns: u32,
     pub rows: u32,
     pub inverse_mass: f32,
-    pub unused: [u32; 3],
+    pub rescale: f32,
+    pub unused: [u32; 2],
 }
 
 /// `Batch`: sticks that share no particle.

@@ -12,7 +12,7 @@ use crate::kernels::ListKernel;
 use crate::source::LIST_WORKGROUP;
 use crate::world::{BodyPlace, GpuBodyId, LastStep, Places, TubeId, WeldedId};
 
-/// How the vertices of a mesh lie on the particles of a body.
+/// The way in which the vertices of a mesh lie on the particles of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum BodyMesh {
     /// One vertex for each particle, in the order of the particles.
@@ -20,7 +20,8 @@ pub enum BodyMesh {
     Particles,
     /// Several vertices may lie on a particle.
     Welded(WeldedId),
-    /// A tube around a rope.
+    /// A tube around a rope. Its rings start from the first normal that the buffer has, so that it does not spin: keep that from frame to frame, zero at
+    /// first.
     Tube(TubeId),
 }
 
@@ -41,7 +42,7 @@ impl BodyMesh {
 pub struct BodyVertices {
     /// The body.
     pub body: GpuBodyId,
-    /// How the vertices lie on its particles.
+    /// The way in which the vertices lie on its particles.
     pub mesh: BodyMesh,
     /// Turns directions of the world into those of the vertices; invertible.
     pub to_local: Mat3,
@@ -57,7 +58,7 @@ pub struct BodyVertices {
     pub stride: u32,
 }
 
-/// `Surface` of `surface.wgsl`.
+/// `Surface` of `vertices.wgsl`.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 struct SurfaceData {
@@ -120,8 +121,8 @@ const NONE: u32 = u32::MAX;
 pub struct SurfaceWriter {
     gpu: Gpu,
     surfaces: GrowingBuffer,
-    of_surfaces: SharedWork,
-    of_tubes: SharedWork,
+    of_surfaces: VertexPass,
+    of_tubes: VertexPass,
     /// The places of the bodies, as `surfaces` has them.
     places: Option<Places>,
     /// Pairs of words of the world, and its positions before and after its last step.
@@ -130,13 +131,13 @@ pub struct SurfaceWriter {
 
 /// A kernel, and a list that tells its workgroups what to do.
 #[derive(Debug)]
-struct SharedWork {
+struct VertexPass {
     kernel: ListKernel<6>,
     shares: GrowingBuffer,
     count: u32,
 }
 
-impl SharedWork {
+impl VertexPass {
     fn new(gpu: &Gpu, kernel: ListKernel<6>) -> Self {
         Self { kernel, shares: GrowingBuffer::new(gpu, "shares of vertices"), count: 0 }
     }
@@ -164,8 +165,8 @@ impl SurfaceWriter {
         Self {
             gpu: gpu.clone(),
             surfaces: GrowingBuffer::new(gpu, "surfaces"),
-            of_surfaces: SharedWork::new(gpu, ListKernel::of_surfaces(gpu)),
-            of_tubes: SharedWork::new(gpu, ListKernel::of_tubes(gpu)),
+            of_surfaces: VertexPass::new(gpu, ListKernel::of_surfaces(gpu)),
+            of_tubes: VertexPass::new(gpu, ListKernel::of_tubes(gpu)),
             places: None,
             read: None,
         }
@@ -204,7 +205,7 @@ impl SurfaceWriter {
     }
 
     /// Has the bodies written as they were at this fraction of a step: from 0, the state before it, to 1, that after it. False, and nothing is written, if
-    /// bodies have come, gone, woken or gone to rest since they were [set](Self::set_bodies).
+    /// they have to be [set](Self::set_bodies) first: for the first time, because that failed, or because bodies have come or gone since.
     pub fn set_step(&mut self, step: &LastStep, fraction: f32) -> bool {
         let is_known = self.places.as_ref().is_some_and(|places| Arc::ptr_eq(places, &step.places));
         self.read = is_known.then(|| step.read.clone());
@@ -221,10 +222,10 @@ impl SurfaceWriter {
     /// By wgpu, if `target` may not be used as storage, or is larger than the device lets a shader see.
     pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Buffer) {
         let Some([pairs, before, after]) = &self.read else { return };
-        for work in [&self.of_surfaces, &self.of_tubes] {
-            if work.count > 0 {
-                let bound = [work.shares.get(), self.surfaces.get(), pairs, before, after, target];
-                work.kernel.encode(&self.gpu, encoder, bound, work.count);
+        for pass in [&self.of_surfaces, &self.of_tubes] {
+            if pass.count > 0 {
+                let bound = [pass.shares.get(), self.surfaces.get(), pairs, before, after, target];
+                pass.kernel.encode(&self.gpu, encoder, bound, pass.count);
             }
         }
     }

@@ -2,13 +2,17 @@
 
 use std::sync::Arc;
 
+use bevy::ecs::query::QueryData;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 #[cfg(feature = "gpu")]
 use drape_solver::Body;
 use drape_solver::Topology;
 
+#[cfg(feature = "gpu")]
+use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
+use crate::body::particles::{Particles, Sticks};
 #[cfg(feature = "gpu")]
 use crate::rigid_motion::placement;
 
@@ -33,11 +37,36 @@ impl OnGpu {
         Body { layers: state.layers, ..body }
     }
 
+    /// The transform of the entity in which the body is seen. A frozen body with pins moves rigidly with its entity: it is seen as when it froze.
+    pub fn seen_from(&self, activity: Activity, now: &GlobalTransform) -> GlobalTransform {
+        if self.is_carried(activity) { self.state.anchor.into() } else { *now }
+    }
+
+    /// True if the body is frozen and moves rigidly with its entity.
+    pub fn is_carried(&self, activity: Activity) -> bool {
+        activity == Activity::Frozen && !self.state.pins.is_empty()
+    }
+
     /// Moves the particles rigidly to where the entity is now.
     pub fn follow(&mut self) {
         if let (Some(from), Some(to)) = (placement(&self.anchor), placement(&self.state.anchor)) {
             self.particles.teleport(&from, &to);
             self.anchor = self.state.anchor;
         }
+    }
+}
+
+/// The parts of a body, wherever it is solved.
+#[derive(QueryData)]
+pub(crate) struct AnyParts {
+    here: Option<(&'static Particles, &'static Sticks)>,
+    on_gpu: Option<&'static OnGpu>,
+}
+
+impl AnyPartsItem<'_, '_> {
+    /// Particles and topology; those of a body on the GPU are as they were when it went there. None before the body is built.
+    pub fn get(&self) -> Option<(&drape_solver::Particles, &Arc<Topology>)> {
+        let here = self.here.map(|(particles, sticks)| (&particles.0, &sticks.0));
+        here.or(self.on_gpu.map(|body| (&body.particles, &body.topology)))
     }
 }

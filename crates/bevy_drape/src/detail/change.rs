@@ -92,13 +92,7 @@ pub(crate) fn choose_detail(
     let mut bodies = bodies.p1();
     for entity in to_look_at.drain(..) {
         let Ok(body) = bodies.get_mut(entity) else { continue };
-        let detail = body.detail.filter(|detail| match detail.validate() {
-            Ok(()) => true,
-            Err(error) => {
-                refusals.entity(entity, "LevelOfDetail", error);
-                false
-            }
-        });
+        let detail = body.detail.filter(|detail| is_valid(detail, entity, &mut refusals));
         changes.extend(choose_level(entity, body, detail, &view));
     }
     changes.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.order.cmp(&b.order)));
@@ -121,6 +115,24 @@ pub(crate) fn choose_detail(
     }
 }
 
+/// True if a level of detail can be used. Else it is noted why not.
+pub(crate) fn is_valid(detail: &LevelOfDetail, entity: Entity, refusals: &mut Refusals) -> bool {
+    let fault = detail.validate().err();
+    if let Some(error) = fault {
+        refusals.entity(entity, "LevelOfDetail", error);
+    }
+    fault.is_none()
+}
+
+/// Freezes a body, or sets it going again.
+pub(crate) fn freeze(activity: &mut Mut<Activity>, frozen: bool) {
+    match **activity {
+        Activity::Active if frozen => **activity = Activity::Frozen,
+        Activity::Frozen if !frozen => **activity = Activity::Active,
+        _ => {}
+    }
+}
+
 /// Sets level, substeps and activity. Returns a change if the body needs other particles.
 fn choose_level(
     entity: Entity,
@@ -132,9 +144,8 @@ fn choose_level(
         return None;
     }
     let distance = view.distance(body.state.extent.bounds);
-    let level = detail.map_or(0, |detail| detail.level_at(distance, body.current.level));
-    let DetailLevel { most_substeps, coarseness, frozen, .. } =
-        detail.map(|detail| detail.spent_at(level)).unwrap_or_default();
+    let (level, spent) = LevelOfDetail::spent_at(detail, distance, body.current.level);
+    let DetailLevel { most_substeps, coarseness, frozen, .. } = spent;
     let is_full =
         |cloth: &Cloth| body.particles.len() as u64 == cloth.particles.as_u64vec2().element_product();
     let mut known = *body.current;
@@ -146,11 +157,7 @@ fn choose_level(
         return None;
     }
     body.current.set_if_neq(CurrentDetail { level, most_substeps, ..known });
-    match *body.activity {
-        Activity::Active if frozen => *body.activity = Activity::Frozen,
-        Activity::Frozen if !frozen => *body.activity = Activity::Active,
-        _ => {}
-    }
+    freeze(&mut body.activity, frozen);
     let is_other = coarseness != known.coarseness;
     is_other.then_some(Change { distance, order: body.state.order, entity, coarseness })
 }

@@ -31,7 +31,8 @@ const HYSTERESIS: f32 = 0.1;
 /// while something refers to them by index: an [`Attachment`](crate::attach::attachment::Attachment), a
 /// [`Grab`](crate::attach::grab::Grab), a follower
 /// ([`FollowParticle`](crate::attach::follow_particle::FollowParticle)), motion limits, backstops, drives, pins set by
-/// hand, [`Tearable`](crate::body::tearable::Tearable), or a cut. A resting cloth costs nothing and is not made coarser.
+/// hand, [`Tearable`](crate::body::tearable::Tearable), or a cut. On the GPU it keeps them too. A resting cloth costs
+/// nothing and is not made coarser.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[require(CurrentDetail)]
@@ -125,9 +126,12 @@ impl LevelOfDetail {
         current.clamp(begun(distance / (1.0 + HYSTERESIS)), begun(distance))
     }
 
-    /// Returns the settings of a level: 0 is full detail, `n` the `n`-th of [`levels`](Self::levels).
-    pub(crate) fn spent_at(&self, level: usize) -> DetailLevel {
-        level.checked_sub(1).and_then(|i| self.levels.get(i).copied()).unwrap_or_default()
+    /// The level of a body at `distance` metres, coming from level `current`, and what is spent there: 0 is full detail, which a body without the
+    /// component has, and `n` the `n`-th of [`levels`](Self::levels).
+    pub(crate) fn spent_at(detail: Option<&Self>, distance: f32, current: usize) -> (usize, DetailLevel) {
+        let level = detail.map_or(0, |detail| detail.level_at(distance, current));
+        let of_level = |detail: &Self| level.checked_sub(1).and_then(|i| detail.levels.get(i).copied());
+        (level, detail.and_then(of_level).unwrap_or_default())
     }
 }
 

@@ -17,12 +17,13 @@ use drape_gpu::{BodyMesh, GpuBodyId};
 ///
 /// It has an [`Activity`](crate::body::activity::Activity), some frames late. At rest it falls asleep, until an obstacle nearby, gravity, the wind or
 /// a pin changes, or you set its activity; it wakes without speed. Outside the play area it is culled, until its pins move or you set its activity.
+/// By a [`LevelOfDetail`](crate::detail::LevelOfDetail) it has fewer substeps, or is frozen: then it moves rigidly with its entity, if it is pinned, goes on without speed, and
+/// begins again if the entity is elsewhere. It keeps its particles.
 ///
 /// The processor solves a body, and the log says why, without a device, with self-contact or a [bending rigidity](crate::body::BendingRigidity), if a
 /// [`DrivenMesh`](crate::render::from_mesh::driven_mesh::DrivenMesh) follows it, if it is a `ClothMesh` with a skin or with painted limits, backstops or
-/// drives, and with any of these components: `Attachment`, `ContactEvents`, `Grab`, `LevelOfDetail`,
-/// [`ParticleFollowers`](crate::attach::ParticleFollowers), `PlaneLock`, `Pressure`, `Rig`, `SoftBodyMesh`, `Tearable`, `Winch`,
-/// `WorldMotion`. If one is added later, the body comes back. Insert `SolveOnGpu` again once it is gone. `TeleportCloth` brings it back for one step.
+/// drives, and with any of these components: `Attachment`, `ContactEvents`, `Grab`, [`ParticleFollowers`](crate::attach::ParticleFollowers),
+/// `PlaneLock`, `Pressure`, `Rig`, `SoftBodyMesh`, `Tearable`, `Winch`, `WorldMotion`. If one is added later, the body comes back. Insert `SolveOnGpu` again once it is gone. `TeleportCloth` brings it back for one step.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 pub struct SolveOnGpu;
@@ -46,7 +47,7 @@ impl GpuBody {
     }
 }
 
-/// How the vertices of the mesh that shows a body on the GPU lie on its particles, if not one on each.
+/// The way in which the vertices of the mesh that shows a body on the GPU lie on its particles, if not one on each.
 #[derive(Component, Clone, Copy, Debug)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct GpuVertices(pub BodyMesh);

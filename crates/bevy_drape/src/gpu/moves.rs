@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::resource::IsResource;
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use drape_gpu::{BodyMesh, GpuBodyId, GpuError, GpuWorld, TubeVertices, WeldedVertices};
 use drape_solver::Body;
@@ -30,7 +31,6 @@ use crate::body::tearable::Tearable;
 use crate::build::cloth::Cloth;
 use crate::build::rope::Rope;
 use crate::build::soft_ball::SoftBall;
-use crate::detail::level::LevelOfDetail;
 use crate::environment::obstacle::Obstacle;
 use crate::environment::obstacle_changes::ObstacleChanges;
 use crate::gpu::bodies::{GpuBodies, Renderer};
@@ -63,7 +63,7 @@ macro_rules! components_of_processor {
 }
 
 components_of_processor! {
-    AnimatedPose, Attachment, ContactEvents, Grab, LevelOfDetail, ParticleFollowers, PlaneLock, Pressure, Rig, SoftBodyMesh, Tearable,
+    AnimatedPose, Attachment, ContactEvents, Grab, ParticleFollowers, PlaneLock, Pressure, Rig, SoftBodyMesh, Tearable,
     TeleportCloth, Winch, WorldMotion,
 }
 
@@ -94,6 +94,13 @@ pub(crate) fn move_to_gpu(
         if components.contains::<GpuBody>() {
             // The body was built anew.
             commands.entity(entity).remove::<OnGpu>();
+        }
+        if components.contains::<TeleportCloth>() {
+            // The processor moves it in this step. It goes to the GPU in the next one.
+            commands.entity(entity).queue_silenced(|mut entity: EntityWorldMut| {
+                entity.get_mut::<SolveOnGpu>().iter_mut().for_each(DetectChangesMut::set_changed);
+            });
+            continue;
         }
         let is_known = components.contains::<Cloth>()
             || components.contains::<ClothMesh>()
@@ -172,11 +179,18 @@ fn take_parts(entity: Entity, id: GpuBody, vertices: Option<GpuVertices>, body: 
 /// Tells the GPU how the tubes of ropes lie on their particles: of ropes that are new there, and of tubes that are.
 pub(crate) fn move_tubes(
     mut commands: Commands,
-    ropes: Query<(Entity, &RopeSurface), (With<GpuBody>, Or<(Changed<RopeSurface>, Added<GpuBody>)>)>,
+    ropes: Query<
+        (Entity, &RopeSurface, &Mesh3d),
+        (With<GpuBody>, Or<(Changed<RopeSurface>, Changed<Mesh3d>, Added<GpuBody>)>, Allow<Disabled>),
+    >,
     mut bodies: ResMut<GpuBodies>,
 ) {
     let Some(world) = bodies.world.as_mut() else { return };
-    for (entity, surface) in &ropes {
+    for (entity, surface, mesh) in &ropes {
+        if surface.mesh != mesh.id() {
+            // Of a rope that the entity was before.
+            continue;
+        }
         let RopeMesh { radius, sides } = surface.made_for;
         match world.add_tube(&TubeVertices { particles: &surface.order, sides, radius }) {
             Ok(tube) => {
@@ -230,12 +244,23 @@ fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
     let world =
         entity.resource::<GpuBodies>().world().filter(|_| can_be_read && cfg!(not(target_family = "wasm")));
     let positions = world.and_then(|world| world.read_positions(body.0).ok());
+    let activity = entity.get::<Activity>().copied().unwrap_or_default();
+    let now = entity.get::<GlobalTransform>().map(GlobalTransform::affine).filter(Affine3A::is_finite);
     let Some(mut parts) = entity.take::<OnGpu>() else { return };
+    let there = parts.state.anchor;
+    let is_carried = parts.is_carried(activity);
+    if is_carried && let Some(now) = now {
+        parts.state.anchor = now;
+    }
     match positions {
         Some(positions) => {
             for (i, position) in positions.into_iter().enumerate() {
                 parts.particles.set_position(i, position);
                 parts.particles.set_velocity(i, Vec3::ZERO);
+            }
+            if is_carried {
+                parts.anchor = there;
+                parts.follow();
             }
         }
         None => parts.follow(),

@@ -1,5 +1,6 @@
 //! Pins of bodies on the GPU that follow the transform of their entity.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_gpu::{GpuError, GpuWorld};
 use drape_solver::constants::TELEPORT_SPEED;
@@ -13,12 +14,12 @@ use crate::gpu::components::GpuBody;
 use crate::gpu::report::LastReport;
 use crate::refusal::Refusals;
 
-/// Moves pins with their entity; they pull the cloth along. After a jump faster than [`TELEPORT_SPEED`] the body begins again at the new place,
-/// in the shape that it went to the GPU in.
+/// Moves pins with their entity; they pull the cloth along. After a jump faster than [`TELEPORT_SPEED`], and when it thaws elsewhere than it froze, the body begins
+/// again at the new place, in the shape that it went to the GPU in.
 pub(crate) fn move_pins_on_gpu(
     mut moved: Query<
         (Entity, &GlobalTransform, &mut GpuBody, &mut OnGpu, &mut LastReport, &mut Activity),
-        Changed<GlobalTransform>,
+        (Or<(Changed<GlobalTransform>, Changed<Activity>)>, Allow<Disabled>),
     >,
     clock: Res<DrapeClock>,
     mut bodies: ResMut<GpuBodies>,
@@ -28,7 +29,7 @@ pub(crate) fn move_pins_on_gpu(
     let Some(world) = bodies.world.as_mut() else { return };
     for (entity, transform, mut body, mut parts, mut last, mut activity) in &mut moved {
         let anchor = transform.affine();
-        if anchor == parts.state.anchor || parts.state.pins.is_empty() {
+        if anchor == parts.state.anchor || parts.state.pins.is_empty() || parts.is_carried(*activity) {
             continue;
         }
         if !anchor.is_finite() {
@@ -38,7 +39,9 @@ pub(crate) fn move_pins_on_gpu(
         activity.set_if_neq(Activity::Active);
         last.still_since = None;
         let from = core::mem::replace(&mut parts.state.anchor, anchor);
-        let told = if is_jump(parts.state.pins.iter(), [&from, &anchor], longest_pull) {
+        let begins_again =
+            last.was_carried || is_jump(parts.state.pins.iter(), [&from, &anchor], longest_pull);
+        let told = if begins_again {
             begin_again(world, &mut body, &mut parts, &mut last)
         } else {
             let mut targets = parts.state.pins.iter();

@@ -13,9 +13,10 @@ use bevy::render::renderer::RenderGraph;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems, init_gpu_resource};
 use bevy::transform::TransformSystems;
 
-use crate::attach::world_motion::inherit_motion;
+use crate::detail::change::choose_detail;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
+use crate::gpu::detail::{choose_detail_on_gpu, note_lost_detail_on_gpu};
 use crate::gpu::moves::{
     bring_back_drivers, bring_back_released, move_to_gpu, move_tubes, remove_from_gpu, watch_components,
 };
@@ -53,15 +54,17 @@ impl Plugin for GpuPlugin {
             .init_resource::<ShownBodies>()
             .add_observer(bring_back_released)
             .add_observer(remove_from_gpu)
+            .add_observer(note_lost_detail_on_gpu)
             .add_systems(First, begin_frame)
             .add_systems(
                 DrapeSchedule,
                 (
-                    // Before obstacles are read: those that were out of reach may be met by these bodies.
+                    // Before they are made coarser, and before obstacles are read: those that were out of reach may be met by these bodies.
                     (bring_back_drivers, move_to_gpu)
                         .chain()
-                        .in_set(ScenePhase::InheritMotion)
-                        .after(inherit_motion),
+                        .after(ScenePhase::CutBodies)
+                        .before(ScenePhase::ChooseDetail),
+                    choose_detail_on_gpu.in_set(ScenePhase::ChooseDetail).after(choose_detail),
                     move_pins_on_gpu.in_set(ScenePhase::MovePins),
                     (wake_on_gpu, step_on_gpu).chain().in_set(DrapeSystems::FormIslands).before(form_islands),
                 ),
@@ -82,7 +85,7 @@ impl Plugin for GpuPlugin {
                         .after(VisibilitySystems::VisibilityPropagate)
                         .after(write_bounds)
                         .after(write_surfaces)
-                        // They write ticks only.
+                        // A change of the asset alone changes nothing that is listed.
                         .ambiguous_with(mark_2d_meshes_as_changed_if_their_assets_changed)
                         .ambiguous_with(mark_3d_meshes_as_changed_if_their_assets_changed),
                 ),

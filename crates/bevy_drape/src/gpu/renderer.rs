@@ -72,8 +72,10 @@ pub(crate) struct SlabWriters {
     writers: Vec<SurfaceWriter>,
     /// Of the bodies in the last list, in its order: to look a mesh up takes longer than all else.
     places: Vec<Option<MeshPlace>>,
-    /// The list that the writers have, if all its meshes were found.
-    known: Option<Arc<Vec<ShownBody>>>,
+    /// The list that the places are of.
+    last: Option<Arc<Vec<ShownBody>>>,
+    /// True if some places were not found: those are looked for in each frame.
+    has_gaps: bool,
 }
 
 /// Forgets what belongs to a device that was lost.
@@ -85,10 +87,10 @@ pub(crate) fn forget_device(mut writers: ResMut<SlabWriters>, mut shown: ResMut<
 /// Forgets where meshes lie if one is about to be uploaded or freed: others may move then.
 pub(crate) fn note_moved_meshes(meshes: Res<ExtractedAssets<RenderMesh>>, mut writers: ResMut<SlabWriters>) {
     if !meshes.extracted.is_empty() || !meshes.removed.is_empty() {
-        let SlabWriters { slabs, places, known, .. } = &mut *writers;
+        let SlabWriters { slabs, places, last, .. } = &mut *writers;
         slabs.clear();
         places.clear();
-        *known = None;
+        *last = None;
     }
 }
 
@@ -102,26 +104,35 @@ pub(crate) fn write_slabs(
     mut writers: ResMut<SlabWriters>,
 ) {
     let Some((gpu, step)) = &shown.step else { return };
-    let SlabWriters { slabs, writers, places, known } = &mut *writers;
-    let is_known = known.as_ref().is_some_and(|known| Arc::ptr_eq(known, &shown.bodies));
-    let mut used = writers.iter_mut().take(slabs.len());
-    let are_told = used.all(|writer| writer.set_step(step, shown.fraction));
-    if !is_known || !are_told {
-        slabs.iter_mut().for_each(|slab| slab.bodies.clear());
+    let SlabWriters { slabs, writers, places, last, has_gaps } = &mut *writers;
+    let is_same = last.as_ref().is_some_and(|last| Arc::ptr_eq(last, &shown.bodies));
+    let mut is_new = !is_same;
+    if is_new || *has_gaps {
         places.resize(shown.bodies.len(), None);
+        *has_gaps = false;
         for (body, place) in shown.bodies.iter().zip(&mut *places) {
-            let kept = place.filter(|place| place.mesh == body.mesh);
-            *place = kept.or_else(|| find(body, step, &allocator, &meshes, slabs));
-            let Some(place) = *place else { continue };
+            *place = place.filter(|place| place.mesh == body.mesh);
+            if place.is_none() {
+                *place = find(body, step, &allocator, &meshes, slabs);
+                is_new |= place.is_some();
+                *has_gaps |= place.is_none();
+            }
+        }
+        *last = Some(Arc::clone(&shown.bodies));
+    }
+    let mut used = writers.iter_mut().take(slabs.len());
+    if is_new || !used.all(|writer| writer.set_step(step, shown.fraction)) {
+        slabs.iter_mut().for_each(|slab| slab.bodies.clear());
+        for (body, place) in shown.bodies.iter().zip(&*places) {
+            let Some(place) = place else { continue };
             slabs[place.slab].bodies.push(place.vertices(body));
         }
-        *known = places.iter().all(Option::is_some).then(|| Arc::clone(&shown.bodies));
         while writers.len() < slabs.len() {
             writers.push(SurfaceWriter::new(gpu));
         }
         for (Slab { bodies, .. }, writer) in slabs.iter().zip(&mut *writers) {
             match writer.set_bodies(step, bodies) {
-                // Those that it has are of this very step.
+                // It has bodies of this very step.
                 Ok(()) => _ = writer.set_step(step, shown.fraction),
                 Err(error) => warn_once!("bodies on the GPU are not shown: {error}"),
             }

@@ -30,7 +30,7 @@ use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, SolveOnGpu};
 use crate::gpu::rest::sleeper;
 use crate::refusal::Refusals;
-use crate::render::rope_mesh::RopeMesh;
+use crate::render::rope_mesh::RopeSurface;
 use crate::render::surface::EntitySpace;
 use crate::sleep::scene_manager::SceneManager;
 
@@ -83,6 +83,8 @@ pub(crate) struct LastReport {
     reach: f32,
     /// Simulated time in seconds since when all particles have been slow; none if one was not.
     pub still_since: Option<f64>,
+    /// True if its entity moved while it was frozen: it begins again there.
+    pub was_carried: bool,
 }
 
 impl LastReport {
@@ -90,7 +92,7 @@ impl LastReport {
     pub fn at(body: &Body) -> Self {
         let Extent { bounds, .. } = Extent::of(&body.particles, &body.topology);
         // It falls by a tenth of that until the first report.
-        Self { bounds, reach: 0.1, still_since: None }
+        Self { bounds, reach: 0.1, still_since: None, was_carried: false }
     }
 }
 
@@ -162,15 +164,16 @@ pub(crate) fn take_report(
 /// Gives bodies that were reported, and those whose entities have moved, their bounds in the coordinates of their entities.
 pub(crate) fn write_bounds(
     mut reported: Query<
-        (&LastReport, &GlobalTransform, Option<&RopeMesh>, &mut Aabb),
-        (With<GpuBody>, Or<(Changed<LastReport>, Changed<GlobalTransform>)>),
+        (&LastReport, &OnGpu, &Activity, &GlobalTransform, Option<&RopeSurface>, &mut Aabb),
+        (With<GpuBody>, Or<(Changed<LastReport>, Changed<GlobalTransform>, Changed<RopeSurface>)>),
     >,
 ) {
-    for (last, transform, rope, mut bounds) in &mut reported {
-        let Some(space) = EntitySpace::new(transform) else {
+    for (last, parts, activity, transform, rope, mut bounds) in &mut reported {
+        let transform = parts.seen_from(*activity, transform);
+        let Some(space) = EntitySpace::new(&transform) else {
             continue;
         };
-        let radius = rope.map_or(0.0, |rope| rope.radius);
+        let radius = rope.map_or(0.0, |rope| rope.made_for.radius);
         let grown = |reach: f32| {
             let Bounds { low, high } = last.bounds.grown(reach);
             let centres = space.bounds(low - transform.translation(), high - transform.translation());
@@ -182,7 +185,7 @@ pub(crate) fn write_bounds(
     }
 }
 
-/// The place of a body's status in a list that is ordered by ids, which most bodies are asked for in: `next` is the one after the last.
+/// Finds a body in a list that is ordered by ids. Tries `next` first, as bodies mostly come in this order.
 fn place_of(statuses: &[(GpuBodyId, BodyStatus)], id: GpuBodyId, next: usize) -> Option<usize> {
     let is_next = statuses.get(next).is_some_and(|&(there, _)| there == id);
     if is_next { Some(next) } else { statuses.binary_search_by_key(&id, |(id, _)| *id).ok() }

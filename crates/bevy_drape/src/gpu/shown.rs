@@ -3,12 +3,15 @@
 use std::sync::Arc;
 
 use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::math::Mat3;
 use bevy::prelude::*;
 use drape_gpu::{BodyMesh, Gpu, GpuBodyId, GpuWorld, LastStep};
 
+use crate::body::activity::Activity;
+use crate::body::on_gpu::OnGpu;
 use crate::gpu::bodies::GpuBodies;
 use crate::gpu::components::{GpuBody, GpuVertices};
 use crate::render::any_mesh::{AnyMesh, handle_of};
@@ -18,23 +21,23 @@ use crate::render::write_surfaces::InterpolateSurfaces;
 use crate::transform::interpolation::step_fraction;
 
 /// A body, and the mesh that shows it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ShownBody {
     entity: Entity,
     pub body: GpuBodyId,
-    /// How its vertices lie on its particles.
+    /// The way in which its vertices lie on its particles.
     pub vertices: BodyMesh,
     pub mesh: AssetId<Mesh>,
     /// Turns directions of the world into those of the entity.
     pub to_local: Mat3,
-    /// Where the entity is.
+    /// The place of the entity.
     pub origin: Vec3,
 }
 
 /// The bodies on the GPU that a frame shows. The renderer takes them.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct ShownBodies {
-    /// The same list from frame to frame, until one of them changes.
+    /// The same list from frame to frame, until one of them changes: then it is copied, as the renderer has it too.
     pub bodies: Arc<Vec<ShownBody>>,
     /// The device and its last step; none if there is nothing to show.
     pub step: Option<(Gpu, LastStep)>,
@@ -44,9 +47,11 @@ pub(crate) struct ShownBodies {
 
 /// The components that decide how a body is shown.
 #[derive(QueryData)]
-pub(crate) struct Looks {
+pub(crate) struct ShownParts {
     entity: Entity,
     body: &'static GpuBody,
+    parts: &'static OnGpu,
+    activity: &'static Activity,
     vertices: Option<&'static GpuVertices>,
     surface: Option<&'static Surface>,
     rope: Option<&'static RopeSurface>,
@@ -55,31 +60,32 @@ pub(crate) struct Looks {
     visibility: Option<&'static InheritedVisibility>,
 }
 
-impl LooksItem<'_, '_> {
+impl ShownPartsItem<'_, '_> {
     /// The body as it is to be shown; none if it is not.
     fn shown(self) -> Option<ShownBody> {
-        let vertices = self.vertices.map(|vertices| vertices.0);
-        let written = match (self.surface, self.rope) {
-            (Some(surface), _) => surface.mesh,
-            // Once the GPU knows its tube.
-            (None, rope) => rope.filter(|_| vertices.is_some())?.mesh,
+        let vertices = self.vertices.map(|vertices| vertices.0).unwrap_or_default();
+        let written = match vertices {
+            BodyMesh::Tube(_) => self.rope?.mesh,
+            BodyMesh::Particles | BodyMesh::Welded(_) => self.surface?.mesh,
         };
         let mesh = handle_of(self.mesh).filter(|mesh| mesh.id() == written)?;
         self.visibility.is_none_or(|visibility| visibility.get()).then_some(())?;
+        let transform = self.parts.seen_from(*self.activity, self.transform);
         Some(ShownBody {
             entity: self.entity,
             body: self.body.id(),
-            vertices: vertices.unwrap_or_default(),
+            vertices,
             mesh: mesh.id(),
-            to_local: EntitySpace::new(self.transform)?.to_local(),
-            origin: self.transform.translation(),
+            to_local: EntitySpace::new(&transform)?.to_local(),
+            origin: transform.translation(),
         })
     }
 }
 
-/// Any of the [components](Looks) has changed.
-type LooksChanged = Or<(
+/// Any of the [components](ShownParts) has changed.
+type ShownChanged = Or<(
     Changed<GpuBody>,
+    Changed<Activity>,
     Changed<GpuVertices>,
     Changed<Surface>,
     Changed<RopeSurface>,
@@ -89,9 +95,9 @@ type LooksChanged = Or<(
     Changed<InheritedVisibility>,
 )>;
 
-/// Entities that have lost one of the [components](Looks).
+/// Entities that have lost one of the [components](ShownParts).
 #[derive(SystemParam)]
-pub(crate) struct LooksLost<'w, 's> {
+pub(crate) struct ShownRemoved<'w, 's> {
     body: RemovedComponents<'w, 's, GpuBody>,
     vertices: RemovedComponents<'w, 's, GpuVertices>,
     surface: RemovedComponents<'w, 's, Surface>,
@@ -100,7 +106,7 @@ pub(crate) struct LooksLost<'w, 's> {
     flat: RemovedComponents<'w, 's, Mesh2d>,
 }
 
-impl LooksLost<'_, '_> {
+impl ShownRemoved<'_, '_> {
     fn read(&mut self) -> impl Iterator<Item = Entity> {
         let Self { body, vertices, surface, rope, solid, flat } = self;
         let of_mesh = solid.read().chain(flat.read());
@@ -108,11 +114,11 @@ impl LooksLost<'_, '_> {
     }
 }
 
-/// Lists the bodies that this frame shows, after all transforms have been propagated. Takes time for those that have changed only.
+/// Lists the bodies that this frame shows, after all transforms have been propagated. While nothing changes the list stays the same one.
 pub(crate) fn list_shown(
-    all: Query<Looks>,
-    changed: Query<Entity, (With<GpuBody>, LooksChanged)>,
-    mut lost: LooksLost,
+    all: Query<ShownParts, Allow<Disabled>>,
+    changed: Query<Entity, (With<GpuBody>, ShownChanged, Allow<Disabled>)>,
+    mut lost: ShownRemoved,
     bodies: Res<GpuBodies>,
     interpolate: Res<InterpolateSurfaces>,
     time: Option<Res<Time<Fixed>>>,
@@ -122,7 +128,8 @@ pub(crate) fn list_shown(
     let ShownBodies { bodies: list, step, fraction } = &mut *shown;
     for entity in changed.iter().chain(lost.read()) {
         let known = places.get(&entity).copied();
-        match (known, all.get(entity).ok().and_then(LooksItem::shown)) {
+        match (known, all.get(entity).ok().and_then(ShownPartsItem::shown)) {
+            (Some(place), Some(body)) if list[place] == body => {}
             (Some(place), Some(body)) => Arc::make_mut(list)[place] = body,
             (None, Some(body)) => {
                 places.insert(entity, list.len());

@@ -6,8 +6,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::prelude::*;
 
-use crate::body::on_gpu::OnGpu;
-use crate::body::particles::{Particles, Sticks};
+use crate::body::on_gpu::{AnyParts, OnGpu};
 use crate::detail::level::CurrentDetail;
 use crate::render::any_mesh::{AnyMesh, handle_of, insert_mesh};
 use crate::render::detail_mesh::{MeshesOfDetail, new_mesh};
@@ -19,9 +18,8 @@ pub(crate) fn build_surfaces<D: Shown>(
     cloths: Query<(
         Entity,
         &D,
-        Option<&Particles>,
-        Option<&Sticks>,
-        Option<&OnGpu>,
+        AnyParts,
+        Has<OnGpu>,
         &GlobalTransform,
         AnyMesh,
         Option<&Surface>,
@@ -30,16 +28,13 @@ pub(crate) fn build_surfaces<D: Shown>(
     users: Query<(Entity, AnyMesh)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    for (entity, cloth, particles, sticks, on_gpu, transform, mesh, surface, (detail, kept_meshes)) in &cloths
-    {
-        let on_gpu = on_gpu.map(|body| (&body.particles, &body.topology));
-        let here = particles.zip(sticks).map(|(particles, sticks)| (&particles.0, &sticks.0));
-        let Some((particles, topology)) = here.or(on_gpu) else { continue };
+    for (entity, cloth, parts, is_on_gpu, transform, mesh, surface, (detail, kept_meshes)) in &cloths {
+        let Some((particles, topology)) = parts.get() else { continue };
         let is_flat = mesh.1.is_some();
         let mesh = handle_of(mesh);
         let is_known = surface.is_some_and(|surface| Arc::ptr_eq(&surface.topology, topology));
         let is_own = surface.zip(mesh).is_some_and(|(surface, mesh)| surface.mesh == mesh.id());
-        if here.is_none() && is_known && is_own {
+        if is_on_gpu && is_known && is_own {
             // The asset is not written from here.
             continue;
         }

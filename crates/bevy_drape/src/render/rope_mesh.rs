@@ -7,8 +7,8 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use drape_solver::Topology;
 
-use crate::body::on_gpu::OnGpu;
-use crate::body::particles::{Particles, Sticks};
+use crate::body::on_gpu::AnyParts;
+use crate::body::particles::Particles;
 use crate::render::tube::Tube;
 
 /// Shows a rope, or a piece of one, as a tube: gives the entity a [`Mesh3d`] and updates it with the simulation. Add a
@@ -106,21 +106,11 @@ fn order_of(topology: &Topology) -> Option<Vec<u32>> {
 /// Gives new ropes and pieces of ropes their tubes.
 pub(crate) fn build_rope_meshes(
     mut commands: Commands,
-    ropes: Query<(
-        Entity,
-        &RopeMesh,
-        Option<&Particles>,
-        Option<&Sticks>,
-        Option<&OnGpu>,
-        Option<&RopeSurface>,
-        Option<&Mesh3d>,
-    )>,
+    ropes: Query<(Entity, &RopeMesh, AnyParts, Option<&RopeSurface>, Option<&Mesh3d>)>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    for (entity, rope, particles, sticks, on_gpu, surface, mesh) in &ropes {
-        let on_gpu = on_gpu.map(|body| (&body.particles, &body.topology));
-        let here = particles.zip(sticks).map(|(particles, sticks)| (&particles.0, &sticks.0));
-        let Some((particles, topology)) = here.or(on_gpu) else { continue };
+    for (entity, rope, parts, surface, mesh) in &ropes {
+        let Some((particles, topology)) = parts.get() else { continue };
         let is_known = surface.zip(mesh).is_some_and(|(surface, mesh)| {
             surface.made_for == *rope && surface.current.len() == particles.len() && surface.mesh == mesh.id()
         });

@@ -3,6 +3,7 @@
 mod bounds;
 #[path = "../common/mod.rs"]
 mod common;
+mod detail;
 mod drawn;
 mod moves;
 mod rest;

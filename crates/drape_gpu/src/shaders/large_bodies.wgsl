@@ -11,7 +11,7 @@
 
 // The index of a thread's particle or stick in the body or batch.
 fn index_of(invocation: Invocation) -> u32 {
-    return number_of(invocation) * WORKGROUP + invocation.thread;
+    return number_of(invocation.group, invocation.groups) * WORKGROUP + invocation.thread;
 }
 
 // Before the first substep: forces, and the ways of pins.
@@ -111,7 +111,7 @@ fn advance(invocation: Invocation) {
     let acceleration = accelerations[particle].xyz;
     var position = place.xyz;
     var flight: Flight;
-    let rescale = select(1.0, step.rescale, dispatch.substep == 0u);
+    let rescale = select(1.0, step.rescale * body.rescale, dispatch.substep == 0u);
     flight.displacement = select(acceleration, displacements[particle].xyz * rescale, is_free);
 
     if has_obstacles {

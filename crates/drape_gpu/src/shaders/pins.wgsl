@@ -12,7 +12,7 @@ struct PinTarget {
 
 @compute @workgroup_size(WORKGROUP)
 fn set_targets(invocation: Invocation) {
-    let index = number_of(invocation) * WORKGROUP + invocation.thread;
+    let index = number_of(invocation.group, invocation.groups) * WORKGROUP + invocation.thread;
     if index < pin_targets[0].particle {
         let pin = pin_targets[index + 1u];
         displacements[pin.particle] = vec4f(pin.place, 1.0);

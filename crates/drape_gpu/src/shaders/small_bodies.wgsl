@@ -47,9 +47,12 @@ fn position_of(body: Body, index: u32) -> vec4f {
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn step_body(invocation: Invocation) {
-    let thread = invocation.thread;
-    let order = number_of(invocation);
+fn step_body(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let order = number_of(group, groups);
     if order >= size_class.body_count {
         return;
     }
@@ -67,7 +70,7 @@ fn step_body(invocation: Invocation) {
             let place = positions[body.first_particle + index];
             let moved = displacements[body.first_particle + index];
             places[index] = place;
-            flights[k].displacement = moved.xyz * step.rescale;
+            flights[k].displacement = moved.xyz * (step.rescale * body.rescale);
             accelerations[k] = step.gravity;
             if place.w == 0.0 {
                 // Pins go to their targets in equal parts.

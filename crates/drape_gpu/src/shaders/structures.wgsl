@@ -86,9 +86,10 @@ struct Body {
     rows: u32,
     // 1 over the mass of all particles in 1/kg; 0 if some are pinned.
     inverse_mass: f32,
+    // The factor on all displacements in this step, as the number of substeps was another one.
+    rescale: f32,
     unused_a: u32,
     unused_b: u32,
-    unused_c: u32,
 }
 
 // Sticks that share no particle.

@@ -3,7 +3,7 @@
 @compute @workgroup_size(WORKGROUP)
 fn write_surface(invocation: Invocation) {
     let thread = invocation.thread;
-    let number = number_of(invocation);
+    let number = number_of(invocation.group, invocation.groups);
     if number >= shares[0].x {
         return;
     }

@@ -27,7 +27,7 @@ fn tangent_of(surface: Surface, ring: u32, centre: vec3f) -> vec3f {
 }
 
 // Turns `vector` as the shortest rotation turns one direction into another (Rodrigues' formula, without angles).
-fn carried(vector: vec3f, tail: vec3f, head: vec3f) -> vec3f {
+fn transported(vector: vec3f, tail: vec3f, head: vec3f) -> vec3f {
     let cosine = dot(tail, head);
     // What is across a direction is across its opposite.
     if cosine < -0.99999 {
@@ -40,45 +40,51 @@ fn carried(vector: vec3f, tail: vec3f, head: vec3f) -> vec3f {
 // The direction nearest to `vector` that is across `tangent`; if there is none, any one, as the processor chooses it (Duff et al. 2017, "Building an
 // orthonormal basis, revisited").
 fn across_from(vector: vec3f, tangent: vec3f) -> vec3f {
-    let nearest = direction_of(vector - tangent * dot(vector, tangent));
-    if any(nearest != vec3f(0.0)) {
-        return nearest;
+    let nearest = vector - tangent * dot(vector, tangent);
+    // What rounding leaves of a vector along the tangent has no direction.
+    if dot(nearest, nearest) > 1e-8 * dot(vector, vector) {
+        return normalize(nearest);
     }
     let side = select(-1.0, 1.0, tangent.z >= 0.0);
     let a = -1.0 / (side + tangent.z);
     return vec3f(tangent.x * tangent.y * a, side + tangent.y * tangent.y * a, -tangent.y);
 }
 
-// The vector that the rings start from, as it was written last.
+// The vector that the rings start from, as it was written last; zero if something else lies there.
 fn last_across(surface: Surface) -> vec3f {
     let word = surface.first_normal;
     if word + 3u > arrayLength(&vertices) {
         return vec3f(0.0);
     }
-    return vec3f(vertices[word], vertices[word + 1u], vertices[word + 2u]);
+    let last = vec3f(vertices[word], vertices[word + 1u], vertices[word + 2u]);
+    let square = dot(last, last);
+    return select(vec3f(0.0), last, square > 0.9 && square < 1.1);
 }
 
-// The direction from the centre of the ring of `thread` to one of its corners. The first is there twice, for the seam of the texture.
-fn outward(surface: Surface, thread: u32, corner: u32) -> vec3f {
+// The direction from the centre of the ring in this place of the memory to one of its corners. The first is there twice, for the seam of the texture.
+fn outward(surface: Surface, slot: u32, corner: u32) -> vec3f {
     let angle = 6.2831855 * f32(corner % surface.sides) / f32(surface.sides);
-    let up = cross(tangents[thread], acrosses[thread]);
-    return acrosses[thread] * cos(angle) + up * sin(angle);
+    let up = cross(tangents[slot], acrosses[slot]);
+    return acrosses[slot] * cos(angle) + up * sin(angle);
 }
 
-// Writes a corner of a lid, or its middle, on the ring of `thread`.
-fn write_lid(surface: Surface, end: u32, thread: u32, corner: u32) {
+// Writes a corner of a cap, or its middle, on the ring in this place of the memory.
+fn write_cap(surface: Surface, end: u32, slot: u32, corner: u32) {
     let first = surface.ring_count * (surface.sides + 1u) + end * (surface.sides + 2u);
-    var place = centres[thread];
+    var place = centres[slot];
     if corner <= surface.sides {
-        place += outward(surface, thread, corner) * surface.radius;
+        place += outward(surface, slot, corner) * surface.radius;
     }
-    write_vertex(surface, first + corner, place, tangents[thread] * select(1.0, -1.0, end == 0u));
+    write_vertex(surface, first + corner, place, tangents[slot] * select(1.0, -1.0, end == 0u));
 }
 
 @compute @workgroup_size(WORKGROUP)
-fn write_tube(invocation: Invocation) {
-    let thread = invocation.thread;
-    let number = number_of(invocation);
+fn write_tube(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let number = number_of(group, groups);
     if number >= shares[0].x {
         return;
     }
@@ -101,7 +107,7 @@ fn write_tube(invocation: Invocation) {
                 if first + i == 0u {
                     across = across_from(last_across(surface), next);
                 } else {
-                    across = across_from(carried(across, tangent, next), next);
+                    across = across_from(transported(across, tangent, next), next);
                 }
                 tangent = next;
                 tangents[i] = tangent;
@@ -110,18 +116,18 @@ fn write_tube(invocation: Invocation) {
         }
         workgroupBarrier();
         for (var i = thread; i < count * corners; i += WORKGROUP) {
-            let ring = i / corners;
-            let looks = outward(surface, ring, i % corners);
-            write_vertex(surface, first * corners + i, centres[ring] + looks * surface.radius, looks);
+            let slot = i / corners;
+            let normal = outward(surface, slot, i % corners);
+            write_vertex(surface, first * corners + i, centres[slot] + normal * surface.radius, normal);
         }
         if first == 0u {
             for (var corner = thread; corner <= corners; corner += WORKGROUP) {
-                write_lid(surface, 0u, 0u, corner);
+                write_cap(surface, 0u, 0u, corner);
             }
         }
         if first + count == surface.ring_count {
             for (var corner = thread; corner <= corners; corner += WORKGROUP) {
-                write_lid(surface, 1u, count - 1u, corner);
+                write_cap(surface, 1u, count - 1u, corner);
             }
         }
         // The next rings take the places of these.

@@ -28,7 +28,7 @@ struct Surface {
 
 const NONE: u32 = 0xffffffffu;
 
-// First the number of the others, and the bits of a fraction: 0 is the state before the last step, 1 that after it. Then for each workgroup a surface,
+// First the number of the other entries, and the bits of a fraction: 0 is the state before the last step, 1 that after it. Then for each workgroup a surface,
 // and the first of its vertices that are written there.
 @group(0) @binding(0) var<storage, read> shares: array<vec2u>;
 @group(0) @binding(1) var<storage, read> surfaces: array<Surface>;

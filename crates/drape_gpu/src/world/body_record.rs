@@ -13,15 +13,12 @@ use crate::model::Model;
 pub struct GpuBodyId(pub(super) u32);
 
 /// The place of a body in the buffers of its world.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BodyPlace {
     pub origin: Vec3,
     pub first_particle: u32,
     pub particle_count: u32,
     pub first_fan: u32,
-    /// Its place in the table of bodies; none while it rests.
-    pub number: Option<u32>,
-    pub substeps: u32,
 }
 
 #[derive(Debug)]
@@ -39,6 +36,8 @@ pub(super) struct BodyRecord {
     pub is_resting: bool,
     /// 1 over the mass of all particles in 1/kg; 0 if some are pinned.
     pub inverse_mass: f32,
+    /// The factor on its displacements in the coming step.
+    pub rescale: f32,
     /// Particles that are pinned, in ascending order.
     pub pins: Vec<u32>,
 }
@@ -58,6 +57,7 @@ impl BodyRecord {
             has_arrived: false,
             is_resting: false,
             inverse_mass: (1.0 / masses.sum::<f64>()) as f32,
+            rescale: 1.0,
             pins: (0..particles.len() as u32).filter(|&i| particles.is_pinned(i as usize)).collect(),
         }
     }
@@ -92,7 +92,8 @@ impl BodyRecord {
             columns,
             rows,
             inverse_mass: self.inverse_mass,
-            unused: [0; 3],
+            rescale: self.rescale,
+            unused: [0; 2],
         }
     }
 }

@@ -22,6 +22,7 @@ use crate::world::body_record::{BodyPlace, BodyRecord, GpuBodyId};
 use crate::world::dispatches::{Dispatch, Stage};
 use crate::world::last_step::Places;
 use crate::world::read_back::REACTION;
+use crate::world::statuses::Stepped;
 
 /// Bytes of the position or displacement of a particle.
 pub(super) const PARTICLE: u64 = 16;
@@ -81,6 +82,8 @@ pub struct GpuWorld {
     pub(super) snapshots: Option<Snapshots>,
     /// Places of the bodies in the last step.
     pub(super) places: Places,
+    /// The bodies that the last step moved.
+    pub(super) stepped: Stepped,
     /// Indices of obstacles that the last step left out.
     pub(super) left_out: Vec<(usize, GpuError)>,
 }
@@ -113,6 +116,7 @@ impl GpuWorld {
             timer: Timer::new(gpu),
             snapshots: None,
             places: Arc::default(),
+            stepped: Arc::default(),
             left_out: Vec::new(),
         }
     }
@@ -228,6 +232,28 @@ impl GpuWorld {
         Ok(())
     }
 
+    /// Sets the number of substeps of a body, 1 to [`MAX_SUBSTEPS`](drape_solver::constants::MAX_SUBSTEPS), from the coming step on. Its velocities stay. A
+    /// change writes the tables of all bodies anew, in the coming step and in the one after it.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSuchBody`]; [`GpuError::Settings`] if the number is out of range.
+    pub fn set_substeps(&mut self, id: GpuBodyId, substeps: u32) -> Result<(), GpuError> {
+        let record = self.bodies.get_mut(&id.0).ok_or(GpuError::NoSuchBody)?;
+        let before = core::mem::replace(&mut record.settings.substeps, substeps);
+        if let Err(error) = record.settings.validate() {
+            record.settings.substeps = before;
+            return Err(error.into());
+        }
+        if substeps != before {
+            // What arrives has a velocity, and no displacement yet.
+            if record.has_arrived {
+                record.rescale *= before as f32 / substeps as f32;
+            }
+            self.is_stale = true;
+        }
+        Ok(())
+    }
+
     /// True if steps move nothing, because there are no bodies, or all of them rest.
     pub fn is_resting(&self) -> bool {
         self.bodies.values().all(|record| record.is_resting)
@@ -259,8 +285,6 @@ impl GpuWorld {
             first_particle: record.first_particle,
             particle_count: model.particle_count,
             first_fan: first_pair + model.first_fan,
-            number: record.number,
-            substeps: record.settings.substeps,
         }))
     }
 
@@ -301,12 +325,15 @@ impl GpuWorld {
         // Nothing fails from here on.
         if let Some(tables) = tables {
             self.write_tables(tables);
-            self.places = self.list_places();
+            self.stepped = self.list_stepped();
+            let places = self.list_places();
+            if *places != *self.places {
+                self.places = places;
+            }
         }
         if are_new {
             self.buffers.obstacles.write(&self.gpu, 0, data);
         }
-        self.is_stale = false;
         self.dt = dt;
         (self.obstacles, self.obstacle_indices, self.left_out) = (obstacles, indices, left_out);
         let moves_nothing = self.dispatches.is_empty() && self.class_counts.iter().all(|&count| count == 0);

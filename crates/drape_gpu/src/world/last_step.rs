@@ -6,7 +6,7 @@ use crate::error::GpuError;
 use crate::world::body_record::{BodyPlace, GpuBodyId};
 use crate::world::gpu_world::GpuWorld;
 
-/// The places of all bodies in a step, in the order of their ids. It stays the same one until bodies come, go, wake or go to rest.
+/// The places of all bodies in a step, in the order of their ids. It stays the same one until bodies come or go.
 pub(crate) type Places = Arc<[(GpuBodyId, BodyPlace)]>;
 
 /// The bodies of a world before and after its last step, for a [`SurfaceWriter`](crate::SurfaceWriter). It holds handles only, so that it can go to

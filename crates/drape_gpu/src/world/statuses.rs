@@ -7,9 +7,8 @@ use drape_solver::glam::Vec3;
 use crate::error::GpuError;
 use crate::gpu::{Gpu, PendingBytes};
 use crate::layout::StatusData;
-use crate::world::body_record::{BodyPlace, GpuBodyId};
+use crate::world::body_record::GpuBodyId;
 use crate::world::gpu_world::GpuWorld;
-use crate::world::last_step::Places;
 
 /// Box, speed and fault of a body in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,17 +24,29 @@ pub struct BodyStatus {
     pub has_fault: bool,
 }
 
+/// The bodies that a step moves, in the order of their ids.
+pub(super) type Stepped = Arc<[(GpuBodyId, SteppedBody)]>;
+
+/// The parts of a body that its status needs, as they were in the step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SteppedBody {
+    origin: Vec3,
+    /// Its place in the table of bodies.
+    number: u32,
+    substeps: u32,
+}
+
 /// Bytes of the status of a body.
 const STATUS: u64 = size_of::<StatusData>() as u64;
 
 impl BodyStatus {
     /// The status of a body in a step of `dt` seconds.
-    fn new(status: &StatusData, place: &BodyPlace, dt: f32) -> Self {
-        let corner = |keys: [u32; 3]| place.origin + Vec3::from(keys.map(StatusData::coordinate));
+    fn new(status: &StatusData, body: &SteppedBody, dt: f32) -> Self {
+        let corner = |keys: [u32; 3]| body.origin + Vec3::from(keys.map(StatusData::coordinate));
         Self {
             low: corner(status.low),
             high: corner(status.high),
-            greatest_speed: f32::from_bits(status.fastest).sqrt() * place.substeps as f32 / dt,
+            greatest_speed: f32::from_bits(status.fastest).sqrt() * body.substeps as f32 / dt,
             has_fault: status.is_broken != 0,
         }
     }
@@ -47,10 +58,11 @@ impl GpuWorld {
     /// # Errors
     /// [`GpuError::NoSuchBody`], [`GpuError::Lost`].
     pub fn read_status(&self, id: GpuBodyId) -> Result<Option<BodyStatus>, GpuError> {
-        let Some(place) = self.place_of(id)? else { return Ok(None) };
-        let Some(number) = place.number else { return Ok(None) };
-        let bytes = self.gpu.read(self.buffers.statuses.get(), u64::from(number) * STATUS, STATUS)?;
-        Ok(Some(BodyStatus::new(&bytemuck::pod_read_unaligned(&bytes), &place, self.dt)))
+        self.record(id)?;
+        let Ok(found) = self.stepped.binary_search_by_key(&id, |(id, _)| *id) else { return Ok(None) };
+        let body = &self.stepped[found].1;
+        let bytes = self.gpu.read(self.buffers.statuses.get(), u64::from(body.number) * STATUS, STATUS)?;
+        Ok(Some(BodyStatus::new(&bytemuck::pod_read_unaligned(&bytes), body, self.dt)))
     }
 
     /// Asks for box, speed and fault of all bodies that do not rest in the last step that was started, and does not wait: a game looks for them in a later frame. On a
@@ -59,12 +71,21 @@ impl GpuWorld {
     /// # Errors
     /// [`GpuError::NotStepped`] if no body took part; [`GpuError::Lost`].
     pub fn request_statuses(&self) -> Result<PendingStatuses, GpuError> {
-        let count = self.places.iter().filter(|(_, place)| place.number.is_some()).count() as u64;
-        if count == 0 {
+        if self.stepped.is_empty() {
             return Err(GpuError::NotStepped);
         }
-        let bytes = self.gpu.request(self.buffers.statuses.get(), 0, count * STATUS)?;
-        Ok(PendingStatuses { gpu: self.gpu.clone(), bytes, places: Arc::clone(&self.places), dt: self.dt })
+        let size = self.stepped.len() as u64 * STATUS;
+        let bytes = self.gpu.request(self.buffers.statuses.get(), 0, size)?;
+        Ok(PendingStatuses { gpu: self.gpu.clone(), bytes, bodies: Arc::clone(&self.stepped), dt: self.dt })
+    }
+
+    /// The bodies that the tables have.
+    pub(super) fn list_stepped(&self) -> Stepped {
+        let stepped = self.bodies.iter().filter_map(|(&id, record)| {
+            let (origin, substeps) = (record.origin, record.settings.substeps);
+            Some((GpuBodyId(id), SteppedBody { origin, number: record.number?, substeps }))
+        });
+        stepped.collect()
     }
 }
 
@@ -73,7 +94,7 @@ impl GpuWorld {
 pub struct PendingStatuses {
     gpu: Gpu,
     bytes: PendingBytes,
-    places: Places,
+    bodies: Stepped,
     dt: f32,
 }
 
@@ -87,9 +108,9 @@ impl PendingStatuses {
         self.gpu.notice_loss()?;
         let Some(bytes) = self.bytes.try_take()? else { return Ok(Err(self)) };
         let statuses: Vec<StatusData> = bytemuck::pod_collect_to_vec(&bytes);
-        let status = |&(id, place): &(GpuBodyId, BodyPlace)| {
-            Some((id, BodyStatus::new(statuses.get(place.number? as usize)?, &place, self.dt)))
+        let status = |(id, body): &(GpuBodyId, SteppedBody)| {
+            Some((*id, BodyStatus::new(statuses.get(body.number as usize)?, body, self.dt)))
         };
-        Ok(Ok(self.places.iter().filter_map(status).collect()))
+        Ok(Ok(self.bodies.iter().filter_map(status).collect()))
     }
 }

@@ -103,8 +103,10 @@ impl GpuWorld {
             gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&data));
             first_body += body_count;
         }
+        // To be written again for the next step, which must not rescale anything.
+        self.is_stale = self.bodies.values().any(|body| !body.is_resting && body.rescale != 1.0);
         for body in self.bodies.values_mut() {
-            (body.number, body.has_arrived) = (None, true);
+            (body.number, body.has_arrived, body.rescale) = (None, true, 1.0);
         }
         for (number, id) in tables.ids.iter().enumerate() {
             if let Some(body) = self.bodies.get_mut(id) {

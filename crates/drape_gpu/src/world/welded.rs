@@ -15,7 +15,7 @@ pub struct WeldedVertices<'a> {
     pub faces: &'a [[u32; 3]],
 }
 
-/// The name of [`WeldedVertices`] in the [`GpuWorld`] that knows them.
+/// The name of [`WeldedVertices`] in the [`GpuWorld`] that knows them. Another world cannot tell that it is not its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WeldedId {
     /// Of the world's pairs of words: the particle of each vertex, the range of its fan, and all fans.
@@ -68,7 +68,7 @@ impl WeldedVertices<'_> {
 
 impl GpuWorld {
     /// Tells the GPU how the vertices of a mesh lie on the particles of bodies, for [`BodyVertices`](crate::BodyVertices). Equal ones share their memory,
-    /// which is kept as long as the world.
+    /// which is kept as long as the world. A [`LastStep`](crate::LastStep) that was asked for before does not know them.
     ///
     /// # Errors
     /// [`GpuError::Vertices`]; [`GpuError::Limit`] if the device has no room.

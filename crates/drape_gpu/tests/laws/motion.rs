@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use drape_gpu::{GpuError, GpuWorld};
 use drape_solver::glam::Vec3;
 use drape_solver::{BodySettings, ClothBuilder, Environment, RopeBuilder, Wind};
 
@@ -42,6 +43,58 @@ fn a_change_of_the_step_keeps_velocities() {
         run(&mut world, &still, 10);
         let end = positions(&world, id);
         assert!(end.iter().all(|end| (end.x - 3.0).abs() < 1e-4), "{}", end[0]);
+    }
+}
+
+/// The velocity of a body counts for any number of substeps too, and pins stay where they are. A change once gave its status another speed at once.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn a_change_of_the_substeps_keeps_velocities() {
+    for count in [3, 3000] {
+        let mut inverse_masses = vec![1.0; count];
+        inverse_masses[0] = 0.0;
+        let settings = BodySettings { substeps: 4, ..bare() };
+        let mut body = joined(&vec![Vec3::ZERO; count], &inverse_masses, &[], settings);
+        (1..count).for_each(|i| body.particles.set_velocity(i, Vec3::X * 6.0));
+        let (mut world, id) = world_of(&body);
+        let still = Environment { gravity: Vec3::ZERO, ..gravity() };
+        world.set_substeps(id, 8).expect("it has not been stepped");
+        for (substeps, steps) in [(8, 5), (2, 10), (1, 0), (16, 5)] {
+            world.set_substeps(id, substeps).expect("a body");
+            run(&mut world, &still, steps);
+        }
+        let speed =
+            |world: &GpuWorld| world.read_status(id).expect("a body").expect("stepped").greatest_speed;
+        assert!((speed(&world) - 6.0).abs() < 1e-3);
+        world.set_substeps(id, 4).expect("a body");
+        assert!((speed(&world) - 6.0).abs() < 1e-3, "that of the last step, in which it had more");
+        let end = positions(&world, id);
+        assert!(end[1..].iter().all(|end| (end.x - 2.0).abs() < 1e-4), "{}", end[1]);
+        assert_eq!(end[0], Vec3::ZERO);
+        assert!(matches!(world.set_substeps(id, 0), Err(GpuError::Settings(_))));
+        run(&mut world, &still, 10);
+        assert!((positions(&world, id)[1].x - 3.0).abs() < 1e-4, "a number that is refused changes nothing");
+    }
+}
+
+/// The wind finds the same velocity after a change of substeps and of the step: sheets that drift in it stay together.
+#[test]
+#[ignore = "needs a graphics adapter: .ci/gpu"]
+fn a_change_of_the_substeps_and_the_step_is_not_felt_by_the_wind() {
+    for n in [8, 50] {
+        let settings = BodySettings { substeps: 8, drag: 0.0, tethers: false, ..BodySettings::default() };
+        let sheet = ClothBuilder::new(1.0, 1.0, n, n).build(settings).expect("valid");
+        let mut world = GpuWorld::new(gpu());
+        let [changed, kept] = [0, 1].map(|_| world.add(&sheet).expect("a body"));
+        let wind = Wind::new(Vec3::new(3.0, 1.0, 5.0));
+        let windy = Environment { gravity: Vec3::ZERO, wind, ..gravity() };
+        run(&mut world, &windy, 20);
+        world.set_substeps(changed, 2).expect("a body");
+        run(&mut world, &Environment { dt: FRAME / 2.0, ..windy.clone() }, 1);
+        let [changed, kept] = [changed, kept].map(|id| centre(&positions(&world, id)));
+        let way = (kept - centre(&sheet.particles.positions().collect::<Vec<_>>())).length();
+        assert!(way > 0.2, "they drift: {way} m");
+        assert!(changed.distance(kept) < 1e-4 * way, "{n}: {changed} instead of {kept}");
     }
 }
 

@@ -60,6 +60,12 @@ impl Sheet {
     fn note_energies(&mut self, world: &GpuWorld) {
         let after = self.places(world);
         let energies = [0, 1].map(|i| energy(&self.masses, &self.places[i], &after[i]));
+        let status = world.read_status(self.id).expect("a body").expect("it was stepped");
+        assert!(
+            !status.has_fault && energies.iter().all(|energy| energy.is_finite()),
+            "{}: it broke",
+            self.ways
+        );
         let first = *self.first.get_or_insert(energies);
         let weight = self.masses.iter().sum::<f64>() * f64::from(G);
         for i in 0..2 {
