@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+#[cfg(feature = "mesh")]
 use bevy::ecs::query::QueryData;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -12,6 +13,7 @@ use drape_solver::Topology;
 #[cfg(feature = "gpu")]
 use crate::body::activity::Activity;
 use crate::body::body_state::BodyState;
+#[cfg(feature = "mesh")]
 use crate::body::particles::{Particles, Sticks};
 #[cfg(feature = "gpu")]
 use crate::rigid_motion::placement;
@@ -57,12 +59,14 @@ impl OnGpu {
 }
 
 /// The parts of a body, wherever it is solved.
+#[cfg(feature = "mesh")]
 #[derive(QueryData)]
 pub(crate) struct AnyParts {
     here: Option<(&'static Particles, &'static Sticks)>,
     on_gpu: Option<&'static OnGpu>,
 }
 
+#[cfg(feature = "mesh")]
 impl AnyPartsItem<'_, '_> {
     /// Particles and topology; those of a body on the GPU are as they were when it went there. None before the body is built.
     pub fn get(&self) -> Option<(&drape_solver::Particles, &Arc<Topology>)> {

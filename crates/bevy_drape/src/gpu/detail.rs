@@ -37,7 +37,7 @@ pub(crate) fn choose_detail_on_gpu(
     let is_all = view.is_new();
     let Some(world) = bodies.world.as_mut() else { return };
     for (entity, detail, mut current, body, parts, mut last, transform, mut activity) in &mut on_gpu {
-        let is_changed = detail.as_ref().is_some_and(|detail| detail.is_changed());
+        let is_changed = detail.as_ref().is_some_and(DetectChanges::is_changed);
         if !(is_all || is_changed || body.is_changed() || last.is_changed() || transform.is_changed()) {
             continue;
         }

@@ -22,7 +22,7 @@
 //!               +------------------------------------------------------------------+  write_slabs  +----------------------+
 //! ```
 //!
-//! Imports the body's components, `attach`, `build`, `detail`, the environment, `sleep`, the step's systems and `render`; nothing but the plugin group imports this.
+//! Imports the body's components, `attach`, `build`, `detail`, the environment, viewers, `sleep`, the step's systems and `render`; nothing but the plugin group imports this.
 
 mod bodies;
 mod components;
