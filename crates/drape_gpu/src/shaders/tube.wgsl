@@ -29,10 +29,6 @@ fn tangent_of(surface: Surface, ring: u32, centre: vec3f) -> vec3f {
 // Turns `vector` as the shortest rotation turns one direction into another (Rodrigues' formula, without angles).
 fn transported(vector: vec3f, tail: vec3f, head: vec3f) -> vec3f {
     let cosine = dot(tail, head);
-    // What is across a direction is across its opposite.
-    if cosine < -0.99999 {
-        return vector;
-    }
     let axis = cross(tail, head);
     return vector * cosine + cross(axis, vector) + axis * (dot(axis, vector) / (1.0 + cosine));
 }
@@ -41,7 +37,7 @@ fn transported(vector: vec3f, tail: vec3f, head: vec3f) -> vec3f {
 // orthonormal basis, revisited").
 fn across_from(vector: vec3f, tangent: vec3f) -> vec3f {
     let nearest = vector - tangent * dot(vector, tangent);
-    // What rounding leaves of a vector along the tangent has no direction.
+    // What rounding leaves of a vector along the tangent has no direction. Comparisons with what is no number fail.
     if dot(nearest, nearest) > 1e-8 * dot(vector, vector) {
         return normalize(nearest);
     }
@@ -50,15 +46,13 @@ fn across_from(vector: vec3f, tangent: vec3f) -> vec3f {
     return vec3f(tangent.x * tangent.y * a, side + tangent.y * tangent.y * a, -tangent.y);
 }
 
-// The vector that the rings start from, as it was written last; zero if something else lies there.
+// The vector that the rings start from, as it was written last, or whatever the buffer held.
 fn last_across(surface: Surface) -> vec3f {
     let word = surface.first_normal;
     if word + 3u > arrayLength(&vertices) {
         return vec3f(0.0);
     }
-    let last = vec3f(vertices[word], vertices[word + 1u], vertices[word + 2u]);
-    let square = dot(last, last);
-    return select(vec3f(0.0), last, square > 0.9 && square < 1.1);
+    return vec3f(vertices[word], vertices[word + 1u], vertices[word + 2u]);
 }
 
 // The direction from the centre of the ring in this place of the memory to one of its corners. The first is there twice, for the seam of the texture.
