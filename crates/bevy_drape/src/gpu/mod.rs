@@ -14,15 +14,18 @@
 //! ```
 //!
 //! ```text
-//!   processor   ManageScene: move_to_gpu,   FormIslands: wake_on_gpu,   PostUpdate: take_report,        move_tubes,
-//!                choose_detail_on_gpu,           |     step_on_gpu          ^    write_bounds       list_shown
-//!                     |  move_pins_on_gpu          |                          |                            |
+//!   processor   ManageScene:          FormIslands:                PostUpdate:
+//!                 move_to_gpu           wake_on_gpu                 take_report                    move_tubes
+//!                 choose_detail_on_gpu  step_on_gpu                 write_bounds                   list_shown
+//!                 move_pins_on_gpu                 |                          ^                            |
+//!                     |                            |                          |                            |
 //!   GPU         +-----v----------------------------v--------------------------|----+   last step   +-------v--------------+
 //!               |  GpuWorld: particles, sticks, obstacles, pins, wind, statuses    | ------------> |  vertices of meshes  | -> all passes
 //!               +------------------------------------------------------------------+  write_slabs  +----------------------+
 //! ```
 //!
-//! Imports the body's components, `attach`, `build`, `detail`, the environment, viewers, `sleep`, the step's systems and `render`; nothing but the plugin group imports this.
+//! Imports the body's components, `attach`, `build`, `detail`, the environment, viewers, `sleep`, the step's systems and `render`; nothing but the
+//! plugin group imports this.
 
 mod bodies;
 mod components;

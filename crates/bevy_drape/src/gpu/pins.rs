@@ -14,8 +14,8 @@ use crate::gpu::components::GpuBody;
 use crate::gpu::report::LastReport;
 use crate::refusal::Refusals;
 
-/// Moves pins with their entity; they pull the cloth along. After a jump faster than [`TELEPORT_SPEED`], and when it thaws elsewhere than it froze, the body begins
-/// again at the new place, in the shape that it went to the GPU in.
+/// Moves pins with their entity; they pull the cloth along. After a jump faster than [`TELEPORT_SPEED`], and if its entity moved while it was frozen,
+/// the body begins again at the new place, in the shape that it went to the GPU in.
 pub(crate) fn move_pins_on_gpu(
     mut moved: Query<
         (Entity, &GlobalTransform, &mut GpuBody, &mut OnGpu, &mut LastReport, &mut Activity),
