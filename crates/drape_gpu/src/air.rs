@@ -19,7 +19,6 @@ pub(crate) fn step_data(environment: &Environment) -> StepData {
         drag: 0.5 * air_density * drag_coefficient,
         lift: 0.5 * air_density * lift_coefficient,
         is_windy: u32::from(has_gusts || *velocity != Vec3::ZERO),
-        rescale: 1.0,
         ..StepData::default()
     };
     if has_gusts {

@@ -24,8 +24,6 @@ pub(crate) struct StepData {
     pub is_windy: u32,
     pub wave_count: u32,
     pub obstacle_count: u32,
-    pub rescale: f32,
-    pub unused: [f32; 3],
     pub waves: [WaveData; WAVES],
 }
 

@@ -29,7 +29,7 @@ fn air_force(relative: vec3f, normal: vec3f, area: f32, by_force: f32, has_lift:
 fn moved_in_substep(body: Body, index: u32) -> vec3f {
     let moved = displacements[body.first_particle + index];
     let way = (moved.xyz - positions[body.first_particle + index].xyz) / f32(body.substeps);
-    return select(moved.xyz * (step.rescale * body.rescale), way, moved.w != 0.0);
+    return select(moved.xyz * body.rescale, way, moved.w != 0.0);
 }
 
 // Acceleration of a particle by the air, in m/s^2: the sum over the faces and links around it. `index` counts from the

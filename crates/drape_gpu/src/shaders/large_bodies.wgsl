@@ -111,7 +111,7 @@ fn advance(invocation: Invocation) {
     let acceleration = accelerations[particle].xyz;
     var position = place.xyz;
     var flight: Flight;
-    let rescale = select(1.0, step.rescale * body.rescale, dispatch.substep == 0u);
+    let rescale = select(1.0, body.rescale, dispatch.substep == 0u);
     flight.displacement = select(acceleration, displacements[particle].xyz * rescale, is_free);
 
     if has_obstacles {

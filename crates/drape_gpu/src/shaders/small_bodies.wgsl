@@ -70,7 +70,7 @@ fn step_body(
             let place = positions[body.first_particle + index];
             let moved = displacements[body.first_particle + index];
             places[index] = place;
-            flights[k].displacement = moved.xyz * (step.rescale * body.rescale);
+            flights[k].displacement = moved.xyz * body.rescale;
             accelerations[k] = step.gravity;
             if place.w == 0.0 {
                 // Pins go to their targets in equal parts.

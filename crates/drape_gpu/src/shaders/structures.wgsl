@@ -21,11 +21,6 @@ struct Step {
     is_windy: u32,
     wave_count: u32,
     obstacle_count: u32,
-    // The substep in parts of that of the step before, for displacements.
-    rescale: f32,
-    unused_a: f32,
-    unused_b: f32,
-    unused_c: f32,
     waves: array<Wave, {WAVES}>,
 }
 
@@ -86,7 +81,7 @@ struct Body {
     rows: u32,
     // 1 over the mass of all particles in 1/kg; 0 if some are pinned.
     inverse_mass: f32,
-    // The factor on all displacements in this step, as the number of substeps was another one.
+    // The substep in parts of that of the step before, for displacements.
     rescale: f32,
     unused_a: u32,
     unused_b: u32,

@@ -36,7 +36,7 @@ pub(super) struct BodyRecord {
     pub is_resting: bool,
     /// 1 over the mass of all particles in 1/kg; 0 if some are pinned.
     pub inverse_mass: f32,
-    /// The factor on its displacements in the coming step.
+    /// The factor on its displacements in the coming step, as its substeps were set.
     pub rescale: f32,
     /// Particles that are pinned, in ascending order.
     pub pins: Vec<u32>,

@@ -307,9 +307,6 @@ impl GpuWorld {
             obstacle::list(&environment.obstacles, field_of)?;
         let mut step = step_data(environment);
         step.obstacle_count = obstacles.len() as u32;
-        if self.dt > 0.0 {
-            step.rescale = dt / self.dt;
-        }
         let tables = (self.is_stale || dt != self.dt).then(|| self.make_tables(dt));
         if let Some(tables) = &tables {
             self.reserve_tables(tables)?;
@@ -342,7 +339,7 @@ impl GpuWorld {
             (self.obstacles, self.obstacle_indices) = (Vec::new(), Vec::new());
             return Ok(());
         }
-        self.write_arriving(step.rescale);
+        self.write_arriving();
         self.gpu.queue.write_buffer(&self.buffers.step, 0, bytemuck::bytes_of(&step));
         self.submit();
         Ok(())
@@ -372,8 +369,8 @@ impl GpuWorld {
         Ok(self.models.len() - 1)
     }
 
-    /// Writes the particles of bodies that are new. The shaders multiply all displacements by `rescale` in this step.
-    fn write_arriving(&mut self, rescale: f32) {
+    /// Writes the particles of bodies that are new.
+    fn write_arriving(&mut self) {
         for (id, particles) in core::mem::take(&mut self.arriving) {
             let Some(record) = self.bodies.get(&id.0) else { continue };
             let substep = self.dt / record.settings.substeps as f32;
@@ -383,7 +380,7 @@ impl GpuWorld {
                 [place.x, place.y, place.z, particles.inverse_mass(i)]
             };
             let displacement = |i: usize| {
-                let moved = particles.velocity(i) * (substep / rescale);
+                let moved = particles.velocity(i) * substep;
                 if particles.is_pinned(i) { [0.0; 4] } else { [moved.x, moved.y, moved.z, 0.0] }
             };
             let positions: Vec<[f32; 4]> = (0..count).map(position).collect();

@@ -47,7 +47,10 @@ impl GpuWorld {
                     first
                 }
             };
-            let data = body.data(model, dt, *first_pair, first_batch);
+            let mut data = body.data(model, dt, *first_pair, first_batch);
+            if body.has_arrived && self.dt > 0.0 {
+                data.rescale *= dt / self.dt;
+            }
             let list = match model.way {
                 Way::Small(class) => &mut of_classes[class],
                 Way::Listed | Way::Tiled => &mut large,
@@ -104,7 +107,7 @@ impl GpuWorld {
             first_body += body_count;
         }
         // To be written again for the next step, which must not rescale anything.
-        self.is_stale = self.bodies.values().any(|body| !body.is_resting && body.rescale != 1.0);
+        self.is_stale = tables.bodies.iter().any(|body| body.rescale != 1.0);
         for body in self.bodies.values_mut() {
             (body.number, body.has_arrived, body.rescale) = (None, true, 1.0);
         }
