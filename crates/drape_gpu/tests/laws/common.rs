@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use drape_gpu::{Gpu, GpuBodyId, GpuError, GpuWorld, SurfaceWriter, wgpu};
+use drape_gpu::{BodyVertices, Gpu, GpuBodyId, GpuError, GpuWorld, SurfaceWriter, wgpu};
 use drape_solver::glam::{DVec3, Vec3};
 use drape_solver::{
     Body, BodySettings, ClothBuilder, Environment, Obstacle, Particles, Placement, Shape, StickKind,
@@ -131,6 +131,20 @@ pub fn vertex_buffer(size: u64) -> wgpu::Buffer {
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
+}
+
+/// Writes bodies as they were at a fraction of the last step into a buffer, and returns its words.
+pub fn write_bodies(
+    world: &GpuWorld,
+    bodies: &[BodyVertices],
+    fraction: f32,
+    target: &wgpu::Buffer,
+) -> Vec<f32> {
+    let mut writer = SurfaceWriter::new(gpu());
+    let step = world.last_step().expect("a world that keeps positions");
+    writer.set_bodies(&step, bodies).expect("room");
+    assert!(writer.set_step(&step, fraction));
+    write(&writer, target)
 }
 
 /// Writes vertices into a buffer, and returns its words.

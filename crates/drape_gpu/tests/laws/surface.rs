@@ -61,12 +61,7 @@ fn vertices_are_those_of_the_processor() {
         })
         .collect();
     let size = u64::from(4 * (firsts[1] + 1600 * STRIDE));
-    let mut writer = SurfaceWriter::new(gpu());
-    let step = world.last_step().expect("a world that keeps positions");
-    writer.set_bodies(&step, &vertices).expect("room");
-    assert!(writer.set_step(&step, 0.25));
-
-    let words = written(&writer, size);
+    let words = write_bodies(&world, &vertices, 0.25, &vertex_buffer(size));
     let vector = |first: usize| Vec3::from_slice(&words[first..first + 3]);
     for i in 0..2 {
         let between: Vec<Vec3> = before[i].iter().zip(&after[i]).map(|(a, b)| a.lerp(*b, 0.25)).collect();

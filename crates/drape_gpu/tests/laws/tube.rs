@@ -1,6 +1,6 @@
-//! Tubes around ropes: rings across the rope, never twisted, and lids.
+//! Tubes around ropes: rings across the rope, never twisted, and caps.
 
-use drape_gpu::{BodyMesh, BodyVertices, GpuError, GpuWorld, SurfaceWriter, TubeId, TubeVertices, wgpu};
+use drape_gpu::{BodyMesh, BodyVertices, GpuBodyId, GpuError, GpuWorld, TubeId, TubeVertices, wgpu};
 use drape_solver::glam::{Mat3, Quat, Vec3};
 use drape_solver::{Body, BodySettings, RopeBuilder};
 
@@ -44,14 +44,9 @@ impl Scene {
         let tube = TubeVertices { particles: &particles, sides: SIDES as u32, radius: RADIUS };
         let tube = world.add_tube(&tube).expect("a tube");
         let vertices = BodyVertices {
-            body,
-            mesh: BodyMesh::Tube(tube),
             to_local: Mat3::from_quat(Quat::from_rotation_y(0.4)),
             origin: Vec3::new(3.0, 1.0, 0.0),
-            vertex_count: tube.vertex_count(),
-            first_position: 0,
-            first_normal: 3,
-            stride: STRIDE,
+            ..alone(body, tube)
         };
         let target = vertex_buffer(u64::from(4 * STRIDE * tube.vertex_count()));
         Self { world, vertices, target }
@@ -63,17 +58,28 @@ impl Scene {
         let BodyVertices { body, to_local, origin, .. } = self.vertices;
         let places = positions(&self.world, body).into_iter().rev();
         let centres = places.map(|place| to_local * (place - origin)).collect();
-        let mut writer = SurfaceWriter::new(gpu());
-        let step = self.world.last_step().expect("stepped");
-        writer.set_bodies(&step, &[self.vertices]).expect("room");
-        assert!(writer.set_step(&step, 1.0));
-        let words = write(&writer, &self.target);
-        let vertices = words.chunks_exact(STRIDE as usize);
-        (
-            centres,
-            vertices.map(|words| [0, 3].map(|first| Vec3::from_slice(&words[first..first + 3]))).collect(),
-        )
+        (centres, split(&write_bodies(&self.world, &[self.vertices], 1.0, &self.target)))
     }
+}
+
+/// The vertices of a tube that is alone in its buffer.
+fn alone(body: GpuBodyId, tube: TubeId) -> BodyVertices {
+    BodyVertices {
+        body,
+        mesh: BodyMesh::Tube(tube),
+        to_local: Mat3::IDENTITY,
+        origin: Vec3::ZERO,
+        vertex_count: tube.vertex_count(),
+        first_position: 0,
+        first_normal: 3,
+        stride: STRIDE,
+    }
+}
+
+/// Places and normals of vertices.
+fn split(words: &[f32]) -> Vec<[Vec3; 2]> {
+    let vertex = |words: &[f32]| [0, 3].map(|first| Vec3::from_slice(&words[first..first + 3]));
+    words.chunks_exact(STRIDE as usize).map(vertex).collect()
 }
 
 /// The direction of a line at each of its points.
@@ -119,22 +125,22 @@ fn rings_are_circles_across_the_rope_and_never_twisted() {
 
 #[test]
 #[ignore = "needs a graphics adapter: .ci/gpu"]
-fn lids_close_the_ends_of_a_tube() {
+fn caps_close_the_ends_of_a_tube() {
     let (centres, vertices) = Scene::new().step();
     let tangents = tangents(&centres);
     let last = centres.len() - 1;
-    let lids = &vertices[centres.len() * RING..];
-    assert_eq!(lids.len(), 2 * (RING + 1));
-    for (lid, ring, side) in [(&lids[..=RING], 0, -1.0), (&lids[RING + 1..], last, 1.0)] {
-        for (corner, [place, normal]) in lid.iter().enumerate() {
+    let caps = &vertices[centres.len() * RING..];
+    assert_eq!(caps.len(), 2 * (RING + 1));
+    for (cap, ring, side) in [(&caps[..=RING], 0, -1.0), (&caps[RING + 1..], last, 1.0)] {
+        for (corner, [place, normal]) in cap.iter().enumerate() {
             let expected = if corner < RING { vertices[ring * RING + corner][0] } else { centres[ring] };
             assert!(place.distance(expected) < 1e-5, "corner {corner} of ring {ring} is at {place}");
-            assert!(normal.distance(tangents[ring] * side) < 1e-3, "the lid looks outwards");
+            assert!(normal.distance(tangents[ring] * side) < 1e-3, "the cap looks outwards");
         }
     }
 }
 
-/// Rings around each particle of a body at rest, written into a buffer that was filled with `old`: centres, and places and normals.
+/// Places and normals of the rings around each particle of a body at rest, written into a buffer that was filled with `old`.
 fn rings_at_rest(places: &[Vec3], old: f32) -> Vec<[Vec3; 2]> {
     let count = places.len();
     let body = joined(places, &vec![0.0; count], &[], bare());
@@ -144,26 +150,12 @@ fn rings_at_rest(places: &[Vec3], old: f32) -> Vec<[Vec3; 2]> {
     let tube = TubeVertices { particles: &particles, sides: SIDES as u32, radius: RADIUS };
     let tube = world.add_tube(&tube).expect("a tube");
     run(&mut world, &gravity(), 1);
-    let vertices = BodyVertices {
-        body: id,
-        mesh: BodyMesh::Tube(tube),
-        to_local: Mat3::IDENTITY,
-        origin: Vec3::ZERO,
-        vertex_count: tube.vertex_count(),
-        first_position: 0,
-        first_normal: 3,
-        stride: STRIDE,
-    };
-    let mut writer = SurfaceWriter::new(gpu());
-    let step = world.last_step().expect("stepped");
-    writer.set_bodies(&step, &[vertices]).expect("room");
-    assert!(writer.set_step(&step, 1.0));
     let target = vertex_buffer(u64::from(4 * STRIDE * tube.vertex_count()));
     let words = vec![old.to_le_bytes(); (STRIDE * tube.vertex_count()) as usize];
     gpu().queue().write_buffer(&target, 0, words.as_flattened());
-    let words = write(&writer, &target);
-    let vertex = |words: &[f32]| [0, 3].map(|first| Vec3::from_slice(&words[first..first + 3]));
-    words.chunks_exact(STRIDE as usize).take(count * RING).map(vertex).collect()
+    let mut vertices = split(&write_bodies(&world, &[alone(id, tube)], 1.0, &target));
+    vertices.truncate(count * RING);
+    vertices
 }
 
 /// A rope whose particles are all in one place, and one that goes back the way that it came, have rings all the same, whatever the buffer held.
@@ -231,11 +223,8 @@ fn one_writer_writes_surfaces_and_tubes_between_two_steps() {
             stride: STRIDE,
         }
     });
-    let mut writer = SurfaceWriter::new(gpu());
-    let step = world.last_step().expect("stepped");
-    writer.set_bodies(&step, &vertices).expect("room");
-    assert!(writer.set_step(&step, 0.25));
-    let words = write(&writer, &vertex_buffer(u64::from(4 * STRIDE * first_vertex)));
+    let target = vertex_buffer(u64::from(4 * STRIDE * first_vertex));
+    let words = write_bodies(&world, &vertices, 0.25, &target);
     for (i, vertices) in vertices.iter().enumerate() {
         let place =
             |vertex: usize| Vec3::from_slice(&words[vertices.first_position as usize + 6 * vertex..][..3]);
