@@ -41,16 +41,19 @@ impl OnGpu {
 
     /// The transform of the entity in which the body is seen. A frozen body with pins moves rigidly with its entity: it is seen as when it froze.
     pub fn seen_from(&self, activity: Activity, now: &GlobalTransform) -> GlobalTransform {
-        if self.is_carried(activity) { self.state.anchor.into() } else { *now }
+        if self.follows_entity(activity) { self.state.anchor.into() } else { *now }
     }
 
     /// True if the body is frozen and moves rigidly with its entity.
-    pub fn is_carried(&self, activity: Activity) -> bool {
+    pub fn follows_entity(&self, activity: Activity) -> bool {
         activity == Activity::Frozen && !self.state.pins.is_empty()
     }
 
     /// Moves the particles rigidly to where the entity is now.
     pub fn follow(&mut self) {
+        if self.anchor == self.state.anchor {
+            return;
+        }
         if let (Some(from), Some(to)) = (placement(&self.anchor), placement(&self.state.anchor)) {
             self.particles.teleport(&from, &to);
             self.anchor = self.state.anchor;

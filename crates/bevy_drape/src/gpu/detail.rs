@@ -46,7 +46,8 @@ pub(crate) fn choose_detail_on_gpu(
         }
         let detail = detail.as_deref().filter(|detail| is_valid(detail, entity, &mut refusals));
         let anchor = transform.affine();
-        let is_carried = parts.is_carried(*activity) && anchor != parts.state.anchor && anchor.is_finite();
+        let is_carried =
+            parts.follows_entity(*activity) && anchor != parts.state.anchor && anchor.is_finite();
         let way = if is_carried { anchor.translation - parts.state.anchor.translation } else { Vec3A::ZERO };
         let Bounds { low, high } = last.bounds;
         let bounds = Bounds::new(low + Vec3::from(way), high + Vec3::from(way));

@@ -248,23 +248,19 @@ fn bring_back(mut entity: EntityWorldMut, can_be_read: bool) {
     let now = entity.get::<GlobalTransform>().map(GlobalTransform::affine).filter(Affine3A::is_finite);
     let Some(mut parts) = entity.take::<OnGpu>() else { return };
     let there = parts.state.anchor;
-    let is_carried = parts.is_carried(activity);
-    if is_carried && let Some(now) = now {
+    if parts.follows_entity(activity)
+        && let Some(now) = now
+    {
         parts.state.anchor = now;
     }
-    match positions {
-        Some(positions) => {
-            for (i, position) in positions.into_iter().enumerate() {
-                parts.particles.set_position(i, position);
-                parts.particles.set_velocity(i, Vec3::ZERO);
-            }
-            if is_carried {
-                parts.anchor = there;
-                parts.follow();
-            }
+    if let Some(positions) = positions {
+        for (i, position) in positions.into_iter().enumerate() {
+            parts.particles.set_position(i, position);
+            parts.particles.set_velocity(i, Vec3::ZERO);
         }
-        None => parts.follow(),
+        parts.anchor = there;
     }
+    parts.follow();
     let OnGpu { mut particles, topology, state, .. } = parts;
     for &(pin, local) in &state.pins {
         // The entity may have moved in a step that failed.

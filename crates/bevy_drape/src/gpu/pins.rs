@@ -29,7 +29,7 @@ pub(crate) fn move_pins_on_gpu(
     let Some(world) = bodies.world.as_mut() else { return };
     for (entity, transform, mut body, mut parts, mut last, mut activity) in &mut moved {
         let anchor = transform.affine();
-        if anchor == parts.state.anchor || parts.state.pins.is_empty() || parts.is_carried(*activity) {
+        if anchor == parts.state.anchor || parts.state.pins.is_empty() || parts.follows_entity(*activity) {
             continue;
         }
         if !anchor.is_finite() {

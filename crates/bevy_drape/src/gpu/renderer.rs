@@ -78,6 +78,35 @@ pub(crate) struct SlabWriters {
     has_gaps: bool,
 }
 
+impl SlabWriters {
+    /// Looks up the meshes of bodies that are new in the list, and those that were not found before. True if the writers need another list.
+    fn find_places(
+        &mut self,
+        shown: &ShownBodies,
+        step: &LastStep,
+        allocator: &MeshAllocator,
+        meshes: &RenderAssets<RenderMesh>,
+    ) -> bool {
+        let is_same = self.last.as_ref().is_some_and(|last| Arc::ptr_eq(last, &shown.bodies));
+        if is_same && !self.has_gaps {
+            return false;
+        }
+        let mut is_new = !is_same;
+        self.has_gaps = false;
+        self.places.resize(shown.bodies.len(), None);
+        for (body, place) in shown.bodies.iter().zip(&mut self.places) {
+            if place.is_some_and(|place| place.mesh == body.mesh) {
+                continue;
+            }
+            *place = find(body, step, allocator, meshes, &mut self.slabs);
+            is_new |= place.is_some();
+            self.has_gaps |= place.is_none();
+        }
+        self.last = Some(Arc::clone(&shown.bodies));
+        is_new
+    }
+}
+
 /// Forgets what belongs to a device that was lost.
 pub(crate) fn forget_device(mut writers: ResMut<SlabWriters>, mut shown: ResMut<ShownBodies>) {
     *writers = SlabWriters::default();
@@ -104,22 +133,8 @@ pub(crate) fn write_slabs(
     mut writers: ResMut<SlabWriters>,
 ) {
     let Some((gpu, step)) = &shown.step else { return };
-    let SlabWriters { slabs, writers, places, last, has_gaps } = &mut *writers;
-    let is_same = last.as_ref().is_some_and(|last| Arc::ptr_eq(last, &shown.bodies));
-    let mut is_new = !is_same;
-    if is_new || *has_gaps {
-        places.resize(shown.bodies.len(), None);
-        *has_gaps = false;
-        for (body, place) in shown.bodies.iter().zip(&mut *places) {
-            *place = place.filter(|place| place.mesh == body.mesh);
-            if place.is_none() {
-                *place = find(body, step, &allocator, &meshes, slabs);
-                is_new |= place.is_some();
-                *has_gaps |= place.is_none();
-            }
-        }
-        *last = Some(Arc::clone(&shown.bodies));
-    }
+    let is_new = writers.find_places(&shown, step, &allocator, &meshes);
+    let SlabWriters { slabs, writers, places, .. } = &mut *writers;
     let mut used = writers.iter_mut().take(slabs.len());
     if is_new || !used.all(|writer| writer.set_step(step, shown.fraction)) {
         slabs.iter_mut().for_each(|slab| slab.bodies.clear());
