@@ -29,6 +29,7 @@ mod operations;
 mod pins;
 mod pulled_obstacles;
 mod reflection;
+mod rollback;
 mod ropes;
 mod scene_notation;
 mod schedule;

@@ -21,10 +21,17 @@ const STEPS: u32 = 2;
 /// Seconds from the first picture of a shot to the shot, and to the last one.
 const BEFORE: f64 = 0.1;
 const AFTER: f64 = 2.2;
+/// Seconds after the first shot in which it is seen from behind the cannon.
+const BEHIND_CANNON: f64 = 0.45;
 
 /// The place of the camera for one shot after another.
-const VIEWS: [View; 5] =
-    [CANNON, RIGHT, BEHIND, LEFT, View { eye: Vec3::new(4.9, 1.4, -5.2), target: Vec3::new(0.0, 1.4, -0.4) }];
+const VIEWS: [View; 5] = [
+    View { eye: Vec3::new(1.6, 1.9, 6.4), target: Vec3::new(0.0, 1.55, 0.0) },
+    RIGHT,
+    BEHIND,
+    LEFT,
+    View { eye: Vec3::new(4.9, 1.4, -5.2), target: Vec3::new(0.0, 1.4, -0.4) },
+];
 
 /// Draws the shots of `scene` into `folder`, one PNG file for each picture, and calls `on_picture` for each.
 ///
@@ -40,13 +47,14 @@ pub fn draw(
     let (mut picture, mut step) = (0, 0_u32);
     let step_at = |time: f64| (time / STEP).round() as u32;
     for index in 0..scene.shots {
-        let camera = VIEWS[index as usize % VIEWS.len()].camera();
-        app.world_mut().entity_mut(offscreen.camera()).insert(camera);
         let shot = Shot::planned(index).time;
         let start = step_at(shot - BEFORE);
+        let cut = if index == 0 { step_at(shot + BEHIND_CANNON) } else { 0 };
         advance(&mut app, start.saturating_sub(step));
         step = start;
         while step < step_at(shot + AFTER) {
+            let view = if step < cut { CANNON } else { VIEWS[index as usize % VIEWS.len()] };
+            app.world_mut().entity_mut(offscreen.camera()).insert(view.camera());
             let path = folder.join(format!("frame_{picture:05}.png"));
             offscreen.draw_half(&mut app, &path)?;
             on_picture(&path);

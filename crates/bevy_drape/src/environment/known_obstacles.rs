@@ -1,6 +1,6 @@
 //! Entities behind the solver's obstacles.
 
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 
 /// The obstacles in the solver: entities by slot, and slots by entity.
@@ -59,13 +59,21 @@ impl KnownObstacles {
         self.last_order = last;
     }
 
-    /// Replaces all obstacles, each with its number and scale, and those that are disabled.
-    pub fn replace(&mut self, obstacles: Vec<(u64, Entity, Vec3)>, disabled: Vec<(u64, Entity)>) {
-        let disabled = disabled.into_iter().map(|(order, entity)| (entity, order)).collect();
-        *self = Self { last_order: self.last_order, disabled, ..Self::default() };
-        for (order, entity, scale) in obstacles {
-            self.push_with(order, entity, scale);
+    /// Replaces those of the members that are disabled, each with its number.
+    pub fn replace_disabled(&mut self, members: &EntityHashSet, disabled: Vec<(u64, Entity)>) {
+        self.disabled.retain(|obstacle, _| !members.contains(obstacle));
+        self.disabled.extend(disabled.into_iter().map(|(order, obstacle)| (obstacle, order)));
+    }
+
+    /// Puts an obstacle with its number and scale in the place of another.
+    pub fn put(&mut self, slot: usize, order: u64, entity: Entity, scale: Vec3) {
+        let last = self.entities[slot];
+        if self.slots.get(&last) == Some(&slot) {
+            self.slots.remove(&last);
         }
+        self.last_order = self.last_order.max(order);
+        self.slots.insert(entity, slot);
+        (self.entities[slot], self.scales[slot], self.orders[slot]) = (entity, scale, order);
     }
 
     /// Adds an obstacle, with the number that it had if it was disabled.
@@ -74,7 +82,8 @@ impl KnownObstacles {
         self.push_with(order, entity, scale);
     }
 
-    fn push_with(&mut self, order: u64, entity: Entity, scale: Vec3) {
+    /// Adds an obstacle with its number and scale.
+    pub fn push_with(&mut self, order: u64, entity: Entity, scale: Vec3) {
         self.last_order = self.last_order.max(order);
         self.slots.insert(entity, self.entities.len());
         self.entities.push(entity);
@@ -95,7 +104,10 @@ impl KnownObstacles {
 
     /// Removes one; the last one takes its slot.
     pub fn swap_remove(&mut self, slot: usize) {
-        self.slots.remove(&self.entities.swap_remove(slot));
+        let removed = self.entities.swap_remove(slot);
+        if self.slots.get(&removed) == Some(&slot) {
+            self.slots.remove(&removed);
+        }
         self.scales.swap_remove(slot);
         self.orders.swap_remove(slot);
         if let Some(moved) = self.entities.get(slot) {

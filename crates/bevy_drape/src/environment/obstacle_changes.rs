@@ -1,5 +1,6 @@
 //! Changes of obstacles that change ticks do not show.
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 
@@ -21,9 +22,10 @@ pub(crate) struct ObstacleChanges {
 }
 
 impl ObstacleChanges {
-    /// Sets the obstacles that moved in the last step, and those that were disabled or enabled since.
-    pub fn restore(&mut self, moving: Vec<Entity>, changed: Vec<Entity>) {
-        self.moving = moving;
+    /// Sets those of the members that moved in the last step, and those that were disabled or enabled since.
+    pub fn restore(&mut self, members: &EntityHashSet, moving: Vec<Entity>, changed: Vec<Entity>) {
+        self.moving.retain(|obstacle| !members.contains(obstacle));
+        self.moving.extend(moving);
         self.gone.extend(&changed);
         self.recheck.extend(changed);
     }

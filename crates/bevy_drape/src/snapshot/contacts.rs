@@ -1,6 +1,6 @@
 //! Known touches, so that none is reported twice.
 
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 
 use crate::contact::contact_pairs::{ContactPair, ContactPairs};
@@ -29,10 +29,16 @@ pub(super) fn take(world: &World, keys: &Keys) -> ContactSnapshot {
 
 pub(super) fn restore(contacts: &ContactSnapshot, world: &mut World, keys: &Keys) {
     let pair = |a, b| Some((entity(keys, a)?, entity(keys, b)?));
+    let is_member: EntityHashSet = keys.iter().map(|&(_, entity)| entity).collect();
+    let is_other = |(a, b): (Entity, Entity)| !is_member.contains(&a) || !is_member.contains(&b);
     let touches = contacts.touches.iter();
-    let touches = touches.filter_map(|&(a, b, until)| Some((pair(a, b)?, until))).collect();
+    let touches = touches.filter_map(|&(a, b, until)| Some((pair(a, b)?, until)));
+    let mut touching = world.resource_mut::<Touching>();
+    let others: Vec<_> = touching.iter().filter(|&(pair, _)| is_other(pair)).collect();
+    touching.replace(others.into_iter().chain(touches).collect());
     let pairs = contacts.pairs.iter();
-    let pairs = pairs.filter_map(|&(a, b, how)| Some((pair(a, b)?, how))).collect();
-    world.resource_mut::<Touching>().replace(touches);
-    world.resource_mut::<ContactPairs>().replace(pairs);
+    let pairs = pairs.filter_map(|&(a, b, how)| Some((pair(a, b)?, how)));
+    let mut known = world.resource_mut::<ContactPairs>();
+    let others: Vec<_> = known.iter().filter(|&(pair, _)| is_other(pair)).collect();
+    known.replace(others.into_iter().chain(pairs).collect());
 }

@@ -1,5 +1,6 @@
 //! The state of obstacles.
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use drape_solver::{BuildError, Placement};
@@ -143,12 +144,15 @@ impl ObstacleComponents {
     }
 }
 
-pub(super) fn take(world: &World) -> ObstacleSnapshots {
+pub(super) fn take(world: &World, keys: &Keys) -> ObstacleSnapshots {
     let solver = world.resource::<SolverEnvironment>();
     let components = |entity| ObstacleComponents::take(world.get_entity(entity).ok()?);
+    let is_member = |order, obstacle| entity(keys, Key::Obstacle(order)) == Some(obstacle);
     let disabled = solver.obstacles.disabled().into_iter();
+    let disabled = disabled.filter(|&(order, obstacle)| is_member(order, obstacle));
     let disabled = disabled.filter_map(|(order, entity)| Some((order, components(entity)?))).collect();
     let known = solver.obstacles.orders_and_entities().enumerate();
+    let known = known.filter(|&(_, (order, obstacle))| is_member(order, obstacle));
     let known = known.filter_map(|(slot, (order, entity))| {
         let built = &solver.environment.obstacles[slot];
         let [now, before] = [built.placement(), built.previous_placement()]
@@ -180,13 +184,13 @@ pub(super) fn restore(
     keys: &Keys,
 ) -> Result<(), SnapshotError> {
     let wanted = obstacles.keys();
+    let slots = slots(world, keys);
     for &(key, obstacle) in keys {
         if matches!(key, Key::Obstacle(_)) && wanted.binary_search(&key).is_err() {
             world.despawn(obstacle);
         }
     }
-    let mut solver_obstacles = drape_solver::Obstacles::new();
-    let mut places = Vec::with_capacity(obstacles.known.len());
+    let mut known = Vec::with_capacity(obstacles.known.len());
     let (mut moving, mut changed) = (Vec::new(), Vec::new());
     for snapshot in &obstacles.known {
         let key = snapshot.key();
@@ -196,8 +200,7 @@ pub(super) fn restore(
         if built.is_moving() {
             moving.push(entity.id());
         }
-        solver_obstacles.push(built);
-        places.push((snapshot.order, entity.id(), snapshot.scale.into()));
+        known.push((snapshot.order, entity.id(), snapshot.scale.into(), built));
         snapshot.components.restore(&mut entity);
         if snapshot.components.is_disabled {
             changed.push(entity.id());
@@ -215,8 +218,33 @@ pub(super) fn restore(
         disabled.push((*order, entity.id()));
     }
     let mut solver = world.resource_mut::<SolverEnvironment>();
-    solver.environment.obstacles = solver_obstacles;
-    solver.obstacles.replace(places, disabled);
-    world.resource_mut::<ObstacleChanges>().restore(moving, changed);
+    let SolverEnvironment { environment, obstacles: in_solver, .. } = &mut *solver;
+    let members = keys.iter().filter(|(key, _)| matches!(key, Key::Obstacle(_)));
+    let members: EntityHashSet = members.map(|&(_, obstacle)| obstacle).collect();
+    in_solver.replace_disabled(&members, disabled);
+    let last = known.len();
+    for (place, (order, entity, scale, built)) in known.into_iter().enumerate() {
+        if let Some(&slot) = slots.get(place) {
+            environment.obstacles[slot] = built;
+            in_solver.put(slot, order, entity, scale);
+        } else {
+            environment.obstacles.push(built);
+            in_solver.push_with(order, entity, scale);
+        }
+    }
+    for &slot in slots.iter().skip(last).rev() {
+        environment.obstacles.swap_remove(slot);
+        in_solver.swap_remove(slot);
+    }
+    world.resource_mut::<ObstacleChanges>().restore(&members, moving, changed);
     Ok(())
+}
+
+/// Slots in the solver's list that the members have, or obstacles that are gone, in ascending order.
+fn slots(world: &World, keys: &Keys) -> Vec<usize> {
+    let obstacles = world.resource::<SolverEnvironment>().obstacles.orders_and_entities();
+    let slots = obstacles.enumerate().filter(|&(_, (order, obstacle))| {
+        entity(keys, Key::Obstacle(order)) == Some(obstacle) || world.get::<Obstacle>(obstacle).is_none()
+    });
+    slots.map(|(slot, _)| slot).collect()
 }

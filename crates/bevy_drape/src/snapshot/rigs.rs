@@ -1,10 +1,11 @@
 //! The particle entities of hand-built rigs. Their bodies hold positions and velocities; their own records and
 //! transforms are here.
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
 use crate::rig::components::{InRig, Particle, ParticleRecord};
-use crate::snapshot::key::SnapshotError;
+use crate::snapshot::key::{Key, Keys, SnapshotError};
 use crate::snapshot::world::Placed;
 
 /// One particle entity.
@@ -18,18 +19,21 @@ pub(super) struct RigParticleSnapshot {
     placed: Placed,
 }
 
-/// Returns all simulated particles in the order of insertion.
-fn members(world: &mut World) -> Vec<(u64, Entity)> {
-    let mut particles = world.query_filtered::<(Entity, &ParticleRecord), With<InRig>>();
+/// Returns the simulated particles of these bodies in the order of insertion.
+fn members(world: &mut World, keys: &Keys) -> Vec<(u64, Entity)> {
+    let bodies = keys.iter().filter(|(key, _)| matches!(key, Key::Body(_)));
+    let bodies: EntityHashSet = bodies.map(|&(_, body)| body).collect();
+    let mut particles = world.query::<(Entity, &ParticleRecord, &InRig)>();
+    let particles = particles.iter(world).filter(|(.., in_rig)| bodies.contains(&in_rig.body));
     let mut members: Vec<(u64, Entity)> =
-        particles.iter(world).map(|(entity, record)| (record.order, entity)).collect();
+        particles.map(|(entity, record, _)| (record.order, entity)).collect();
     members.sort_unstable();
     members
 }
 
-pub(super) fn take(world: &mut World) -> Vec<RigParticleSnapshot> {
+pub(super) fn take(world: &mut World, keys: &Keys) -> Vec<RigParticleSnapshot> {
     let mut particles = Vec::new();
-    for (order, entity) in members(world) {
+    for (order, entity) in members(world, keys) {
         let entity = world.entity(entity);
         let parts = (entity.get::<Particle>(), entity.get::<InRig>(), entity.get::<ParticleRecord>());
         let (Some(particle), Some(in_rig), Some(record)) = parts else { continue };
@@ -45,8 +49,12 @@ pub(super) fn take(world: &mut World) -> Vec<RigParticleSnapshot> {
 }
 
 /// A snapshot does not hold edits of rigs: the world must have the same rigs.
-pub(super) fn check(particles: &[RigParticleSnapshot], world: &mut World) -> Result<(), SnapshotError> {
-    let members = members(world);
+pub(super) fn check(
+    particles: &[RigParticleSnapshot],
+    world: &mut World,
+    keys: &Keys,
+) -> Result<(), SnapshotError> {
+    let members = members(world, keys);
     for (i, snapshot) in particles.iter().enumerate() {
         let is_same = members.get(i).is_some_and(|&(order, entity)| {
             order == snapshot.order
@@ -64,8 +72,8 @@ pub(super) fn check(particles: &[RigParticleSnapshot], world: &mut World) -> Res
 }
 
 /// Restores particles that have been [checked](check).
-pub(super) fn restore(particles: &[RigParticleSnapshot], world: &mut World) {
-    for (snapshot, (_, entity)) in particles.iter().zip(members(world)) {
+pub(super) fn restore(particles: &[RigParticleSnapshot], world: &mut World, keys: &Keys) {
+    for (snapshot, (_, entity)) in particles.iter().zip(members(world, keys)) {
         let mut entity = world.entity_mut(entity);
         snapshot.placed.restore(&mut entity);
         if let Some(mut record) = entity.get_mut::<ParticleRecord>() {

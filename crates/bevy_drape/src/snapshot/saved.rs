@@ -1,15 +1,16 @@
 //! Takes and restores a whole world.
 
+use bevy::ecs::query::QueryFilter;
 use bevy::prelude::*;
 
 use crate::body::body_state::CreationOrder;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::rig::components::{InRig, RigEdits};
 use crate::snapshot::key::SnapshotError;
-use crate::snapshot::world::members;
+use crate::snapshot::world::members_of;
 use crate::snapshot::{bodies, contacts, obstacles, projectiles, rigs, world};
 
-/// The complete state of a running simulation.
+/// The state of a running simulation, or of [a part](Self::take_of) of it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Snapshot {
@@ -39,15 +40,24 @@ pub fn number_from(world: &mut World, last: u64) {
 }
 
 impl Snapshot {
-    /// Takes a snapshot, between steps.
+    /// Takes a snapshot of everything, between steps.
     pub fn take(world: &mut World) -> Self {
-        let keys = members(world);
+        Self::take_of::<()>(world)
+    }
+
+    /// Takes a snapshot of the bodies, balls and obstacles that match the filter, between steps.
+    ///
+    /// With a component of your own, such as `With<RolledBack>`, it saves what a game rolls back and leaves out the rest. A
+    /// hand-built rig matches if one of its particles does. What can touch a part belongs to it, or the part does not continue with
+    /// the same bits: an obstacle that never moves may be left out.
+    pub fn take_of<F: QueryFilter>(world: &mut World) -> Self {
+        let keys = members_of::<F>(world);
         Self {
             world: world::take(world),
             bodies: bodies::take(world, &keys),
             balls: projectiles::take(world, &keys),
-            obstacles: obstacles::take(world),
-            rig_particles: rigs::take(world),
+            obstacles: obstacles::take(world, &keys),
+            rig_particles: rigs::take(world, &keys),
             contacts: contacts::take(world, &keys),
         }
     }
@@ -57,19 +67,30 @@ impl Snapshot {
     /// # Errors
     /// [`SnapshotError`] if the world does not have the same scene; then nothing is changed.
     pub fn restore(&self, world: &mut World) -> Result<(), SnapshotError> {
-        let keys = members(world);
+        self.restore_of::<()>(world)
+    }
+
+    /// Restores what matches the filter that the snapshot was [taken with](Self::take_of), between steps. What matches now and is not
+    /// in the snapshot is despawned. All else stays as it is, except the clock, gravity, wind and settings, which everything shares:
+    /// they go back.
+    ///
+    /// # Errors
+    /// As [`restore`](Self::restore).
+    pub fn restore_of<F: QueryFilter>(&self, world: &mut World) -> Result<(), SnapshotError> {
+        let keys = members_of::<F>(world);
         let Self { world: shared, bodies, balls, obstacles, rig_particles, contacts } = self;
         world::check(shared, world)?;
         bodies::check(bodies, world, &keys)?;
         projectiles::check(balls)?;
         obstacles::check(obstacles, world, &keys)?;
-        rigs::check(rig_particles, world)?;
+        rigs::check(rig_particles, world, &keys)?;
         world::restore(shared, world);
         bodies::restore(bodies, world, &keys)?;
         projectiles::restore(balls, world, &keys)?;
         obstacles::restore(obstacles, world, &keys)?;
-        rigs::restore(rig_particles, world);
-        let keys = members(world);
+        rigs::restore(rig_particles, world, &keys);
+        let keys = members_of::<F>(world);
+        world::go_on_counting(shared, world);
         contacts::restore(contacts, world, &keys);
         world::have_all_looked_at(world, &keys);
         Ok(())

@@ -1,6 +1,8 @@
 //! Resources: clock, gravity, wind, settings.
 
 use bevy::ecs::component::Mutable;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::{Allow, QueryFilter};
 use bevy::prelude::*;
 
 use crate::ball::projectile::ProjectileRecord;
@@ -13,6 +15,7 @@ use crate::environment::gravity::DrapeGravity;
 use crate::environment::obstacle::Obstacle;
 use crate::environment::solver_environment::SolverEnvironment;
 use crate::environment::wind::Wind;
+use crate::rig::components::Rig;
 use crate::sleep::candidates::Candidates;
 use crate::sleep::scene_manager::SceneManager;
 use crate::snapshot::key::{Key, Keys, SnapshotError};
@@ -75,12 +78,21 @@ pub(super) fn restore(snapshot: &WorldSnapshot, world: &mut World) {
     put(world, snapshot.default_surface);
     put(world, snapshot.manager);
     put(world, snapshot.contact_settings);
-    world.resource_mut::<CreationOrder>().go_on_from(snapshot.creation_order);
     let mut solver = world.resource_mut::<SolverEnvironment>();
     solver.environment.dt = snapshot.clock.delta();
     solver.environment.gravity = snapshot.seen_gravity.into();
     solver.environment.wind = snapshot.seen_wind.into();
     solver.changed = snapshot.is_changed;
+}
+
+/// Continues the order of creation as it was, after all that is left in the world.
+pub(super) fn go_on_counting(snapshot: &WorldSnapshot, world: &mut World) {
+    let number = |(key, _)| match key {
+        Key::Body(number) | Key::Ball(number) => number,
+        Key::Obstacle(_) => 0,
+    };
+    let last = members(world).into_iter().map(number).max().unwrap_or_default();
+    world.resource_mut::<CreationOrder>().go_on_from(snapshot.creation_order.max(last));
 }
 
 /// Sets a resource only if it differs, since a change wakes everything.
@@ -90,17 +102,30 @@ fn put<R: Resource<Mutability = Mutable> + PartialEq>(world: &mut World, value: 
 
 /// Returns all bodies, balls and obstacles that have been built, sorted by their keys.
 pub fn members(world: &mut World) -> Vec<(Key, Entity)> {
-    let mut bodies = world.query::<(Entity, &BodyState)>();
+    members_of::<()>(world)
+}
+
+/// Returns those [members](members) that match a filter.
+pub(super) fn members_of<F: QueryFilter>(world: &mut World) -> Vec<(Key, Entity)> {
+    let chosen = world.query_filtered::<(), (F, Allow<Disabled>)>();
+    let mut bodies = world.query::<(Entity, &BodyState, Option<&Rig>)>();
     let mut balls = world.query::<(Entity, &ProjectileRecord)>();
+    let chosen = chosen.query_manual(world);
     // A body that has not been stepped yet has no number.
-    let bodies = bodies.iter(world).filter(|(_, state)| state.order > 0);
-    let bodies = bodies.map(|(entity, state)| (Key::Body(state.order), entity));
-    let balls = balls.iter(world).map(|(entity, record)| (Key::Ball(record.order), entity));
+    let bodies = bodies.iter(world).filter(|(_, state, _)| state.order > 0);
+    let bodies = bodies.filter(|&(body, _, rig)| match rig {
+        Some(rig) => rig.particles().iter().any(|&particle| chosen.contains(particle)),
+        None => chosen.contains(body),
+    });
+    let bodies = bodies.map(|(entity, state, _)| (Key::Body(state.order), entity));
+    let balls = balls.iter(world).filter(|&(ball, _)| chosen.contains(ball));
+    let balls = balls.map(|(entity, record)| (Key::Ball(record.order), entity));
     let mut members: Vec<(Key, Entity)> = bodies.chain(balls).collect();
     if let Some(solver) = world.get_resource::<SolverEnvironment>() {
         let is_there = |&(_, entity): &(u64, Entity)| world.get::<Obstacle>(entity).is_some();
         let disabled = solver.obstacles.disabled().into_iter().filter(is_there);
         let obstacles = solver.obstacles.orders_and_entities().chain(disabled);
+        let obstacles = obstacles.filter(|&(_, obstacle)| chosen.contains(obstacle));
         members.extend(obstacles.map(|(order, entity)| (Key::Obstacle(order), entity)));
     }
     members.sort_unstable_by_key(|&(key, _)| key);
