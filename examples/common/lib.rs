@@ -15,6 +15,7 @@
 //! character/      a walking character in a cape, and its glTF file
 //! furniture       furniture, as a glTF file
 //! view/           meshes, materials, light, cameras, windows, drawing without a window
+//! progress        a progress bar in the terminal
 //! ```
 
 pub mod cannon_demo;
@@ -23,6 +24,7 @@ pub mod character;
 pub mod feature;
 #[cfg(feature = "meshes")]
 pub mod furniture;
+pub mod progress;
 #[cfg(feature = "scenes")]
 pub mod scripted;
 #[cfg(feature = "window")]

@@ -9,7 +9,6 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_drape::clock::DrapeClock;
 use bevy_drape::prelude::*;
 use bevy_drape::sleep::ActivityCounts;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cannon_demo::arguments::Arguments;
 use crate::cannon_demo::output::{Output, OutputError};
@@ -17,6 +16,7 @@ use crate::cannon_demo::plugin::CannonScenePlugin;
 use crate::cannon_demo::recorder::{Recorder, RecorderPlugin};
 use crate::cannon_demo::scene::CannonScene;
 use crate::cannon_demo::shot::{FIRST_SHOT, SHOT_INTERVAL};
+use crate::progress::Progress;
 
 /// The longest time that the run goes on after the last hit, in seconds.
 const PATIENCE: f64 = 40.0;
@@ -56,8 +56,8 @@ pub fn run(arguments: &Arguments) -> Result<(), OutputError> {
         app.add_plugins(crate::cannon_demo::frame_capture::FrameCapturePlugin);
     }
     let progress = progress_bar(&scene);
-    run_to_rest(&mut app, &scene, |time| progress.set_position((time * 10.0) as u64));
-    progress.finish_and_clear();
+    run_to_rest(&mut app, &scene, |time| progress.set((time * 10.0) as u64));
+    progress.finish();
     let recorder = app.world_mut().remove_resource::<Recorder>().unwrap_or_default();
     match recorder.report(app.world_mut(), arguments.threads) {
         Some(report) => output.write(&report, &recorder)?,
@@ -112,14 +112,8 @@ pub fn run_to_rest(app: &mut App, scene: &CannonScene, mut on_step: impl FnMut(f
     }
 }
 
-fn progress_bar(scene: &CannonScene) -> ProgressBar {
+fn progress_bar(scene: &CannonScene) -> Progress {
     let last_shot = FIRST_SHOT + SHOT_INTERVAL * f64::from(scene.shots.saturating_sub(1));
     // Tenths of a second; how long the rest takes after the last shot is a guess.
-    let bar = ProgressBar::new(((last_shot + 10.0) * 10.0) as u64);
-    if let Ok(style) =
-        ProgressStyle::with_template("simulating {bar:40} {pos}/{len} tenths of a second, {elapsed}")
-    {
-        bar.set_style(style);
-    }
-    bar
+    Progress::new("simulating", ((last_shot + 10.0) * 10.0) as u64, "tenths of a second")
 }

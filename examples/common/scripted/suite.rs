@@ -10,9 +10,9 @@ use bevy_drape_script::checkpoint::{Checkpoint, CheckpointError};
 use bevy_drape_script::play::CheckpointTaken;
 use bevy_drape_script::recording::{Header, RecordSteps, RecordingError};
 use bevy_drape_script::{Report, SceneError, SceneRunner, SceneScript, scene_name, to_junit};
-use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
+use crate::progress::Progress;
 use crate::scripted::arguments::{ReportFormat, SceneArguments};
 #[cfg(feature = "render")]
 use crate::scripted::pictures::PictureWriter;
@@ -166,20 +166,22 @@ fn run_to_end(
         steps.start(runner.app_mut());
         runner.note_recording(path);
     }
-    let progress = progress_bar(name, runner.greatest_steps());
+    let progress = Progress::new(name, runner.greatest_steps(), "steps");
+    let mut steps = 0;
     let mut curves = arguments.plot.then(Curves::default);
     let mut checkpoints = Checkpoints::default();
     let mut goes_on = true;
     while goes_on {
         goes_on = runner.step();
-        progress.inc(1);
+        steps += 1;
+        progress.set(steps);
         pictures.look(&mut runner, name)?;
         checkpoints.save(runner.world(), arguments, name)?;
         if let Some(curves) = &mut curves {
             curves.note(runner.world());
         }
     }
-    progress.finish_and_clear();
+    progress.finish();
     RecordSteps::finish(runner.world_mut()).map_err(unrecorded)?;
     if let Some(curves) = curves {
         let path = arguments.out.join(name).with_extension("svg");
@@ -257,15 +259,6 @@ impl Pictures {
     }
 
     fn close(&mut self, _: SceneRunner) {}
-}
-
-fn progress_bar(name: &str, steps: u64) -> ProgressBar {
-    // Hidden if the output is not a terminal.
-    let bar = ProgressBar::new(steps);
-    if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} steps, {elapsed}") {
-        bar.set_style(style);
-    }
-    bar.with_message(name.to_string())
 }
 
 fn write_reports(reports: &[Report], format: Option<ReportFormat>) -> Result<(), SuiteError> {
