@@ -13,6 +13,8 @@ use crate::experiments::contact_cost::ContactArguments;
 use crate::experiments::fabrics::FabricArguments;
 #[cfg(feature = "gpu")]
 use crate::experiments::gpu::GpuArguments;
+#[cfg(feature = "plugin")]
+use crate::experiments::rollback::RollbackArguments;
 use crate::experiments::shots::ShotArguments;
 #[cfg(feature = "plugin")]
 use crate::experiments::street::StreetArguments;
@@ -55,6 +57,9 @@ pub enum Task {
     /// Measures flags along a street, with and without levels of detail.
     #[cfg(feature = "plugin")]
     Street(StreetArguments),
+    /// Measures saving and restoring, and cloths that are rolled back in each frame.
+    #[cfg(feature = "plugin")]
+    Rollback(RollbackArguments),
     /// Measures the cost per particle of each kind of contact.
     Contacts(ContactArguments),
     /// Measures cloth and ropes against themselves: times, and edges that pass through triangles.

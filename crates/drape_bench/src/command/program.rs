@@ -10,7 +10,7 @@ use crate::command::arguments::{Arguments, Command, Task};
 #[cfg(feature = "gpu")]
 use crate::experiments::gpu;
 #[cfg(feature = "plugin")]
-use crate::experiments::{broad, street};
+use crate::experiments::{broad, rollback, street};
 use crate::experiments::{contact, contact_cost, fabrics, golden, presets, shots, stability, torn};
 use crate::failure::Failure;
 use crate::measure::job::Job;
@@ -39,6 +39,8 @@ fn run(task: &Task, solvers: &[Solver]) -> Result<(), Box<dyn Error>> {
         Task::Broad(field) => broad::report(field)?,
         #[cfg(feature = "plugin")]
         Task::Street(street) => street::report(street)?,
+        #[cfg(feature = "plugin")]
+        Task::Rollback(arguments) => rollback::report(arguments)?,
         Task::Contacts(trials) => contact_cost::report(trials)?,
         Task::Contact(runs) => contact::report::report(runs)?,
         Task::Torn(cuts) => torn::report(cuts)?,

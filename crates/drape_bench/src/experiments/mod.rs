@@ -14,6 +14,8 @@ pub mod golden;
 pub mod gpu;
 pub mod oracle;
 pub mod presets;
+#[cfg(feature = "plugin")]
+pub mod rollback;
 pub mod shots;
 pub mod stability;
 #[cfg(feature = "plugin")]

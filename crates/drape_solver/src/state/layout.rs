@@ -122,7 +122,11 @@ impl Layout {
 
     /// The slots of all particles, in order of their indices.
     pub fn slots(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
-        (0..self.count()).map(move |index| self.slot(index))
+        let mut walk = match self {
+            Self::Grid(grid) => Some(GridWalk::new(*grid)),
+            _ => None,
+        };
+        (0..self.count()).map(move |index| walk.as_mut().map_or_else(|| self.slot(index), GridWalk::next))
     }
 
     /// The particle in `slot`; none in a ghost.
@@ -212,6 +216,43 @@ impl Grid {
     }
 }
 
+/// Walks over the particles of a grid, row by row: without the divisions of [`Grid::slot`].
+struct GridWalk {
+    grid: Grid,
+    column: usize,
+    /// Column and row within the patch.
+    within: [usize; 2],
+    /// Column and row of the patch.
+    patch: [usize; 2],
+}
+
+impl GridWalk {
+    fn new(grid: Grid) -> Self {
+        Self { grid, column: 0, within: [0; 2], patch: [0; 2] }
+    }
+
+    /// The slot of the next particle.
+    fn next(&mut self) -> usize {
+        let Self { grid, column, within, patch } = self;
+        let slot = (within[1] * grid.width + within[0]) * LANES + patch[1] * grid.across + patch[0];
+        *column += 1;
+        within[0] += 1;
+        if *column == grid.columns {
+            *column = 0;
+            (within[0], patch[0]) = (0, 0);
+            within[1] += 1;
+            if within[1] == grid.height {
+                within[1] = 0;
+                patch[1] += 1;
+            }
+        } else if within[0] == grid.width {
+            within[0] = 0;
+            patch[0] += 1;
+        }
+        slot
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -224,6 +265,7 @@ mod tests {
             let layout = Layout::Grid(Grid::new(columns, rows).expect("large enough"));
             let mut slots: Vec<usize> = layout.slots().collect();
             for (index, &slot) in slots.iter().enumerate() {
+                assert_eq!(slot, layout.slot(index));
                 assert_eq!(layout.index(slot), Some(index));
                 assert!(layout.real_lanes(slot / LANES) & (1 << (slot % LANES)) != 0);
             }

@@ -8,7 +8,7 @@
 use glam::{Quat, Vec3};
 
 use crate::error::{BuildError, in_range, positive};
-use crate::simd::columns::LANES;
+use crate::simd::columns::{Columns, LANES};
 use crate::state::backstops::Backstop;
 use crate::state::ball::{Ball, BallMaterial};
 use crate::state::body::BodyContext;
@@ -103,7 +103,7 @@ fn drive_of([angular_frequency, damping_ratio]: [f32; 2]) -> PoseDrive {
 impl Particles {
     /// The state that decides their next steps.
     pub fn snapshot(&self) -> ParticlesSnapshot {
-        let column = |columns: &crate::simd::columns::Columns| {
+        let column = |columns: &Columns| {
             if columns.is_empty() {
                 return Vec::new();
             }
@@ -127,6 +127,8 @@ impl Particles {
             let place = self.pose.drives.place.get(slot).map(|v| v.to_array());
             Some((index as u32, place, [angular_frequency, damping_ratio]))
         };
+        // Most bodies have none of these.
+        let constrained = |any: bool| any.then(|| self.layout.slots().enumerate()).into_iter().flatten();
         ParticlesSnapshot {
             origin: self.origin.to_array(),
             substep: self.substep,
@@ -135,9 +137,9 @@ impl Particles {
             inverse_masses: self.layout.slots().map(|slot| self.inverse_mass[slot]).collect(),
             forces: column(&self.force),
             pin_targets: self.pin_targets.iter().filter_map(target).collect(),
-            limits: self.layout.slots().enumerate().filter_map(limit).collect(),
-            backstops: self.layout.slots().enumerate().filter_map(backstop).collect(),
-            drives: self.layout.slots().enumerate().filter_map(drive).collect(),
+            limits: constrained(!self.pose.limits.is_empty()).filter_map(limit).collect(),
+            backstops: constrained(!self.pose.backstops.is_empty()).filter_map(backstop).collect(),
+            drives: constrained(!self.pose.drives.is_empty()).filter_map(drive).collect(),
             frame: self.frame.map(|m| [m.pivot, m.turn, m.translation].map(|v| v.to_array())),
             is_disturbed: self.disturbed,
         }
