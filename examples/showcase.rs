@@ -56,6 +56,7 @@ features! {
     observers: "observers.rs",
     presets: "presets.rs",
     ragdoll: "ragdoll.rs",
+    rollback: "rollback.rs",
     soft_ball: "soft_ball.rs",
     tear: "tear.rs",
     trampoline: "trampoline.rs",

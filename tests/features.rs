@@ -34,7 +34,7 @@ macro_rules! runs {
 runs! {
     balloon, bridge, bsn, cape, #[cfg(feature = "gltf")] cape_gltf, cloth_mesh, crates, curtain_2d, cut, detail, drag, drape,
     #[cfg(feature = "gltf")] dust_sheets, fabrics, fan, flag,
-    folds, jelly, knot, lamps, layers, observers, presets, ragdoll, soft_ball, tear, trampoline, winch, wrecking_ball,
+    folds, jelly, knot, lamps, layers, observers, presets, ragdoll, rollback, soft_ball, tear, trampoline, winch, wrecking_ball,
 }
 
 fn run(feature: &Feature) -> FeatureReport {
