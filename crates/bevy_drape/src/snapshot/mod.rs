@@ -25,6 +25,8 @@
 //! [order of creation](Key). Entities that are not in the snapshot are despawned. Missing balls are spawned without
 //! your own components: add them when they appear, as you do when a cannon fires.
 //!
+//! A game that rolls back takes [a part](Snapshot::take_of) of the world back and leaves the rest.
+//!
 //! The feature `serde` writes snapshots in any format.
 //!
 //! Design: `docs/design/snapshots.md`.
