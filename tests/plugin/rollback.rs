@@ -5,9 +5,11 @@ use std::collections::VecDeque;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
+use bevy_drape::ball::ProjectileState;
 use bevy_drape::clock::DrapeClock;
+use bevy_drape::contact::DrapeContactStarted;
 use bevy_drape::prelude::*;
-use bevy_drape::rig::{Particle, Stick};
+use bevy_drape::rig::{InRig, Particle, Stick};
 use bevy_drape::schedule::DrapeStep;
 use bevy_drape::snapshot::{Key, Snapshot, members};
 
@@ -72,13 +74,21 @@ fn world() -> App {
     let box_ = DynamicObstacle { velocity: Vec3::Z * 2.0, ..DynamicObstacle::cuboid(0.5, Vec3::splat(0.2)) };
     let place = Transform::from_xyz(0.3, 0.9, -1.6);
     world.spawn((RolledBack, Obstacle::cuboid(0.2, 0.2, 0.2), box_, place));
-    let a = world.spawn((RolledBack, Particle::pinned(), Transform::from_xyz(-2.0, 2.0, 0.0))).id();
-    let b = world.spawn((RolledBack, Particle::new(0.5), Transform::from_xyz(-1.0, 2.0, 0.0))).id();
-    world.spawn(Stick::new(a, b));
+    for particle in pendulum(world) {
+        world.entity_mut(particle).insert(RolledBack);
+    }
     // The schedule is run by hand: from here on each run is one sixtieth of a second.
     app.update();
     advance(&mut app);
     app
+}
+
+/// A hand-built pendulum: its hook and its bob.
+fn pendulum(world: &mut World) -> [Entity; 2] {
+    let hook = world.spawn((Particle::pinned(), Transform::from_xyz(-2.0, 2.0, 0.0))).id();
+    let bob = world.spawn((Particle::new(0.5), Transform::from_xyz(-1.0, 2.0, 0.0))).id();
+    world.spawn(Stick::new(hook, bob));
+    [hook, bob]
 }
 
 /// The bits of all that is rolled back.
@@ -137,7 +147,11 @@ fn what_is_not_chosen_stays_as_it_is() {
     let mut app = app();
     let chosen = app.world_mut().spawn((RolledBack, curtain())).id();
     let other = app.world_mut().spawn((curtain(), Transform::from_xyz(5.0, 0.0, 0.0))).id();
+    let [hook, bob] = pendulum(app.world_mut());
+    let ball = app.world_mut().spawn((Projectile::default(), Transform::from_xyz(-5.0, 0.0, 0.0))).id();
     step(&mut app, 20);
+    let swings = get::<InRig>(&app, bob).body;
+    assert_eq!(get::<InRig>(&app, hook).body, swings);
     let then = hash(&app, &[chosen]);
     let saved = Snapshot::take_of::<With<RolledBack>>(app.world_mut());
     app.world_mut().resource_mut::<Wind>().velocity = Vec3::Z;
@@ -146,11 +160,15 @@ fn what_is_not_chosen_stays_as_it_is() {
     assert_ne!(now, then);
     let late = app.world_mut().spawn((curtain(), Transform::from_xyz(10.0, 0.0, 0.0))).id();
     step(&mut app, 1);
-    let others_later = hash(&app, &[other]);
-    assert_ne!(others_later, others);
+    let all_others = |app: &App| {
+        let places = [bob, ball].map(|entity| *get::<Transform>(app, entity));
+        ([other, swings, ball].map(|body| hash(app, &[body])), places)
+    };
+    let others_later = all_others(&app);
+    assert_ne!(others_later.0[0], others);
     saved.restore_of::<With<RolledBack>>(app.world_mut()).expect("the same world");
     assert_eq!(hash(&app, &[chosen]), then);
-    assert_eq!(hash(&app, &[other]), others_later);
+    assert_eq!(all_others(&app), others_later);
     assert_eq!(app.world().resource::<DrapeClock>().steps(), 20);
     assert_eq!(app.world().resource::<Wind>().velocity, Vec3::ZERO);
     // Numbers of creation are not handed out twice.
@@ -180,6 +198,8 @@ fn obstacles_come_back_beside_those_that_are_not_chosen() {
     app.world_mut().entity_mut(goes).insert(RolledBack);
     step(&mut app, 2);
     saved.restore_of::<With<RolledBack>>(app.world_mut()).expect("the same world");
+    let keys: Vec<Key> = members(app.world_mut()).into_iter().map(|(key, _)| key).collect();
+    assert!(keys.is_sorted_by(|a, b| a < b), "each is known once: {keys:?}");
     assert!(app.world().get_entity(goes).is_err());
     assert!(app.world().get_entity(stays).is_ok());
     let balls = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0].map(|x| {
@@ -202,12 +222,12 @@ fn what_touches_two_obstacles_goes_on_with_the_same_bits() {
     };
     let spheres = [Vec3::new(-0.25, 0.0, 0.0), Vec3::new(0.25, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.25)];
     let spheres = spheres.map(|place| spawn(&mut app, place));
-    let flat = Transform::from_xyz(0.0, 0.45, 0.0).with_rotation(Quat::from_rotation_x(1.57));
-    let cloth = app.world_mut().spawn((free_cloth(), flat)).id();
-    step(&mut app, 15);
+    let ball = Projectile { radius: 0.2, mass: 1.0, friction: 0.5, ..default() };
+    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.02, 0.6, 0.1))).id();
+    step(&mut app, 5);
     let saved = Snapshot::take(app.world_mut());
     step(&mut app, 30);
-    let expected = hash(&app, &[cloth]);
+    let expected = hash(&app, &[ball]);
     for &sphere in &spheres[..2] {
         app.world_mut().entity_mut(sphere).insert(Disabled);
         step(&mut app, 1);
@@ -216,5 +236,51 @@ fn what_touches_two_obstacles_goes_on_with_the_same_bits() {
     }
     saved.restore(app.world_mut()).expect("the same world");
     step(&mut app, 30);
-    assert_eq!(hash(&app, &[cloth]), expected);
+    assert_eq!(hash(&app, &[ball]), expected);
+}
+
+/// A plate that is not chosen, moved in the last step before others go back, stands still afterwards and drags nothing along.
+#[test]
+fn an_obstacle_that_is_not_chosen_comes_to_a_stop() {
+    let mut app = app();
+    app.world_mut().spawn((RolledBack, curtain(), Transform::from_xyz(9.0, 0.0, 0.0)));
+    let plate = Obstacle::cuboid(2.0, 0.1, 0.5).with_friction(1.0);
+    let plate = app.world_mut().spawn((plate, Transform::default())).id();
+    let ball = Projectile { radius: 0.1, mass: 1.0, friction: 1.0, ..default() };
+    let ball = app.world_mut().spawn((ball, Transform::from_xyz(0.0, 0.2, 0.0))).id();
+    step(&mut app, 30);
+    let saved = Snapshot::take_of::<With<RolledBack>>(app.world_mut());
+    for _ in 0..3 {
+        get_mut::<Transform>(&mut app, plate).translation.x += 0.01;
+        step(&mut app, 1);
+    }
+    saved.restore_of::<With<RolledBack>>(app.world_mut()).expect("the same world");
+    run(&mut app, 2.0);
+    let speed = get::<ProjectileState>(&app, ball).velocity().length();
+    assert!(speed < 0.3, "the ball goes at {speed} m/s");
+}
+
+/// Contacts between things that are not chosen go on: they are not told again.
+#[test]
+fn contacts_of_what_is_not_chosen_are_told_once() {
+    #[derive(Resource, Default)]
+    struct Started(usize);
+    let mut app = app();
+    app.init_resource::<Started>().add_systems(
+        Last,
+        |mut started: MessageReader<DrapeContactStarted>, mut sum: ResMut<Started>| {
+            sum.0 += started.read().count();
+        },
+    );
+    app.world_mut().spawn((RolledBack, curtain(), Transform::from_xyz(9.0, 0.0, 0.0)));
+    app.world_mut().spawn(Obstacle::ground());
+    let flat = Transform::from_xyz(0.0, 0.05, 0.0).with_rotation(Quat::from_rotation_x(1.57));
+    app.world_mut().spawn((free_cloth(), ContactEvents, flat));
+    step(&mut app, 20);
+    assert_eq!(app.world().resource::<Started>().0, 1);
+    let saved = Snapshot::take_of::<With<RolledBack>>(app.world_mut());
+    step(&mut app, 1);
+    saved.restore_of::<With<RolledBack>>(app.world_mut()).expect("the same world");
+    step(&mut app, 20);
+    assert_eq!(app.world().resource::<Started>().0, 1);
 }
