@@ -32,7 +32,7 @@ pub fn main() -> std::process::ExitCode {
 /// Frames that the second player's moves are on their way.
 const LATE: usize = 8;
 
-/// What is taken back in time. The ground is not: it never changes.
+/// Taken back in time. The ground is not: it never changes.
 #[derive(Component)]
 struct RolledBack;
 
@@ -49,7 +49,7 @@ struct History {
     wrong_guesses: usize,
 }
 
-/// What a player does in a frame: runs to and fro, and up and down.
+/// The move of a player in a frame: to and fro, up and down.
 fn moved(player: usize, frame: usize) -> Vec3 {
     let change = frame / [25, 35][player] + player;
     0.02 * [Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::NEG_Y][change % 4]
@@ -92,7 +92,7 @@ fn play(world: &mut World) {
 }
 
 impl History {
-    /// Hears what the second player did [`LATE`] frames ago, and if that was guessed wrongly, plays all frames since again.
+    /// Hears of the second player's move [`LATE`] frames ago, and if that was guessed wrongly, plays all frames since again.
     fn listen(&mut self, world: &mut World) -> Result<(), SnapshotError> {
         let Some(then) = self.frame.checked_sub(LATE) else { return Ok(()) };
         let heard = moved(1, then);

@@ -1,6 +1,6 @@
 //! A bar in the terminal that shows how far a long run is.
 //!
-//! Imports nothing. `cannon_demo` and `scripted` call it.
+//! Imports no other module. `cannon_demo` and `scripted` call it.
 
 #[cfg(not(target_family = "wasm"))]
 use indicatif::{ProgressBar, ProgressStyle};

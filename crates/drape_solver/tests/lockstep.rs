@@ -7,22 +7,25 @@ mod peer;
 
 use std::net::{TcpListener, TcpStream};
 use std::thread;
+use std::time::Duration;
 
+use drape_solver::glam::Vec3;
 use game::{Game, Input};
 use peer::{Difference, play};
 
 /// Plays both sides over a local socket, and returns what each finds, and the hash of the first.
 fn both(steps: u32, after_step: impl FnMut(&mut Game, u32)) -> ([Option<Difference>; 2], u64) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let address = listener.local_addr().expect("bound");
-    let guest = thread::spawn(move || {
-        let mut link = TcpStream::connect(address).expect("a host");
-        link.set_nodelay(true).expect("connected");
-        let mut game = Game::new().expect("valid");
-        play(&mut link, &mut game, 1, steps, |_, _| ()).expect("good steps")
-    });
+    let mut other = TcpStream::connect(listener.local_addr().expect("bound")).expect("a host");
     let (mut link, _) = listener.accept().expect("a guest");
-    link.set_nodelay(true).expect("connected");
+    for end in [&link, &other] {
+        end.set_nodelay(true).expect("connected");
+        end.set_read_timeout(Some(Duration::from_secs(60))).expect("not zero");
+    }
+    let guest = thread::spawn(move || {
+        let mut game = Game::new().expect("valid");
+        play(&mut other, &mut game, 1, steps, |_, _| ()).expect("good steps")
+    });
     let mut game = Game::new().expect("valid");
     let found = play(&mut link, &mut game, 0, steps, after_step).expect("good steps");
     ([found, guest.join().expect("no panic")], game.hash())
@@ -55,4 +58,33 @@ fn one_bit_is_found_in_its_step_and_named() {
     places.reverse();
     assert_eq!(host.places, places);
     assert_eq!(host.places[0].y, host.places[1].y.next_up());
+}
+
+#[test]
+fn a_ball_that_only_moves_otherwise_is_named() {
+    let (found, _) = both(100, |game, step| {
+        if step == 50 {
+            let (_, ball) = game.balls[1];
+            let ball = game.world.ball_mut(ball).expect("in the world");
+            ball.set_velocity(ball.velocity() + 1e-3 * Vec3::X);
+        }
+    });
+    let [Some(host), Some(guest)] = found else { panic!("{found:?}") };
+    for difference in [host, guest] {
+        assert_eq!((difference.step, difference.body, difference.particle), (50, "second ball", None));
+    }
+}
+
+/// A move that only one side made is found in its step, though the sphere touches nothing yet.
+#[test]
+fn a_move_that_got_lost_is_found_in_its_step() {
+    let (found, _) = both(100, |game, step| {
+        if step == 4 {
+            game.drive(1, [0, 1, 0]);
+        }
+    });
+    let [Some(host), Some(guest)] = found else { panic!("{found:?}") };
+    for difference in [host, guest] {
+        assert_eq!((difference.step, difference.body, difference.particle), (4, "second sphere", Some(0)));
+    }
 }

@@ -10,7 +10,7 @@ use bevy_drape::prelude::*;
 use crate::cannon_demo::materials::CannonMaterialsPlugin;
 use crate::cannon_demo::plugin::CannonScenePlugin;
 use crate::cannon_demo::scene::{CannonScene, STEP};
-use crate::cannon_demo::shot::Shot;
+use crate::cannon_demo::shot::{SHOT_INTERVAL, Shot};
 use crate::cannon_demo::views::{BEHIND, CANNON, LEFT, RIGHT, View};
 use crate::view::offscreen::{PictureError, app};
 
@@ -21,6 +21,7 @@ const STEPS: u32 = 2;
 /// Seconds from the first picture of a shot to the shot, and to the last one.
 const BEFORE: f64 = 0.1;
 const AFTER: f64 = 2.2;
+const _: () = assert!(BEFORE + AFTER < SHOT_INTERVAL, "one shot after another");
 /// Seconds after the first shot in which it is seen from behind the cannon.
 const BEHIND_CANNON: f64 = 0.45;
 

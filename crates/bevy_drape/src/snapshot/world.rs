@@ -87,11 +87,11 @@ pub(super) fn restore(snapshot: &WorldSnapshot, world: &mut World) {
 
 /// Continues the order of creation as it was, after all that is left in the world.
 pub(super) fn go_on_counting(snapshot: &WorldSnapshot, world: &mut World) {
-    let number = |(key, _)| match key {
-        Key::Body(number) | Key::Ball(number) => number,
-        Key::Obstacle(_) => 0,
-    };
-    let last = members(world).into_iter().map(number).max().unwrap_or_default();
+    let mut bodies = world.query_filtered::<&BodyState, Allow<Disabled>>();
+    let mut balls = world.query_filtered::<&ProjectileRecord, Allow<Disabled>>();
+    let bodies = bodies.iter(world).map(|state| state.order);
+    let balls = balls.iter(world).map(|record| record.order);
+    let last = bodies.chain(balls).max().unwrap_or_default();
     world.resource_mut::<CreationOrder>().go_on_from(snapshot.creation_order.max(last));
 }
 

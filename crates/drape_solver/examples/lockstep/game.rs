@@ -8,19 +8,20 @@ use drape_solver::{
     RopeBuilder, SelfContact, Shape, StateHasher, World,
 };
 
-/// What a player does in a step.
+/// The moves of a player in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Input {
-    /// Where the player's sphere is driven, in hundredths of a metre for each step.
+    /// The way of the player's sphere in hundredths of a metre.
     pub drive: [i8; 3],
     /// Fires the player's ball.
     pub fire: bool,
 }
 
 impl Input {
+    /// Length of a message about it.
     pub const BYTES: usize = 4;
 
-    /// What `player` does in a step: as random as a child with a joystick.
+    /// The random moves of `player` in a step.
     pub fn of(player: usize, step: u32) -> Self {
         // Each push lasts a quarter of a second.
         let mut seed = u64::from(step / 15) << 1 | player as u64;
@@ -35,25 +36,30 @@ impl Input {
         Self { drive, fire: step.is_multiple_of(15) && next() == 0 }
     }
 
+    /// A message about it.
     pub fn to_bytes(self) -> [u8; Self::BYTES] {
         let [x, y, z] = self.drive.map(i8::cast_unsigned);
         [x, y, z, u8::from(self.fire)]
     }
 
+    /// Reads a message.
     pub fn from_bytes([x, y, z, fire]: [u8; Self::BYTES]) -> Self {
         Self { drive: [x, y, z].map(u8::cast_signed), fire: fire != 0 }
     }
 }
 
-/// The world, and what in it belongs to whom.
+/// The world, and the names of what is in it.
 pub struct Game {
-    world: World,
+    /// The world.
+    pub world: World,
     bodies: [(&'static str, BodyId); 2],
-    balls: [(&'static str, BallId); 2],
-    spheres: [ObstacleId; 2],
+    /// The balls of the players.
+    pub balls: [(&'static str, BallId); 2],
+    spheres: [(&'static str, ObstacleId); 2],
 }
 
 impl Game {
+    /// The game before its first step.
     pub fn new() -> Result<Self, Box<dyn Error>> {
         let mut world = World::new();
         world.add_obstacle(Obstacle::ground());
@@ -70,24 +76,18 @@ impl Game {
             Ok((name, world.add_ball(ball)))
         };
         let balls = [add_ball("first ball", -1.0)?, add_ball("second ball", 1.0)?];
-        let mut add_sphere = |x: f32| -> Result<_, Box<dyn Error>> {
+        let mut add_sphere = |name, x: f32| -> Result<_, Box<dyn Error>> {
             let place = Placement::at(Vec3::new(x, 1.0, 0.5));
-            Ok(world.add_obstacle(Obstacle::new(Shape::Sphere { radius: 0.2 }, place, 0.5)?))
+            Ok((name, world.add_obstacle(Obstacle::new(Shape::Sphere { radius: 0.2 }, place, 0.5)?)))
         };
-        let spheres = [add_sphere(-0.4)?, add_sphere(0.4)?];
+        let spheres = [add_sphere("first sphere", -0.4)?, add_sphere("second sphere", 0.4)?];
         Ok(Self { world, bodies, balls, spheres })
     }
 
     /// Takes a step in which each player does something.
     pub fn step(&mut self, inputs: [Input; 2]) -> Result<(), Box<dyn Error>> {
-        let dt = self.world.dt;
         for (player, input) in inputs.into_iter().enumerate() {
-            if let Some(sphere) = self.world.obstacle_mut(self.spheres[player]) {
-                let drive = input.drive.map(|drive| 0.01 * f32::from(drive));
-                let place = sphere.placement().translation + Vec3::from_array(drive);
-                let place = place.clamp(Vec3::new(-1.0, 0.3, -0.8), Vec3::new(1.0, 1.8, 0.8));
-                sphere.move_to(Placement::at(place), dt);
-            }
+            self.drive(player, input.drive);
             let (_, ball) = self.balls[player];
             if input.fire
                 && let Some(ball) = self.world.ball_mut(ball)
@@ -100,7 +100,19 @@ impl Game {
         Ok(())
     }
 
-    /// Changes the last bit of the height of a particle of the curtain.
+    /// Moves the sphere of a player by hundredths of a metre, within the next step.
+    pub fn drive(&mut self, player: usize, drive: [i8; 3]) {
+        let dt = self.world.dt;
+        let (_, sphere) = self.spheres[player];
+        if let Some(sphere) = self.world.obstacle_mut(sphere) {
+            let way = Vec3::from_array(drive.map(|drive| 0.01 * f32::from(drive)));
+            let place = sphere.placement().translation + way;
+            let place = place.clamp(Vec3::new(-1.0, 0.3, -0.8), Vec3::new(1.0, 1.8, 0.8));
+            sphere.move_to(Placement::at(place), dt);
+        }
+    }
+
+    /// Moves a particle of the curtain by the last bit of its height.
     pub fn disturb(&mut self, particle: usize) {
         let (_, curtain) = self.bodies[0];
         if let Some(curtain) = self.world.body_mut(curtain) {
@@ -109,32 +121,35 @@ impl Game {
         }
     }
 
-    /// The hash of everything.
+    /// The hash of all places and motions. What else decides the next bits, such as the time that a body has been at rest,
+    /// comes from those.
     pub fn hash(&self) -> u64 {
-        let mut hasher = StateHasher::new();
-        for (_, body) in self.bodies {
-            hasher.particles(&self.world[body].particles);
-        }
-        for (_, ball) in self.balls {
-            hasher.ball(&self.world[ball]);
-        }
-        hasher.finish()
+        // FNV-1a (Fowler, Noll and Vo 1991), eight bytes at a time.
+        let join = |all: u64, (_, hash): (_, u64)| (all ^ hash).wrapping_mul(0x0000_0100_0000_01B3);
+        self.hashes().fold(0xCBF2_9CE4_8422_2325, join)
     }
 
-    /// The name and the hash of each body and ball.
+    /// The name and the hash of each body, ball and sphere.
     pub fn hashes(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
         let body = |(name, id): (_, BodyId)| {
             (name, StateHasher::new().particles(&self.world[id].particles).finish())
         };
         let ball = |(name, id): (_, BallId)| (name, StateHasher::new().ball(&self.world[id]).finish());
-        self.bodies.into_iter().map(body).chain(self.balls.into_iter().map(ball))
+        let sphere = |(name, id): (_, ObstacleId)| {
+            let place = self.world[id].placement().translation;
+            (name, StateHasher::new().numbers(&place.to_array()).finish())
+        };
+        let bodies = self.bodies.into_iter().map(body);
+        bodies.chain(self.balls.into_iter().map(ball)).chain(self.spheres.into_iter().map(sphere))
     }
 
-    /// The places in metres of the particles of a body or ball, in the order of [`hashes`](Self::hashes).
+    /// The places in metres of the particles of a body, or of a ball or sphere, in the order of [`hashes`](Self::hashes).
     pub fn places(&self, member: usize) -> Vec<Vec3> {
+        let balls = self.balls.map(|(_, ball)| self.world[ball].position());
+        let spheres = self.spheres.map(|(_, sphere)| self.world[sphere].placement().translation);
         match self.bodies.get(member) {
             Some(&(_, body)) => self.world[body].particles.positions().collect(),
-            None => vec![self.world[self.balls[member - self.bodies.len()].1].position()],
+            None => vec![[balls, spheres].concat()[member - self.bodies.len()]],
         }
     }
 }

@@ -1,9 +1,9 @@
-//! Two machines step the same world in lockstep: they exchange what their players do, compare hashes in each step, and name the
+//! Two processes step the same world in lockstep: they exchange what their players do, compare hashes in each step, and name the
 //! particle that differs first.
 //!
-//! `cargo run --release -p drape_solver --example lockstep` plays against a second process of itself over a local socket;
-//! `lockstep --steps 10000 --disturb 500 -- COMMAND ..` against that command, which may run on another machine or in another
-//! language's runtime, and changes the last bit of one particle in step 500.
+//! `cargo run --release -p drape_solver --example lockstep` plays against a second process of itself over a local socket (on Unix);
+//! `lockstep --steps 10000 --disturb 500 -- COMMAND ..` against that command, which may be of another machine's instructions, and
+//! changes the last bit of one particle after step 500.
 
 mod game;
 mod peer;
@@ -49,6 +49,9 @@ impl Arguments {
                 _ => return Err(format!("unknown argument {word}").into()),
             }
         }
+        if arguments.disturb.is_some_and(|step| step == 0 || step > arguments.steps) {
+            return Err("--disturb needs one of the steps, from 1".into());
+        }
         Ok(arguments)
     }
 
@@ -81,14 +84,17 @@ impl Arguments {
             .stdout(Stdio::from(OwnedFd::from(other)))
             .spawn()?;
         let mut game = Game::new()?;
-        let difference = play(&mut link, &mut game, 0, self.steps, |game, step| {
+        let played = play(&mut link, &mut game, 0, self.steps, |game, step| {
             if self.disturb == Some(step) {
                 game.disturb(DISTURBED);
             }
-        })?;
+        });
         drop(link);
-        guest.wait()?;
-        let Some(difference) = difference else {
+        let status = guest.wait()?;
+        if !status.success() {
+            return Err(format!("the guest ended with {status}").into());
+        }
+        let Some(difference) = played? else {
             println!("{} steps, equal in each: {:016x}", self.steps, game.hash());
             return Ok(ExitCode::SUCCESS);
         };
@@ -98,7 +104,7 @@ impl Arguments {
 
     #[cfg(not(unix))]
     fn play_host(&self) -> Result<ExitCode, Box<dyn Error>> {
-        _ = (&self.guest, self.disturb, DISTURBED);
+        _ = (&self.guest, self.disturb, DISTURBED, Game::disturb);
         Err("a host needs Unix sockets".into())
     }
 }

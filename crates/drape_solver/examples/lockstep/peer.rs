@@ -11,11 +11,11 @@ use crate::game::{Game, Input};
 /// The first step after which two machines differ, and where.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Number of the step, from 1.
+    /// Number of the step, from 1; 0 if they differ before the first.
     pub step: u32,
-    /// The body or ball.
+    /// The body, ball or sphere.
     pub body: &'static str,
-    /// Its first particle in another place; none if only motion differs.
+    /// Its first particle in another place; none if all places are equal, and motions or masses are not.
     pub particle: Option<usize>,
     /// Its places in metres here and there.
     pub places: [Vec3; 2],
@@ -27,7 +27,7 @@ impl fmt::Display for Difference {
         write!(f, "different after step {step}: {body}, ")?;
         match particle {
             Some(particle) => write!(f, "particle {particle}, at {own} here and {others} there"),
-            None => write!(f, "in its motion only"),
+            None => write!(f, "in its motion or mass only"),
         }
     }
 }
@@ -74,12 +74,17 @@ fn exchange_messages(
 }
 
 /// Finds the first body that differs, and its first particle, together with the other side.
-fn find_difference(link: &mut (impl Read + Write), game: &Game, step: u32) -> io::Result<Difference> {
+fn find_difference(
+    link: &mut (impl Read + Write),
+    game: &Game,
+    step: u32,
+) -> Result<Difference, Box<dyn Error>> {
     let (names, hashes): (Vec<_>, Vec<_>) = game.hashes().unzip();
     let hashes: Vec<[u8; 8]> = hashes.into_iter().map(u64::to_le_bytes).collect();
     let others = exchange(link, hashes.as_flattened())?;
     let (others, _) = others.as_chunks();
-    let member = hashes.iter().zip(others).position(|(a, b)| a != b).unwrap_or_default();
+    let member = hashes.iter().zip(others).position(|(a, b)| a != b);
+    let member = member.ok_or("the sum of the hashes differs, but no hash does")?;
     let own = game.places(member);
     let bytes: Vec<u8> =
         own.iter().flat_map(Vec3::to_array).flat_map(|x| x.to_bits().to_le_bytes()).collect();
@@ -93,7 +98,8 @@ fn find_difference(link: &mut (impl Read + Write), game: &Game, step: u32) -> io
     Ok(Difference { step, body: names[member], particle, places: [own[at], others[at]] })
 }
 
-/// Sends a message and receives one of the same length.
+/// Sends a message and receives one of the same length. Both sides send first: a message must fit into the buffers of the link,
+/// as a few thousand bytes do.
 fn exchange(link: &mut (impl Read + Write), message: &[u8]) -> io::Result<Vec<u8>> {
     link.write_all(message)?;
     link.flush()?;
