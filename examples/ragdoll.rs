@@ -12,8 +12,8 @@ use drape_examples::feature::Feature;
 pub const FEATURE: Feature = Feature {
     title: "Ragdolls on a flight of stairs",
     controls: "",
-    eye: Vec3::new(3.4, 2.2, 3.6),
-    target: Vec3::new(0.5, 0.7, 0.0),
+    eye: Vec3::new(2.6, 1.7, 2.9),
+    target: Vec3::new(0.35, 0.6, 0.0),
     picture_time: 1.1,
     build: |app| {
         app.add_systems(Startup, setup);
