@@ -68,7 +68,7 @@ pub fn weave(has_hem: bool) -> Image {
         // A thread is round, and dives under its neighbours at both ends.
         let (across, along) = if is_over { (x.fract(), y.fract()) } else { (y.fract(), x.fract()) };
         let height = (PI * across).sin() * (0.4 + 0.6 * (PI * along).sin());
-        let mut grey = 0.76 + 0.30 * height;
+        let mut grey = 0.82 + 0.20 * height;
         let thick = |x: f32| smooth(1.4, 0.6, (x % THICK_THREAD - 0.5 * THICK_THREAD).abs());
         grey *= 1.0 - 0.05 * thick(x).max(thick(y));
         if has_hem {
@@ -102,7 +102,7 @@ pub fn tiles() -> Image {
         let cell = |size: f32| hash((u * size) as u32 * 7919 + (v * size) as u32 * 104_729 + size as u32);
         let grain = 0.5 * cell(256.0) + 0.3 * cell(512.0) + 0.2 * cell(1024.0);
         let joint = |x: f32| smooth(0.010, 0.005, x.fract().min(1.0 - x.fract()));
-        let grey = 0.88 + 0.07 * (shade - 0.5) + 0.10 * (grain - 0.5);
+        let grey = 0.88 + 0.07 * (shade - 0.5) + 0.05 * (grain - 0.5);
         [grey * (1.0 - 0.32 * joint(x).max(joint(y))); 3]
     });
     // Seen almost from the side.
