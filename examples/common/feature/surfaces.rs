@@ -90,9 +90,11 @@ fn fabric(colour: Color, texture: Handle<Image>, uv_transform: Affine2) -> Stand
 pub fn jelly(colour: Color) -> StandardMaterial {
     StandardMaterial {
         base_color: colour,
-        perceptual_roughness: 0.28,
-        reflectance: 0.5,
-        clearcoat: 0.5,
+        perceptual_roughness: 0.4,
+        reflectance: 0.3,
+        // Light goes in, and comes out on the other side.
+        diffuse_transmission: 0.35,
+        clearcoat: 0.2,
         clearcoat_perceptual_roughness: 0.1,
         double_sided: true,
         cull_mode: None,
